@@ -1,0 +1,277 @@
+"""Load histories P(t), Q(t) as a sequence of smooth legs. Geometry of the path only: what it does to the contact is the engines' affair."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal, Protocol, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, Field, model_validator
+
+from scenes.materials import FROZEN, Positive
+
+Array = NDArray[np.float64]
+Loads = tuple[Array, Array]
+Point = tuple[
+    Annotated[float, Field(description="normal load P")], Annotated[float, Field(description="tangential load Q")]
+]
+
+
+class Leg(Protocol):
+    """A smooth piece of a load path on start <= t <= end; every method takes any shape and returns (P part, Q part)."""
+
+    @property
+    def start(self) -> float: ...
+    @property
+    def end(self) -> float: ...
+    def loads(self, time: ArrayLike) -> Loads:
+        """(P, Q) [force per thickness] at `time`."""
+
+    def rates(self, time: ArrayLike) -> Loads:
+        """(dP/dt, dQ/dt) at `time`."""
+
+    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
+        """(P, Q) at `time` less (P, Q) at `since`, free of cancellation however close the two are."""
+
+    def shifted(self, delay: float) -> Leg:
+        """The same leg, `delay` later."""
+
+
+@dataclass(frozen=True)
+class StraightLeg:
+    """P and Q linear in time between two points of the P-Q plane."""
+
+    start: float
+    end: float
+    first: Point
+    last: Point
+
+    def loads(self, time: ArrayLike) -> Loads:
+        # From the nearer end, so that both ends are met to the last digit.
+        t = np.asarray(time, dtype=float)
+        near_start = t - self.start <= self.end - t
+        dp, dq = self.change(t, np.where(near_start, self.start, self.end))
+        return (
+            np.where(near_start, self.first[0], self.last[0]) + dp,
+            np.where(near_start, self.first[1], self.last[1]) + dq,
+        )
+
+    def rates(self, time: ArrayLike) -> Loads:
+        ones = np.ones_like(np.asarray(time, dtype=float)) / (self.end - self.start)
+        return (self.last[0] - self.first[0]) * ones, (self.last[1] - self.first[1]) * ones
+
+    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
+        fraction = (np.asarray(time, dtype=float) - np.asarray(since, dtype=float)) / (self.end - self.start)
+        return (self.last[0] - self.first[0]) * fraction, (self.last[1] - self.first[1]) * fraction
+
+    def shifted(self, delay: float) -> StraightLeg:
+        return replace(self, start=self.start + delay, end=self.end + delay)
+
+
+@dataclass(frozen=True)
+class ParabolaLeg:
+    """P linear in time from 0 to `last`, Q = alpha P + beta P^2, with slope dQ/dP = `end_slope` at the end."""
+
+    start: float
+    end: float
+    last: Point
+    end_slope: float
+
+    @property
+    def coefficients(self) -> tuple[float, float]:
+        """(alpha, beta) of Q = alpha P + beta P^2."""
+        p, q = self.last
+        return 2 * q / p - self.end_slope, (self.end_slope - q / p) / p
+
+    def loads(self, time: ArrayLike) -> Loads:
+        return self.change(time, self.start)
+
+    def rates(self, time: ArrayLike) -> Loads:
+        alpha, beta = self.coefficients
+        p, _ = self.loads(time)
+        p_rate = np.full_like(p, self.last[0] / (self.end - self.start))
+        return p_rate, (alpha + 2 * beta * p) * p_rate
+
+    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
+        alpha, beta = self.coefficients
+        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
+        scale = self.last[0] / (self.end - self.start)
+        dp, p_sum = scale * (t - t0), scale * (t + t0 - 2 * self.start)
+        return dp, (alpha + beta * p_sum) * dp
+
+    def shifted(self, delay: float) -> ParabolaLeg:
+        return replace(self, start=self.start + delay, end=self.end + delay)
+
+
+@dataclass(frozen=True)
+class EllipseLeg:
+    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), equations (3) and (4) of the paper with omega = 1."""
+
+    start: float
+    end: float
+    mean: Point
+    amplitude: Point
+    phase: float
+
+    def loads(self, time: ArrayLike) -> Loads:
+        t = np.asarray(time, dtype=float)
+        return (
+            self.mean[0] + self.amplitude[0] * np.cos(t),
+            self.mean[1] + self.amplitude[1] * np.cos(t - self.phase),
+        )
+
+    def rates(self, time: ArrayLike) -> Loads:
+        t = np.asarray(time, dtype=float)
+        return -self.amplitude[0] * np.sin(t), -self.amplitude[1] * np.sin(t - self.phase)
+
+    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
+        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
+        middle, chord = (t + t0) / 2, -2 * np.sin((t - t0) / 2)
+        return self.amplitude[0] * np.sin(middle) * chord, self.amplitude[1] * np.sin(middle - self.phase) * chord
+
+    def shifted(self, delay: float) -> EllipseLeg:
+        return replace(self, start=self.start + delay, end=self.end + delay)
+
+
+@dataclass(frozen=True)
+class LoadPath:
+    """The way in from (0, 0), then a cycle that repeats for ever (or nothing more, where `cycle` is empty)."""
+
+    way_in: tuple[Leg, ...]
+    cycle: tuple[Leg, ...]
+
+    @property
+    def start(self) -> float:
+        """Time of the unloaded state."""
+        return self.way_in[0].start
+
+    @property
+    def cycle_start(self) -> float:
+        """Time at which the way in ends and the first cycle starts."""
+        return self.way_in[-1].end
+
+    @property
+    def period(self) -> float | None:
+        """Duration of a cycle; None for a path that is not periodic."""
+        return self.cycle[-1].end - self.cycle[0].start if self.cycle else None
+
+    def legs(self, cycles: int) -> Iterator[Leg]:
+        """The way in, then `cycles` revolutions."""
+        yield from self.way_in
+        for number in range(cycles):
+            yield from self.cycle_legs(number)
+
+    def cycle_legs(self, number: int) -> tuple[Leg, ...]:
+        """The legs of revolution `number`, counted from 0."""
+        return tuple(leg.shifted(number * (self.period or 0.0)) for leg in self.cycle)
+
+    def at(self, time: ArrayLike) -> Loads:
+        """(P, Q) at `time`, shape of `time`; ValueError outside the path."""
+        t = np.atleast_1d(np.asarray(time, dtype=float))
+        inside = t
+        if self.period is not None:
+            late = t > self.cycle_start + self.period
+            inside = np.where(late, self.cycle_start + np.mod(t - self.cycle_start, self.period), t)
+        legs = (*self.way_in, *self.cycle)
+        if np.any(inside < legs[0].start) or np.any(inside > legs[-1].end):
+            raise ValueError(f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}")
+        ends = np.array([leg.end for leg in legs])
+        number = np.minimum(np.searchsorted(ends, inside, side="left"), len(legs) - 1)
+        p, q = np.empty_like(inside), np.empty_like(inside)
+        for k in np.unique(number):
+            here = number == k
+            p[here], q[here] = legs[k].loads(inside[here])
+        shape = np.shape(time)
+        return p.reshape(shape), q.reshape(shape)
+
+
+def _straight_legs(points: list[Point], start: float, duration: float) -> tuple[StraightLeg, ...]:
+    """Legs through `points`, `duration` each."""
+    return tuple(
+        StraightLeg(start + k * duration, start + (k + 1) * duration, points[k], points[k + 1])
+        for k in range(len(points) - 1)
+    )
+
+
+class EllipseLoad(BaseModel):
+    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase): a revolution takes 2 pi; the cycle starts where |Q - Q0| is largest while P grows.
+
+    >>> load = EllipseLoad(mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1, tangential_amplitude=1)
+    >>> p, q = load.path().at(load.path().cycle_start)         # the paper's point H
+    >>> float(p), round(float(q), 12)
+    (3.0, 0.1)
+    """
+
+    model_config = FROZEN
+
+    kind: Literal["ellipse"] = "ellipse"
+    mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
+    normal_amplitude: float = Field(0.0, ge=0, description="P1 >= 0")
+    mean_tangential_load: float = Field(0.0, description="Q0")
+    tangential_amplitude: float = Field(0.0, ge=0, description="Q1 >= 0")
+    phase_degrees: float = Field(
+        90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise"
+    )
+    way_in: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
+        "straight",
+        description="from (0, 0) to the first point of the cycle: a straight line, the paper's parabola (tangent to the ellipse there), "
+        "or the [P, Q] points of a polygon in between",
+    )
+
+    @property
+    def phase(self) -> float:
+        """Phase in radians."""
+        return math.radians(self.phase_degrees)
+
+    def path(self) -> LoadPath:
+        """The legs of this history."""
+        begin = self.phase + math.pi if self.phase >= 0 else self.phase + 2 * math.pi
+        turn = EllipseLeg(
+            begin,
+            begin + 2 * math.pi,
+            (self.mean_normal_load, self.mean_tangential_load),
+            (self.normal_amplitude, self.tangential_amplitude),
+            self.phase,
+        )
+        first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
+        if self.way_in == "parabola":
+            return LoadPath((ParabolaLeg(begin - math.pi, begin, first, 0.0),), (turn,))
+        points = [(0.0, 0.0), *(() if self.way_in == "straight" else self.way_in), first]
+        return LoadPath(_straight_legs(points, begin - (len(points) - 1) * math.pi, math.pi), (turn,))
+
+
+class PolygonLoad(BaseModel):
+    """Straight lines in the P-Q plane, one unit of time each: from (0, 0) along `way_in`, then round `cycle` and back to its start.
+
+    The cycle starts at the last point of the way in, which is not repeated in `cycle`; an empty cycle is a path that just ends.
+
+    >>> load = PolygonLoad(way_in=[(2, 0)], cycle=[(2, 1), (2, -1)])
+    >>> [float(v) for v in load.path().at(1.5)], load.path().period
+    ([2.0, 0.5], 3.0)
+    """
+
+    model_config = FROZEN
+
+    kind: Literal["polygon"] = "polygon"
+    way_in: tuple[Point, ...] = Field(min_length=1, description="[P, Q] points after (0, 0)")
+    cycle: tuple[Point, ...] = Field((), description="[P, Q] points after the last one of the way in")
+
+    @model_validator(mode="after")
+    def _moves(self) -> Self:
+        corners = [(0.0, 0.0), *self.way_in, *self.cycle, *(self.way_in[-1:] if self.cycle else ())]
+        for first, last in zip(corners, corners[1:], strict=False):
+            if first == last:
+                raise ValueError(f"the point {list(last)} stands twice in a row: leave one out")
+        return self
+
+    def path(self) -> LoadPath:
+        """The legs of this history."""
+        way_in = _straight_legs([(0.0, 0.0), *self.way_in], 0.0, 1.0)
+        corners = [self.way_in[-1], *self.cycle, self.way_in[-1]]
+        return LoadPath(way_in, _straight_legs(corners, float(len(way_in)), 1.0) if self.cycle else ())
+
+
+Load = Annotated[EllipseLoad | PolygonLoad, Field(discriminator="kind")]

@@ -1,0 +1,122 @@
+"""Scene files to scenes, with errors that name file, key, value and rule."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from scenes.errors import InputError
+from scenes.scene import Scene
+
+_LIBRARY = resources.files("scenes") / "library"
+
+
+def scene_names() -> tuple[str, ...]:
+    """Names of the scenes in the library, in alphabetical order.
+
+    >>> "hertz-paper" in scene_names()
+    True
+    """
+    return tuple(
+        sorted(entry.name.removesuffix(".toml") for entry in _LIBRARY.iterdir() if entry.name.endswith(".toml"))
+    )
+
+
+def scene_text(name: str) -> str:
+    """The text of a library scene, to start an own one from; InputError for an unknown name."""
+    if name not in scene_names():
+        raise InputError(_unknown_scene(name))
+    return (_LIBRARY / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def scene_schema() -> dict[str, Any]:
+    """JSON schema of a scene file, for editors."""
+    return Scene.model_json_schema()
+
+
+def load_scene(source: str | Path) -> Scene:
+    """The scene of a library name or of a file (.toml or .json).
+
+    Raises
+    ------
+    InputError
+        One sentence that names file, key, value and rule.
+
+    >>> load_scene("hertz-paper").friction.coefficient
+    1.0
+    """
+    if str(source) in scene_names():
+        return _check(tomllib.loads(scene_text(str(source))), str(source), str(source))
+    path = Path(source)
+    if not path.suffix and not path.exists():
+        raise InputError(_unknown_scene(str(source)))
+    return _check(_parse(path), str(path), path.stem)
+
+
+def _unknown_scene(name: str) -> str:
+    near = difflib.get_close_matches(name, scene_names(), n=1)
+    hint = f" did you mean {near[0]}?" if near else f" the library has {', '.join(scene_names())};"
+    return f"{name}: no such scene or file;{hint} `halfplane init FILE.toml` writes one to start from"
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    """The raw mapping in a file."""
+    if path.suffix not in (".toml", ".json"):
+        raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as reason:
+        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
+        raise InputError(f"{path}: the scene file can't be read: {why}") from reason
+    if not text.strip():
+        raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
+    try:
+        data = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
+    except (tomllib.TOMLDecodeError, json.JSONDecodeError) as reason:
+        raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {reason}") from reason
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: a scene is a table of keys, not a {type(data).__name__}")
+    return data
+
+
+def _check(data: dict[str, Any], where: str, name: str) -> Scene:
+    """A checked scene; the first fault becomes one sentence."""
+    try:
+        return Scene.model_validate({"name": name} | data, strict=False)
+    except ValidationError as faults:
+        raise InputError(_sentence(where, data, faults)) from faults
+
+
+def _key(location: tuple[str | int, ...], data: dict[str, Any]) -> str:
+    """The key as it stands in the file: pydantic's location less the parts that only its unions know."""
+    found: list[str] = []
+    level: Any = data
+    for position, part in enumerate(location):
+        known = isinstance(level, dict) and part in level or isinstance(level, (list, tuple)) and isinstance(part, int)
+        if known or position == len(location) - 1 and isinstance(level, dict):
+            found.append(str(part))
+            level = level[part] if known else None
+    return ".".join(found)
+
+
+def _sentence(where: str, data: dict[str, Any], faults: ValidationError) -> str:
+    errors = sorted(faults.errors(), key=lambda fault: fault["type"] != "extra_forbidden")
+    fault = errors[0]
+    key = _key(fault["loc"], data)
+    others = len({_key(error["loc"], data) for error in errors} - {key})
+    more = f" (and {others} more)" if others else ""
+    match fault["type"]:
+        case "extra_forbidden":
+            return f"{where}: unknown key {key} = {fault['input']!r}; `halfplane schema` lists the keys{more}"
+        case "missing":
+            return f"{where}: the key {key} is missing; `halfplane schema` lists the keys{more}"
+        case "union_tag_not_found":
+            return f"{where}: the key {key}.kind is missing; `halfplane schema` lists the kinds{more}"
+    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    return f"{where}: {key} = {fault['input']!r} is refused: {rule}{more}"

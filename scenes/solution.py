@@ -1,0 +1,221 @@
+"""The form of every answer, whoever computed it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from scenes.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+class SurfaceState(IntEnum):
+    """What a pair of surface points does at an instant; forward is the upper body sliding along +x over the lower."""
+
+    OPEN = 0
+    STICK = 1
+    SLIP_FORWARD = 2
+    SLIP_REVERSE = 3
+
+
+def freeze(values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
+    """A read-only copy of `values`."""
+    array = np.array(values, dtype=dtype)
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """How a solution came about.
+
+    Attributes
+    ----------
+    converged : whether every step met its tolerance
+    termination : "steady", "end of path" or "not converged"
+    message : the same, as a sentence
+    iterations : (n_steps,) contact iterations of each step
+    certificates : name -> (n_steps,), dimensionless residuals and violations of each step (0 is perfect)
+    energy : name -> (n_steps,), energies per unit thickness, in the scene's units
+    notes : everything that a reader must not miss: fallbacks, neglected coupling, clipped values
+    """
+
+    converged: bool
+    termination: str
+    message: str
+    iterations: NDArray[np.int64]
+    certificates: Mapping[str, Array] = field(default_factory=dict)
+    energy: Mapping[str, Array] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Work:
+    """What was done and what was not: `counts` by name, `skipped` by name with (count, reason), `seconds` by stage."""
+
+    counts: Mapping[str, int] = field(default_factory=dict)
+    skipped: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSolution:
+    """One load history through one engine. Arrays are read-only; loads and dissipations are per unit thickness.
+
+    Attributes
+    ----------
+    time, normal_load, tangential_load : (n_steps,)
+    x : (n_points,), contact points of the lower body, ascending [length]
+    pressure, shear : (n_steps, n_points) [stress]; pressure >= 0; shear along +x on the lower body, positive with Q
+    slip : (n_steps, n_points) [length], upper over lower; goes on as relative displacement while a point is open
+    state : (n_steps, n_points), SurfaceState as int8
+    contact_edges, stick_edges : (n_steps, 2) [length], left and right; in full stick the stick edges are the
+        contact edges, in full slip NaN
+    contact_half_width, stick_half_width : (n_steps,) [length]
+    rigid_shift, rigid_approach : (n_steps,) [length], upper relative to lower; zero where the surface is, at the datum length
+    dissipation_density : (n_points,) [energy / area], of the last whole cycle
+    dissipation : energy per unit thickness, of the last whole cycle
+    cycle_dissipation : (n_cycles,); a path that is not periodic counts as one cycle
+    permanent_stick_half_width : largest half-width that sticks through the whole last cycle [length]; NaN if none
+    steady_from : index of the first cycle that ends in the state it started from; None if none did
+    record, work, scene, settings, versions : how it came about
+    engine : "semi_analytic", "halfplane_fe", or somebody else's name
+    """
+
+    engine: str
+    scene: Scene
+    time: Array
+    normal_load: Array
+    tangential_load: Array
+    x: Array
+    pressure: Array
+    shear: Array
+    slip: Array
+    state: NDArray[np.int8]
+    contact_edges: Array
+    stick_edges: Array
+    contact_half_width: Array
+    stick_half_width: Array
+    rigid_shift: Array
+    rigid_approach: Array
+    dissipation_density: Array
+    dissipation: float
+    cycle_dissipation: Array
+    permanent_stick_half_width: float
+    steady_from: int | None
+    record: Record
+    work: Work
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    def to_dataset(self) -> xr.Dataset:
+        """Everything but the meshes as an xarray.Dataset; the inverse is `from_dataset`."""
+        per_step = {name: ("step", getattr(self, name)) for name in _PER_STEP}
+        edges = {name: (("step", "side"), getattr(self, name)) for name in _EDGES}
+        on_grid = {name: (("step", "point"), getattr(self, name)) for name in _ON_GRID}
+        certificates = {f"certificate_{k}": ("step", v) for k, v in self.record.certificates.items()}
+        energies = {f"energy_{k}": ("step", v) for k, v in self.record.energy.items()}
+        return xr.Dataset(
+            per_step
+            | edges
+            | on_grid
+            | certificates
+            | energies
+            | {
+                "iterations": ("step", self.record.iterations),
+                "dissipation_density": ("point", self.dissipation_density),
+                "cycle_dissipation": ("cycle", self.cycle_dissipation),
+            },
+            coords={"time": ("step", self.time), "x": ("point", self.x), "side": ["left", "right"]},
+            attrs=self._attributes(),
+        )
+
+    def _attributes(self) -> dict[str, Any]:
+        record = {name: getattr(self.record, name) for name in ("converged", "termination", "message", "notes")}
+        return {
+            "engine": self.engine,
+            "scene": self.scene.model_dump_json(),
+            "dissipation": self.dissipation,
+            "permanent_stick_half_width": self.permanent_stick_half_width,
+            "steady_from": -1 if self.steady_from is None else self.steady_from,
+            "record": json.dumps(record),
+            "work": json.dumps({name: dict(getattr(self.work, name)) for name in ("counts", "skipped", "seconds")}),
+            "settings": json.dumps(dict(self.settings)),
+            "versions": json.dumps(dict(self.versions)),
+        }
+
+    @classmethod
+    def from_dataset(cls, data: xr.Dataset) -> ContactSolution:
+        """The solution that `to_dataset` wrote."""
+        stored = data.attrs
+        work = json.loads(stored["work"])
+        record = json.loads(stored["record"])
+        starts = {"certificates": "certificate_", "energy": "energy_"}
+        series = {
+            part: {str(k).removeprefix(start): freeze(v.values) for k, v in data.items() if str(k).startswith(start)}
+            for part, start in starts.items()
+        }
+        names = (*_PER_STEP, *_EDGES, *_ON_GRID, "time", "x", "dissipation_density", "cycle_dissipation")
+        arrays = {name: freeze(data[name].values, data[name].dtype) for name in names}
+        return cls(
+            engine=stored["engine"],
+            scene=Scene.model_validate_json(stored["scene"]),
+            dissipation=float(stored["dissipation"]),
+            permanent_stick_half_width=float(stored["permanent_stick_half_width"]),
+            steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
+            record=Record(
+                iterations=freeze(data["iterations"].values, np.int64),
+                notes=tuple(record.pop("notes")),
+                **record,
+                **series,
+            ),
+            work=Work(
+                work["counts"], {k: (int(n), str(why)) for k, (n, why) in work["skipped"].items()}, work["seconds"]
+            ),
+            settings=json.loads(stored["settings"]),
+            versions=json.loads(stored["versions"]),
+            **arrays,
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Write NetCDF (h5netcdf)."""
+        self.to_dataset().to_netcdf(path, engine="h5netcdf")
+
+    @classmethod
+    def load(cls, path: str | Path) -> ContactSolution:
+        """Read what `save` wrote."""
+        with xr.open_dataset(path, engine="h5netcdf") as data:
+            return cls.from_dataset(data.load())
+
+    @property
+    def last_cycle(self) -> NDArray[np.intp]:
+        """(k,) indices of the steps of the last whole cycle, both its ends included; all steps for a path that is not periodic."""
+        path = self.scene.load.path()
+        if path.period is None:
+            return np.arange(len(self.time))
+        tolerance = 1e-9 * path.period
+        cycles = np.floor((self.time[-1] - path.cycle_start + tolerance) / path.period)
+        end = path.cycle_start + cycles * path.period
+        inside = (self.time >= end - path.period - tolerance) & (self.time <= end + tolerance)
+        return np.flatnonzero(inside)
+
+
+_PER_STEP = (
+    "normal_load",
+    "tangential_load",
+    "contact_half_width",
+    "stick_half_width",
+    "rigid_shift",
+    "rigid_approach",
+)
+_EDGES = ("contact_edges", "stick_edges")
+_ON_GRID = ("pressure", "shear", "slip", "state")
