@@ -200,7 +200,7 @@ class EllipseLoad(BaseModel):
     """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase): a revolution takes 2 pi; the cycle starts where |Q - Q0| is largest while P grows.
 
     >>> load = EllipseLoad(mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1, tangential_amplitude=1)
-    >>> p, q = load.path().at(load.path().cycle_start)         # the paper's point H
+    >>> p, q = load.path().at(load.path().cycle_start)  # the paper's point H
     >>> float(p), round(float(q), 12)
     (3.0, 0.1)
     """

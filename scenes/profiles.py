@@ -23,6 +23,11 @@ class Hertz(BaseModel):
     kind: Literal["hertz"] = "hertz"
     radius: Positive = Field(description="relative radius of curvature R, length units (library: mm)")
 
+    @property
+    def datum_length(self) -> float:
+        """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
+        return self.radius
+
     def height(self, x: ArrayLike) -> NDArray[np.float64]:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
         return np.square(np.asarray(x, dtype=float)) / (2 * self.radius)
@@ -40,6 +45,11 @@ class FlatRounded(BaseModel):
     kind: Literal["flat_rounded"] = "flat_rounded"
     radius: Positive = Field(description="edge radius R, length units (library: mm)")
     flat_half_length: Positive = Field(description="half-length b of the flat face, length units (library: mm)")
+
+    @property
+    def datum_length(self) -> float:
+        """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
+        return self.radius
 
     def height(self, x: ArrayLike) -> NDArray[np.float64]:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""

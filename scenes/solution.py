@@ -81,7 +81,9 @@ class ContactSolution:
     contact_edges, stick_edges : (n_steps, 2) [length], left and right; in full stick the stick edges are the
         contact edges, in full slip NaN
     contact_half_width, stick_half_width : (n_steps,) [length]
-    rigid_shift, rigid_approach : (n_steps,) [length], upper relative to lower; zero where the surface is, at the datum length
+    rigid_shift, rigid_approach : (n_steps,) [length], upper relative to lower (along +x; towards each
+        other), counted from half-planes whose surface does not move at `profile.datum_length` from the load:
+        U = (A/pi) int M' ln(2 L/a) d eta
     dissipation_density : (n_points,) [energy / area], of the last whole cycle
     dissipation : energy per unit thickness, of the last whole cycle
     cycle_dissipation : (n_cycles,); a path that is not periodic counts as one cycle
