@@ -1,0 +1,112 @@
+# Everything that make does stays inside this checkout: packages in .venv, every cache and temporary file in .cache, results in out.
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help run test lint types contracts pytest slow bench numbers docs constraints clean distclean
+
+PY := .venv/bin/python
+STAMP := .venv/.installed
+DOCS_STAMP := .venv/.installed-docs
+PYTEST_ARGS ?=
+
+export XDG_CACHE_HOME := $(CURDIR)/.cache
+export XDG_DATA_HOME := $(CURDIR)/.cache/data
+export PIP_CACHE_DIR := $(CURDIR)/.cache/pip
+export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
+export PYVISTA_USERDATA_PATH := $(CURDIR)/.cache/pyvista
+export HYPOTHESIS_STORAGE_DIRECTORY := $(CURDIR)/.cache/hypothesis
+export TMPDIR := $(CURDIR)/.cache/tmp
+export MPLBACKEND := Agg
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# One thread for each process: pytest runs one process on each core already, and threads of BLAS or OpenMP on top of that only
+# fight for the same cores (and make the last digits of a sum depend on who won).
+ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+run: $(STAMP) ## the main job: the paper's Hertz cycle through both engines, and the report
+	@echo "==> halfplane run hertz-paper"
+	@$(PY) -m reports run hertz-paper
+
+test: lint types contracts pytest ## everything that CI checks: lint, types, import contracts, tests
+
+lint: $(STAMP) ## ruff: rules and format
+	@echo "==> lint: ruff check"
+	@$(PY) -m ruff check .
+	@echo "==> lint: ruff format --check"
+	@$(PY) -m ruff format --check .
+
+types: $(STAMP) ## mypy over the five packages
+	@echo "==> types: mypy"
+	@$(PY) -m mypy
+
+contracts: $(STAMP) ## import-linter: who may import whom
+	@echo "==> contracts: import-linter"
+	@.venv/bin/lint-imports --no-logo --cache-dir .cache/import-linter
+
+pytest: $(STAMP) ## tests and doctests, slow ones skipped (more options: PYTEST_ARGS="-k hertz")
+	@echo "==> tests: pytest on 2 processes"
+	@mkdir -p "$$TMPDIR"
+	@$(ONE_THREAD) $(PY) -m pytest -n 2 --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+
+slow: $(STAMP) ## the tests marked slow, and only these
+	@echo "==> slow tests: pytest on 2 processes"
+	@mkdir -p "$$TMPDIR"
+	@$(ONE_THREAD) $(PY) -m pytest -n 2 -m slow --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+
+bench: $(STAMP) ## benchmarks, one process
+	@echo "==> benchmarks"
+	@mkdir -p "$$TMPDIR"
+	@$(PY) -m pytest benchmarks --benchmark-only --benchmark-storage=.cache/benchmarks --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+
+numbers: $(STAMP) ## measure every promised number, print it, write docs/numbers.md
+	@echo "==> numbers"
+	@$(PY) benchmarks/numbers.py
+
+docs: $(DOCS_STAMP) ## the pages, into docs/_build/html
+	@echo "==> docs: sphinx"
+	@$(PY) -m sphinx -W --keep-going -b html -d .cache/doctrees docs docs/_build/html
+	@echo "docs/_build/html/index.html"
+
+# The stamps. A second call does nothing until pyproject.toml or constraints.txt changes; an interrupted one starts afresh.
+$(STAMP): pyproject.toml constraints.txt
+	@mkdir -p "$$TMPDIR"
+	@if ! $(PY) -m pip --version >/dev/null 2>&1; then \
+	    python=""; \
+	    for candidate in python3.11 python3; do \
+	        if $$candidate -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; then python=$$candidate; break; fi; \
+	    done; \
+	    if [ -z "$$python" ]; then echo "make: no Python 3.11 found (tried python3.11 and python3)" >&2; exit 1; fi; \
+	    echo "==> .venv: a new environment from $$($$python --version)"; \
+	    $$python -m venv --clear .venv; \
+	fi
+	@echo "==> .venv: the pinned packages (about 600 MB the first time)"
+	@$(PY) -m pip install -c constraints.txt hatchling editables
+	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[test,lint]"
+	@touch $@
+
+$(DOCS_STAMP): $(STAMP)
+	@echo "==> .venv: the packages for the documentation"
+	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[docs]"
+	@touch $@
+
+constraints: $(STAMP) ## renew constraints.txt with the newest packages (then run make test)
+	@echo "==> constraints: a throw-away environment with the newest of everything"
+	@$(PY) -m venv --clear .cache/constraints
+	@.cache/constraints/bin/python -m pip install hatchling editables
+	@.cache/constraints/bin/python -m pip install --no-build-isolation -e ".[test,lint,docs,parquet]"
+	@{ sed -n '/^#/p' constraints.txt; \
+	   .cache/constraints/bin/python -m pip list --format=freeze --exclude-editable --exclude pip --exclude setuptools; \
+	 } > .cache/constraints.txt
+	@mv .cache/constraints.txt constraints.txt
+	@rm -rf .cache/constraints
+	@git --no-pager diff --stat -- constraints.txt
+
+clean: ## remove results and the tools' caches, keep .venv
+	rm -rf out dist docs/_build .cache/mypy .cache/ruff .cache/pytest .cache/import-linter .cache/hypothesis .cache/doctrees .cache/tmp
+	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
+
+distclean: clean ## remove .venv and every cache too
+	rm -rf .venv .cache

@@ -1,0 +1,58 @@
+"""Options and settings that every test shares: slow tests, skips in CI, hypothesis profiles, a drawing backend without a screen."""
+
+import os
+from collections.abc import Generator
+from pathlib import Path
+from typing import TypeVar
+
+import matplotlib
+import pytest
+from hypothesis import settings
+from hypothesis.configuration import set_hypothesis_home_dir
+
+IN_CI = os.environ.get("CI", "").lower() in {"1", "true"}
+Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
+SLOW_REASON = "slow: run by make slow, --slow or -m slow"
+
+matplotlib.use("Agg")
+set_hypothesis_home_dir(Path(__file__).parents[1] / ".cache" / "hypothesis")
+# A deadline would fail on a busy machine, not on a wrong program. In CI the examples are the same each time: a red run can be repeated.
+settings.register_profile("local", deadline=None)
+settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
+settings.load_profile("ci" if IN_CI else "local")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--slow", action="store_true", help="run the tests marked slow as well")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--slow") or "slow" in config.getoption("markexpr"):
+        return
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker(pytest.mark.skip(reason=SLOW_REASON))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    return _refuse_skip(report) if report.skipped and not _may_skip(item, report) else report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    report = yield
+    return _refuse_skip(report) if report.skipped and IN_CI else report
+
+
+def _may_skip(item: pytest.Item, report: pytest.TestReport) -> bool:
+    return not IN_CI or hasattr(report, "wasxfail") or item.get_closest_marker("slow") is not None
+
+
+def _refuse_skip(report: Report) -> Report:
+    """In CI a test that can't run is a failure: nothing may pass by being skipped, save the tests marked slow."""
+    reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
+    report.outcome = "failed"
+    report.longrepr = f"skipped in CI, where only slow tests may be: {reason}"
+    return report
