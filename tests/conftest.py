@@ -1,4 +1,4 @@
-"""Options and settings that every test shares: slow tests, skips in CI, hypothesis profiles, a drawing backend without a screen."""
+"""What every test shares: the slow option, skips in CI, hypothesis profiles, a drawing backend without a screen."""
 
 import os
 from collections.abc import Generator
@@ -16,7 +16,8 @@ SLOW_REASON = "slow: run by make slow, --slow or -m slow"
 
 matplotlib.use("Agg")
 set_hypothesis_home_dir(Path(__file__).parents[1] / ".cache" / "hypothesis")
-# A deadline would fail on a busy machine, not on a wrong program. In CI the examples are the same each time: a red run can be repeated.
+# A deadline would fail on a busy machine, not on a wrong program. In CI the examples are the same each time: a red run
+# can be repeated.
 settings.register_profile("local", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("ci" if IN_CI else "local")
