@@ -63,7 +63,7 @@ slow: $(STAMP) ## the tests marked slow, and only these
 bench: $(STAMP) ## benchmarks, one process
 	@echo "==> benchmarks"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(PY) -m pytest benchmarks --benchmark-only --benchmark-storage=.cache/benchmarks --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+	@$(HOME_HERE) $(PY) -m pytest benchmarks --benchmark-only --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
 
 numbers: $(STAMP) ## measure every promised number, print it, write docs/numbers.md
 	@echo "==> numbers"

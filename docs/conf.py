@@ -11,6 +11,5 @@ extensions = ["myst_parser"]
 myst_enable_extensions = ["dollarmath", "deflist", "fieldlist"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build"]
-suppress_warnings = ["toc.empty_glob"]  # before the first page beside the index exists
 html_theme = "furo"
 html_title = f"halfplane {release}"
