@@ -1,0 +1,86 @@
+"""Is an answer admissible: does it obey the laws of contact, whoever is right? Needs no reference.
+
+Two sources: what can be read off the fields of any ContactSolution (tension, cone, loads), and what only the engine
+could see while it solved (equilibrium in its own weights, penetration, energy balance), which it wrote in its record.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import ContactSolution
+
+Array = NDArray[np.float64]
+
+# Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken shows above 1e-6.
+LIMIT = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """One law, checked at every instant of the whole path.
+
+    Attributes
+    ----------
+    name, source : what was checked, and "fields" or "record"
+    series : (n_steps,), dimensionless violation, 0 is perfect
+    value, time : its largest value and when
+    limit : largest admitted value
+    """
+
+    name: str
+    source: str
+    series: Array
+    value: float
+    time: float
+    limit: float = LIMIT
+
+    @property
+    def holds(self) -> bool:
+        """Whether the law is obeyed; a NaN does not hold."""
+        return bool(self.value <= self.limit)
+
+
+def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
+    """Every certificate of `solution`: from its fields first, then from its record."""
+    from_fields = {
+        "no tension": _tension(solution),
+        "inside the friction cone": _cone(solution),
+        "loads as asked": _loads(solution),
+    }
+    return tuple(
+        _certificate(name, source, np.abs(np.asarray(series, dtype=float)), solution.time)
+        for source, found in (("fields", from_fields), ("record", solution.record.certificates))
+        for name, series in found.items()
+    )
+
+
+def _certificate(name: str, source: str, series: Array, time: Array) -> Certificate:
+    worst = int(np.argmax(np.where(np.isnan(series), np.inf, series)))
+    return Certificate(name.replace("_", " "), source, series, float(series[worst]), float(time[worst]))
+
+
+def _tension(solution: ContactSolution) -> Array:
+    """max(-p) over the largest pressure of the path, (n_steps,)."""
+    return np.maximum(-solution.pressure.min(axis=1), 0.0) / _largest_pressure(solution)
+
+
+def _cone(solution: ContactSolution) -> Array:
+    """max(|q| - f p) over f times the largest pressure (over the pressure itself where f = 0), (n_steps,)."""
+    friction = solution.scene.friction.coefficient
+    outside = np.max(np.abs(solution.shear) - friction * solution.pressure, axis=1)
+    return np.maximum(outside, 0.0) / ((friction or 1.0) * _largest_pressure(solution))
+
+
+def _loads(solution: ContactSolution) -> Array:
+    """Largest of |P - P(t)| and |Q - Q(t)| over the largest P, P(t) and Q(t) being the scene's, (n_steps,)."""
+    normal, tangential = solution.scene.load.path().at(solution.time)
+    off = np.maximum(np.abs(solution.normal_load - normal), np.abs(solution.tangential_load - tangential))
+    return np.asarray(off / np.max(normal))
+
+
+def _largest_pressure(solution: ContactSolution) -> float:
+    return float(np.max(solution.pressure)) or 1.0

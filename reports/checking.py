@@ -1,0 +1,126 @@
+"""Whether a load path has a solution at all: |Q| <= f P and P >= 0 all along, before anything is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import InputError, Leg, Scene
+
+Array = NDArray[np.float64]
+
+# |Q| = f P is allowed (the stick zone has just closed): rounding of the loads must not forbid it.
+_ROUNDING = 1e-12
+_SAMPLES = 513
+
+
+@dataclass(frozen=True)
+class PathCheck:
+    """How near a load path comes to gross sliding.
+
+    Attributes
+    ----------
+    ratio : largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
+    time, normal_load, tangential_load, part : where that is, `part` being "way in" or "cycle"
+    reason : "" for an admissible path, else "gross sliding" or "separation"
+    first_time : when the path first leaves the admissible region; None if it never does
+    """
+
+    ratio: float
+    time: float
+    normal_load: float
+    tangential_load: float
+    part: str
+    reason: str
+    first_time: float | None
+
+
+def check_path(scene: Scene) -> PathCheck:
+    """The worst |Q|/(f P) of the way in and one cycle, each leg sampled and the worst sample refined.
+
+    >>> from scenes import load_scene
+    >>> check = check_path(load_scene("cattaneo-mindlin"))
+    >>> round(check.ratio, 12), check.reason
+    (0.6, '')
+    """
+    path, friction = scene.load.path(), scene.friction.coefficient
+    legs = [(leg, "way in") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
+    worst = [_worst_of(leg, friction) for leg, _ in legs]
+    place = int(np.argmax([ratio for ratio, _ in worst]))
+    ratio, time = worst[place]
+    normal, tangential = (float(load) for load in legs[place][0].loads(time))
+    admissible = ratio <= 1 + _ROUNDING
+    return PathCheck(
+        ratio,
+        time,
+        normal,
+        tangential,
+        legs[place][1],
+        "" if admissible else "separation" if normal <= 0 else "gross sliding",
+        None
+        if admissible
+        else next(_first_of(leg, friction) for (leg, _), (r, _) in zip(legs, worst, strict=True) if r > 1 + _ROUNDING),
+    )
+
+
+def require_admissible(scene: Scene, source: str) -> None:
+    """InputError naming `source`, the instant, the loads and the rule if the path leaves the admissible region."""
+    check = check_path(scene)
+    if not check.reason:
+        return
+    what = {
+        "gross sliding": "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load control; "
+        "lower the tangential load, raise the normal load or friction.coefficient",
+        "separation": "P is not positive there, so the bodies part; keep P > 0 after the start",
+    }[check.reason]
+    raise InputError(
+        f"{source}: load: {check.reason} from time {check.first_time:.6g} on, worst in the {check.part} at time "
+        f"{check.time:.6g} with P = {check.normal_load:.6g}, Q = {check.tangential_load:.6g}, f = "
+        f"{scene.friction.coefficient:g}: {what}"
+    )
+
+
+def _ratio(leg: Leg, friction: float, time: Array) -> Array:
+    """|Q|/(f P); 0 at P = Q = 0, infinite at P < 0 or at Q beside P = 0 or f = 0."""
+    normal, tangential = leg.loads(time)
+    size = np.abs(tangential)
+    # A load that is zero but for rounding of its own leg is zero.
+    size = np.where(size <= _ROUNDING * np.max(np.abs(normal)), 0.0, size)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = size / (friction * normal)
+    return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
+
+
+def _worst_of(leg: Leg, friction: float) -> tuple[float, float]:
+    """(largest ratio, its time) on one leg: the best sample, then the golden section around it."""
+    time = np.linspace(leg.start, leg.end, _SAMPLES)
+    ratio = _ratio(leg, friction, time)
+    place = int(np.argmax(ratio))
+    if not np.isfinite(ratio[place]) or place in (0, _SAMPLES - 1):
+        return float(ratio[place]), float(time[place])
+    low, high = float(time[place - 1]), float(time[place + 1])
+    for _ in range(60):
+        inner = np.array([high - (high - low) * 0.6180339887498949, low + (high - low) * 0.6180339887498949])
+        left, right = _ratio(leg, friction, inner)
+        low, high = (low, float(inner[1])) if left >= right else (float(inner[0]), high)
+    middle = (low + high) / 2
+    found = float(_ratio(leg, friction, np.array([middle]))[0])
+    return (found, middle) if found > ratio[place] else (float(ratio[place]), float(time[place]))
+
+
+def _first_of(leg: Leg, friction: float) -> float:
+    """When a leg that leaves the admissible region first does so, by bisection."""
+    time = np.union1d(np.linspace(leg.start, leg.end, _SAMPLES), [_worst_of(leg, friction)[1]])
+    outside = int(np.flatnonzero(_ratio(leg, friction, time) > 1 + _ROUNDING)[0])
+    if outside == 0:
+        return float(time[0])
+    low, high = float(time[outside - 1]), float(time[outside])
+    for _ in range(60):
+        middle = (low + high) / 2
+        if _ratio(leg, friction, np.array([middle]))[0] > 1 + _ROUNDING:
+            high = middle
+        else:
+            low = middle
+    return high

@@ -1,0 +1,158 @@
+"""What each command does, once its options are read: solve, write, show, and choose the exit code."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from reports import checking, jobs
+from reports.cli import NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.console import Stages, complain, say, show_table
+from reports.folder import claim, default_folder
+from reports.options import FiniteElementOptions
+from scenes import (
+    ContactSolution,
+    ConvergenceError,
+    InputError,
+    Scene,
+    load_scene,
+    scene_names,
+    scene_schema,
+    scene_text,
+)
+
+if TYPE_CHECKING:
+    from reports.comparison import Comparison
+
+
+def run(source: str, out: Path | None, vtu: tuple[str, ...], quiet: bool, options: FiniteElementOptions) -> int:
+    """Both engines, the verdict, the page."""
+    stages = Stages(quiet)
+    scene = jobs.read(source)
+    folder = claim(out or default_folder(scene.name))
+    for word in vtu:
+        if word != "events":
+            jobs.vtu_time(word)
+    jobs.load_engines(stages)
+    options.settings()
+    command = options.command(source, folder, vtu)
+    try:
+        report = jobs.run(scene, folder, options, stages, vtu=vtu, command=command)
+    except ConvergenceError as failure:
+        return _not_converged(failure, scene, folder)
+    _show_verdict(report.comparison)
+    show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in report.seconds.items()], right=(1,))
+    say(str(report.page))
+    return WITHIN if report.comparison.passed else OUTSIDE
+
+
+def exact(source: str, out: Path | None, quiet: bool) -> int:
+    """Half-plane theory alone."""
+    return _alone(source, out, quiet, jobs.solve_half_plane)
+
+
+def fe(source: str, out: Path | None, quiet: bool, options: FiniteElementOptions) -> int:
+    """Finite elements alone."""
+    return _alone(source, out, quiet, lambda scene, stages: jobs.solve_finite_elements(scene, options, stages))
+
+
+def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
+    from reports.single import is_admissible, summary_rows, write_solution
+
+    stages = Stages(quiet)
+    scene = jobs.read(source)
+    folder = claim(out or default_folder(scene.name))
+    jobs.load_engines(stages)
+    try:
+        solution = solve(scene, stages)
+    except ConvergenceError as failure:
+        return _not_converged(failure, scene, folder)
+    path = write_solution(solution, folder)
+    show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+    say(str(path))
+    return WITHIN if is_admissible(solution) else OUTSIDE
+
+
+def _not_converged(failure: ConvergenceError, scene: Scene, folder: Path) -> int:
+    """Show the record, keep the steps solved so far."""
+    from reports.single import summary_rows, write_solution
+
+    complain(f"halfplane: {scene.name}: not converged: {failure}")
+    if failure.partial is None:
+        complain("halfplane: no step was solved, so nothing was written")
+        return NOT_CONVERGED
+    path = write_solution(failure.partial, folder, name="partial")
+    show_table("Steps solved before it failed", ("quantity", "value"), summary_rows(failure.partial))
+    say(str(path))
+    return NOT_CONVERGED
+
+
+def _show_verdict(comparison: Comparison) -> None:
+    from reports.wording import accuracy_of, tolerance_of, value_of, verdict
+
+    scene = comparison.scene
+    show_table(
+        scene.title or scene.name,
+        ("metric", "discrepancy", "as a share", "tolerance", "accurate"),
+        [(m.label, value_of(m), m.unit, tolerance_of(m), accuracy_of(m)) for m in comparison.metrics],
+        right=(1, 3),
+    )
+    say(verdict(comparison))
+
+
+def scenes() -> int:
+    """The library as a table."""
+    library = [(name, load_scene(name)) for name in scene_names()]
+    show_table(
+        "Library", ("scene", "title", "purpose"), [(name, scene.title, scene.purpose) for name, scene in library]
+    )
+    return WITHIN
+
+
+def init(file: Path, like: str) -> int:
+    """Write a scene file."""
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
+    text = scene_text(like) if like else (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
+    try:
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write(text.replace("FILE.toml", str(file)))
+    except FileExistsError:
+        raise InputError(f"{file}: the file is there already and stays as it is; name another") from None
+    except OSError as reason:
+        raise InputError(f"{file}: the file can't be written: {reason.strerror}; name another place") from reason
+    say(f"{file}: edit it, then `halfplane check {file}` and `halfplane run {file}`")
+    return WITHIN
+
+
+def check(source: str) -> int:
+    """Read and check a scene, say how near it comes to gross sliding."""
+    from reports.wording import question
+
+    scene = jobs.read(source)
+    found = checking.check_path(scene)
+    say(question(scene))
+    say(
+        f"{source}: the scene is well formed and its load path admissible: |Q|/(f P) is at most {found.ratio:.4g}, "
+        f"in the {found.part} at time {found.time:.6g} (P = {found.normal_load:.6g}, Q = {found.tangential_load:.6g}); "
+        "gross sliding starts at 1"
+    )
+    return WITHIN
+
+
+def schema() -> int:
+    """The JSON schema on stdout."""
+    say(json.dumps(scene_schema(), indent=2))
+    return WITHIN
+
+
+def doctor(out: Path | None) -> int:
+    """The doctor's findings."""
+    from reports.doctor import examine
+
+    findings = examine(out or "out")
+    show_table("Doctor", ("check", "good", "found"), [(f.name, "yes" if f.good else "no", f.found) for f in findings])
+    return WITHIN if all(finding.good for finding in findings) else OUTSIDE

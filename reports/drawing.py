@@ -1,0 +1,127 @@
+"""What every figure shares: palette, style, and the two forms that it leaves in, SVG and CSV."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+from collections.abc import Generator, Iterable, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from scenes import SurfaceState
+
+# Okabe and Ito's colours, told apart by all common forms of colour vision and, in these pairs, in grey.
+REFERENCE, RESULT, DIFFERENCE, QUIET = "#0072B2", "#D55E00", "#7A3B69", "#6b6b6b"
+STATE_COLOURS = {
+    SurfaceState.OPEN: "#f7f7f7",
+    SurfaceState.STICK: "#c4c4c4",
+    SurfaceState.SLIP_FORWARD: "#E69F00",
+    SurfaceState.SLIP_REVERSE: "#0072B2",
+}
+STATE_NAMES = {
+    SurfaceState.OPEN: "open",
+    SurfaceState.STICK: "stick",
+    SurfaceState.SLIP_FORWARD: "forward slip",
+    SurfaceState.SLIP_REVERSE: "reverse slip",
+}
+ENGINE_NAMES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
+STYLE = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.4,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "svg.hashsalt": "halfplane",  # the same data gives the same file
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A figure with its words and its numbers.
+
+    Attributes
+    ----------
+    name : stem of its files; title, caption : for the page; alt : what it shows, for who can't see it
+    table : column heading (with unit) -> values, all of one length; what the figure draws
+    """
+
+    name: str
+    title: str
+    caption: str
+    alt: str
+    figure: Figure
+    table: Mapping[str, Sequence[Any]]
+
+    def svg(self) -> str:
+        """The figure as an SVG document."""
+        text = io.StringIO()
+        with mpl.rc_context(STYLE):
+            self.figure.savefig(text, format="svg", metadata={"Date": None}, dpi=160)
+        return text.getvalue()
+
+    def svg_address(self) -> str:
+        """The figure as a data: address, so that a page needs no second file."""
+        return "data:image/svg+xml;base64," + base64.b64encode(self.svg().encode()).decode()
+
+    def csv(self) -> str:
+        """The table, numbers to the last digit; an empty cell stands for "no such thing"."""
+        return table_text(self.table)
+
+
+def table_text(table: Mapping[str, Sequence[Any]]) -> str:
+    """Columns of equal length as CSV text.
+
+    >>> table_text({"x": [0.5, float("nan")], "state": ["stick", "open"]})
+    'x,state\\n0.5,stick\\n,open\\n'
+    """
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(table)
+    rows.writerows(zip(*(map(_cell, column) for column in table.values()), strict=True))
+    return text.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    number = value.item() if hasattr(value, "item") else value
+    return "" if number != number else repr(number)  # noqa: PLR0124 -- NaN is the only number that differs from itself
+
+
+@contextmanager
+def canvas(width: float, height: float) -> Generator[Figure, None, None]:
+    """A figure of `width` by `height` inches in the common style."""
+    with mpl.rc_context(STYLE):
+        yield Figure(figsize=(width, height))
+
+
+def name_of(engine: str) -> str:
+    """What an engine is called on the page."""
+    return ENGINE_NAMES.get(engine, engine)
+
+
+def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:
+    """Axis labels and a title."""
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    if title:
+        axes.set_title(title)
+
+
+def legend_above(axes: Axes, columns: int = 4, handles: Iterable[Any] | None = None) -> None:
+    """A legend in a row above the axes, where it can't hide a curve."""
+    more = {} if handles is None else {"handles": list(handles)}
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.3, handlelength=1.8, **more)

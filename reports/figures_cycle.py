@@ -1,0 +1,255 @@
+"""Figures through time and in the plane of the loads: half-widths, hysteresis, errors, energy, certificates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from reports.certificates import LIMIT, Certificate
+from reports.comparison import Comparison
+from reports.drawing import (
+    DIFFERENCE,
+    QUIET,
+    REFERENCE,
+    RESULT,
+    Drawing,
+    canvas,
+    label_axes,
+    legend_above,
+    name_of,
+)
+from reports.instants import Event
+from reports.sampling import Cycle
+from scenes import ContactSolution
+
+Array = NDArray[np.float64]
+# A violation of exactly 0 has no place on a logarithmic axis: it is drawn on the floor.
+_FLOOR = 1e-18
+_LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#333333", "#56B4E9")
+
+
+def half_widths(comparison: Comparison, time: Array, time_label: str) -> Drawing:
+    """Contact and stick edges of both engines through the last cycle, the difference beneath."""
+    length = comparison.scales.half_width
+    with canvas(10.5, 4.8) as figure:
+        top, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
+        figure.subplots_adjust(left=0.085, right=0.985, top=0.93, bottom=0.11, hspace=0.1)
+        for cycle, engine, colour, mark in (
+            (comparison.expected, comparison.reference, REFERENCE, ""),
+            (comparison.found, comparison.result, RESULT, "."),
+        ):
+            for edges, what, line in (("contact_edges", "contact", "-"), ("stick_edges", "stick", "--")):
+                style = {"ls": "none", "marker": mark, "ms": 3.0} if mark else {"ls": line}
+                if mark and what == "stick":
+                    style |= {"marker": "x", "ms": 3.2, "mew": 0.8}
+                top.plot(
+                    time, _half(cycle, edges) / length, color=colour, label=f"{what}, {name_of(engine.engine)}", **style
+                )
+        legend_above(top)
+        for edges, what, line in (("contact_edges", "contact", "-"), ("stick_edges", "stick", "--")):
+            difference = (_half(comparison.found, edges) - _half(comparison.expected, edges)) / length
+            below.plot(time, difference, color=DIFFERENCE, ls=line, lw=1.1, label=what)
+        below.legend(loc="best", ncols=2)
+        label_axes(top, "", "half-width / a_ref")
+        label_axes(below, time_label, "difference / a_ref")
+    return Drawing(
+        "half_widths",
+        "Contact and stick half-width through the cycle",
+        "Half the distance between the edges. In full stick the stick edges are the contact edges; in full slip there "
+        "are none.",
+        "Contact and stick half-width over time for both engines with the difference beneath.",
+        figure,
+        {
+            "time": comparison.found.time,
+            **{
+                f"{side}_{edges}_{who}": getattr(cycle, edges)[:, column]
+                for who, cycle in (("reference", comparison.expected), ("result", comparison.found))
+                for edges in ("contact_edges", "stick_edges")
+                for column, side in enumerate(("left", "right"))
+            },
+        },
+    )
+
+
+def _half(cycle: Cycle, edges: str) -> Array:
+    pair = getattr(cycle, edges)
+    return np.asarray((pair[:, 1] - pair[:, 0]) / 2)
+
+
+def errors(comparison: Comparison, time: Array, time_label: str) -> Drawing:
+    """Every metric that has a tolerance and a value at each instant, over its tolerance."""
+    shown = [m for m in comparison.metrics if m.series is not None and m.tolerance is not None]
+    with canvas(10.5, 3.4) as figure:
+        axes = figure.subplots()
+        figure.subplots_adjust(left=0.085, right=0.985, top=0.88, bottom=0.14)
+        for metric, line, colour in zip(shown, _LINES, _COLOURS, strict=False):
+            size = np.abs(np.asarray(metric.series)) / (metric.tolerance or 1.0)
+            axes.plot(time, size, ls=line, color=colour, label=metric.label)
+        axes.axhline(1.0, color=QUIET, lw=1.0)
+        axes.text(0.995, 1.0, "tolerance", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=QUIET)
+        axes.set_ylim(bottom=0.0)
+        legend_above(axes, columns=5)
+        label_axes(axes, time_label, "|discrepancy| / tolerance")
+    return Drawing(
+        "errors",
+        "Discrepancy through the cycle",
+        "Each metric over its own tolerance: above 1 it fails.",
+        "Discrepancies over their tolerances through the last cycle.",
+        figure,
+        {"time": comparison.found.time} | {m.key: np.asarray(m.series) for m in shown},
+    )
+
+
+def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) -> Drawing:
+    """The path in the P-Q plane: way in, cycle, friction cone, chosen instants."""
+    friction = solution.scene.friction.coefficient
+    path = solution.scene.load.path()
+    legs = [(leg.start, leg.end, "way in") for leg in path.way_in] + [
+        (leg.start, leg.end, "cycle") for leg in path.cycle
+    ]
+    samples = [(np.linspace(start, end, 65), part) for start, end, part in legs]
+    time = np.concatenate([t for t, _ in samples])
+    part = np.concatenate([np.full(len(t), name) for t, name in samples])
+    normal, tangential = path.at(time)
+    with canvas(5.1, 4.2) as figure:
+        axes = figure.subplots()
+        figure.subplots_adjust(left=0.15, right=0.97, top=0.93, bottom=0.13)
+        top = 1.08 * float(normal.max())
+        if friction:
+            axes.plot([0, top], [0, friction * top], color=QUIET, lw=0.9, ls=":", label="gross sliding, |Q| = f P")
+            axes.plot([0, top], [0, -friction * top], color=QUIET, lw=0.9, ls=":")
+        for name, line in (("way in", "--"), ("cycle", "-")):
+            if (part == name).any():
+                axes.plot(normal[part == name], tangential[part == name], line, color="black", label=name)
+        _mark_events(axes, cycle.normal_load, cycle.tangential_load, chosen)
+        reach = 1.25 * max(float(np.abs(tangential).max()), 0.15 * top)
+        axes.set_xlim(0, top)
+        axes.set_ylim(min(-0.3 * reach, 1.25 * float(tangential.min())), reach)
+        label_axes(axes, f"normal load P  [{_load_unit(solution)}]", f"tangential load Q  [{_load_unit(solution)}]")
+        axes.legend(loc="upper left")
+    return Drawing(
+        "load_path",
+        "Load path",
+        "Normal and tangential load; the numbers are the instants of the traction figure, in the order of time.",
+        "Path of the loads in the plane of P and Q with the friction cone.",
+        figure,
+        {"time": time, "part": [str(p) for p in part], "P": normal, "Q": tangential},
+    )
+
+
+def _mark_events(axes: Axes, horizontal: Array, vertical: Array, chosen: Sequence[Event]) -> None:
+    """Numbered dots, numbers outside the loop that the dots lie on."""
+    rows = [event.index for event in chosen]
+    centre = np.array([horizontal.mean(), vertical.mean()])
+    spread = np.array([np.ptp(horizontal), np.ptp(vertical)])
+    spread[spread == 0] = 1.0
+    for number, row in enumerate(rows, start=1):
+        here = np.array([horizontal[row], vertical[row]])
+        outward = (here - centre) / spread
+        outward = outward / (np.hypot(*outward) or 1.0)
+        axes.plot(*here, "o", color="black", ms=4)
+        axes.annotate(
+            str(number), here, xytext=8 * outward, textcoords="offset points", ha="center", va="center", fontsize=8
+        )
+
+
+def _load_unit(solution: ContactSolution) -> str:
+    force, length = (*[part.strip() for part in solution.scene.units.split(",")], "", "")[:2]
+    return f"{force}/{length}" if force and length else "force per thickness"
+
+
+def _length_unit(solution: ContactSolution) -> str:
+    return (*[part.strip() for part in solution.scene.units.split(",")], "", "")[1] or "length"
+
+
+def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
+    """Tangential load over rigid shift in the last cycle, both engines."""
+    expected, found = comparison.expected, comparison.found
+    with canvas(5.1, 4.2) as figure:
+        axes = figure.subplots()
+        figure.subplots_adjust(left=0.15, right=0.97, top=0.93, bottom=0.13)
+        axes.plot(
+            expected.rigid_shift, expected.tangential_load, color=REFERENCE, label=name_of(comparison.reference.engine)
+        )
+        axes.plot(
+            found.rigid_shift, found.tangential_load, ".", ms=3.2, color=RESULT, label=name_of(comparison.result.engine)
+        )
+        _mark_events(axes, found.rigid_shift, found.tangential_load, chosen)
+        axes.margins(0.1)
+        axes.legend(loc="best")
+        unit = _load_unit(comparison.result)
+        label_axes(axes, f"rigid shift U  [{_length_unit(comparison.result)}]", f"tangential load Q  [{unit}]")
+    return Drawing(
+        "hysteresis",
+        "Hysteresis loop",
+        "Shift of the upper body over the lower; the area of the loop is the dissipation of the cycle.",
+        "Tangential load over rigid shift for both engines.",
+        figure,
+        {
+            "time": found.time,
+            "Q": found.tangential_load,
+            "U_reference": expected.rigid_shift,
+            "U_result": found.rigid_shift,
+        },
+    )
+
+
+def energy(solution: ContactSolution) -> Drawing | None:
+    """Every energy that the engine recorded, over the whole path; None if it recorded none."""
+    recorded = solution.record.energy
+    if not recorded:
+        return None
+    with canvas(10.5, 3.4) as figure:
+        axes = figure.subplots()
+        figure.subplots_adjust(left=0.085, right=0.985, top=0.86, bottom=0.14)
+        for (name, series), line, colour in zip(recorded.items(), _LINES * 3, _COLOURS * 3, strict=False):
+            axes.plot(solution.time, series, ls=line, color=colour, label=name.replace("_", " "))
+        _mark_cycles(axes, solution)
+        legend_above(axes, columns=6)
+        label_axes(axes, "time", f"energy per thickness  [{_load_unit(solution)}·{_length_unit(solution)}]")
+    return Drawing(
+        "energy",
+        f"Energy, {name_of(solution.engine)}",
+        "Energies over the whole path, per unit thickness; the balance between them is one of the certificates.",
+        "Energies over time.",
+        figure,
+        {"time": solution.time} | dict(recorded),
+    )
+
+
+def certificates(solution: ContactSolution, checks: Sequence[Certificate]) -> Drawing:
+    """Violation of each law of contact at each instant of the whole path."""
+    with canvas(10.5, 3.8) as figure:
+        axes = figure.subplots()
+        figure.subplots_adjust(left=0.085, right=0.985, top=0.80, bottom=0.13)
+        for check, line, colour in zip(checks, _LINES * 3, _COLOURS * 3, strict=False):
+            axes.semilogy(
+                solution.time, np.maximum(check.series, _FLOOR), ls=line, color=colour, lw=1.1, label=check.name
+            )
+        axes.axhline(LIMIT, color=QUIET, lw=1.0)
+        axes.text(0.995, LIMIT, "limit", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=QUIET)
+        _mark_cycles(axes, solution)
+        legend_above(axes, columns=5)
+        label_axes(axes, "time", "violation, dimensionless")
+    return Drawing(
+        f"certificates_{solution.engine}",
+        f"Certificates, {name_of(solution.engine)}",
+        f"How far each law of contact is violated; exact zeros are drawn at {_FLOOR:g}.",
+        "Violations of the laws of contact over time on a logarithmic axis.",
+        figure,
+        {"time": solution.time} | {check.name: check.series for check in checks},
+    )
+
+
+def _mark_cycles(axes: Axes, solution: ContactSolution) -> None:
+    """A thin line where each cycle starts."""
+    path = solution.scene.load.path()
+    if path.period is None:
+        return
+    starts = np.arange(path.cycle_start, solution.time[-1] + 1e-9 * path.period, path.period)
+    for start in starts:
+        axes.axvline(start, color="#bbbbbb", lw=0.8, zorder=0)

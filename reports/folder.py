@@ -1,0 +1,118 @@
+"""The folder that results go to: found usable before any solving, filled in one go, never half."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+
+from scenes import InputError
+
+MANIFEST = "manifest.json"
+
+
+def default_folder(name: str) -> Path:
+    """out/<name> in the current folder, the name made fit for a file system.
+
+    >>> default_folder("hertz-paper").as_posix(), default_folder("../my scene").as_posix()
+    ('out/hertz-paper', 'out/my-scene')
+    """
+    return Path("out") / (re.sub(r"[^\w.-]+", "-", name).strip("-.") or "scene")
+
+
+def claim(out: str | Path) -> Path:
+    """`out` as a path that results can be written to; it is not made yet.
+
+    Raises
+    ------
+    InputError
+        Where it is a file, can't be made or written to, or holds a report that is not ours.
+    """
+    folder = Path(out)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
+    try:
+        _staging(folder).rmdir()
+    except OSError as reason:
+        raise InputError(
+            f"--out {out}: the folder can't be written to: {reason.strerror or reason}; name another"
+        ) from reason
+    foreign = [name for name in ("report.html", "comparison.json") if (folder / name).exists()]
+    if foreign and not _owned(folder):
+        raise InputError(
+            f"--out {out}: {foreign[0]} is there already and halfplane did not write it; name another folder "
+            "or move it away"
+        )
+    return folder
+
+
+@contextmanager
+def filled(out: str | Path) -> Generator[Path, None, None]:
+    """A temporary folder beside `out` to write in; its files move to `out` at the end, or nothing does after an error.
+
+    Files of an earlier run that this one did not write again are removed (the manifest lists them); whatever else lies
+    in `out` stays. The page and the manifest move last.
+    """
+    folder = claim(out)
+    staging = _staging(folder)
+    try:
+        yield staging
+        _write_manifest(staging)
+        _move(staging, folder)
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def _staging(folder: Path) -> Path:
+    """A new empty folder in the nearest existing folder above `out`."""
+    above = Path(os.path.abspath(folder)).parent
+    while not above.exists():
+        above = above.parent
+    staging = Path(tempfile.mkdtemp(prefix=".halfplane-", dir=above))
+    if folder.is_dir():
+        Path(tempfile.mkdtemp(prefix=".halfplane-", dir=folder)).rmdir()
+    umask = os.umask(0)
+    os.umask(umask)
+    staging.chmod(0o777 & ~umask)
+    return staging
+
+
+def _files(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def _write_manifest(staging: Path) -> None:
+    text = json.dumps({"written by": "halfplane", "files": [*_files(staging), MANIFEST]}, indent=1)
+    (staging / MANIFEST).write_text(text + "\n", encoding="utf-8")
+
+
+def _owned(folder: Path) -> list[str]:
+    """Files in `folder` that an earlier run listed as its own; a manifest that is not ours lists none."""
+    try:
+        stored = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return []
+    if not isinstance(stored, dict) or stored.get("written by") != "halfplane":
+        return []
+    return [
+        str(name) for name in stored.get("files", []) if not Path(str(name)).is_absolute() and ".." not in str(name)
+    ]
+
+
+def _move(staging: Path, folder: Path) -> None:
+    stale = set(_owned(folder)) - set(_files(staging))
+    folder.mkdir(parents=True, exist_ok=True)
+    last = ("report.html", MANIFEST)
+    for name in [*(n for n in _files(staging) if n not in last), *last]:
+        if (staging / name).exists():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            os.replace(staging / name, folder / name)
+    for name in stale:
+        (folder / name).unlink(missing_ok=True)
+        if name.count("/") and not any((folder / name).parent.iterdir()):
+            (folder / name).parent.rmdir()

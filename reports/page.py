@@ -1,0 +1,129 @@
+"""The page: one self-contained HTML file that works offline."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from reports.certificates import Certificate
+from reports.comparison import Comparison
+from reports.drawing import Drawing, name_of
+from reports.metrics import loop_work
+from reports.wording import CLAIM, accuracy_of, question, tolerance_of, units, value_of, verdict
+from scenes import ContactSolution
+
+
+def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, seconds: Mapping[str, float]) -> str:
+    """The HTML text; every word that came from outside is escaped."""
+    pages = Environment(
+        loader=PackageLoader("reports"),
+        autoescape=select_autoescape(("html",)),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    scene = comparison.scene
+    return pages.get_template("report.html").render(
+        title=scene.title or scene.name,
+        scene=scene,
+        claim=CLAIM,
+        question=question(scene),
+        verdict=verdict(comparison),
+        comparison=comparison,
+        rows=_rows(comparison),
+        scales=_scales(comparison),
+        dissipations=_dissipations(comparison),
+        checks=_checks(comparison),
+        figures={drawing.name: drawing for drawing in drawings},
+        engines=[_engine(comparison.reference), _engine(comparison.result)],
+        command=command,
+        seconds=seconds,
+    )
+
+
+def _rows(comparison: Comparison) -> list[dict[str, str]]:
+    """The verdict table."""
+    return [
+        {
+            "label": metric.label,
+            "value": value_of(metric),
+            "unit": metric.unit,
+            "tolerance": tolerance_of(metric),
+            "accurate": accuracy_of(metric),
+            "when": "" if metric.time is None else f"{metric.time:.4g}",
+            "definition": metric.definition,
+            "note": metric.note,
+        }
+        for metric in comparison.metrics
+    ]
+
+
+def _scales(comparison: Comparison) -> list[tuple[str, str, str]]:
+    force, length, stress = units(comparison.scene)
+    scales = comparison.scales
+    return [
+        (
+            "P_ref",
+            f"{scales.normal_load:.6g} {force}/{length}",
+            "mean load of an ellipse, else the largest of the last cycle",
+        ),
+        ("a_ref", f"{scales.half_width:.6g} {length}", "half-width of the reference at P_ref"),
+        ("p_ref", f"{scales.pressure:.6g} {stress}", "2 P_ref/(π a_ref)"),
+        (
+            "A f² P_ref²",
+            f"{scales.dissipation:.6g} {force}·{length}/{length}",
+            "scale of the dissipation of a cycle; A = 2/E*",
+        ),
+    ]
+
+
+def _dissipations(comparison: Comparison) -> list[dict[str, Any]]:
+    """Dissipation by engine: both routes and every cycle."""
+    scale = comparison.scales.dissipation
+    solutions = [
+        (name_of(comparison.reference.engine), comparison.reference, comparison.expected),
+        (name_of(comparison.result.engine), comparison.result, comparison.found),
+    ]
+    rows = [
+        {
+            "name": name,
+            "value": f"{solution.dissipation:.8g}",
+            "scaled": f"{solution.dissipation / scale:.8g}",
+            "loop": f"{loop_work(cycle):.8g}",
+            "cycles": ", ".join(f"{w:.6g}" for w in solution.cycle_dissipation),
+        }
+        for name, solution, cycle in solutions
+    ]
+    if polygon := comparison.polygon_reference:
+        rows.insert(
+            1,
+            {
+                "name": f"{name_of(polygon.engine)}, on the polygon of the steps",
+                "value": f"{polygon.dissipation:.8g}",
+                "scaled": f"{polygon.dissipation / scale:.8g}",
+                "loop": "–",
+                "cycles": ", ".join(f"{w:.6g}" for w in polygon.cycle_dissipation),
+            },
+        )
+    return rows
+
+
+def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:
+    return [
+        (name_of(comparison.reference.engine), comparison.reference_certificates),
+        (name_of(comparison.result.engine), comparison.result_certificates),
+    ]
+
+
+def _engine(solution: ContactSolution) -> dict[str, Any]:
+    return {
+        "name": name_of(solution.engine),
+        "message": solution.record.message,
+        "steps": len(solution.time),
+        "points": len(solution.x),
+        "work": solution.work,
+        "settings": solution.settings,
+        "versions": solution.versions,
+    }

@@ -1,0 +1,143 @@
+"""The last cycle of a solution as a value, and the putting of one solution on the points and instants of another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import ContactSolution, InputError, freeze
+
+Array = NDArray[np.float64]
+
+FIELDS = ("pressure", "shear", "slip")
+EDGES = ("contact_edges", "stick_edges")
+SERIES = ("normal_load", "tangential_load", "rigid_shift", "rigid_approach")
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """The last whole cycle of a solution (the whole path, where it is not periodic), both ends included.
+
+    Attributes
+    ----------
+    time : (k,), the solution's own times; fraction : (k,), 0 at the start of the cycle and 1 at its end
+    x : (n,) [length]; pressure, shear, slip, state : (k, n); contact_edges, stick_edges : (k, 2)
+    normal_load, tangential_load, rigid_shift, rigid_approach : (k,)
+    dissipation_density : (n,)
+    interpolation : largest error that re-sampling may have made, over the field's largest value; empty where
+        nothing was interpolated
+    """
+
+    time: Array
+    fraction: Array
+    x: Array
+    pressure: Array
+    shear: Array
+    slip: Array
+    state: NDArray[np.int8]
+    contact_edges: Array
+    stick_edges: Array
+    normal_load: Array
+    tangential_load: Array
+    rigid_shift: Array
+    rigid_approach: Array
+    dissipation_density: Array
+    interpolation: Mapping[str, float] = field(default_factory=dict)
+
+
+def last_cycle(solution: ContactSolution) -> Cycle:
+    """The last whole cycle of `solution`; InputError where it holds no whole cycle."""
+    steps = solution.last_cycle
+    if len(steps) < 2:
+        raise InputError(
+            f"{solution.engine}: the solution holds no whole cycle (its times run from {solution.time[0]:.6g} to "
+            f"{solution.time[-1]:.6g}); solve at least one revolution"
+        )
+    time = solution.time[steps]
+    picked = {name: freeze(getattr(solution, name)[steps]) for name in (*FIELDS, *EDGES, *SERIES)}
+    return Cycle(
+        time=freeze(time),
+        fraction=freeze((time - time[0]) / (time[-1] - time[0])),
+        x=solution.x,
+        state=freeze(solution.state[steps], np.int8),
+        dissipation_density=solution.dissipation_density,
+        **picked,
+    )
+
+
+def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
+    """`cycle` on the points and instants of `like`; the same cycle where they are the same already.
+
+    Instants are matched by the fraction of the cycle, since two engines may have needed different numbers of
+    revolutions. Linear in x and in time; the state is that of the nearest point and instant. `interpolation` states
+    what the same rule errs by when every second sample is left out, which bounds its error (a square-root edge
+    converges slowest, as h^(1/2)).
+
+    Raises
+    ------
+    InputError
+        Where `like` asks for points at which `cycle` still carries pressure beyond its own range.
+    """
+    error: dict[str, float] = {}
+    if len(cycle.fraction) != len(like.fraction) or not np.allclose(cycle.fraction, like.fraction, rtol=0, atol=1e-9):
+        cycle, error = _at_instants(cycle, like)
+    if len(cycle.x) != len(like.x) or not np.allclose(cycle.x, like.x, rtol=0, atol=1e-12 * np.ptp(like.x)):
+        _refuse_cut_contact(cycle, like, engine)
+        cycle, in_x = _at_points(cycle, like)
+        error = {name: error.get(name, 0.0) + value for name, value in in_x.items()}
+    return replace(cycle, interpolation=error)
+
+
+def _refuse_cut_contact(cycle: Cycle, like: Cycle, engine: str) -> None:
+    carries = np.max(cycle.pressure[:, [0, -1]], axis=0) > 1e-12 * np.max(cycle.pressure)
+    beyond = like.x[0] < cycle.x[0], like.x[-1] > cycle.x[-1]
+    if any(carries[side] and beyond[side] for side in (0, 1)):
+        raise InputError(
+            f"{engine}: its points end at x = {cycle.x[0]:.6g} and {cycle.x[-1]:.6g} where it still carries pressure, "
+            "short of the points that it is compared at; give it points out to the largest contact"
+        )
+
+
+def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
+    error = {name: _halving(cycle.fraction, getattr(cycle, name)) for name in (*FIELDS, *EDGES)}
+    nearest = np.abs(cycle.fraction[:, None] - like.fraction).argmin(axis=0)
+    linear = {
+        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name)))
+        for name in (*FIELDS, *EDGES, *SERIES)
+    }
+    return replace(
+        cycle, time=like.time, fraction=like.fraction, state=freeze(cycle.state[nearest], np.int8), **linear
+    ), error
+
+
+def _at_points(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
+    names = (*FIELDS, "dissipation_density")
+    error = {name: _halving(cycle.x, getattr(cycle, name).T) for name in names}
+    nearest = np.abs(cycle.x[:, None] - like.x).argmin(axis=0)
+    state = np.where((like.x < cycle.x[0]) | (like.x > cycle.x[-1]), 0, cycle.state[:, nearest])
+    linear = {name: freeze(_linear(like.x, cycle.x, getattr(cycle, name).T).T) for name in names}
+    return replace(cycle, x=like.x, state=freeze(state, np.int8), **linear), error
+
+
+def _linear(to: Array, at: Array, values: Array) -> Array:
+    """`values` (len(at), ...) at `to`, linear between samples and constant beyond them."""
+    upper = np.clip(np.searchsorted(at, to, side="right"), 1, len(at) - 1)
+    weight = np.clip((to - at[upper - 1]) / (at[upper] - at[upper - 1]), 0.0, 1.0)
+    weight = weight.reshape(-1, *(1,) * (values.ndim - 1))
+    # A weight of exactly 0 or 1 must not let a NaN of the other end in.
+    low, high = values[upper - 1], values[upper]
+    return np.where(weight == 0, low, np.where(weight == 1, high, (1 - weight) * low + weight * high))
+
+
+def _halving(at: Array, values: Array) -> float:
+    """Largest error of the linear rule through every second sample, over the largest |value|."""
+    largest = float(np.nanmax(np.abs(values), initial=0.0))
+    if len(at) < 3 or largest == 0.0:
+        return 0.0
+    left_out = np.arange(1, len(at) - 1, 2)
+    coarse = np.delete(np.arange(len(at)), left_out)
+    difference = np.abs(_linear(at[left_out], at[coarse], values[coarse]) - values[left_out])
+    return float(np.nanmax(difference, initial=0.0)) / largest

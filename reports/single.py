@@ -1,0 +1,78 @@
+"""One solution without a reference: its summary and its files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from reports.certificates import certificates
+from reports.drawing import name_of, table_text
+from reports.folder import filled
+from reports.metrics import loop_work
+from reports.sampling import last_cycle
+from reports.summary import solution_content, strict
+from scenes import ContactSolution
+
+
+def is_admissible(solution: ContactSolution) -> bool:
+    """Whether every law of contact that can be checked without a reference holds."""
+    return solution.record.converged and all(check.holds for check in certificates(solution))
+
+
+def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+    """What a person wants to know first, as (quantity, value)."""
+    checks = certificates(solution)
+    broken = [f"{check.name} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
+    rows = [
+        ("engine", name_of(solution.engine)),
+        ("how it ended", solution.record.message),
+        ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
+        (
+            "last instant",
+            f"time {solution.time[-1]:.6g}, P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g}",
+        ),
+        ("largest pressure", f"{np.max(solution.pressure):.8g}"),
+        ("largest contact half-width", f"{np.nanmax(solution.contact_half_width):.8g}"),
+        ("permanent stick half-width", _or_none(solution.permanent_stick_half_width)),
+        ("dissipation of the last cycle", f"{solution.dissipation:.10g}"),
+    ]
+    if solution.record.converged and solution.scene.load.path().period is not None:
+        rows.append(("closed integral of Q dU, trapezoids", f"{loop_work(last_cycle(solution)):.10g}"))
+    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
+    rows.extend((f"{name} (work)", str(count)) for name, count in solution.work.counts.items())
+    rows.extend((f"{name} (skipped)", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
+    return rows
+
+
+def _or_none(value: float) -> str:
+    return "none" if np.isnan(value) else f"{value:.8g}"
+
+
+def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
+    """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
+    stem = name or solution.engine
+    with filled(out) as folder:
+        solution.save(folder / f"{stem}.nc")
+        content = solution_content(solution, certificates(solution))
+        (folder / f"{stem}.json").write_text(
+            json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8"
+        )
+        (folder / f"{stem}.csv").write_text(_instants(solution), encoding="utf-8")
+        (folder / "scene.json").write_text(solution.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
+    return out / f"{stem}.nc"
+
+
+def _instants(solution: ContactSolution) -> str:
+    """One line for each instant."""
+    columns = (
+        "time",
+        "normal_load",
+        "tangential_load",
+        "contact_half_width",
+        "stick_half_width",
+        "rigid_shift",
+        "rigid_approach",
+    )
+    return table_text({name: getattr(solution, name) for name in columns} | {"iterations": solution.record.iterations})

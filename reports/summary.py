@@ -1,0 +1,125 @@
+"""comparison.json: the whole verdict as strict JSON (no NaN, no infinity)."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from reports.certificates import Certificate
+from reports.comparison import Comparison
+from reports.verdicts import Metric
+from reports.wording import CLAIM, question, verdict
+from scenes import ContactSolution
+
+
+def as_json(comparison: Comparison, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
+    """The comparison as JSON text; what is not finite becomes null, its metric says "finite": false."""
+    return json.dumps(
+        strict(_content(comparison, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False
+    )
+
+
+def strict(value: Any) -> Any:
+    """`value` with numpy types as Python's and every NaN or infinity as None.
+
+    >>> strict({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
+    {'a': 1.0, 'b': [None, 2]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): strict(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray):
+        return strict(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [strict(entry) for entry in value]
+    if isinstance(value, np.generic):
+        return strict(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _content(comparison: Comparison, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
+    scales = comparison.scales
+    return {
+        "format": "halfplane comparison 1",
+        "claim": CLAIM,
+        "question": question(comparison.scene),
+        "verdict": {
+            "passed": comparison.passed,
+            "accurate": comparison.accurate,
+            "admissible": comparison.admissible,
+            "honest": comparison.honest,
+            "sentence": verdict(comparison),
+        },
+        "scales": {
+            "P_ref": scales.normal_load,
+            "a_ref": scales.half_width,
+            "p_ref": scales.pressure,
+            "f p_ref": scales.shear,
+            "A": scales.compliance,
+            "A f^2 P_ref^2": scales.dissipation,
+        },
+        "metrics": {metric.key: _metric(metric) for metric in comparison.metrics},
+        "instants": comparison.found.time,
+        "reference": solution_content(comparison.reference, comparison.reference_certificates),
+        "result": solution_content(comparison.result, comparison.result_certificates),
+        "polygon_reference": solution_content(comparison.polygon_reference, ())
+        if comparison.polygon_reference
+        else None,
+        "interpolation": comparison.expected.interpolation,
+        "notes": comparison.notes,
+        "seconds": seconds,
+        "command": command,
+        "scene": comparison.scene.model_dump(mode="json"),
+    }
+
+
+def _metric(metric: Metric) -> dict[str, Any]:
+    return {
+        "label": metric.label,
+        "value": metric.value,
+        "finite": metric.value is None or math.isfinite(metric.value),
+        "unit": metric.unit,
+        "tolerance": metric.tolerance,
+        "accurate": metric.accurate,
+        "honest": None,
+        "worst_at": metric.time,
+        "elements": metric.elements,
+        "definition": metric.definition,
+        "note": metric.note,
+        "series": metric.series,
+    }
+
+
+def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
+    """What is worth keeping of one solution beside its fields."""
+    record, work = solution.record, solution.work
+    return {
+        "engine": solution.engine,
+        "dissipation": solution.dissipation,
+        "cycle_dissipation": solution.cycle_dissipation,
+        "permanent_stick_half_width": solution.permanent_stick_half_width,
+        "steady_from": solution.steady_from,
+        "converged": record.converged,
+        "termination": record.termination,
+        "message": record.message,
+        "notes": record.notes,
+        "certificates": {
+            f"{check.name} ({check.source})": {
+                "value": check.value,
+                "limit": check.limit,
+                "holds": check.holds,
+                "worst_at": check.time,
+            }
+            for check in checks
+        },
+        "counts": work.counts,
+        "skipped": {name: {"count": count, "reason": reason} for name, (count, reason) in work.skipped.items()},
+        "seconds": work.seconds,
+        "settings": solution.settings,
+        "versions": solution.versions,
+    }

@@ -1,0 +1,128 @@
+"""Numbers and verdicts in words: what the page, the terminal and comparison.json say alike."""
+
+from __future__ import annotations
+
+import math
+
+from reports.comparison import Comparison
+from reports.drawing import name_of
+from reports.verdicts import Metric
+from scenes import EllipseLoad, FlatRounded, Hertz, Scene
+
+CLAIM = (
+    "Code verification of each engine plus assessment of the half-plane idealisation; "
+    "two codes agreeing is not validation."
+)
+
+
+def units(scene: Scene) -> tuple[str, str, str]:
+    """Names of force, length and stress; general words where the scene's `units` is not a list of three.
+
+    >>> from scenes import load_scene
+    >>> units(load_scene("hertz-paper"))
+    ('N', 'mm', 'MPa')
+    """
+    parts = tuple(part.strip() for part in scene.units.split(","))
+    return (parts[0], parts[1], parts[2]) if len(parts) == 3 else ("force", "length", "stress")
+
+
+def number(value: float) -> str:
+    """Six significant digits.
+
+    >>> number(90.62286500739786), number(210e3)
+    ('90.6229', '210000')
+    """
+    return f"{value:.6g}"
+
+
+def question(scene: Scene) -> str:
+    """What is asked, in a sentence: bodies, material, friction, loads, with units."""
+    force, length, stress = units(scene)
+    match scene.profile:
+        case Hertz(radius=radius):
+            shape = f"a parabolic profile of relative radius {number(radius)} {length}"
+        case FlatRounded(radius=radius, flat_half_length=half):
+            shape = f"a flat face of half-length {number(half)} {length} with edges of radius {number(radius)} {length}"
+    upper, lower = (
+        f"E = {number(m.young_modulus)} {stress}, ν = {number(m.poisson_ratio)}"
+        for m in (scene.material.upper, scene.material.lower)
+    )
+    material = f"both {upper}" if scene.material.alike else f"upper {upper}; lower {lower}"
+    return (
+        f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
+        f"{number(scene.friction.coefficient)}; {_loads(scene, f'{force}/{length}')}. "
+        "What do they transmit, where do they slip, and what does a cycle dissipate?"
+    )
+
+
+def _loads(scene: Scene, unit: str) -> str:
+    load = scene.load
+    if isinstance(load, EllipseLoad):
+        return (
+            f"the loads go round an ellipse, P = {number(load.mean_normal_load)} + "
+            f"{number(load.normal_amplitude)} cos t and Q = {number(load.mean_tangential_load)} + "
+            f"{number(load.tangential_amplitude)} cos(t − {number(load.phase_degrees)}°) {unit}"
+        )
+    corners = (load.way_in[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.way_in)
+    points = ", ".join(f"({number(p)}, {number(q)})" for p, q in corners)
+    return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"
+
+
+def percent(value: float) -> str:
+    """Three significant digits, signed, in per cent.
+
+    >>> percent(-0.00123456), percent(0.0), percent(float("nan"))
+    ('−0.123 %', '0 %', 'not a number')
+    """
+    if not math.isfinite(value):
+        return "not a number" if math.isnan(value) else "infinite"
+    return f"{100 * value:+.3g} %".replace("-", "−").replace("+0 %", "0 %")
+
+
+def value_of(metric: Metric) -> str:
+    """The value of a metric with its unit."""
+    if metric.value is None:
+        return "nothing to compare"
+    if not math.isfinite(metric.value):
+        return percent(metric.value)
+    if metric.unit.startswith("of A f²"):
+        return f"{metric.value:+.2e}".replace("-", "−")
+    elements = "" if metric.elements is None else f" ({metric.elements:+.2g} elements)".replace("-", "−")
+    return percent(metric.value) + elements
+
+
+def tolerance_of(metric: Metric) -> str:
+    """The tolerance of a metric, or a dash."""
+    if metric.tolerance is None:
+        return "–"
+    return f"{metric.tolerance:.2g}" if metric.unit.startswith("of A f²") else f"{100 * metric.tolerance:.3g} %"
+
+
+def accuracy_of(metric: Metric) -> str:
+    """Within, outside, or not judged."""
+    return {True: "within", False: "outside", None: "–"}[metric.accurate]
+
+
+def verdict(comparison: Comparison) -> str:
+    """The answer in one sentence."""
+    theirs, ours = name_of(comparison.reference.engine), name_of(comparison.result.engine)
+    outside = [metric for metric in comparison.metrics if metric.accurate is False]
+    judged = sum(metric.tolerance is not None for metric in comparison.metrics)
+    broken = [
+        f"{check.name} in {name_of(engine)}"
+        for engine, checks in (
+            (comparison.reference.engine, comparison.reference_certificates),
+            (comparison.result.engine, comparison.result_certificates),
+        )
+        for check in checks
+        if not check.holds
+    ]
+    if outside:
+        first = f"{ours.capitalize()} and {theirs} differ by more than the scene's tolerance in " + ", ".join(
+            f"{metric.label.lower()} ({value_of(metric)}, tolerance {tolerance_of(metric)})" for metric in outside
+        )
+    else:
+        first = f"{ours.capitalize()} agree with {theirs} within all {judged} tolerances of the scene"
+        first += f"; dissipation differs by {value_of(comparison.metric('dissipation'))}"
+    second = f" A law of contact is violated: {', '.join(broken)}." if broken else " Both answers are admissible."
+    return f"{first}.{second}"
