@@ -1,0 +1,5 @@
+"""The half-plane engine: partial slip of any symmetric profile under any history of P and Q, exact to rounding."""
+
+from semi_analytic.solution import FIELDS, solve
+
+__all__ = ["FIELDS", "solve"]

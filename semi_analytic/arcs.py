@@ -1,0 +1,143 @@
+"""Integrals over an arc of an ellipse that was appended in full stick: smooth after one substitution, whatever is nearby.
+
+# notation: theta = t - pi, counted from the least load; z = sin(theta/2) in the lower half (P < P0), y = cos(theta/2) in
+#           the upper;
+#           P_x load at which a = |x|, z_x and y_x the values there
+
+P - P_x = 2 P1 (z^2 - z_x^2) = 2 P1 (y_x^2 - y^2). Q = Q0 + (Q1/P1) cos(phase) (P - P0) + Q1 sin(phase) sin t: the middle
+term is a straight line in the memory; the last is integrated here, with dQ = -+ Q1 sin(phase) g(z) dz, g(z) = 2 (1 - 2
+z^2)/sqrt(1 - z^2). Where the integrand holds sqrt(z^2 - e^2)^(-+1), the variable ln(z + sqrt(z^2 - e^2)) makes it smooth,
+for e^2 < 0 too; where it holds sqrt(e^2 - z^2)^(-+1), arcsin(z/e). So an edge of contact anywhere, and a stick phase that
+starts next to the least load or ends next to the largest, cost no digits.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import EllipseLeg
+from semi_analytic.contact import Contact
+
+Array = NDArray[np.float64]
+
+_NODES = {count: np.polynomial.legendre.leggauss(count) for count in (16, 24, 40, 80)}
+_SPANS = ((1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
+
+
+class Nodes(NamedTuple):
+    """Quadrature nodes z, their weights for dz / root, and root = sqrt(|z^2 - e^2|); the last axis counts the nodes."""
+
+    z: Array
+    weight: Array
+    root: Array
+
+
+class Half(NamedTuple):
+    """The part of arcs (n,) in one half of the ellipse: z from `low` to `high`, P = extreme + curvature z^2, dQ = sign Q1 sin(phase) g dz."""
+
+    low: Array
+    high: Array
+    sign: float
+    extreme: float
+    curvature: float
+
+
+def halves(leg: EllipseLeg, first: float, last: Array) -> list[Half]:
+    """Lower and upper part of the arcs from `first` to `last` (n,), P growing all along."""
+    turn = math.floor((first - math.pi) / (2 * math.pi) + 1e-9)
+    begin = max(first - math.pi - 2 * math.pi * turn, 0.0)
+    end = np.clip(last - math.pi - 2 * math.pi * turn, begin, math.pi)
+    mean, amplitude = leg.mean[0], leg.amplitude[0]
+    middle = math.pi / 2
+    found = []
+    if begin < middle:
+        low = np.full(end.shape, math.sin(begin / 2))
+        found.append(Half(low, np.sin(np.minimum(end, middle) / 2), -1.0, mean - amplitude, 2 * amplitude))
+    if np.any(end > middle):
+        high = np.full(end.shape, math.sin((math.pi - max(begin, middle)) / 2))
+        found.append(Half(np.sin((math.pi - np.maximum(end, middle)) / 2), high, 1.0, mean + amplitude, -2 * amplitude))
+    return found
+
+
+def outside(low: Array, high: Array, edge: Array) -> Nodes:
+    """Nodes for low < z < high with z^2 > e^2 = `edge`, which may be negative."""
+    floor = np.sqrt(np.maximum(edge, 0.0))
+    low, high = np.maximum(low, floor), np.maximum(high, floor)
+    a = np.log(np.maximum(low + np.sqrt(np.maximum(low * low - edge, 0.0)), 1e-150))
+    b = np.log(np.maximum(high + np.sqrt(np.maximum(high * high - edge, 0.0)), 1e-150))
+    b = np.maximum(a, b)
+    s, weight = _rule(a, b)
+    r = np.exp(s)
+    other = edge[..., None] / r
+    return Nodes((r + other) / 2, weight, (r - other) / 2)
+
+
+def inside(low: Array, high: Array, edge: Array) -> Nodes:
+    """Nodes for low < z < high with z^2 < e^2 = `edge`; weights are 0 where there are none."""
+    e = np.sqrt(np.maximum(edge, 0.0))
+    low, high = np.minimum(low, e), np.minimum(high, e)
+    a = np.arctan2(low, np.sqrt(np.maximum(edge - low * low, 0.0)))
+    b = np.arctan2(high, np.sqrt(np.maximum(edge - high * high, 0.0)))
+    b = np.maximum(a, b)
+    s, weight = _rule(a, b)
+    return Nodes(e[..., None] * np.sin(s), weight, e[..., None] * np.cos(s))
+
+
+def _rule(a: Array, b: Array) -> tuple[Array, Array]:
+    widest = float(np.max(b - a, initial=0.0))
+    count = next(number for limit, number in _SPANS if widest <= limit)
+    node, weight = _NODES[count]
+    half = (b - a)[..., None] / 2
+    return (a + b)[..., None] / 2 + half * node, half * weight
+
+
+def density(z: Array) -> Array:
+    """g(z) = 2 (1 - 2 z^2)/sqrt(1 - z^2) for z^2 <= 1/2 (nodes beyond have no weight)."""
+    square = np.minimum(z * z, 0.5)
+    return 2 * (1 - 2 * square) / np.sqrt(1 - square)
+
+
+def arc_shear(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: Array) -> Array:
+    """Traction of the sine part of arcs from `first` to `last` (n,) at |x| (k,): shape (n, k) [stress]."""
+    total = np.zeros((len(last), len(x)))
+    edge_load = contact.load(x)
+    for half in halves(leg, first, last):
+        edge = (edge_load - half.extreme) / half.curvature
+        choose = outside if half.curvature > 0 else inside
+        shape = (len(last), len(x))
+        nodes = choose(*(np.broadcast_to(v, shape) for v in (half.low[:, None], half.high[:, None], edge)))
+        excess = abs(half.curvature) * nodes.root**2
+        quotient = contact.root_quotient(x[:, None], excess, edge_load[:, None] + excess)
+        total += half.sign / math.sqrt(abs(half.curvature)) * np.sum(nodes.weight * density(nodes.z) * quotient, axis=-1)
+    return total * leg.amplitude[1] * math.sin(leg.phase) / math.pi
+
+
+def arc_slip(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: Array) -> Array:
+    """int dQ arccosh(|x|/a) of the sine part over the loads at which |x| is outside: shape (n, k) [force per thickness]."""
+    total = np.zeros((len(last), len(x)))
+    edge_load = contact.load(x)
+    for half in halves(leg, first, last):
+        edge = (edge_load - half.extreme) / half.curvature
+        choose = inside if half.curvature > 0 else outside
+        shape = (len(last), len(x))
+        nodes = choose(*(np.broadcast_to(v, shape) for v in (half.low[:, None], half.high[:, None], edge)))
+        excess = abs(half.curvature) * nodes.root**2
+        reach = contact.reach(x[:, None], excess, half.extreme + half.curvature * nodes.z**2)
+        total += half.sign * np.sum(nodes.weight * nodes.root * density(nodes.z) * reach, axis=-1)
+    return total * leg.amplitude[1] * math.sin(leg.phase)
+
+
+def arc_log(contact: Contact, leg: EllipseLeg, first: float, last: Array) -> Array:
+    """int dQ ln(2 L/a) of the sine part: shape (n,) [force per thickness]."""
+    total = np.zeros(len(last))
+    for half in halves(leg, first, last):
+        # The logarithm is singular at P = 0, next to the least load perhaps: z^2 = -P_min/(2 P1).
+        edge = np.full(len(last), -half.extreme / half.curvature if half.curvature > 0 else -1.0)
+        nodes = outside(half.low, half.high, edge)
+        ratio = contact.log_ratio(half.extreme + half.curvature * nodes.z**2)
+        total += half.sign * np.sum(nodes.weight * nodes.root * density(nodes.z) * ratio, axis=-1)
+    return total * leg.amplitude[1] * math.sin(leg.phase)

@@ -1,0 +1,130 @@
+"""Friction work, over the whole contact and point by point, of any history; and a second way to the former.
+
+# notation: A = 2/E*; w = +-Q - f P, which grows in slip; P_c load at the front of slip, c = a(P_c); P_x load at which a = |x|
+
+    W    = (f A/pi) int w' Lam(P, P_c) dt,                  Lam = int_{P_c}^P ln(a(eta)/c) d eta
+    W(x) = (f A/pi) int p(x, P) w' arccosh(|x|/c) dt        over the times with c < |x| < a(P)
+    W    = closed-int Q dU                                  over a steady cycle
+
+Each span of slip is integrated by the trapezoidal rule after t = begin + (end - begin)/(1 + exp(-s)): every singularity
+that comes near (a root at an edge, the logarithm close to gross sliding, P close to 0) lies at an end of a span or beyond,
+on the line Im s = pi, however near it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semi_analytic.contact import Contact
+from semi_analytic.fields import Integrals
+from semi_analytic.history import Span
+from semi_analytic.legs import NORMAL_LOAD, Combination, change_from, level, rate, time_of
+from semi_analytic.memory import level_on
+
+Array = NDArray[np.float64]
+
+_STEP = 0.375
+_RANGE = 36.0
+_S = np.arange(-_RANGE, _RANGE + _STEP / 2, _STEP)
+NODES = len(_S)
+_NEAR = 1 / (1 + np.exp(np.abs(_S)))
+_WEIGHT = _STEP * _NEAR * (1 - _NEAR)
+
+
+class Split(NamedTuple):
+    """Friction work done while slipping forward and while slipping in reverse."""
+
+    forward: Array
+    reverse: Array
+
+    @property
+    def total(self) -> Array:
+        """Both together."""
+        return self.forward + self.reverse
+
+
+def graded(begin: Array, end: Array) -> tuple[Array, Array]:
+    """Times and weights of the rule on [begin, end], a new last axis of NODES.
+
+    >>> times, weights = graded(np.array(0.0), np.array(4.0))
+    >>> round(float(np.sum(weights * np.sqrt(times))), 12)  # 2/3 4^(3/2)
+    5.333333333333
+    """
+    first, length = np.asarray(begin)[..., None], np.asarray(end - begin)[..., None]
+    times = np.where(_S < 0, first + length * _NEAR, np.asarray(end)[..., None] - length * _NEAR)
+    return times, length * _WEIGHT
+
+
+def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
+    """Friction work of the spans [energy per unit thickness]."""
+    work = {1: 0.0, -1: 0.0}
+    for span in spans:
+        if span.direction and span.active is not None:
+            times, weights = graded(np.array(span.begin.time), np.array(span.end.time))
+            area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
+            growth = rate(span.leg, level(span.direction, span.friction), times)
+            work[span.direction] += span.friction * float(np.sum(weights * np.maximum(growth, 0.0) * area))
+    factor = 2 / (math.pi * modulus)
+    return Split(np.array(factor * work[1]), np.array(factor * work[-1]))
+
+
+def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span], x: Array) -> Split:
+    """Friction work of the spans at |x| = `x` (k,): shape (k,) [energy per area]."""
+    work = {1: np.zeros(len(x)), -1: np.zeros(len(x))}
+    edge_load = contact.load(x)
+    for span in spans:
+        if span.direction and span.active is not None:
+            begin, end = _slip_times(span, edge_load)
+            here = np.flatnonzero(end > begin)
+            if len(here):
+                work[span.direction][here] += _work_at(contact, span, x[here], edge_load[here], begin[here], end[here])
+    factor = 2 / (math.pi * modulus)
+    return Split(factor * work[1], factor * work[-1])
+
+
+def _slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
+    """When, within a span, points are in contact and outside the front; end <= begin if never."""
+    assert span.active is not None
+    leg, what, first, last = span.leg, level(span.direction, span.friction), span.begin, span.end
+    top, bottom = span.active.top, span.active.bottom
+    front = level_on(span.active, span.direction, span.friction, np.clip(edge_load, bottom, top))
+    amount = front - float(change_from(span.active.anchor, leg, what, first.time))
+    begin = time_of(leg, what, amount, first.time, last.time)
+    begin = np.where(edge_load >= top, first.time, np.where(edge_load <= bottom, last.time, begin))
+    meets = time_of(leg, NORMAL_LOAD, edge_load - first.normal, first.time, last.time)
+    if last.normal > first.normal:
+        return np.maximum(begin, np.where(edge_load >= last.normal, last.time, meets)), np.full(begin.shape, last.time)
+    inside = edge_load < max(first.normal, last.normal)
+    end = meets if last.normal < first.normal else np.full(begin.shape, last.time)
+    return begin, np.where(inside, end, begin)
+
+
+def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Array, end: Array) -> Array:
+    times, weights = graded(begin, end)
+    load = span.leg.loads(times)[0]
+    front = load - span.slipped(times)
+    reach = contact.reach(x[:, None], np.maximum(edge_load[:, None] - front, 0.0), front)
+    growth = np.maximum(rate(span.leg, level(span.direction, span.friction), times), 0.0)
+    return span.friction * np.sum(weights * contact.pressure(x[:, None], load) * growth * reach, axis=-1)
+
+
+def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> float:
+    """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness].
+
+    Written as -int (U - lambda Q) dQ with any lambda, since the integral of Q dQ vanishes: one that makes the logarithm
+    small where the contact ends keeps the digits.
+    """
+    integrals = Integrals(contact, np.zeros(1), "shift")
+    largest = max(max(span.begin.normal, span.end.normal) for span in spans)
+    offset = float(contact.log_ratio(largest))
+    total = 0.0
+    for span in spans:
+        times, weights = graded(np.array(span.begin.time), np.array(span.end.time))
+        shift = integrals.at(span, times)[:, 0] - offset * span.leg.loads(times)[1]
+        total -= float(np.sum(weights * shift * rate(span.leg, Combination(0.0, 1.0), times)))
+    return 2 / (math.pi * modulus) * total

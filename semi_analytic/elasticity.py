@@ -1,0 +1,40 @@
+"""What half-plane theory takes from the two materials: the composite modulus and Dundurs' second constant."""
+
+from __future__ import annotations
+
+from scenes import Elastic, Materials
+
+
+def composite_modulus(materials: Materials) -> float:
+    """E* of 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [stress] (theory of Hertz, plane strain).
+
+    >>> alike = Elastic(young_modulus=182.0, poisson_ratio=0.3)
+    >>> round(composite_modulus(Materials(upper=alike, lower=alike)), 12)
+    100.0
+    """
+    bodies = (materials.upper, materials.lower)
+    return 1 / sum((1 - body.poisson_ratio**2) / body.young_modulus for body in bodies)
+
+
+def shear_modulus(material: Elastic) -> float:
+    """G = E / (2 (1 + nu)) [stress].
+
+    >>> shear_modulus(Elastic(young_modulus=2.5, poisson_ratio=0.25))
+    1.0
+    """
+    return material.young_modulus / (2 * (1 + material.poisson_ratio))
+
+
+def coupling_constant(materials: Materials) -> float:
+    """Dundurs' beta in plane strain: 0 where normal and shear tractions do not feel each other, in magnitude at most 1/2.
+
+    beta = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / [2 (1 - nu1)/G1 + 2 (1 - nu2)/G2], body 1 being the upper one.
+
+    >>> soft, stiff = Elastic(young_modulus=2.0, poisson_ratio=0.0), Elastic(young_modulus=2e9, poisson_ratio=0.0)
+    >>> round(coupling_constant(Materials(upper=soft, lower=stiff)), 6)
+    0.5
+    """
+    upper, lower = materials.upper, materials.lower
+    difference = (1 - 2 * upper.poisson_ratio) / shear_modulus(upper) - (1 - 2 * lower.poisson_ratio) / shear_modulus(lower)
+    total = (1 - upper.poisson_ratio) / shear_modulus(upper) + (1 - lower.poisson_ratio) / shear_modulus(lower)
+    return difference / (2 * total)

@@ -1,0 +1,194 @@
+"""The frictional memory of a contact: the curve M(eta), an immutable value, and the three things that a load does to it.
+
+# notation: eta normal load in [0, P]; M(eta) tangential force of the flat punches up to eta, M(0) = 0, M(P) = Q, |dM/d eta|
+#           <= f;
+#           s direction of slip, +1 or -1; P_c load at the front of a slip zone
+
+The curve is a stack of pieces, the last at the top; a piece knows the one below it, so that all instants of a history share
+what they have in common. A piece is a parabola M = M_a + (slope + bend (eta - eta_a)) (eta - eta_a) about an instant `a` of
+the load path (a straight line mostly), or an arc: a stretch of a curved leg that was appended in full stick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import EllipseLeg, Leg, ParabolaLeg, StraightLeg
+from semi_analytic.legs import NORMAL_LOAD, Combination, Instant, change, change_from, level, mirrored, time_of
+
+Array = NDArray[np.float64]
+
+
+class Piece(NamedTuple):
+    """The uppermost piece of a memory curve, and by `below` the whole curve.
+
+    Attributes
+    ----------
+    below : the curve under this piece, None if this piece starts at eta = 0
+    top : eta at the upper end
+    anchor : the instant of the load path from which the piece is measured
+    slope, bend : dM/d eta at the anchor and half the second derivative; not used for an arc
+    arc : (first, last) times of the anchor's leg at the lower and the upper end of an arc, else None
+    """
+
+    below: Piece | None
+    top: float
+    anchor: Instant
+    slope: float
+    bend: float = 0.0
+    arc: tuple[float, float] | None = None
+
+    @property
+    def bottom(self) -> float:
+        """Eta at the lower end."""
+        return self.below.top if self.below is not None else 0.0
+
+
+Curve: TypeAlias = Piece | None
+"""A memory curve: its uppermost piece, or None for bodies out of contact."""
+
+
+def pieces(curve: Curve) -> Iterator[Piece]:
+    """The pieces of a curve from the top down."""
+    while curve is not None:
+        yield curve
+        curve = curve.below
+
+
+def value_on(piece: Piece, eta: ArrayLike) -> Array:
+    """M(eta) on one piece."""
+    step = np.asarray(eta, dtype=float) - piece.anchor.normal
+    if piece.arc is None:
+        return piece.anchor.tangential + (piece.slope + piece.bend * step) * step
+    first, last = _whole_arc(piece)
+    rise = np.asarray(eta, dtype=float) - piece.bottom
+    time = time_of(piece.anchor.leg, NORMAL_LOAD, rise, first, last)
+    return piece.anchor.tangential + change(piece.anchor.leg, Combination(0.0, 1.0), time, piece.anchor.time)
+
+
+def _whole_arc(piece: Piece) -> tuple[float, float]:
+    """The arc as it was appended, before anything was cut off its top."""
+    assert piece.arc is not None  # for the type checker: only called for arcs
+    return piece.arc[0], piece.anchor.time
+
+
+def values(curve: Curve, eta: ArrayLike) -> Array:
+    """M(eta) of a curve at eta in [0, P], any shape."""
+    wanted = np.asarray(eta, dtype=float)
+    result = np.zeros(wanted.shape)
+    for piece in pieces(curve):
+        here = (wanted <= piece.top) & (wanted > piece.bottom)
+        if np.any(here):
+            result[here] = value_on(piece, wanted[here])
+    return result
+
+
+def cut(curve: Curve, load: float) -> Curve:
+    """The curve with everything above `load` taken away: what unloading along the curve itself leaves."""
+    while curve is not None and curve.bottom >= load:
+        curve = curve.below
+    if curve is None or curve.top <= load:
+        return curve
+    if curve.arc is None:
+        return curve._replace(top=load)
+    first, last = _whole_arc(curve)
+    time = float(time_of(curve.anchor.leg, NORMAL_LOAD, load - curve.bottom, first, last))
+    return curve._replace(top=load, arc=(first, time))
+
+
+def append(curve: Curve, leg: Leg, begin: float, end: Instant) -> Piece:
+    """The curve with a stretch of `leg`, travelled in full stick, on top.
+
+    >>> leg = StraightLeg(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
+    >>> piece = append(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
+    >>> piece.top, piece.slope, values(piece, [1.0]).tolist()
+    (2.0, 0.5, [0.5])
+    """
+    if isinstance(leg, StraightLeg):
+        slope = (leg.last[1] - leg.first[1]) / (leg.last[0] - leg.first[0])
+        return Piece(curve, end.normal, end, slope)
+    if isinstance(leg, ParabolaLeg):
+        alpha, beta = leg.coefficients
+        return Piece(curve, end.normal, end, alpha + 2 * beta * end.normal, beta)
+    return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time))
+
+
+def clip(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
+    """The curve after slip up to `end` whose front is at P - P_c = `slipped` inside the uppermost piece of `curve`."""
+    if curve is not None:
+        curve = cut(curve, min(end.normal - slipped, curve.top))
+    if end.normal <= (curve.top if curve is not None else 0.0):
+        return curve
+    return Piece(curve, end.normal, end, direction * friction)
+
+
+def flat(piece: Piece, direction: int, friction: float) -> bool:
+    """Whether the piece is at the friction limit in `direction` already: a front passes it at once."""
+    return piece.arc is None and piece.bend == 0 and piece.slope == direction * friction
+
+
+def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> Array:
+    """Rise of the level s M(eta) - f eta from the piece's anchor to `eta`; at the lower end a front leaves the piece."""
+    if piece.arc is not None:
+        first, last = _whole_arc(piece)
+        time = time_of(piece.anchor.leg, NORMAL_LOAD, np.asarray(eta, dtype=float) - piece.bottom, first, last)
+        return change(piece.anchor.leg, level(direction, friction), time, last)
+    step = np.asarray(eta, dtype=float) - piece.anchor.normal
+    return (direction * (piece.slope + piece.bend * step) - friction) * step
+
+
+def slipped_load(piece: Piece, direction: int, friction: float, leg: Leg, time: ArrayLike) -> Array:
+    """P - P_c at `time` on `leg` while the front of slip in `direction` is inside `piece`, free of cancellation.
+
+    The front is where s M(eta) - f eta equals the path's s Q - f P. On a line through the anchor `a` that gives
+    P - P_c = s [(Q - Q_a) - slope (P - P_a)] / (f - s slope).
+    """
+    if piece.arc is not None:
+        return _slipped_on_arc(piece, direction, friction, leg, time)
+    if piece.bend == 0:
+        lag = change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
+        return direction * lag / (friction - direction * piece.slope)
+    rise = change_from(piece.anchor, leg, level(direction, friction), time)
+    steep, bend = friction - direction * piece.slope, direction * piece.bend
+    back = 2 * rise / (steep + np.sqrt(np.maximum(steep**2 + 4 * bend * rise, 0.0)))
+    return change_from(piece.anchor, leg, NORMAL_LOAD, time) + back
+
+
+def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: Leg, time: ArrayLike) -> Array:
+    first, last = _whole_arc(piece)
+    what, arc_leg = level(direction, friction), piece.anchor.leg
+    if arc_leg is leg and isinstance(leg, EllipseLeg):
+        return change(leg, NORMAL_LOAD, time, mirrored(leg, what, time, (first + last) / 2))
+    rise = change_from(piece.anchor, leg, what, time)
+    bottom = float(change(arc_leg, what, first, last))
+    front = time_of(arc_leg, what, rise - bottom, first, last)
+    return change_from(piece.anchor, leg, NORMAL_LOAD, time) - change(arc_leg, NORMAL_LOAD, front, last)
+
+
+def front_time(piece: Piece, slipped: ArrayLike, load: ArrayLike) -> Array:
+    """Time of an arc's leg at which its load is `load` - `slipped`, shape of `slipped`."""
+    first, last = _whole_arc(piece)
+    rise = np.asarray(load, dtype=float) - np.asarray(slipped, dtype=float) - piece.bottom
+    return time_of(piece.anchor.leg, NORMAL_LOAD, rise, first, last)
+
+
+def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) -> bool:
+    """Whether two curves agree within `tolerance` f P at their knots and at three loads in between any two.
+
+    >>> same(None, None, 0.5)
+    True
+    """
+    if one is None or other is None:
+        return one is other
+    top = max(one.top, other.top)
+    if abs(one.top - other.top) > tolerance * top:
+        return False
+    top = min(one.top, other.top)
+    knots = np.array(sorted({0.0, top, *(min(piece.top, top) for curve in (one, other) for piece in pieces(curve))}))
+    loads = np.unique(np.concatenate([knots[:-1] + (knots[1:] - knots[:-1]) * part for part in (0.25, 0.5, 0.75, 1.0)]))
+    difference = np.abs(values(one, loads) - values(other, loads))
+    return bool(np.all(difference <= tolerance * friction * top))
