@@ -1,7 +1,7 @@
 """The question and the form of the answer: frozen types, the reading of scene files, the library of scenes. No mechanics."""
 
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError
-from scenes.loads import EllipseLoad, EllipseLeg, Leg, LoadPath, ParabolaLeg, PolygonLoad, StraightLeg
+from scenes.loads import EllipseLeg, EllipseLoad, Leg, LoadPath, ParabolaLeg, PolygonLoad, StraightLeg
 from scenes.materials import Elastic, Materials
 from scenes.profiles import FlatRounded, Hertz, Profile
 from scenes.reading import load_scene, scene_names, scene_schema, scene_text

@@ -23,9 +23,7 @@ class InadmissibleLoadError(InputError):
 
     def __init__(self, reason: str, time: float, normal_load: float, tangential_load: float) -> None:
         self.time, self.normal_load, self.tangential_load = time, normal_load, tangential_load
-        super().__init__(
-            f"{reason} at time {time:.6g}: normal load {normal_load:.6g}, tangential load {tangential_load:.6g}"
-        )
+        super().__init__(f"{reason} at time {time:.6g}: normal load {normal_load:.6g}, tangential load {tangential_load:.6g}")
 
 
 class ConvergenceError(RuntimeError):

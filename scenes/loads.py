@@ -1,7 +1,11 @@
-"""Load histories P(t), Q(t) as a sequence of smooth legs. Geometry of the path only: what it does to the contact is the engines' affair."""
+"""Load histories P(t), Q(t) as a sequence of smooth legs.
+
+Geometry of the path only: what it does to the contact is the engines' affair.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -15,9 +19,7 @@ from scenes.materials import FROZEN, Positive
 
 Array = NDArray[np.float64]
 Loads = tuple[Array, Array]
-Point = tuple[
-    Annotated[float, Field(description="normal load P")], Annotated[float, Field(description="tangential load Q")]
-]
+Point = tuple[Annotated[float, Field(description="normal load P")], Annotated[float, Field(description="tangential load Q")]]
 
 
 class Leg(Protocol):
@@ -191,13 +193,14 @@ class LoadPath:
 def _straight_legs(points: list[Point], start: float, duration: float) -> tuple[StraightLeg, ...]:
     """Legs through `points`, `duration` each."""
     return tuple(
-        StraightLeg(start + k * duration, start + (k + 1) * duration, points[k], points[k + 1])
-        for k in range(len(points) - 1)
+        StraightLeg(start + k * duration, start + (k + 1) * duration, points[k], points[k + 1]) for k in range(len(points) - 1)
     )
 
 
 class EllipseLoad(BaseModel):
-    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase): a revolution takes 2 pi; the cycle starts where |Q - Q0| is largest while P grows.
+    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase); a revolution takes 2 pi.
+
+    The cycle starts where |Q - Q0| is largest while P grows.
 
     >>> load = EllipseLoad(mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1, tangential_amplitude=1)
     >>> p, q = load.path().at(load.path().cycle_start)  # the paper's point H
@@ -212,13 +215,11 @@ class EllipseLoad(BaseModel):
     normal_amplitude: float = Field(0.0, ge=0, description="P1 >= 0")
     mean_tangential_load: float = Field(0.0, description="Q0")
     tangential_amplitude: float = Field(0.0, ge=0, description="Q1 >= 0")
-    phase_degrees: float = Field(
-        90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise"
-    )
+    phase_degrees: float = Field(90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise")
     way_in: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
         "straight",
-        description="from (0, 0) to the first point of the cycle: a straight line, the paper's parabola (tangent to the ellipse there), "
-        "or the [P, Q] points of a polygon in between",
+        description="from (0, 0) to the first point of the cycle: a straight line, the paper's parabola "
+        "(tangent to the ellipse there), or the [P, Q] points of a polygon in between",
     )
 
     @property
@@ -262,7 +263,7 @@ class PolygonLoad(BaseModel):
     @model_validator(mode="after")
     def _moves(self) -> Self:
         corners = [(0.0, 0.0), *self.way_in, *self.cycle, *(self.way_in[-1:] if self.cycle else ())]
-        for first, last in zip(corners, corners[1:], strict=False):
+        for first, last in itertools.pairwise(corners):
             if first == last:
                 raise ValueError(f"the point {list(last)} stands twice in a row: leave one out")
         return self

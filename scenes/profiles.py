@@ -1,4 +1,4 @@
-"""Initial gap h(x) between the faces: symmetric, not falling for x > 0. The one verb that both engines share: it is the question."""
+"""Initial gap h(x) between the faces: symmetric, not falling for x > 0. The one verb that both engines share."""
 
 from __future__ import annotations
 

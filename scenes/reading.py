@@ -23,9 +23,7 @@ def scene_names() -> tuple[str, ...]:
     >>> "hertz-paper" in scene_names()
     True
     """
-    return tuple(
-        sorted(entry.name.removesuffix(".toml") for entry in _LIBRARY.iterdir() if entry.name.endswith(".toml"))
-    )
+    return tuple(sorted(entry.name.removesuffix(".toml") for entry in _LIBRARY.iterdir() if entry.name.endswith(".toml")))
 
 
 def scene_text(name: str) -> str:
@@ -98,8 +96,8 @@ def _key(location: tuple[str | int, ...], data: dict[str, Any]) -> str:
     found: list[str] = []
     level: Any = data
     for position, part in enumerate(location):
-        known = isinstance(level, dict) and part in level or isinstance(level, (list, tuple)) and isinstance(part, int)
-        if known or position == len(location) - 1 and isinstance(level, dict):
+        known = (isinstance(level, dict) and part in level) or (isinstance(level, (list, tuple)) and isinstance(part, int))
+        if known or (position == len(location) - 1 and isinstance(level, dict)):
             found.append(str(part))
             level = level[part] if known else None
     return ".".join(found)

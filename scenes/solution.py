@@ -161,11 +161,10 @@ class ContactSolution:
         stored = data.attrs
         work = json.loads(stored["work"])
         record = json.loads(stored["record"])
-        starts = {"certificates": "certificate_", "energy": "energy_"}
-        series = {
-            part: {str(k).removeprefix(start): freeze(v.values) for k, v in data.items() if str(k).startswith(start)}
-            for part, start in starts.items()
-        }
+
+        def starting_with(prefix: str) -> dict[str, Array]:
+            return {str(k).removeprefix(prefix): freeze(v.values) for k, v in data.items() if str(k).startswith(prefix)}
+
         names = (*_PER_STEP, *_EDGES, *_ON_GRID, "time", "x", "dissipation_density", "cycle_dissipation")
         arrays = {name: freeze(data[name].values, data[name].dtype) for name in names}
         return cls(
@@ -176,13 +175,11 @@ class ContactSolution:
             steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
             record=Record(
                 iterations=freeze(data["iterations"].values, np.int64),
-                notes=tuple(record.pop("notes")),
-                **record,
-                **series,
+                certificates=starting_with("certificate_"),
+                energy=starting_with("energy_"),
+                **(record | {"notes": tuple(record["notes"])}),
             ),
-            work=Work(
-                work["counts"], {k: (int(n), str(why)) for k, (n, why) in work["skipped"].items()}, work["seconds"]
-            ),
+            work=Work(work["counts"], {k: (int(n), str(why)) for k, (n, why) in work["skipped"].items()}, work["seconds"]),
             settings=json.loads(stored["settings"]),
             versions=json.loads(stored["versions"]),
             **arrays,

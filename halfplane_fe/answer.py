@@ -1,0 +1,143 @@
+"""From scaled interface states to the arrays and the record of a ContactSolution, in the scene's units."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfplane_fe.contact import ContactProblem, InterfaceState
+from halfplane_fe.edges import contact_edges, stick_edges
+from halfplane_fe.law import slip_sign
+from halfplane_fe.run import PathRun
+from halfplane_fe.scales import Scales
+from scenes import Record, Scene, SurfaceState, freeze
+
+Array = NDArray[np.float64]
+States = NDArray[np.int8]
+
+# A sliding node that has come less far, since it last stuck or turned round, than this share of the farthest one counts as
+# sticking: at the turning points of the load whole regions come back to the cone at once, and creep there by the mesh's error.
+# Slip grows as the distance from the stick edge to the power 3/2, so the share costs a hundredth of the slip zone at most.
+_MOVED = 1e-3
+# Slip of an increment, over the largest of all, below which it is rounding.
+_ROUNDING = 1e-9
+
+
+def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales) -> dict[str, Any]:
+    """Fields of ContactSolution that are numbers, by name."""
+    states = run.states
+    displacement = scales.load / scales.modulus
+    work = scales.load * displacement
+    weights = problem.interface.weights * scales.half_width
+    densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
+    seen = _visible(states)
+    edges = np.array([_edges(problem, state, visible) for state, visible in zip(states, seen, strict=True)])
+    edges *= scales.half_width
+    forces = {name: np.array([getattr(s, name) for s in states]) * scales.load for name in ("pressure", "shear")}
+    elastic_slip = np.array([problem.layer.tangential * s.shear for s in states]) * displacement
+    per_step = {
+        "time": ("time", 1.0),
+        "normal_load": ("normal_load", scales.load),
+        "tangential_load": ("tangential_load", scales.load),
+        "rigid_shift": ("shift", displacement),
+        "rigid_approach": ("approach", displacement),
+    }
+    return {
+        **{name: freeze([getattr(s, own) * unit for s in states]) for name, (own, unit) in per_step.items()},
+        "x": freeze(problem.interface.x * scales.half_width),
+        "pressure": freeze(forces["pressure"] / weights),
+        "shear": freeze(forces["shear"] / weights),
+        "slip": freeze(np.array([s.slip for s in states]) * displacement + elastic_slip),
+        "state": freeze(seen, np.int8),
+        "contact_edges": freeze(edges[:, 0]),
+        "stick_edges": freeze(edges[:, 1]),
+        "contact_half_width": freeze(np.diff(edges[:, 0])[:, 0] / 2),
+        "stick_half_width": freeze(np.diff(edges[:, 1])[:, 0] / 2),
+        "dissipation_density": freeze(densities[-1] / weights if len(densities) else np.zeros_like(weights)),
+        "dissipation": float(densities[-1].sum()) if len(densities) else float("nan"),
+        "cycle_dissipation": freeze(densities.sum(axis=1)),
+        "permanent_stick_half_width": _permanent_stick(scene, problem, run, seen) * scales.half_width,
+        "steady_from": run.steady_from,
+    }
+
+
+def _visible(states: list[InterfaceState]) -> States:
+    """(n_steps, n) states as the user sees them: a node on the cone that has hardly moved since it last stuck sticks."""
+    law = np.array([state.state for state in states])
+    increments = np.diff(np.array([states[0].slip, *(state.slip for state in states)]), axis=0)
+    increments[np.abs(increments) <= _ROUNDING * np.abs(increments).max(initial=0.0)] = 0.0
+    run = np.zeros_like(increments)  # slip in one direction without a stop, open or closed
+    for step in range(1, len(states)):
+        goes_on = run[step - 1] * increments[step] > 0
+        run[step] = np.where(goes_on, run[step - 1], 0.0) + increments[step]
+    forward = slip_sign(law) * run
+    moved = forward > _MOVED * forward.max(axis=1, keepdims=True)
+    return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)
+
+
+def _edges(problem: ContactProblem, state: InterfaceState, visible: States) -> tuple[tuple[float, float], ...]:
+    x, closed = problem.interface.x, state.closed
+    if not state.normal_load > 0:
+        touching = (float(x[closed].min()), float(x[closed].max())) if closed.any() else (0.0, 0.0)
+        return touching, touching
+    gap = state.gap  # open nodes carry nothing, so the layer does not count there
+    contact = contact_edges(x, state.pressure / problem.interface.weights, gap, closed, 1.0)
+    return contact, stick_edges(x, visible == SurfaceState.STICK, closed, contact)
+
+
+def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States) -> float:
+    """Half-width of the nodes that stick through the last cycle, counted to half-way to the next node; NaN if none."""
+    period = scene.load.path().period
+    times = np.array([state.time for state in run.states])
+    start = run.states[-1].time - period * (1 - 1e-9) if period is not None else -np.inf
+    loaded = np.array([state.normal_load > 0 for state in run.states])
+    inside = (times > start) & loaded
+    always = np.all(seen[inside] == SurfaceState.STICK, axis=0)
+    if not always.any():
+        return float("nan")
+    x = problem.interface.x
+    ever_closed = np.any(seen[inside] != SurfaceState.OPEN, axis=0)
+    left, right = stick_edges(x, always, ever_closed, (float(x[always].min()), float(x[always].max())))
+    return (right - left) / 2
+
+
+def record_of(run: PathRun, scales: Scales) -> Record:
+    """How the run went, step by step; the first entry is the unloaded state."""
+    names = run.checks[0] if run.checks else {}
+    checks = {name: freeze([0.0, *(check[name] for check in run.checks)]) for name in names}
+    energies = {
+        name: np.array([0.0, *(getattr(energy, name) for energy in run.energies)])
+        for name in ("external", "elastic", "interface", "end_of_step")
+    }
+    energies["dissipation"] = np.array([0.0, *(energy.dissipation.sum() for energy in run.energies)])
+    balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
+    largest = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
+    return Record(
+        converged=run.failure is None,
+        termination=_termination(run),
+        message=_message(run),
+        iterations=freeze([0, *(increment.iterations for increment in run.increments)], np.int64),
+        certificates={**checks, "energy_balance": freeze(balance / largest)},
+        energy={name: freeze(values * scales.load**2 / scales.modulus) for name, values in energies.items()},
+        notes=(),
+    )
+
+
+def _termination(run: PathRun) -> str:
+    if run.failure is not None:
+        return "not converged"
+    return "end of path" if run.steady_from is None else "steady"
+
+
+def _message(run: PathRun) -> str:
+    if run.failure is not None:
+        return str(run.failure)
+    steps = len(run.increments)
+    if run.steady_from is None:
+        return f"the path ended after {steps} increments without a revolution that repeats"
+    return (
+        f"revolution {run.steady_from + 1} ended in the state it started from, to {run.cycle_change[-1]:.1e} of the largest "
+        f"nodal force, after {steps} increments"
+    )

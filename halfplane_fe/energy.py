@@ -1,0 +1,80 @@
+"""Energy balance and Coulomb certificates of one increment: checks that need no reference. Scaled, like `contact`.
+
+With loads, forces and displacements taken at the middle of the increment the balance
+
+    P d(delta) + Q dU = d(elastic energy) + sum q ds - sum p dg
+
+is an identity of the discrete problem: a check of the algebra. What the increment itself costs shows in the three ways to write the
+friction work: at its middle (f p ds, second order), trapezoidal (q ds), at its end (first order).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfplane_fe.contact import ContactProblem, InterfaceState
+from halfplane_fe.law import slip_sign, violations
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class IncrementEnergy:
+    """Energies of one increment (over P^2/E*), and the dissipation of each node (n,).
+
+    Attributes
+    ----------
+    dissipation : (n,) f p |ds| of each sliding node, p being the mean of the increment
+    external : work of P and Q
+    elastic : change of elastic energy, that of the penalty layer included
+    interface : trapezoidal work of shear less that of pressure
+    end_of_step : the same with the forces at the end of the increment
+    """
+
+    dissipation: Array
+    external: float
+    elastic: float
+    interface: float
+    end_of_step: float
+
+
+def elastic_energy(problem: ContactProblem, state: InterfaceState) -> float:
+    """Elastic energy of both half-planes and of the layer between them."""
+    p, q = state.pressure, state.shear
+    gap_part = state.gap - problem.height + state.approach  # N p - K^T q
+    slip_part = state.shift - state.slip  # T q - K p
+    return float(p @ gap_part + q @ slip_part) / 2
+
+
+def increment_energy(problem: ContactProblem, before: InterfaceState, after: InterfaceState) -> IncrementEnergy:
+    """Energies between two states that follow each other."""
+    slip, gap = after.slip - before.slip, after.gap - before.gap
+    mean_p, mean_q = (before.pressure + after.pressure) / 2, (before.shear + after.shear) / 2
+    external = (before.normal_load + after.normal_load) / 2 * (after.approach - before.approach)
+    external += (before.tangential_load + after.tangential_load) / 2 * (after.shift - before.shift)
+    return IncrementEnergy(
+        dissipation=problem.friction * mean_p * np.maximum(slip_sign(after.state) * slip, 0.0),
+        external=external,
+        elastic=elastic_energy(problem, after) - elastic_energy(problem, before),
+        interface=float(mean_q @ slip - mean_p @ gap),
+        end_of_step=float(after.shear @ slip - after.pressure @ gap),
+    )
+
+
+def certificates(problem: ContactProblem, before: InterfaceState, after: InterfaceState) -> dict[str, float]:
+    """Violations of law and equilibrium at the end of an increment, over the largest nodal force and its work."""
+    force = max(float(after.pressure.max(initial=0.0)), 1e-300)
+    found = violations(after.gap, after.pressure, after.shear, after.slip - before.slip, problem.friction)
+    equilibrium = max(abs(float(after.pressure.sum()) - after.normal_load), abs(float(after.shear.sum()) - after.tangential_load))
+    return {
+        "equilibrium": equilibrium / max(after.normal_load, 1e-300),
+        "tension": found["tension"] / force,
+        "penetration": found["penetration"],
+        "gap_pressure": found["gap_pressure"] / force,
+        "cone": found["cone"] / force,
+        "slip_sign": found["slip_sign"] / force,
+        "creep": found["creep"],
+    }

@@ -1,0 +1,145 @@
+"""Displacement and stress in both bodies at chosen instants, from the stored interface states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import skfem
+from numpy.typing import NDArray
+from skfem.helpers import sym_grad
+
+from halfplane_fe.elasticity import CondensedBody, displacement_fields
+from halfplane_fe.interface import body_forces
+from halfplane_fe.solve import FiniteElementSolution
+from scenes import Elastic, InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyFields:
+    """Nodal fields of one body at one instant, in the common frame (x along the surface, y out of the lower body).
+
+    Attributes
+    ----------
+    name : "lower" or "upper"
+    points : (n, 2) undeformed places [length]
+    triangles : (n_elements, 3 or 6), corners then mid-side nodes
+    displacement : (n, 2) [length]; that of the upper body includes its rigid shift and approach
+    stress : (n, 4) xx, yy, xy, zz [stress], averaged over the elements of a node
+    von_mises : (n,) [stress]
+    """
+
+    name: str
+    points: Array
+    triangles: NDArray[np.int64]
+    displacement: Array
+    stress: Array
+    von_mises: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """Both bodies at one instant."""
+
+    time: float
+    normal_load: float
+    tangential_load: float
+    bodies: tuple[BodyFields, BodyFields]
+
+
+def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[Snapshot, ...]:
+    """Fields at the stored steps nearest to the given instants.
+
+    Raises
+    ------
+    InputError
+        For an instant outside the solved time.
+    """
+    steps = [_step(solution, float(instant)) for instant in instants]
+    forces = {name: np.stack([_forces(solution, step, name) for step in steps], axis=-1) for name in ("lower", "upper")}
+    bodies = {name: _body_fields(name, solution.condensed[name == "upper"], forces[name], solution) for name in forces}
+    return tuple(
+        Snapshot(
+            float(solution.time[step]),
+            float(solution.normal_load[step]),
+            float(solution.tangential_load[step]),
+            (bodies["lower"][k], _moved(bodies["upper"][k], solution, step)),
+        )
+        for k, step in enumerate(steps)
+    )
+
+
+def _step(solution: FiniteElementSolution, instant: float) -> int:
+    start, end = float(solution.time[0]), float(solution.time[-1])
+    if not start - 1e-9 <= instant <= end + 1e-9:
+        raise InputError(f"fields: instant {instant:.6g} lies outside the solved time, {start:.6g} to {end:.6g}")
+    return int(np.argmin(np.abs(solution.time - instant)))
+
+
+def _forces(solution: FiniteElementSolution, step: int, name: str) -> Array:
+    state, load = solution.states[step], solution.scales.load
+    return body_forces(state.pressure * load, state.shear * load, name)
+
+
+def _body_fields(name: str, condensed: CondensedBody, forces: Array, solution: FiniteElementSolution) -> list[BodyFields]:
+    """Fields of a body for each column of `forces` (2, n, k); the upper body is reflected into the common frame."""
+    basis, displacements = displacement_fields(condensed, forces, solution.scene.profile.datum_length)
+    flip = np.array([1.0, 1.0 if name == "lower" else -1.0])
+    nodes = _node_dofs(basis)
+    points, triangles = basis.mesh.p.T * flip, _triangles(basis)
+    found = []
+    for values in displacements.T:
+        stress = _nodal_stress(basis, values, condensed.material)
+        stress[:, 2] *= flip[1]
+        found.append(BodyFields(name, points, triangles, values[nodes].T * flip, stress, _von_mises(stress)))
+    return found
+
+
+def _moved(body: BodyFields, solution: FiniteElementSolution, step: int) -> BodyFields:
+    rigid = np.array([solution.rigid_shift[step], -solution.rigid_approach[step]])
+    return BodyFields(body.name, body.points, body.triangles, body.displacement + rigid, body.stress, body.von_mises)
+
+
+def _node_dofs(basis: skfem.Basis) -> NDArray[np.int64]:
+    """(2, n_nodes) degrees of freedom of the mesh's nodes: corners, then mid-side points for order 2."""
+    parts = [basis.nodal_dofs]
+    if isinstance(basis.mesh, skfem.MeshTri2):
+        parts.append(basis.facet_dofs)
+    return np.hstack(parts)
+
+
+def _triangles(basis: skfem.Basis) -> NDArray[np.int64]:
+    corners = basis.mesh.t[:3]
+    if not isinstance(basis.mesh, skfem.MeshTri2):
+        return corners.T.astype(np.int64)
+    # scikit-fem numbers an element's facets 01, 12, 02, as VTK does its mid-side nodes.
+    return np.vstack([corners, basis.nodal_dofs.shape[1] + basis.mesh.t2f]).T.astype(np.int64)
+
+
+def _nodal_stress(basis: skfem.Basis, displacement: Array, material: Elastic) -> Array:
+    """(n_nodes, 4) xx, yy, xy, zz: element stresses averaged at each node with the elements' areas as weights."""
+    # notation: lam, mu are Lame's constants
+    young, nu = material.young_modulus, material.poisson_ratio
+    lam, mu = young * nu / ((1 + nu) * (1 - 2 * nu)), young / (2 * (1 + nu))
+    strain = sym_grad(basis.interpolate(displacement))
+    trace = strain[0, 0] + strain[1, 1]
+    parts = (
+        lam * trace + 2 * mu * strain[0, 0],
+        lam * trace + 2 * mu * strain[1, 1],
+        2 * mu * strain[0, 1],
+        lam * trace,
+    )
+    area = basis.dx.sum(axis=1)
+    triangles = _triangles(basis)
+    n_nodes = basis.mesh.p.shape[1]
+    weights = np.bincount(triangles.ravel(), np.repeat(area, triangles.shape[1]), n_nodes)
+    means = [np.repeat((part * basis.dx).sum(axis=1), triangles.shape[1]) for part in parts]
+    return np.column_stack([np.bincount(triangles.ravel(), mean, n_nodes) / weights for mean in means])
+
+
+def _von_mises(stress: Array) -> Array:
+    xx, yy, xy, zz = stress.T
+    return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2)

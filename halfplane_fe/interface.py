@@ -1,0 +1,77 @@
+"""The interface of two condensed bodies as one value: what nodal contact forces do to gap and slip.
+
+    g = h - delta + N p - K^T q          gap, delta the rigid approach
+    s = U + K p - T q                    slip of the upper face over the lower, U the rigid shift
+
+p and q are nodal forces (pressure and shear times weight), p pressing and q along +x on the lower body. N and T are symmetric,
+K couples: it is exactly zero for like bodies. A mortar coupling of non-matching sides gives the same value.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfplane_fe.elasticity import CondensedBody
+from scenes import freeze
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """Compliance of a pair of bodies, both half-planes facing each other.
+
+    Attributes
+    ----------
+    x, weights : (n,) contact points of the lower body and their share of the surface [length]
+    normal, tangential : (n, n) N and T [length per force per thickness]
+    coupling : (n, n) K, or None where the bodies are alike
+    """
+
+    x: Array
+    weights: Array
+    normal: Array
+    tangential: Array
+    coupling: Array | None
+
+    def scaled(self, length: float, compliance: float) -> Interface:
+        """The same interface in other units: lengths over `length`, compliances over `compliance`."""
+        return Interface(
+            freeze(self.x / length),
+            freeze(self.weights / length),
+            freeze(self.normal / compliance),
+            freeze(self.tangential / compliance),
+            None if self.coupling is None else freeze(self.coupling / compliance),
+        )
+
+
+def matching_interface(lower: CondensedBody, upper: CondensedBody) -> Interface:
+    """Couple two bodies whose contact nodes lie opposite each other, node by node.
+
+    The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0 here. With equal weights on
+    both sides the nodal coupling passes the patch test.
+
+    Raises
+    ------
+    ValueError
+        If the nodes do not match.
+    """
+    if lower.x.shape != upper.x.shape or not np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)):
+        raise ValueError("the contact nodes of the two bodies do not lie opposite each other")
+    # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels -q along x and -p outward.
+    like = upper is lower
+    return Interface(
+        lower.x,
+        lower.weights,
+        freeze(lower.compliance[1, :, 1, :] + upper.compliance[1, :, 1, :]),
+        freeze(lower.compliance[0, :, 0, :] + upper.compliance[0, :, 0, :]),
+        None if like else freeze(lower.compliance[0, :, 1, :] - upper.compliance[0, :, 1, :]),
+    )
+
+
+def body_forces(pressure: Array, shear: Array, body: str) -> Array:
+    """(2, n) nodal forces (along x, outward) on the "lower" or "upper" body in its own frame, from nodal p and q."""
+    return np.stack([shear if body == "lower" else -shear, -pressure])

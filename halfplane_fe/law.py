@@ -1,0 +1,80 @@
+r"""Unilateral contact and Coulomb friction at a point, as pure functions: no mesh, no history, no scale.
+
+With gap g >= 0, pressure p >= 0, slip increment ds of the upper face and shear q on the lower one:
+
+    Signorini   g >= 0,  p >= 0,  g p = 0
+    Coulomb     |q| <= f p,  ds = 0 where |q| < f p,  ds q >= 0 where |q| = f p
+
+Both are one projection: for any r > 0, (p, q) = project(p - r g, q + r ds). The penalty law is the same projection with an
+elastic layer between the faces, p = project(-g/k_n), q = project(q_old + ds/k_t): see `contact.Layer`.
+
+Source: Alart and Curnier (1991), Simo and Laursen (1992); return mapping as in plasticity.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import SurfaceState
+
+Array = NDArray[np.float64]
+States = NDArray[np.int8]
+
+
+def project(trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float) -> tuple[Array, Array, States]:
+    """Return mapping onto the cone |q| <= f p, p >= 0.
+
+    Parameters
+    ----------
+    trial_pressure, trial_shear : any shape, same for both [stress, or force on a node]
+    friction : coefficient f >= 0
+
+    Returns
+    -------
+    pressure, shear : on or inside the cone
+    state : SurfaceState as int8; on the cone the sign of the shear tells the sense of slip
+
+    >>> p, q, state = project([-1.0, 2.0, 2.0], [0.3, 0.5, -3.0], 0.5)
+    >>> p.tolist(), q.tolist(), state.tolist()
+    ([0.0, 2.0, 2.0], [0.0, 0.5, -1.0], [0, 1, 3])
+    """
+    pressure = np.maximum(np.asarray(trial_pressure, dtype=float), 0.0)
+    trial = np.asarray(trial_shear, dtype=float)
+    limit = friction * pressure
+    shear = np.clip(trial, -limit, limit)
+    slips = np.where(trial > 0, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE)
+    held = np.where(np.abs(trial) > limit, slips, SurfaceState.STICK)
+    state = np.where(np.asarray(trial_pressure) > 0, held, SurfaceState.OPEN)
+    return pressure, shear, state.astype(np.int8)
+
+
+def slip_sign(state: States) -> NDArray[np.int64]:
+    """+1 where a point slips forward, -1 where it slips in reverse, else 0; any shape.
+
+    >>> slip_sign(np.array([0, 1, 2, 3], dtype=np.int8)).tolist()
+    [0, 0, 1, -1]
+    """
+    return (state == SurfaceState.SLIP_FORWARD).astype(np.int64) - (state == SurfaceState.SLIP_REVERSE)
+
+
+def violations(gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float) -> dict[str, float]:
+    """How far an answer is from the law, each figure in the units of its own arguments (0 is perfect).
+
+    Returns
+    -------
+    dict
+        tension (largest -p), penetration (largest -g), gap_pressure (largest |g p|), cone (largest |q| - f p),
+        slip_sign (largest -q ds, work done by friction), creep (largest |ds| strictly inside the cone).
+    """
+    limit = friction * pressure
+    inside = np.abs(shear) < limit * (1 - 1e-9)
+    closed = pressure > 0
+    return {
+        "tension": float(np.max(-pressure, initial=0.0)),
+        "penetration": float(np.max(-gap, initial=0.0)),
+        "gap_pressure": float(np.max(np.abs(gap * pressure), initial=0.0)),
+        "cone": float(np.max(np.abs(shear) - limit, initial=0.0)),
+        "slip_sign": float(np.max(-(shear * slip_increment)[closed], initial=0.0)),
+        "creep": float(np.max(np.abs(slip_increment[inside & closed]), initial=0.0)),
+    }

@@ -1,0 +1,87 @@
+"""Where the increments of a load path end: turning points, regular instants; and where the path leaves the admissible region."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from scenes import InadmissibleLoadError, Leg, LoadPath
+
+Array = NDArray[np.float64]
+
+# Samples a leg on which a sign change of a rate is looked for; a turning point and its twin closer than that are missed together.
+_SAMPLES = 721
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A piece of a leg between turning points, with the instants at which regular increments end."""
+
+    leg: Leg
+    start: float
+    ends: tuple[float, ...]
+
+
+def turning_points(leg: Leg, friction: float) -> list[float]:
+    """Instants inside a leg at which P, Q - f P or Q + f P turn round, ascending."""
+    times = np.linspace(leg.start, leg.end, _SAMPLES)
+    found: set[float] = set()
+    for normal, tangential in ((1.0, 0.0), (-friction, 1.0), (friction, 1.0)):
+
+        def rate(t: float, normal: float = normal, tangential: float = tangential) -> float:
+            p, q = leg.rates(t)
+            return float(normal * p + tangential * q)
+
+        rates = np.array([rate(t) for t in times])
+        rates[np.abs(rates) < 1e-12 * np.abs(rates).max(initial=0.0)] = 0.0
+        inner = np.flatnonzero(rates[:-1] * rates[1:] < 0)
+        found.update(float(brentq(rate, times[k], times[k + 1], xtol=1e-14)) for k in inner)
+        touches = 1 + np.flatnonzero((rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0)))
+        found.update(float(times[k]) for k in touches)
+    span = leg.end - leg.start
+    ordered: list[float] = []
+    for time in sorted(found):
+        apart = time - (ordered[-1] if ordered else leg.start)
+        if min(apart, leg.end - time) > 1e-9 * span:
+            ordered.append(time)
+    return ordered
+
+
+def stretches(leg: Leg, friction: float, increments: float) -> list[Stretch]:
+    """A leg cut at its turning points, each piece into equal increments, `increments` of them in all (rounded up)."""
+    corners = [leg.start, *turning_points(leg, friction), leg.end]
+    pieces = []
+    for start, end in itertools.pairwise(corners):
+        n = max(2, int(np.ceil(increments * (end - start) / (leg.end - leg.start))))
+        pieces.append(Stretch(leg, start, tuple(np.linspace(start, end, n + 1)[1:])))
+    return pieces
+
+
+def check_admissible(path: LoadPath, friction: float) -> None:
+    """Refuse a path with separation (P <= 0 after the start) or gross sliding (|Q| >= f P, with Q = 0 allowed for f = 0).
+
+    Both extremes are met at turning points, so looking there is exact.
+
+    Raises
+    ------
+    InadmissibleLoadError
+        At the worst instant of the first leg at fault.
+    """
+    for leg in path.legs(1):
+        times = np.array([leg.start, *turning_points(leg, friction), leg.end])
+        p, q = leg.loads(times)
+        inside = times > path.start
+        scale = float(np.abs(p).max())
+        separated = inside & (p <= 1e-12 * scale)
+        if separated.any():
+            worst = int(np.argmin(np.where(separated, p, np.inf)))
+            raise InadmissibleLoadError("separation: the bodies lift off", times[worst], p[worst], q[worst])
+        excess = np.abs(q) - friction * p
+        sliding = inside & (excess >= 0) & (np.abs(q) > 1e-12 * scale)
+        if sliding.any():
+            worst = int(np.argmax(np.where(sliding, excess, -np.inf)))
+            raise InadmissibleLoadError("gross sliding: |Q| >= f P", times[worst], p[worst], q[worst])

@@ -1,0 +1,146 @@
+"""The FE side's own coarse run: how large the contact gets and where its edges travel. No formula for any profile.
+
+One coarse half-disc serves every size: the compliance of a plane body has no length in it but the datum of the rigid approach.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfplane_fe.contact import ContactProblem, InterfaceState, Layer, untouched
+from halfplane_fe.edges import contact_edges, stick_edges
+from halfplane_fe.elasticity import condense
+from halfplane_fe.interface import Interface, matching_interface
+from halfplane_fe.run import run_path
+from meshes import SurfaceGrading, half_disc
+from scenes import Elastic, InputError, Scene, SurfaceState
+
+Array = NDArray[np.float64]
+
+# The coarse body: unit half-width of meshed surface, of which the contact shall take between the two fractions.
+_GRADING = SurfaceGrading(inner=0.0, outer=1.0, size=1 / 24, edge_size=1 / 24, radius=8.0)
+_FRACTION = (0.6, 0.85)
+_COARSE_STEPS = 48
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What the coarse run found.
+
+    Attributes
+    ----------
+    half_width : contact half-width at the largest load of the path [length]
+    inner : least half-width that a contact or stick edge has in the last cycle [length]; 0 where the path does not repeat
+    load : largest normal load of the path [force per thickness]
+    modulus : E* [stress]
+    """
+
+    half_width: float
+    inner: float
+    load: float
+    modulus: float
+
+
+def contact_modulus(lower: Elastic, upper: Elastic) -> float:
+    """E* of two bodies in plane strain: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
+
+    >>> steel = Elastic(young_modulus=210e3, poisson_ratio=0.3)
+    >>> round(contact_modulus(steel, steel), 3)
+    115384.615
+    """
+    return 1 / sum((1 - body.poisson_ratio**2) / body.young_modulus for body in (lower, upper))
+
+
+def largest_load(scene: Scene) -> float:
+    """Largest normal load of the path [force per thickness]."""
+    path = scene.load.path()
+    times = np.concatenate([np.linspace(leg.start, leg.end, 721) for leg in path.legs(1)])
+    return float(np.max(path.at(times)[0]))
+
+
+def needs_shear(scene: Scene) -> bool:
+    """Whether any shear can arise: friction, and a tangential load or unlike bodies."""
+    path = scene.load.path()
+    loaded = any(np.any(leg.loads(np.linspace(leg.start, leg.end, 25))[1] != 0) for leg in path.legs(1))
+    return scene.friction.coefficient > 0 and (loaded or not scene.material.alike)
+
+
+def find_scales(scene: Scene) -> Scales:
+    """Run the scene on a coarse mesh of its own size.
+
+    Raises
+    ------
+    InputError
+        If no size of the body holds the contact.
+    """
+    load = largest_load(scene)
+    modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    interface = _coarse_interface(scene, modulus)
+    size = _fitting_size(scene, interface, load, modulus)
+    problem = _problem(scene, interface, size, load, modulus)
+    run = run_path(problem, scene.load.path(), load, _COARSE_STEPS, 2, lambda _done, _total, _text: None)
+    if run.failure is not None:
+        raise run.failure
+    pressed = max(run.states, key=lambda state: state.normal_load)
+    if scene.load.path().period is None:
+        return Scales(size * _half_width(problem, pressed), 0.0, load, modulus)
+    last = run.states[1 + len(run.increments) - _last_cycle_steps(scene, run.states) :]
+    inner = min(min(_half_width(problem, state), _stick_half_width(problem, state)) for state in last)
+    return Scales(size * _half_width(problem, pressed), size * inner, load, modulus)
+
+
+def _last_cycle_steps(scene: Scene, states: list[InterfaceState]) -> int:
+    path = scene.load.path()
+    start = states[-1].time - (path.period or 0.0) * (1 - 1e-9)
+    return sum(state.time > start for state in states)
+
+
+def _coarse_interface(scene: Scene, modulus: float) -> Interface:
+    body = half_disc("coarse", _GRADING)
+    lower = condense(body, scene.material.lower, datum_length=1.0)
+    upper = lower if scene.material.alike else condense(body, scene.material.upper, datum_length=1.0)
+    return matching_interface(lower, upper).scaled(1.0, 1 / modulus)
+
+
+def _problem(scene: Scene, interface: Interface, size: float, load: float, modulus: float) -> ContactProblem:
+    zero = np.zeros_like(interface.x)
+    height = scene.profile.height(interface.x * size) * modulus / load
+    return ContactProblem(interface, height, scene.friction.coefficient, Layer(zero, zero), needs_shear(scene))
+
+
+def _fitting_size(scene: Scene, interface: Interface, load: float, modulus: float) -> float:
+    """Half-width of meshed surface of which the contact at the largest load takes a good part."""
+    size, too_small, too_large = scene.profile.datum_length, 0.0, np.inf
+    for _ in range(400):
+        problem = _problem(scene, interface, size, load, modulus)
+        problem.tangential = False
+        pressed, _ = problem.equilibrium(untouched(problem.height, 0.0), 0.0, (1.0, 0.0))
+        fraction = 1.0 if pressed.closed.all() else float(np.abs(interface.x[pressed.closed]).max())
+        if _FRACTION[0] <= fraction <= _FRACTION[1]:
+            return size
+        if fraction > _FRACTION[1]:
+            too_small = size
+            size = size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large)
+        else:
+            too_large = size
+            size = size / 3 if too_small == 0 else np.sqrt(too_small * too_large)
+    raise InputError(f"{scene.name}: no size of the bodies was found that holds the contact; check profile and loads")
+
+
+def _half_width(problem: ContactProblem, state: InterfaceState) -> float:
+    if not state.closed.any():
+        return 0.0
+    x, weights = problem.interface.x, problem.interface.weights
+    left, right = contact_edges(x, state.pressure / weights, state.gap, state.closed, 1.0)
+    return (right - left) / 2
+
+
+def _stick_half_width(problem: ContactProblem, state: InterfaceState) -> float:
+    x = problem.interface.x
+    stick = state.state == SurfaceState.STICK
+    half = _half_width(problem, state)
+    left, right = stick_edges(x, stick, state.closed, (-half, half))
+    return (right - left) / 2 if stick.any() else 0.0

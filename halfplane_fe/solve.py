@@ -1,0 +1,219 @@
+"""From a scene to a FiniteElementSolution: scales, bodies, interface, load path, answer."""
+
+from __future__ import annotations
+
+import platform
+import time as clock
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfplane_fe.answer import answer_arrays, record_of
+from halfplane_fe.contact import ContactProblem, InterfaceState, Layer
+from halfplane_fe.elasticity import CondensedBody, condense
+from halfplane_fe.interface import matching_interface
+from halfplane_fe.path import check_admissible
+from halfplane_fe.run import PathRun, Progress, run_path
+from halfplane_fe.scales import Scales, find_scales, needs_shear
+from halfplane_fe.settings import SolverSettings
+from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc
+from scenes import ContactSolution, ConvergenceError, Scene, Work
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FiniteElementSolution(ContactSolution):
+    """A ContactSolution that also carries its bodies and interface states.
+
+    Attributes
+    ----------
+    bodies : lower and upper BodyMesh, each in its own frame (y out of the body)
+    condensed : lower and upper CondensedBody
+    states : one InterfaceState per step, scaled
+    scales : what the coarse run found; with E* the units of `states`
+    """
+
+    bodies: tuple[BodyMesh, BodyMesh]
+    condensed: tuple[CondensedBody, CondensedBody]
+    states: tuple[InterfaceState, ...]
+    scales: Scales
+
+
+def solve(
+    scene: Scene,
+    mesh: MeshSettings | None = None,
+    settings: SolverSettings | None = None,
+    progress: Progress | None = None,
+) -> FiniteElementSolution:
+    """Solve a scene by finite elements, on the mesh's own points and the stepping's own instants.
+
+    Parameters
+    ----------
+    scene : the question
+    mesh, settings : how it is cut and iterated; defaults serve the paper's scenes
+    progress : called with (done, total, text) as work goes on
+
+    Raises
+    ------
+    InadmissibleLoadError
+        If the path has gross sliding or separation, with instant and loads.
+    ConvergenceError
+        With `partial`, the solution up to the last accepted increment.
+    """
+    mesh, settings = mesh or MeshSettings(), settings or SolverSettings()
+    report = progress or (lambda _done, _total, _text: None)
+    watch = _Watch()
+    check_admissible(scene.load.path(), scene.friction.coefficient)
+    report(0, None, "coarse run")
+    scales = find_scales(scene)
+    watch.lap("coarse run")
+    report(0, None, "meshing and condensing the bodies")
+    condensed = _condensed_bodies(scene, mesh, scales, watch)
+    problem = _contact_problem(scene, mesh, settings, scales, condensed)
+    path = scene.load.path()
+    run = run_path(problem, path, scales.load, settings.steps_per_cycle, scene.cycles, report)
+    watch.lap("load path")
+    answer = _solution(scene, mesh, settings, scales, condensed, problem, run, watch)
+    if run.failure is not None:
+        raise ConvergenceError(str(run.failure), answer) from run.failure
+    _check_room(answer)
+    return answer
+
+
+class _Watch:
+    """Seconds by stage."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._last = clock.perf_counter()
+
+    def lap(self, stage: str) -> None:
+        now = clock.perf_counter()
+        self.seconds[stage], self._last = now - self._last, now
+
+
+def _condensed_bodies(scene: Scene, mesh: MeshSettings, scales: Scales, watch: _Watch) -> tuple[CondensedBody, CondensedBody]:
+    body = half_disc("lower", surface_grading(mesh, scales), mesh.growth, mesh.order)
+    watch.lap("mesh")
+    lower = condense(body, scene.material.lower, scene.profile.datum_length)
+    upper = lower if scene.material.alike else condense(body, scene.material.upper, scene.profile.datum_length)
+    watch.lap("condensation")
+    return lower, upper
+
+
+def surface_grading(mesh: MeshSettings, scales: Scales) -> SurfaceGrading:
+    """Fine from just inside the innermost edge of the last cycle to just outside the largest contact."""
+    # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few hundredths of it.
+    a = scales.half_width
+    inner = scales.inner - 0.06 * a
+    outer = 1.06 * a + 2 * mesh.edge_element_size * a
+    return SurfaceGrading(
+        inner=inner if inner > 4 * mesh.element_size * a else 0.0,
+        outer=outer,
+        size=mesh.element_size * a,
+        edge_size=mesh.edge_element_size * a,
+        radius=mesh.far_radius * a,
+    )
+
+
+def _contact_problem(
+    scene: Scene,
+    mesh: MeshSettings,
+    settings: SolverSettings,
+    scales: Scales,
+    condensed: tuple[CondensedBody, CondensedBody],
+) -> ContactProblem:
+    interface = matching_interface(*condensed).scaled(scales.half_width, 1 / scales.modulus)
+    # A layer of stiffness k E*/h per area is, node by node and scaled, a compliance h/(k w).
+    soft = 0.0 if settings.method == "augmented_lagrangian" else mesh.edge_element_size
+    layer = Layer(
+        soft / (settings.normal_stiffness * interface.weights),
+        soft / (settings.tangential_stiffness * interface.weights),
+    )
+    height = scene.profile.height(interface.x * scales.half_width) * scales.modulus / scales.load
+    return ContactProblem(interface, height, scene.friction.coefficient, layer, needs_shear(scene), settings.max_iterations)
+
+
+def _check_room(answer: FiniteElementSolution) -> None:
+    """The contact must end before the last node that may touch."""
+    if any(state.closed[0] or state.closed[-1] for state in answer.states):
+        raise ConvergenceError(
+            f"the contact reached the end of the meshed side at |x| = {answer.x[-1]:.6g}: the coarse run took it for "
+            f"smaller, {answer.scales.half_width:.6g}",
+            answer,
+        )
+
+
+def _solution(
+    scene: Scene,
+    mesh: MeshSettings,
+    settings: SolverSettings,
+    scales: Scales,
+    condensed: tuple[CondensedBody, CondensedBody],
+    problem: ContactProblem,
+    run: PathRun,
+    watch: _Watch,
+) -> FiniteElementSolution:
+    own: dict[str, Any] = {
+        "bodies": (condensed[0].body, condensed[1].body),
+        "condensed": condensed,
+        "states": tuple(run.states),
+        "scales": scales,
+    }
+    grading = condensed[0].body.grading
+    return FiniteElementSolution(
+        engine="halfplane_fe",
+        scene=scene,
+        record=record_of(run, scales),
+        work=_work(scene, problem, run, condensed, watch.seconds),
+        settings={
+            "mesh": asdict(mesh),
+            "solver": asdict(settings),
+            "scales": asdict(scales),
+            "element_size": grading.edge_size,
+            "surface": {f.name: getattr(grading, f.name) for f in fields(grading)},
+        },
+        versions=versions(),
+        **answer_arrays(scene, problem, run, scales),
+        **own,
+    )
+
+
+def _work(
+    scene: Scene,
+    problem: ContactProblem,
+    run: PathRun,
+    condensed: tuple[CondensedBody, CondensedBody],
+    seconds: Mapping[str, float],
+) -> Work:
+    like = condensed[0] is condensed[1]
+    counts = {
+        "bodies meshed": 1,
+        "condensations": 1 if like else 2,
+        "degrees of freedom": int(condensed[0].diagnostics["degrees_of_freedom"]),
+        "contact nodes": len(condensed[0].x),
+        "steps solved": len(run.increments),
+        "sparse factorisations": 1 if like else 2,
+        **{name: int(count) for name, count in sorted(problem.work.items())},
+    }
+    skipped = {"meshes": (1, "both half-discs have one shape: meshed once, reflected")}
+    if like:
+        skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
+    if not problem.tangential:
+        skipped["tangential problem"] = (len(run.increments), "no shear can arise")
+    if problem.tangential and not problem.work["slip iterations"]:
+        skipped["slip iterations"] = (len(run.increments), "no node left stick")
+    if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
+        skipped["revolutions"] = (scene.cycles - run.steady_from - 1, "the revolution before ended as it started")
+    return Work(counts, skipped, dict(seconds))
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that the numbers depend on."""
+    packages = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh", "meshio")
+    return {"python": platform.python_version()} | {name: version(name) for name in packages}

@@ -1,0 +1,90 @@
+"""Along the load path: increments that end where a node touches or lets go, at a turning point or at a regular instant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
+from halfplane_fe.path import Stretch
+from scenes import SurfaceState, freeze
+
+Array = NDArray[np.float64]
+# Gap and nodal force within which a node counts as met by an event, scaled.
+_LANDED = 1e-9
+
+LoadsAt = Callable[[float], tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class Increment:
+    """One accepted increment: the state that was solved, the state it leaves behind as history, and how it was found.
+
+    The two differ at events only: there a node that touches or lets go has changed sides at the very end.
+    """
+
+    solved: InterfaceState
+    state: InterfaceState
+    iterations: int
+    event: str  # "regular", "touch", "release"
+
+
+def follow(problem: ContactProblem, history: InterfaceState, stretch: Stretch, scale: float) -> Iterator[Increment]:
+    """Increments along one stretch of the path, loads divided by `scale`.
+
+    Between two events the discrete normal problem is linear in P, so landing on each node's touch (from where its slip counts) and
+    release (up to where its friction works) leaves no increment with a node that is closed for a part of it only.
+    """
+
+    def loads_at(time: float) -> tuple[float, float]:
+        p, q = stretch.leg.loads(time)
+        return float(p) / scale, float(q) / scale
+
+    for end in stretch.ends:
+        while history.time < end:
+            event, time = _next_event(problem, history, loads_at, end)
+            solved, iterations = problem.equilibrium(history, time, loads_at(time))
+            history = _landed(solved, event)
+            yield Increment(solved, history, iterations, event)
+
+
+def _next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[str, float]:
+    """What happens first up to `end` to the set of touching nodes, and when."""
+    held = problem.holding(history, end, loads_at(end))
+    fractions = {
+        "touch": _first_crossing(history.gap, held.gap, ~history.closed),
+        "release": _first_crossing(history.pressure, held.pressure, history.closed),
+    }
+    event = min(fractions, key=lambda name: fractions[name])
+    if fractions[event] >= 1.0:
+        return "regular", end
+    start_load, end_load = loads_at(history.time)[0], loads_at(end)[0]
+    wanted = start_load + fractions[event] * (end_load - start_load)
+    if not min(start_load, end_load) < wanted < max(start_load, end_load):
+        return "regular", end
+    time = float(brentq(lambda t: loads_at(t)[0] - wanted, history.time, end, xtol=1e-15, rtol=8.9e-16))
+    if not history.time < time < end:
+        return "regular", end
+    problem.work[f"{event} events"] += 1
+    return event, time
+
+
+def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> float:
+    """Fraction of the increment at which the first of `nodes` goes from positive to negative, linearly; 1 if none does."""
+    falling = nodes & (before > ROUNDING) & (after < -ROUNDING)
+    if not falling.any():
+        return 1.0
+    return float(np.min(before[falling] / (before[falling] - after[falling])))
+
+
+def _landed(state: InterfaceState, event: str) -> InterfaceState:
+    """`state` with the nodes of the event on their new side: a touching node sticks from here on, a released one is open."""
+    if event == "regular":
+        return state
+    marginal = (np.abs(state.gap) <= _LANDED) & (np.abs(state.pressure) <= _LANDED)
+    new = SurfaceState.STICK if event == "touch" else SurfaceState.OPEN
+    return replace(state, state=freeze(np.where(marginal, new, state.state), np.int8))

@@ -1,0 +1,8 @@
+"""gmsh-built bodies with named boundaries, their quality, and field files. The only user of gmsh and meshio."""
+
+from meshes.bodies import BodyMesh, MeshSettings, SurfaceGrading
+from meshes.files import write_vtu
+from meshes.half_disc import half_disc
+from meshes.quality import mesh_quality
+
+__all__ = ["BodyMesh", "MeshSettings", "SurfaceGrading", "half_disc", "mesh_quality", "write_vtu"]

@@ -1,0 +1,78 @@
+"""What a mesh is asked to be and what it is: settings, grading, the meshed body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import skfem
+
+from scenes import InputError
+
+
+@dataclass(frozen=True)
+class MeshSettings:
+    """How a body is cut; lengths over the contact half-width a at the largest load, found by the FE side's own coarse run.
+
+    Attributes
+    ----------
+    element_size : surface elements where p and q are smooth
+    edge_element_size : surface elements where the contact and stick edges travel
+    far_radius : radius L of the half-disc that stands for a half-plane
+    growth : growth of the element size with the distance from the contact
+    order : 1 or 2, of elements and geometry
+    """
+
+    element_size: float = 1 / 30
+    edge_element_size: float = 1 / 80
+    far_radius: float = 10.0
+    growth: float = 0.2
+    order: int = 2
+
+    def __post_init__(self) -> None:
+        for name in ("element_size", "edge_element_size"):
+            if not 1e-4 <= getattr(self, name) <= 0.25:
+                raise InputError(f"mesh: {name} = {getattr(self, name)!r} is refused: it lies in [0.0001, 0.25], in half-widths")
+        if self.edge_element_size > self.element_size:
+            raise InputError(
+                f"mesh: edge_element_size = {self.edge_element_size!r} is refused: "
+                f"it is at most element_size = {self.element_size!r}"
+            )
+        if not 2 <= self.far_radius <= 1000:
+            raise InputError(f"mesh: far_radius = {self.far_radius!r} is refused: it lies in [2, 1000], in half-widths")
+        if not 0.02 <= self.growth <= 1:
+            raise InputError(f"mesh: growth = {self.growth!r} is refused: it lies in [0.02, 1]")
+        if self.order not in (1, 2):
+            raise InputError(f"mesh: order = {self.order!r} is refused: it is 1 or 2")
+
+
+@dataclass(frozen=True)
+class SurfaceGrading:
+    """Where the surface is fine: elements of `edge_size` on inner <= |x| <= outer, of `size` on |x| < inner [length].
+
+    `outer` bounds the nodes that may touch; `radius` is that of the body.
+    """
+
+    inner: float
+    outer: float
+    size: float
+    edge_size: float
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMesh:
+    """One meshed body in its own frame: x along the surface y = 0, y out of the body.
+
+    Attributes
+    ----------
+    name : for headings and files
+    mesh : skfem mesh with the boundaries "contact", "free" and "far_field"
+    grading : the surface as it was asked for
+    quality : figure by name; see `mesh_quality`
+    """
+
+    name: str
+    mesh: skfem.MeshTri
+    grading: SurfaceGrading
+    quality: Mapping[str, float]
