@@ -129,8 +129,7 @@ def solve(
         settings={"cycles": cycles, "fields": sorted(question.fields), "straight_steps": straight_steps},
         versions=_versions(),
         **{
-            name: freeze(values, np.int8 if name == "state" else float) for name, values in everything.items() if name !=
-            "mismatch"
+            name: freeze(values, np.int8 if name == "state" else float) for name, values in everything.items() if name != "mismatch"
         },
     )
 
@@ -214,11 +213,13 @@ def _edges(question: Question) -> dict[str, Array]:
 
 def _grids(question: Question) -> dict[str, NDArray[Any]]:
     """pressure, shear, slip, state: (n, m)."""
-    shape = (len(question.time), len(question.distance)) grids: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for
-    name in ("pressure", "shear", "slip")} grids["state"] = np.full(shape, SurfaceState.OPEN, dtype=np.int8) kernels:
-    dict[str, Kernel] = {"shear": "shear", "slip": "slip"} wanted = {name: Integrals(question.contact, question.distance,
-    kernels[name]) for name in kernels if name in question.fields} scale = {"shear": 1.0, "slip": 2 / (math.pi *
-    question.modulus)} for span, here, local in question.groups():
+    shape = (len(question.time), len(question.distance))
+    grids: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in ("pressure", "shear", "slip")}
+    grids["state"] = np.full(shape, SurfaceState.OPEN, dtype=np.int8)
+    kernels: tuple[Kernel, ...] = ("shear", "slip")
+    wanted = {name: Integrals(question.contact, question.distance, name) for name in kernels if name in question.fields}
+    scale = {"shear": 1.0, "slip": 2 / (math.pi * question.modulus)}
+    for span, here, local in question.groups():
         for name, integrals in wanted.items():
             grids[name][here] = scale[name] * integrals.at(span, local)
         load = span.leg.loads(local)[0][:, None]
