@@ -92,9 +92,7 @@ def run(
     out: Out = None,
     vtu: Annotated[
         tuple[str, ...],
-        Parameter(
-            consume_multiple=True, negative="", help='Write both bodies for ParaView at these times, or at "events".'
-        ),
+        Parameter(consume_multiple=True, negative="", help='Write both bodies for ParaView at these times, or at "events".'),
     ] = (),
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
@@ -114,9 +112,7 @@ def exact(scene: SceneName, *, out: Out = None, quiet: Quiet = False) -> int:
 
 
 @app.command(sort_key=3, help_epilogue="")
-def fe(
-    scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elements: FiniteElementOptions = _DEFAULTS
-) -> int:
+def fe(scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elements: FiniteElementOptions = _DEFAULTS) -> int:
     """Finite elements alone: summary, NetCDF and CSV, no page."""
     from reports import commands
 

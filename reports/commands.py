@@ -106,9 +106,7 @@ def _show_verdict(comparison: Comparison) -> None:
 def scenes() -> int:
     """The library as a table."""
     library = [(name, load_scene(name)) for name in scene_names()]
-    show_table(
-        "Library", ("scene", "title", "purpose"), [(name, scene.title, scene.purpose) for name, scene in library]
-    )
+    show_table("Library", ("scene", "title", "purpose"), [(name, scene.title, scene.purpose) for name, scene in library])
     return WITHIN
 
 

@@ -65,9 +65,7 @@ class Comparison:
         return {metric.key: metric for metric in self.metrics}[key]
 
 
-def compare(
-    reference: ContactSolution, result: ContactSolution, *, polygon_reference: ContactSolution | None = None
-) -> Comparison:
+def compare(reference: ContactSolution, result: ContactSolution, *, polygon_reference: ContactSolution | None = None) -> Comparison:
     """How far `result` is from `reference` in the last cycle, metric by metric, against the scene's tolerances.
 
     Parameters

@@ -13,11 +13,20 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from scenes import SurfaceState
 
+# Column heading (with unit) -> values, all of one length.
+Table = Mapping[str, Sequence[Any] | NDArray[Any]]
+
 # Okabe and Ito's colours, told apart by all common forms of colour vision and, in these pairs, in grey.
-REFERENCE, RESULT, DIFFERENCE, QUIET = "#0072B2", "#D55E00", "#7A3B69", "#6b6b6b"
+# The reference is a broad pale band, the result a thin dark line on it: where they agree both are seen.
+REFERENCE, RESULT, DIFFERENCE, QUIET = "#56B4E9", "#B33A00", "#5B2A86", "#6b6b6b"
+BANDS: tuple[dict[str, Any], ...] = tuple(
+    {"color": colour, "lw": 3.6, "solid_capstyle": "butt"} for colour in (REFERENCE, "#F0C75E")
+)
+THIN: tuple[dict[str, Any], ...] = tuple({"color": RESULT, "lw": 0.9, "ls": line} for line in ("-", "--"))
 STATE_COLOURS = {
     SurfaceState.OPEN: "#f7f7f7",
     SurfaceState.STICK: "#c4c4c4",
@@ -31,7 +40,7 @@ STATE_NAMES = {
     SurfaceState.SLIP_REVERSE: "reverse slip",
 }
 ENGINE_NAMES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
     "axes.titlelocation": "left",
@@ -63,7 +72,7 @@ class Drawing:
     caption: str
     alt: str
     figure: Figure
-    table: Mapping[str, Sequence[Any]]
+    table: Table
 
     def svg(self) -> str:
         """The figure as an SVG document."""
@@ -81,7 +90,7 @@ class Drawing:
         return table_text(self.table)
 
 
-def table_text(table: Mapping[str, Sequence[Any]]) -> str:
+def table_text(table: Table) -> str:
     """Columns of equal length as CSV text.
 
     >>> table_text({"x": [0.5, float("nan")], "state": ["stick", "open"]})

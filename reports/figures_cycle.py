@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from reports.certificates import LIMIT, Certificate
 from reports.comparison import Comparison
 from reports.drawing import (
+    BANDS,
     DIFFERENCE,
     QUIET,
-    REFERENCE,
-    RESULT,
+    THIN,
     Drawing,
     canvas,
     label_axes,
@@ -38,17 +38,12 @@ def half_widths(comparison: Comparison, time: Array, time_label: str) -> Drawing
     with canvas(10.5, 4.8) as figure:
         top, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
         figure.subplots_adjust(left=0.085, right=0.985, top=0.93, bottom=0.11, hspace=0.1)
-        for cycle, engine, colour, mark in (
-            (comparison.expected, comparison.reference, REFERENCE, ""),
-            (comparison.found, comparison.result, RESULT, "."),
+        for cycle, engine, styles in (
+            (comparison.expected, comparison.reference, BANDS),
+            (comparison.found, comparison.result, THIN),
         ):
-            for edges, what, line in (("contact_edges", "contact", "-"), ("stick_edges", "stick", "--")):
-                style = {"ls": "none", "marker": mark, "ms": 3.0} if mark else {"ls": line}
-                if mark and what == "stick":
-                    style |= {"marker": "x", "ms": 3.2, "mew": 0.8}
-                top.plot(
-                    time, _half(cycle, edges) / length, color=colour, label=f"{what}, {name_of(engine.engine)}", **style
-                )
+            for edges, what, style in zip(("contact_edges", "stick_edges"), ("contact", "stick"), styles, strict=True):
+                top.plot(time, _half(cycle, edges) / length, label=f"{what}, {name_of(engine.engine)}", **style)
         legend_above(top)
         for edges, what, line in (("contact_edges", "contact", "-"), ("stick_edges", "stick", "--")):
             difference = (_half(comparison.found, edges) - _half(comparison.expected, edges)) / length
@@ -59,8 +54,7 @@ def half_widths(comparison: Comparison, time: Array, time_label: str) -> Drawing
     return Drawing(
         "half_widths",
         "Contact and stick half-width through the cycle",
-        "Half the distance between the edges. In full stick the stick edges are the contact edges; in full slip there "
-        "are none.",
+        "Half the distance between the edges. In full stick the stick edges are the contact edges; in full slip there are none.",
         "Contact and stick half-width over time for both engines with the difference beneath.",
         figure,
         {
@@ -108,19 +102,17 @@ def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) 
     """The path in the P-Q plane: way in, cycle, friction cone, chosen instants."""
     friction = solution.scene.friction.coefficient
     path = solution.scene.load.path()
-    legs = [(leg.start, leg.end, "way in") for leg in path.way_in] + [
-        (leg.start, leg.end, "cycle") for leg in path.cycle
-    ]
+    legs = [(leg.start, leg.end, "way in") for leg in path.way_in] + [(leg.start, leg.end, "cycle") for leg in path.cycle]
     samples = [(np.linspace(start, end, 65), part) for start, end, part in legs]
     time = np.concatenate([t for t, _ in samples])
     part = np.concatenate([np.full(len(t), name) for t, name in samples])
     normal, tangential = path.at(time)
-    with canvas(5.1, 4.2) as figure:
+    with canvas(4.2, 4.0) as figure:
         axes = figure.subplots()
-        figure.subplots_adjust(left=0.15, right=0.97, top=0.93, bottom=0.13)
+        figure.subplots_adjust(left=0.17, right=0.97, top=0.86, bottom=0.135)
         top = 1.08 * float(normal.max())
         if friction:
-            axes.plot([0, top], [0, friction * top], color=QUIET, lw=0.9, ls=":", label="gross sliding, |Q| = f P")
+            axes.plot([0, top], [0, friction * top], color=QUIET, lw=0.9, ls=":", label="|Q| = f P")
             axes.plot([0, top], [0, -friction * top], color=QUIET, lw=0.9, ls=":")
         for name, line in (("way in", "--"), ("cycle", "-")):
             if (part == name).any():
@@ -130,7 +122,7 @@ def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) 
         axes.set_xlim(0, top)
         axes.set_ylim(min(-0.3 * reach, 1.25 * float(tangential.min())), reach)
         label_axes(axes, f"normal load P  [{_load_unit(solution)}]", f"tangential load Q  [{_load_unit(solution)}]")
-        axes.legend(loc="upper left")
+        legend_above(axes, columns=3)
     return Drawing(
         "load_path",
         "Load path",
@@ -153,7 +145,13 @@ def _mark_events(axes: Axes, horizontal: Array, vertical: Array, chosen: Sequenc
         outward = outward / (np.hypot(*outward) or 1.0)
         axes.plot(*here, "o", color="black", ms=4)
         axes.annotate(
-            str(number), here, xytext=8 * outward, textcoords="offset points", ha="center", va="center", fontsize=8
+            str(number),
+            (here[0], here[1]),
+            xytext=tuple(8 * outward),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=8,
         )
 
 
@@ -167,27 +165,32 @@ def _length_unit(solution: ContactSolution) -> str:
 
 
 def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
-    """Tangential load over rigid shift in the last cycle, both engines."""
+    """Tangential load over rigid shift in the last cycle, both engines; beside it sheared, so that the loop opens."""
     expected, found = comparison.expected, comparison.found
-    with canvas(5.1, 4.2) as figure:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.15, right=0.97, top=0.93, bottom=0.13)
-        axes.plot(
-            expected.rigid_shift, expected.tangential_load, color=REFERENCE, label=name_of(comparison.reference.engine)
-        )
-        axes.plot(
-            found.rigid_shift, found.tangential_load, ".", ms=3.2, color=RESULT, label=name_of(comparison.result.engine)
-        )
-        _mark_events(axes, found.rigid_shift, found.tangential_load, chosen)
-        axes.margins(0.1)
-        axes.legend(loc="best")
-        unit = _load_unit(comparison.result)
-        label_axes(axes, f"rigid shift U  [{_length_unit(comparison.result)}]", f"tangential load Q  [{unit}]")
+    compliance = _loop_compliance(expected)
+    load, length = _load_unit(comparison.result), _length_unit(comparison.result)
+    with canvas(7.0, 4.0) as figure:
+        plain, sheared = figure.subplots(1, 2, sharey=True)
+        figure.subplots_adjust(left=0.095, right=0.985, top=0.86, bottom=0.135, wspace=0.1)
+        for axes, slope in ((plain, 0.0), (sheared, compliance)):
+            for cycle, engine, style in (
+                (expected, comparison.reference.engine, BANDS[0]),
+                (found, comparison.result.engine, THIN[0]),
+            ):
+                shift = cycle.rigid_shift - slope * cycle.tangential_load
+                axes.plot(shift, cycle.tangential_load, label=name_of(engine), **style)
+            _mark_events(axes, found.rigid_shift - slope * found.tangential_load, found.tangential_load, chosen)
+            axes.margins(0.1)
+            axes.ticklabel_format(axis="x", scilimits=(-2, 3), useMathText=False)
+        legend_above(plain, columns=2)
+        label_axes(plain, f"rigid shift U  [{length}]", f"tangential load Q  [{load}]")
+        label_axes(sheared, f"U − k Q  [{length}]", "")
     return Drawing(
         "hysteresis",
         "Hysteresis loop",
-        "Shift of the upper body over the lower; the area of the loop is the dissipation of the cycle.",
-        "Tangential load over rigid shift for both engines.",
+        f"Left: shift of the upper body over the lower. Right: the same less its mean slope, k = {compliance:.4g} "
+        f"{length} per {load}, which leaves the area, the dissipation of the cycle, as it is.",
+        "Tangential load over rigid shift for both engines, as it is and sheared so that the loop opens.",
         figure,
         {
             "time": found.time,
@@ -196,6 +199,13 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
             "U_result": found.rigid_shift,
         },
     )
+
+
+def _loop_compliance(cycle: Cycle) -> float:
+    """Slope dU/dQ of the straight line through the loop, least squares; 0 where Q stands still."""
+    load = cycle.tangential_load - cycle.tangential_load.mean()
+    square = float(load @ load)
+    return float(load @ cycle.rigid_shift) / square if square > 0 else 0.0
 
 
 def energy(solution: ContactSolution) -> Drawing | None:
@@ -227,9 +237,7 @@ def certificates(solution: ContactSolution, checks: Sequence[Certificate]) -> Dr
         axes = figure.subplots()
         figure.subplots_adjust(left=0.085, right=0.985, top=0.80, bottom=0.13)
         for check, line, colour in zip(checks, _LINES * 3, _COLOURS * 3, strict=False):
-            axes.semilogy(
-                solution.time, np.maximum(check.series, _FLOOR), ls=line, color=colour, lw=1.1, label=check.name
-            )
+            axes.semilogy(solution.time, np.maximum(check.series, _FLOOR), ls=line, color=colour, lw=1.1, label=check.name)
         axes.axhline(LIMIT, color=QUIET, lw=1.0)
         axes.text(0.995, LIMIT, "limit", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=QUIET)
         _mark_cycles(axes, solution)

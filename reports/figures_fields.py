@@ -14,13 +14,16 @@ from numpy.typing import NDArray
 
 from reports.comparison import Comparison
 from reports.drawing import (
+    BANDS,
     DIFFERENCE,
     QUIET,
     REFERENCE,
     RESULT,
     STATE_COLOURS,
     STATE_NAMES,
+    THIN,
     Drawing,
+    Table,
     canvas,
     label_axes,
     legend_above,
@@ -47,10 +50,8 @@ def tractions(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
             inner = outer[place // columns, place % columns].subgridspec(2, 1, height_ratios=(2.2, 1), hspace=0.09)
             top = figure.add_subplot(inner[0], sharex=top, sharey=top)
             below = figure.add_subplot(inner[1], sharex=top, sharey=below)
-            _traction_panel(comparison, event, top, below, first=place % columns == 0)
-        assert top is not None
-        handles, labels = top.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="lower center", ncols=4)
+            _traction_panel(comparison, place + 1, event, top, below, first=place % columns == 0)
+        figure.legend(handles=[line for axes in (top, below) if axes for line in axes.lines], loc="lower center", ncols=6)
     return Drawing(
         "tractions",
         "Pressure and shear traction",
@@ -62,28 +63,27 @@ def tractions(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
     )
 
 
-def _traction_panel(comparison: Comparison, event: Event, top: Axes, below: Axes, *, first: bool) -> None:
+def _traction_panel(comparison: Comparison, number: int, event: Event, top: Axes, below: Axes, *, first: bool) -> None:
     expected, found, scales = comparison.expected, comparison.found, comparison.scales
     k, x = event.index, comparison.found.x / scales.half_width
     p0, p1 = expected.pressure[k] / scales.pressure, found.pressure[k] / scales.pressure
     q0, q1 = expected.shear[k] / scales.shear, found.shear[k] / scales.shear
     theirs, ours = name_of(comparison.reference.engine), name_of(comparison.result.engine)
-    top.plot(x, p0, "-", color=REFERENCE, label=f"p, {theirs}")
-    top.plot(x, q0, "--", color=REFERENCE, label=f"q, {theirs}")
-    top.plot(x, p1, ".", color=RESULT, ms=2.6, label=f"p, {ours}")
-    top.plot(x, q1, "x", color=RESULT, ms=2.8, mew=0.7, label=f"q, {ours}")
-    below.plot(x, 100 * (p1 - p0), "-", color=RESULT, lw=1.0)
-    below.plot(x, 100 * (q1 - q0), "--", color=RESULT, lw=1.0)
+    top.plot(x, p0, label=f"p, {theirs}", **BANDS[0])
+    top.plot(x, q0, label=f"q, {theirs}", **BANDS[1])
+    top.plot(x, p1, label=f"p, {ours}", **THIN[0])
+    top.plot(x, q1, label=f"q, {ours}", **THIN[1])
+    below.plot(x, 100 * (p1 - p0), "-", color=DIFFERENCE, lw=1.0, label="difference of p")
+    below.plot(x, 100 * (q1 - q0), "--", color=DIFFERENCE, lw=1.0, label="difference of q")
     reach = 1.08 * np.nanmax(np.abs(expected.contact_edges)) / scales.half_width
     top.set_xlim(-reach, reach)
     top.tick_params(labelbottom=False, labelleft=first)
     below.tick_params(labelleft=first)
-    at = f"{found.fraction[k]:.3f} of the cycle"
-    label_axes(top, "", "p/p_ref,  q/(f p_ref)" if first else "", f"{event.label}: {at}")
+    label_axes(top, "", "p/p_ref,  q/(f p_ref)" if first else "", f"{number}  {event.label}, at {found.fraction[k]:.3f}")
     label_axes(below, _X, "difference, %" if first else "")
 
 
-def _traction_table(comparison: Comparison, chosen: Sequence[Event]) -> dict[str, Array]:
+def _traction_table(comparison: Comparison, chosen: Sequence[Event]) -> Table:
     expected, found, scales = comparison.expected, comparison.found, comparison.scales
     rows = [event.index for event in chosen]
     points = len(found.x)
@@ -113,9 +113,7 @@ def state_map(comparison: Comparison, time: Array, time_label: str) -> Drawing:
         for axes, cycle, engine in ((left, expected, comparison.reference), (middle, found, comparison.result)):
             axes.pcolormesh(x_edges, t_edges, cycle.state[:, inside], cmap=colours, norm=norm, rasterized=True)
             label_axes(axes, _X, "", name_of(engine.engine))
-        right.pcolormesh(
-            x_edges, t_edges, differs, cmap=ListedColormap(["#ffffff", "#111111"]), vmin=0, vmax=1, rasterized=True
-        )
+        right.pcolormesh(x_edges, t_edges, differs, cmap=ListedColormap(["#ffffff", "#111111"]), vmin=0, vmax=1, rasterized=True)
         label_axes(right, _X, "", "where they differ (black)")
         left.set_ylabel(time_label)
         for axes in (left, middle, right):
@@ -153,8 +151,8 @@ def dissipation_density(comparison: Comparison) -> Drawing:
     with canvas(10.5, 4.2) as figure:
         top, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1))
         figure.subplots_adjust(left=0.085, right=0.985, top=0.92, bottom=0.12, hspace=0.1)
-        top.plot(x, theirs, color=REFERENCE, label=name_of(comparison.reference.engine))
-        top.plot(x, ours, ".", ms=3.2, color=RESULT, label=name_of(comparison.result.engine))
+        top.plot(x, theirs, label=name_of(comparison.reference.engine), **BANDS[0])
+        top.plot(x, ours, label=name_of(comparison.result.engine), **THIN[0])
         legend_above(top)
         below.plot(x, ours - theirs, color=DIFFERENCE, lw=1.0)
         reach = 1.12 * np.nanmax(np.abs(comparison.expected.contact_edges)) / scales.half_width
@@ -185,9 +183,7 @@ def mesh(comparison: Comparison, bodies: Sequence[Any]) -> Drawing:
         for axes, title in ((whole, "whole"), (zoom, "at the contact")):
             for body, colour, side in zip(bodies, (REFERENCE, RESULT), (1.0, -1.0), strict=True):
                 axes.add_collection(
-                    LineCollection(
-                        _sides(body.mesh) * (1.0, side) / half_width, colors=colour, lw=0.25, rasterized=True
-                    )
+                    LineCollection(list(_sides(body.mesh) * (1.0, side) / half_width), colors=colour, lw=0.25, rasterized=True)
                 )
             label_axes(axes, _X, "y / a_ref", title)
             axes.set_aspect("equal")
@@ -196,9 +192,7 @@ def mesh(comparison: Comparison, bodies: Sequence[Any]) -> Drawing:
         zoom.set_xlim(-1.6, 1.6)
         zoom.set_ylim(-1.6, 1.6)
     quality = {
-        f"{name} {key}": value
-        for name, body in zip(("lower", "upper"), bodies, strict=True)
-        for key, value in body.quality.items()
+        f"{name} {key}": value for name, body in zip(("lower", "upper"), bodies, strict=True) for key, value in body.quality.items()
     }
     return Drawing(
         "mesh",

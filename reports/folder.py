@@ -39,14 +39,11 @@ def claim(out: str | Path) -> Path:
     try:
         _staging(folder).rmdir()
     except OSError as reason:
-        raise InputError(
-            f"--out {out}: the folder can't be written to: {reason.strerror or reason}; name another"
-        ) from reason
+        raise InputError(f"--out {out}: the folder can't be written to: {reason.strerror or reason}; name another") from reason
     foreign = [name for name in ("report.html", "comparison.json") if (folder / name).exists()]
     if foreign and not _owned(folder):
         raise InputError(
-            f"--out {out}: {foreign[0]} is there already and halfplane did not write it; name another folder "
-            "or move it away"
+            f"--out {out}: {foreign[0]} is there already and halfplane did not write it; name another folder or move it away"
         )
     return folder
 
@@ -99,9 +96,7 @@ def _owned(folder: Path) -> list[str]:
         return []
     if not isinstance(stored, dict) or stored.get("written by") != "halfplane":
         return []
-    return [
-        str(name) for name in stored.get("files", []) if not Path(str(name)).is_absolute() and ".." not in str(name)
-    ]
+    return [str(name) for name in stored.get("files", []) if not Path(str(name)).is_absolute() and ".." not in str(name)]
 
 
 def _move(staging: Path, folder: Path) -> None:

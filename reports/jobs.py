@@ -40,9 +40,7 @@ def load_engines(stages: Stages) -> None:
             import_module("halfplane_fe")
             import_module("semi_analytic")
         except (ImportError, OSError) as reason:
-            raise InputError(
-                f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing"
-            ) from reason
+            raise InputError(f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing") from reason
 
 
 def solve_finite_elements(scene: Scene, options: FiniteElementOptions, stages: Stages) -> ContactSolution:
@@ -87,9 +85,7 @@ def run(
     with stages.stage("report"):
         from reports.writing import write
 
-        page = write(
-            comparison, out, vtu_instants=vtu_instants(vtu, comparison), command=command, seconds=dict(stages.seconds)
-        )
+        page = write(comparison, out, vtu_instants=vtu_instants(vtu, comparison), command=command, seconds=dict(stages.seconds))
     return Report(comparison, page, stages.seconds)
 
 

@@ -146,6 +146,14 @@ def state_disagreement(reference: Cycle, result: Cycle) -> Array:
     return _over((differs * length).sum(axis=1), (touching * length).sum(axis=1))
 
 
+def mean_over_time(series: Array, applies: NDArray[np.bool_], time: Array) -> float | None:
+    """Mean of `series` over `time` by the trapezoidal rule on the instants that apply; None if fewer than two do."""
+    if applies.sum() < 2:
+        return None
+    t = time[applies]
+    return float(np.trapezoid(series[applies], t) / (t[-1] - t[0]))
+
+
 def dissipation(expected: float, found: float, scale: float) -> tuple[float, bool]:
     """(W - W_ref)/W_ref and True; where W_ref is 0 (below 1e-12 of `scale` = A f^2 P_ref^2): W/scale and False.
 

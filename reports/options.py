@@ -8,7 +8,7 @@ from __future__ import annotations
 import shlex
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
@@ -30,9 +30,7 @@ class FiniteElementOptions:
     """How the finite-element side is cut and iterated; None leaves the engine's default."""
 
     element_size: Annotated[float | None, _option(_MESH, "Surface elements where the tractions are smooth.")] = None
-    edge_element_size: Annotated[
-        float | None, _option(_MESH, "Surface elements where the contact and stick edges travel.")
-    ] = None
+    edge_element_size: Annotated[float | None, _option(_MESH, "Surface elements where the contact and stick edges travel.")] = None
     far_radius: Annotated[float | None, _option(_MESH, "Radius of the half-disc that stands for a half-plane.")] = None
     growth: Annotated[float | None, _option(_MESH, "Growth of the elements away from the contact.")] = None
     order: Annotated[int | None, _option(_MESH, "Order of the elements, 1 or 2.")] = None
@@ -40,9 +38,7 @@ class FiniteElementOptions:
         Literal["augmented_lagrangian", "penalty"] | None,
         _option(_SOLVER, "The contact law met exactly, or an elastic layer between the faces."),
     ] = None
-    steps_per_cycle: Annotated[int | None, _option(_SOLVER, "Steps of a revolution; turning points come on top.")] = (
-        None
-    )
+    steps_per_cycle: Annotated[int | None, _option(_SOLVER, "Steps of a revolution; turning points come on top.")] = None
     normal_stiffness: Annotated[float | None, _option(_SOLVER, "Of the penalty layer, over E*/h.")] = None
     tangential_stiffness: Annotated[float | None, _option(_SOLVER, "Of the penalty layer, over E*/h.")] = None
     max_iterations: Annotated[int | None, _option(_SOLVER, "Of one step, before it counts as not converged.")] = None
@@ -68,5 +64,5 @@ class FiniteElementOptions:
             words += [f"--{name.replace('_', '-')}", str(value)]
         return shlex.join([*words, "--out", str(out), *(["--vtu", *vtu] if vtu else [])])
 
-    def _given(self) -> dict[str, object]:
+    def _given(self) -> dict[str, Any]:
         return {name: value for name, value in asdict(self).items() if value is not None}

@@ -124,6 +124,21 @@ def _engine(solution: ContactSolution) -> dict[str, Any]:
         "steps": len(solution.time),
         "points": len(solution.x),
         "work": solution.work,
-        "settings": solution.settings,
+        "settings": flat(solution.settings),
         "versions": solution.versions,
     }
+
+
+def flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
+    """Nested settings as one list, names joined by dots, numbers to six digits.
+
+    >>> flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
+    {'mesh.order': '2', 'element_size': '0.0144203'}
+    """
+    found: dict[str, str] = {}
+    for name, value in settings.items():
+        if isinstance(value, Mapping):
+            found |= flat(value, f"{above}{name}.")
+        else:
+            found[above + name] = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +58,7 @@ def last_cycle(solution: ContactSolution) -> Cycle:
             f"{solution.time[-1]:.6g}); solve at least one revolution"
         )
     time = solution.time[steps]
-    picked = {name: freeze(getattr(solution, name)[steps]) for name in (*FIELDS, *EDGES, *SERIES)}
+    picked: dict[str, Any] = {name: freeze(getattr(solution, name)[steps]) for name in (*FIELDS, *EDGES, *SERIES)}
     return Cycle(
         time=freeze(time),
         fraction=freeze((time - time[0]) / (time[-1] - time[0])),
@@ -104,13 +105,10 @@ def _refuse_cut_contact(cycle: Cycle, like: Cycle, engine: str) -> None:
 def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
     error = {name: _halving(cycle.fraction, getattr(cycle, name)) for name in (*FIELDS, *EDGES)}
     nearest = np.abs(cycle.fraction[:, None] - like.fraction).argmin(axis=0)
-    linear = {
-        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name)))
-        for name in (*FIELDS, *EDGES, *SERIES)
+    linear: dict[str, Any] = {
+        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name))) for name in (*FIELDS, *EDGES, *SERIES)
     }
-    return replace(
-        cycle, time=like.time, fraction=like.fraction, state=freeze(cycle.state[nearest], np.int8), **linear
-    ), error
+    return replace(cycle, time=like.time, fraction=like.fraction, state=freeze(cycle.state[nearest], np.int8), **linear), error
 
 
 def _at_points(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
@@ -118,7 +116,7 @@ def _at_points(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
     error = {name: _halving(cycle.x, getattr(cycle, name).T) for name in names}
     nearest = np.abs(cycle.x[:, None] - like.x).argmin(axis=0)
     state = np.where((like.x < cycle.x[0]) | (like.x > cycle.x[-1]), 0, cycle.state[:, nearest])
-    linear = {name: freeze(_linear(like.x, cycle.x, getattr(cycle, name).T).T) for name in names}
+    linear: dict[str, Any] = {name: freeze(_linear(like.x, cycle.x, getattr(cycle, name).T).T) for name in names}
     return replace(cycle, x=like.x, state=freeze(state, np.int8), **linear), error
 
 

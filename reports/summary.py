@@ -18,9 +18,7 @@ from scenes import ContactSolution
 
 def as_json(comparison: Comparison, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
     """The comparison as JSON text; what is not finite becomes null, its metric says "finite": false."""
-    return json.dumps(
-        strict(_content(comparison, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False
-    )
+    return json.dumps(strict(_content(comparison, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False)
 
 
 def strict(value: Any) -> Any:
@@ -67,9 +65,7 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),
-        "polygon_reference": solution_content(comparison.polygon_reference, ())
-        if comparison.polygon_reference
-        else None,
+        "polygon_reference": solution_content(comparison.polygon_reference, ()) if comparison.polygon_reference else None,
         "interpolation": comparison.expected.interpolation,
         "notes": comparison.notes,
         "seconds": seconds,

@@ -105,8 +105,9 @@ def through_the_cycle(expected: Cycle, found: Cycle, scales: Scales, result: Con
             "state",
             "Stick/slip map",
             "of the length in contact",
-            *worst(state, touching, time),
-            "share of the length in contact whose state (open, stick, forward or reverse slip) differs",
+            metrics.mean_over_time(state, touching, time),
+            None,
+            "share of the length in contact whose state (open, stick, forward or reverse slip) differs, mean over the cycle",
             series=state,
         ),
         _shift_metric(expected, found, scales, touching),
@@ -130,11 +131,7 @@ def _edge_metric(
         theirs, ours = (metrics.stick_status(cycle, scales.half_width) for cycle in (expected, found))
         applies = touching & (theirs != 0) & (ours != 0)
         differing = int((theirs != ours).sum())
-        note = (
-            f"{differing} of {len(theirs)} instants differ in full stick, partial slip or full slip"
-            if differing
-            else ""
-        )
+        note = f"{differing} of {len(theirs)} instants differ in full stick, partial slip or full slip" if differing else ""
     value, time = worst(series, applies, found.time)
     if value is None and differing:
         value, note = float("nan"), f"no instant has a stick edge in both: {note}"
@@ -177,7 +174,9 @@ def of_the_cycle(
 ) -> tuple[Metric, ...]:
     """The metrics that are one figure for the whole cycle."""
     tolerance, scale = result.scene.tolerances.dissipation, scales.dissipation
-    against = [("dissipation", "Dissipation", reference, result, tolerance, "W less W_ref, both of the last cycle")]
+    against: list[tuple[str, str, ContactSolution, ContactSolution, float | None, str]] = [
+        ("dissipation", "Dissipation", reference, result, tolerance, "W less W_ref, both of the last cycle")
+    ]
     if polygon_reference:
         against += [
             (

@@ -9,10 +9,7 @@ from reports.drawing import name_of
 from reports.verdicts import Metric
 from scenes import EllipseLoad, FlatRounded, Hertz, Scene
 
-CLAIM = (
-    "Code verification of each engine plus assessment of the half-plane idealisation; "
-    "two codes agreeing is not validation."
-)
+CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
 
 
 def units(scene: Scene) -> tuple[str, str, str]:

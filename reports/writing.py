@@ -12,7 +12,7 @@ from reports.folder import filled
 from reports.instants import events
 from reports.page import render
 from reports.summary import as_json
-from scenes import InputError
+from scenes import ContactSolution, InputError
 
 
 def write(
@@ -38,8 +38,6 @@ def write(
     InputError
         If the folder can't be written to, or VTU is asked of a result without bodies.
     """
-    if vtu_instants and not getattr(comparison.result, "bodies", ()):
-        raise InputError(f"--vtu: {comparison.result.engine} has no bodies to write; leave the option out")
     with filled(out) as folder:
         drawings = draw(comparison)
         (folder / "figures").mkdir()
@@ -50,7 +48,7 @@ def write(
         (folder / "scene.json").write_text(comparison.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
         (folder / "comparison.json").write_text(as_json(comparison, command, seconds) + "\n", encoding="utf-8")
         if vtu_instants:
-            _write_fields(comparison, folder / "fields", vtu_instants)
+            _write_fields(comparison.result, folder / "fields", vtu_instants)
         page = render(comparison, drawings, command, seconds or {})
         (folder / "report.html").write_text(page, encoding="utf-8")
     return Path(out) / "report.html"
@@ -79,12 +77,14 @@ def draw(comparison: Comparison) -> tuple[Drawing, ...]:
     return tuple(drawing for drawing in drawings if drawing)
 
 
-def _write_fields(comparison: Comparison, folder: Path, instants: Sequence[float]) -> None:
+def _write_fields(result: ContactSolution, folder: Path, instants: Sequence[float]) -> None:
     import halfplane_fe
     import meshes
 
+    if not isinstance(result, halfplane_fe.FiniteElementSolution):
+        raise InputError(f"--vtu: {result.engine} has no bodies to write; leave the option out")
     folder.mkdir()
-    for number, snapshot in enumerate(halfplane_fe.fields(comparison.result, instants)):
+    for number, snapshot in enumerate(halfplane_fe.fields(result, instants)):
         for body in snapshot.bodies:
             data = {"displacement": body.displacement, "stress": body.stress, "von_mises": body.von_mises}
             meshes.write_vtu(folder / f"{body.name}_{number:03d}.vtu", body.points, body.triangles, data)
