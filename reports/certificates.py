@@ -39,6 +39,11 @@ class Certificate:
     limit: float = LIMIT
 
     @property
+    def label(self) -> str:
+        """Name and source: the same law may be seen in both."""
+        return f"{self.name} ({self.source})"
+
+    @property
     def holds(self) -> bool:
         """Whether the law is obeyed; a NaN does not hold."""
         return bool(self.value <= self.limit)
@@ -47,9 +52,9 @@ class Certificate:
 def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     """Every certificate of `solution`: from its fields first, then from its record."""
     from_fields = {
-        "no tension": _tension(solution),
-        "inside the friction cone": _cone(solution),
-        "loads as asked": _loads(solution),
+        "tension": _tension(solution),
+        "cone": _cone(solution),
+        "loads": _loads(solution),
     }
     return tuple(
         _certificate(name, source, np.abs(np.asarray(series, dtype=float)), solution.time)

@@ -91,13 +91,13 @@ def _not_converged(failure: ConvergenceError, scene: Scene, folder: Path) -> int
 
 
 def _show_verdict(comparison: Comparison) -> None:
-    from reports.wording import accuracy_of, tolerance_of, value_of, verdict
+    from reports.wording import accuracy_of, tolerance_of, unit_of, value_of, verdict
 
     scene = comparison.scene
     show_table(
         scene.title or scene.name,
         ("metric", "discrepancy", "as a share", "tolerance", "accurate"),
-        [(m.label, value_of(m), m.unit, tolerance_of(m), accuracy_of(m)) for m in comparison.metrics],
+        [(m.label, value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in comparison.metrics],
         right=(1, 3),
     )
     say(verdict(comparison))

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from reports import metrics
 from reports.certificates import Certificate, certificates
-from reports.metrics import Scales
-from reports.sampling import Cycle, last_cycle, sample
-from reports.verdicts import Metric, of_the_cycle, through_the_cycle
+from reports.definitions import name_of
+from reports.metrics import scales
+from reports.sampling import last_cycle, sample
+from reports.verdicts import LIGHT, Metric, Pair, judge
 from scenes import ContactSolution, InputError, Scene
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(Pair):
     """Reference and result side by side, with the verdict.
 
     Attributes
@@ -28,12 +29,6 @@ class Comparison:
     notes : everything that a reader must not miss
     """
 
-    reference: ContactSolution
-    result: ContactSolution
-    polygon_reference: ContactSolution | None
-    scales: Scales
-    expected: Cycle
-    found: Cycle
     metrics: tuple[Metric, ...]
     reference_certificates: tuple[Certificate, ...]
     result_certificates: tuple[Certificate, ...]
@@ -91,21 +86,13 @@ def compare(reference: ContactSolution, result: ContactSolution, *, polygon_refe
         _refuse_other_question(other, result)
     found = last_cycle(result)
     expected = sample(last_cycle(reference), found, reference.engine)
-    scales = metrics.scales(reference)
+    pair = Pair(reference, result, polygon_reference, scales(reference), expected, found)
     return Comparison(
-        reference=reference,
-        result=result,
-        polygon_reference=polygon_reference,
-        scales=scales,
-        expected=expected,
-        found=found,
-        metrics=(
-            *through_the_cycle(expected, found, scales, result),
-            *of_the_cycle(reference, result, polygon_reference, expected, found, scales),
-        ),
+        **vars(pair),
+        metrics=judge(pair),
         reference_certificates=certificates(reference),
         result_certificates=certificates(result),
-        notes=_notes(reference, result, expected),
+        notes=tuple(_notes(pair)),
     )
 
 
@@ -119,20 +106,26 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
             )
 
 
-def _notes(reference: ContactSolution, result: ContactSolution, expected: Cycle) -> tuple[str, ...]:
-    notes: list[str] = []
-    if expected.interpolation:
-        errors = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in expected.interpolation.items())
-        notes.append(
-            f"The reference is not on the result's points and instants and was interpolated; error of the "
-            f"interpolation, at most, over the largest value: {errors}."
+def _notes(pair: Pair) -> Iterator[str]:
+    """What a reader must not miss, as sentences."""
+    if pair.expected.interpolation:
+        errors = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in pair.expected.interpolation.items())
+        yield (
+            "The reference is not on the result's points and instants and was interpolated; error of the interpolation, "
+            f"at most, over the largest value: {errors}."
         )
-    for solution in (reference, result):
+    if light := int((pair.touching & ~pair.judged).sum()):
+        yield (
+            f"{light} of {int(pair.touching.sum())} instants carry less than {LIGHT:g} P_ref; they are shown and not judged, "
+            "for a contact of a few elements has no relative error worth the name."
+        )
+    periodic = pair.result.scene.load.path().period is not None
+    for solution in (pair.reference, pair.result):
+        name = name_of(solution.engine)
         if not solution.record.converged:
-            notes.append(f"{solution.engine} did not converge: {solution.record.message}")
-        if solution.steady_from is None and solution.scene.load.path().period is not None:
-            notes.append(f"{solution.engine}: no cycle repeats yet, so the last cycle still holds some of the way in.")
-        notes.extend(f"{solution.engine}: {note}" for note in solution.record.notes)
-    if not result.scene.friction.coefficient:
-        notes.append("Frictionless scene: shear and dissipation are over p and A P^2, without f.")
-    return tuple(notes)
+            yield f"{name}: not converged: {solution.record.message}"
+        if solution.steady_from is None and periodic:
+            yield f"{name}: no cycle repeats yet, so the last cycle still holds some of the way in."
+        yield from (f"{name}: {note}" for note in solution.record.notes)
+    if not pair.result.scene.friction.coefficient:
+        yield "Frictionless scene: shear and dissipation are over p and A P², without f."

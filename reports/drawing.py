@@ -27,6 +27,8 @@ BANDS: tuple[dict[str, Any], ...] = tuple(
     {"color": colour, "lw": 3.6, "solid_capstyle": "butt"} for colour in (REFERENCE, "#F0C75E")
 )
 THIN: tuple[dict[str, Any], ...] = tuple({"color": RESULT, "lw": 0.9, "ls": line} for line in ("-", "--"))
+LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#333333", "#56B4E9")
 STATE_COLOURS = {
     SurfaceState.OPEN: "#f7f7f7",
     SurfaceState.STICK: "#c4c4c4",
@@ -39,7 +41,6 @@ STATE_NAMES = {
     SurfaceState.SLIP_FORWARD: "forward slip",
     SurfaceState.SLIP_REVERSE: "reverse slip",
 }
-ENGINE_NAMES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
 STYLE: dict[Any, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
@@ -115,11 +116,6 @@ def canvas(width: float, height: float) -> Generator[Figure, None, None]:
     """A figure of `width` by `height` inches in the common style."""
     with mpl.rc_context(STYLE):
         yield Figure(figsize=(width, height))
-
-
-def name_of(engine: str) -> str:
-    """What an engine is called on the page."""
-    return ENGINE_NAMES.get(engine, engine)
 
 
 def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:

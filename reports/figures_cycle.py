@@ -1,4 +1,4 @@
-"""Figures through time and in the plane of the loads: half-widths, hysteresis, errors, energy, certificates."""
+"""Figures through time and in the plane of the loads: half-widths, errors, load path, hysteresis."""
 
 from __future__ import annotations
 
@@ -8,28 +8,26 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from reports.certificates import LIMIT, Certificate
 from reports.comparison import Comparison
+from reports.definitions import name_of
 from reports.drawing import (
     BANDS,
+    COLOURS,
     DIFFERENCE,
+    LINES,
     QUIET,
     THIN,
     Drawing,
     canvas,
     label_axes,
     legend_above,
-    name_of,
 )
 from reports.instants import Event
 from reports.sampling import Cycle
+from reports.wording import load_unit, units
 from scenes import ContactSolution
 
 Array = NDArray[np.float64]
-# A violation of exactly 0 has no place on a logarithmic axis: it is drawn on the floor.
-_FLOOR = 1e-18
-_LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#333333", "#56B4E9")
 
 
 def half_widths(comparison: Comparison, time: Array, time_label: str) -> Drawing:
@@ -80,7 +78,7 @@ def errors(comparison: Comparison, time: Array, time_label: str) -> Drawing:
     with canvas(10.5, 3.4) as figure:
         axes = figure.subplots()
         figure.subplots_adjust(left=0.085, right=0.985, top=0.88, bottom=0.14)
-        for metric, line, colour in zip(shown, _LINES, _COLOURS, strict=False):
+        for metric, line, colour in zip(shown, LINES, COLOURS, strict=False):
             size = np.abs(np.asarray(metric.series)) / (metric.tolerance or 1.0)
             axes.plot(time, size, ls=line, color=colour, label=metric.label)
         axes.axhline(1.0, color=QUIET, lw=1.0)
@@ -109,7 +107,7 @@ def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) 
     normal, tangential = path.at(time)
     with canvas(4.2, 4.0) as figure:
         axes = figure.subplots()
-        figure.subplots_adjust(left=0.17, right=0.97, top=0.86, bottom=0.135)
+        figure.subplots_adjust(left=0.17, right=0.97, top=0.92, bottom=0.125)
         top = 1.08 * float(normal.max())
         if friction:
             axes.plot([0, top], [0, friction * top], color=QUIET, lw=0.9, ls=":", label="|Q| = f P")
@@ -121,7 +119,7 @@ def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) 
         reach = 1.25 * max(float(np.abs(tangential).max()), 0.15 * top)
         axes.set_xlim(0, top)
         axes.set_ylim(min(-0.3 * reach, 1.25 * float(tangential.min())), reach)
-        label_axes(axes, f"normal load P  [{_load_unit(solution)}]", f"tangential load Q  [{_load_unit(solution)}]")
+        label_axes(axes, f"normal load P  [{load_unit(solution.scene)}]", f"tangential load Q  [{load_unit(solution.scene)}]")
         legend_above(axes, columns=3)
     return Drawing(
         "load_path",
@@ -155,23 +153,14 @@ def _mark_events(axes: Axes, horizontal: Array, vertical: Array, chosen: Sequenc
         )
 
 
-def _load_unit(solution: ContactSolution) -> str:
-    force, length = (*[part.strip() for part in solution.scene.units.split(",")], "", "")[:2]
-    return f"{force}/{length}" if force and length else "force per thickness"
-
-
-def _length_unit(solution: ContactSolution) -> str:
-    return (*[part.strip() for part in solution.scene.units.split(",")], "", "")[1] or "length"
-
-
 def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
     """Tangential load over rigid shift in the last cycle, both engines; beside it sheared, so that the loop opens."""
     expected, found = comparison.expected, comparison.found
     compliance = _loop_compliance(expected)
-    load, length = _load_unit(comparison.result), _length_unit(comparison.result)
+    load, length = load_unit(comparison.scene), units(comparison.scene)[1]
     with canvas(7.0, 4.0) as figure:
         plain, sheared = figure.subplots(1, 2, sharey=True)
-        figure.subplots_adjust(left=0.095, right=0.985, top=0.86, bottom=0.135, wspace=0.1)
+        figure.subplots_adjust(left=0.095, right=0.985, top=0.92, bottom=0.125, wspace=0.1)
         for axes, slope in ((plain, 0.0), (sheared, compliance)):
             for cycle, engine, style in (
                 (expected, comparison.reference.engine, BANDS[0]),
@@ -206,58 +195,3 @@ def _loop_compliance(cycle: Cycle) -> float:
     load = cycle.tangential_load - cycle.tangential_load.mean()
     square = float(load @ load)
     return float(load @ cycle.rigid_shift) / square if square > 0 else 0.0
-
-
-def energy(solution: ContactSolution) -> Drawing | None:
-    """Every energy that the engine recorded, over the whole path; None if it recorded none."""
-    recorded = solution.record.energy
-    if not recorded:
-        return None
-    with canvas(10.5, 3.4) as figure:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.085, right=0.985, top=0.86, bottom=0.14)
-        for (name, series), line, colour in zip(recorded.items(), _LINES * 3, _COLOURS * 3, strict=False):
-            axes.plot(solution.time, series, ls=line, color=colour, label=name.replace("_", " "))
-        _mark_cycles(axes, solution)
-        legend_above(axes, columns=6)
-        label_axes(axes, "time", f"energy per thickness  [{_load_unit(solution)}·{_length_unit(solution)}]")
-    return Drawing(
-        "energy",
-        f"Energy, {name_of(solution.engine)}",
-        "Energies over the whole path, per unit thickness; the balance between them is one of the certificates.",
-        "Energies over time.",
-        figure,
-        {"time": solution.time} | dict(recorded),
-    )
-
-
-def certificates(solution: ContactSolution, checks: Sequence[Certificate]) -> Drawing:
-    """Violation of each law of contact at each instant of the whole path."""
-    with canvas(10.5, 3.8) as figure:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.085, right=0.985, top=0.80, bottom=0.13)
-        for check, line, colour in zip(checks, _LINES * 3, _COLOURS * 3, strict=False):
-            axes.semilogy(solution.time, np.maximum(check.series, _FLOOR), ls=line, color=colour, lw=1.1, label=check.name)
-        axes.axhline(LIMIT, color=QUIET, lw=1.0)
-        axes.text(0.995, LIMIT, "limit", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=QUIET)
-        _mark_cycles(axes, solution)
-        legend_above(axes, columns=5)
-        label_axes(axes, "time", "violation, dimensionless")
-    return Drawing(
-        f"certificates_{solution.engine}",
-        f"Certificates, {name_of(solution.engine)}",
-        f"How far each law of contact is violated; exact zeros are drawn at {_FLOOR:g}.",
-        "Violations of the laws of contact over time on a logarithmic axis.",
-        figure,
-        {"time": solution.time} | {check.name: check.series for check in checks},
-    )
-
-
-def _mark_cycles(axes: Axes, solution: ContactSolution) -> None:
-    """A thin line where each cycle starts."""
-    path = solution.scene.load.path()
-    if path.period is None:
-        return
-    starts = np.arange(path.cycle_start, solution.time[-1] + 1e-9 * path.period, path.period)
-    for start in starts:
-        axes.axvline(start, color="#bbbbbb", lw=0.8, zorder=0)

@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from reports.comparison import Comparison
+from reports.definitions import name_of
 from reports.drawing import (
     BANDS,
     DIFFERENCE,
@@ -27,7 +28,6 @@ from reports.drawing import (
     canvas,
     label_axes,
     legend_above,
-    name_of,
 )
 from reports.instants import Event
 from scenes import SurfaceState
@@ -42,7 +42,7 @@ def tractions(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
     rows = -(-len(chosen) // columns)
     with canvas(10.5, 3.9 * rows + 0.3) as figure:
         outer = figure.add_gridspec(
-            rows, columns, left=0.07, right=0.985, bottom=0.22 / rows, top=1 - 0.15 / rows, wspace=0.16, hspace=0.28
+            rows, columns, left=0.06, right=0.99, bottom=0.24 / rows, top=1 - 0.07 / rows, wspace=0.16, hspace=0.28
         )
         top: Axes | None = None
         below: Axes | None = None

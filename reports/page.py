@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from reports.certificates import Certificate
 from reports.comparison import Comparison
-from reports.drawing import Drawing, name_of
+from reports.definitions import name_of
+from reports.drawing import Drawing
 from reports.metrics import loop_work
-from reports.wording import CLAIM, accuracy_of, question, tolerance_of, units, value_of, verdict
+from reports.wording import CLAIM, accuracy_of, percent, question, tolerance_of, unit_of, units, value_of, verdict
 from scenes import ContactSolution
 
 
@@ -39,6 +40,8 @@ def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, se
         figures={drawing.name: drawing for drawing in drawings},
         engines=[_engine(comparison.reference), _engine(comparison.result)],
         command=command,
+        sentence=_sentence,
+        step_errors=list(_step_errors(comparison)),
         seconds=seconds,
     )
 
@@ -49,11 +52,11 @@ def _rows(comparison: Comparison) -> list[dict[str, str]]:
         {
             "label": metric.label,
             "value": value_of(metric),
-            "unit": metric.unit,
+            "unit": unit_of(metric),
             "tolerance": tolerance_of(metric),
             "accurate": accuracy_of(metric),
             "when": "" if metric.time is None else f"{metric.time:.4g}",
-            "definition": metric.definition,
+            "definition": metric.definition.text,
             "note": metric.note,
         }
         for metric in comparison.metrics
@@ -108,6 +111,24 @@ def _dissipations(comparison: Comparison) -> list[dict[str, Any]]:
             },
         )
     return rows
+
+
+def _sentence(text: str) -> str:
+    """`text` with a full stop."""
+    return text if text.endswith((".", "!", "?")) else f"{text}."
+
+
+def _step_errors(comparison: Comparison) -> Iterator[str]:
+    """What friction work at the end of each step would be instead of the mean of the step: the step's own error."""
+    for solution in (comparison.reference, comparison.result):
+        energy = solution.record.energy
+        if {"interface", "end_of_step"} <= energy.keys() and solution.dissipation > 0:
+            steps = solution.last_cycle[1:]
+            excess = float((energy["end_of_step"] - energy["interface"])[steps].sum()) / solution.dissipation
+            yield (
+                f"{name_of(solution.engine).capitalize()}: with the tractions at the end of each step instead of their mean "
+                f"the interface work of the cycle would differ by {percent(excess)} of W."
+            )
 
 
 def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:

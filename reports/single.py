@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from reports.certificates import certificates
-from reports.drawing import name_of, table_text
+from reports.definitions import name_of
+from reports.drawing import table_text
 from reports.folder import filled
 from reports.metrics import loop_work
 from reports.sampling import last_cycle
@@ -24,7 +25,7 @@ def is_admissible(solution: ContactSolution) -> bool:
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """What a person wants to know first, as (quantity, value)."""
     checks = certificates(solution)
-    broken = [f"{check.name} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
+    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
     rows = [
         ("engine", name_of(solution.engine)),
         ("how it ended", solution.record.message),

@@ -85,7 +85,7 @@ def _metric(metric: Metric) -> dict[str, Any]:
         "honest": None,
         "worst_at": metric.time,
         "elements": metric.elements,
-        "definition": metric.definition,
+        "definition": metric.definition.text,
         "note": metric.note,
         "series": metric.series,
     }
@@ -105,7 +105,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "message": record.message,
         "notes": record.notes,
         "certificates": {
-            f"{check.name} ({check.source})": {
+            check.label: {
                 "value": check.value,
                 "limit": check.limit,
                 "holds": check.holds,

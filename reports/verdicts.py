@@ -1,18 +1,46 @@
-"""The table of verdicts: every metric with its tolerance, its worst instant and its definition."""
+"""Every metric with its value, its worst instant and its tolerance."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reports import metrics
+from reports.definitions import DEFINITIONS, Definition
 from reports.metrics import Scales
 from reports.sampling import Cycle
 from scenes import ContactSolution
 
 Array = NDArray[np.float64]
+
+# Instants with less than this share of P_ref are shown and not judged: on its way from or to the unloaded state a contact
+# passes through sizes of a few elements and of one, where an error relative to its own traction measures the mesh only.
+LIGHT = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Reference and result, the one put on the other's points and instants: see `Comparison` for the names."""
+
+    reference: ContactSolution
+    result: ContactSolution
+    polygon_reference: ContactSolution | None
+    scales: Scales
+    expected: Cycle
+    found: Cycle
+
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        """(k,) instants at which either carries pressure (a NaN counts as pressure: it must not hide)."""
+        return (self.expected.pressure != 0).any(axis=1) | (self.found.pressure != 0).any(axis=1)
+
+    @property
+    def judged(self) -> NDArray[np.bool_]:
+        """(k,) instants that a verdict is taken from."""
+        return self.touching & (self.expected.normal_load >= LIGHT * self.scales.normal_load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,26 +49,40 @@ class Metric:
 
     Attributes
     ----------
-    key, label, unit : "shear", "Shear traction", "f ||p||": what the value is a share of
-    value : the worst of the last cycle, signed where a sign has a meaning; None where there is nothing to compare;
+    definition : its words
+    value : of the last cycle, the worst where there is one at every instant; None where there is nothing to compare;
         not finite where the data is not
-    tolerance : largest admitted |value|; None where the scene states none
     time : instant of the worst value; None for a figure of the whole cycle
+    tolerance : largest admitted |value|; None where the scene states none
     series : (k,) values at the instants of the last cycle (NaN: nothing to compare), or None
-    definition, note : what exactly was computed; what a reader must not miss
+    note : what a reader must not miss
     elements : value in local element sizes of the result, where it states one
+    absolute : whether the value is in the definition's absolute unit, the reference's own figure being 0
     """
 
-    key: str
-    label: str
-    unit: str
+    definition: Definition
     value: float | None
-    time: float | None
-    definition: str
+    time: float | None = None
     tolerance: float | None = None
     series: Array | None = None
     note: str = ""
     elements: float | None = None
+    absolute: bool = False
+
+    @property
+    def key(self) -> str:
+        """Name for programs."""
+        return self.definition.key
+
+    @property
+    def label(self) -> str:
+        """Name for people."""
+        return self.definition.label
+
+    @property
+    def unit(self) -> str:
+        """What the value is a share of, or its unit."""
+        return self.definition.absolute_unit if self.absolute else self.definition.unit
 
     @property
     def accurate(self) -> bool | None:
@@ -48,6 +90,11 @@ class Metric:
         if self.tolerance is None or self.value is None:
             return None
         return bool(abs(self.value) <= self.tolerance)
+
+
+def judge(pair: Pair) -> tuple[Metric, ...]:
+    """Every metric, in the order of the table."""
+    return (*_through_the_cycle(pair), *_of_the_cycle(pair))
 
 
 def worst(series: Array, applies: NDArray[np.bool_], time: Array) -> tuple[float | None, float | None]:
@@ -63,204 +110,103 @@ def worst(series: Array, applies: NDArray[np.bool_], time: Array) -> tuple[float
     return float(series[place]), float(time[place])
 
 
-def through_the_cycle(expected: Cycle, found: Cycle, scales: Scales, result: ContactSolution) -> tuple[Metric, ...]:
-    """The metrics that have a value at every instant, each with the worst one."""
-    tolerances, time = result.scene.tolerances, found.time
-    touching = (expected.pressure != 0).any(axis=1) | (found.pressure != 0).any(axis=1)
-    peak = metrics.peak_pressure(expected, found)
-    pressure = metrics.pressure(expected, found)
-    shear = metrics.shear(expected, found, scales.friction)
+def _tolerance(pair: Pair, key: str) -> float | None:
+    return getattr(pair.result.scene.tolerances, key, None)
+
+
+def _worst_metric(pair: Pair, key: str, series: Array, applies: NDArray[np.bool_] | None = None) -> Metric:
+    value, time = worst(series, pair.judged if applies is None else applies, pair.found.time)
+    return Metric(DEFINITIONS[key], value, time, _tolerance(pair, key), series)
+
+
+def _through_the_cycle(pair: Pair) -> Iterator[Metric]:
+    """The metrics that have a value at every instant."""
+    expected, found = pair.expected, pair.found
+    yield _worst_metric(pair, "peak_pressure", metrics.peak_pressure(expected, found))
+    yield _worst_metric(pair, "pressure", metrics.pressure(expected, found))
+    yield _worst_metric(pair, "shear", metrics.shear(expected, found, pair.scales.friction))
+    yield _contact_edge(pair)
+    yield _stick_edge(pair)
     state = metrics.state_disagreement(expected, found)
-    return (
-        Metric(
-            "peak_pressure",
-            "Peak pressure",
-            "of the reference's peak",
-            *worst(peak, touching, time),
-            "largest p less largest p_ref, over largest p_ref; both over the same points",
-            tolerances.peak_pressure,
-            peak,
-        ),
-        Metric(
-            "pressure",
-            "Pressure, L2",
-            "of ‖p‖",
-            *worst(pressure, touching, time),
-            "L2 norm over x of p less p_ref, over the norm of p_ref",
-            tolerances.pressure,
-            pressure,
-        ),
-        Metric(
-            "shear",
-            "Shear traction, L2",
-            "of f ‖p‖",
-            *worst(shear, touching, time),
-            "L2 norm over x of q less q_ref, over f times the norm of p_ref",
-            tolerances.shear,
-            shear,
-        ),
-        _edge_metric("contact_edge", "Contact edge", expected, found, scales, result, touching),
-        _edge_metric("stick_edge", "Stick edge", expected, found, scales, result, touching),
-        Metric(
-            "state",
-            "Stick/slip map",
-            "of the length in contact",
-            metrics.mean_over_time(state, touching, time),
-            None,
-            "share of the length in contact whose state (open, stick, forward or reverse slip) differs, mean over the cycle",
-            series=state,
-        ),
-        _shift_metric(expected, found, scales, touching),
-    )
+    yield Metric(DEFINITIONS["state"], metrics.mean_over_time(state, pair.touching, found.time), series=state)
+    shift = metrics.rigid_shift(expected, found, pair.scales.shift)
+    moves = bool(np.ptp(expected.rigid_shift) > 1e-12 * pair.scales.shift)
+    yield _worst_metric(pair, "rigid_shift", shift, pair.judged & moves)
 
 
-def _edge_metric(
-    key: str,
-    label: str,
-    expected: Cycle,
-    found: Cycle,
-    scales: Scales,
-    result: ContactSolution,
-    touching: NDArray[np.bool_],
-) -> Metric:
-    """The worse edge, in a_ref and in elements; stick edges only where both have them."""
-    edges = "contact_edges" if key == "contact_edge" else "stick_edges"
-    series = metrics.edge(getattr(expected, edges), getattr(found, edges), scales.half_width)
-    applies, note, differing = touching, "", 0
-    if key == "stick_edge":
-        theirs, ours = (metrics.stick_status(cycle, scales.half_width) for cycle in (expected, found))
-        applies = touching & (theirs != 0) & (ours != 0)
-        differing = int((theirs != ours).sum())
-        note = f"{differing} of {len(theirs)} instants differ in full stick, partial slip or full slip" if differing else ""
-    value, time = worst(series, applies, found.time)
-    if value is None and differing:
-        value, note = float("nan"), f"no instant has a stick edge in both: {note}"
-    size = result.settings.get("element_size")
+def _elements(pair: Pair, value: float | None) -> float | None:
+    """An edge's shift in local element sizes of the result, which it states as `settings["element_size"]` [length]."""
+    size = pair.result.settings.get("element_size")
+    return value * pair.scales.half_width / float(size) if size and value is not None else None
+
+
+def _contact_edge(pair: Pair) -> Metric:
+    series = metrics.edge(pair.expected.contact_edges, pair.found.contact_edges, pair.scales.half_width)
+    value, time = worst(series, pair.judged, pair.found.time)
     return Metric(
-        key,
-        label,
-        "of a_ref",
+        DEFINITIONS["contact_edge"],
         value,
         time,
-        "outward shift of the worse edge" + (", where both have one" if key == "stick_edge" else ""),
-        getattr(result.scene.tolerances, key),
+        _tolerance(pair, "contact_edge"),
+        series,
+        elements=_elements(pair, value),
+    )
+
+
+def _stick_edge(pair: Pair) -> Metric:
+    """Compared where both have stick edges (in full stick: the contact edges); other instants are counted, not hidden."""
+    length = pair.scales.half_width
+    series = metrics.edge(pair.expected.stick_edges, pair.found.stick_edges, length)
+    theirs, ours = (metrics.stick_status(cycle, length) for cycle in (pair.expected, pair.found))
+    value, time = worst(series, pair.judged & (theirs != 0) & (ours != 0), pair.found.time)
+    differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
+    note = f"{differing} of {instants} instants differ in full stick, partial slip or full slip" if differing else ""
+    if value is None and differing:
+        value, note = float("nan"), f"no instant has a stick edge in both: {note}"
+    return Metric(
+        DEFINITIONS["stick_edge"],
+        value,
+        time,
+        _tolerance(pair, "stick_edge"),
         series,
         note,
-        value * scales.half_width / float(size) if value is not None and size else None,
+        _elements(pair, value),
     )
 
 
-def _shift_metric(expected: Cycle, found: Cycle, scales: Scales, touching: NDArray[np.bool_]) -> Metric:
-    series = metrics.rigid_shift(expected, found, scales.shift)
-    moves = bool(np.ptp(expected.rigid_shift) > 1e-12 * scales.shift)
-    return Metric(
-        "rigid_shift",
-        "Rigid shift",
-        "of the reference's stroke",
-        *worst(series, touching & moves, found.time),
-        "U less U_ref over the range of U_ref in the cycle",
-        series=series,
-        note="" if moves else "the reference does not move",
-    )
-
-
-def of_the_cycle(
-    reference: ContactSolution,
-    result: ContactSolution,
-    polygon_reference: ContactSolution | None,
-    expected: Cycle,
-    found: Cycle,
-    scales: Scales,
-) -> tuple[Metric, ...]:
+def _of_the_cycle(pair: Pair) -> Iterator[Metric]:
     """The metrics that are one figure for the whole cycle."""
-    tolerance, scale = result.scene.tolerances.dissipation, scales.dissipation
-    against: list[tuple[str, str, ContactSolution, ContactSolution, float | None, str]] = [
-        ("dissipation", "Dissipation", reference, result, tolerance, "W less W_ref, both of the last cycle")
-    ]
-    if polygon_reference:
-        against += [
-            (
-                "dissipation_polygon",
-                "Dissipation, on the polygon of the steps",
-                polygon_reference,
-                result,
-                None,
-                "W less the reference's W on the straight steps between the instants: all errors but the steps'",
-            ),
-            (
-                "dissipation_step",
-                "Dissipation, the steps alone",
-                reference,
-                polygon_reference,
-                None,
-                "the reference's W on the straight steps less its W on the smooth path: the error of the steps",
-            ),
-        ]
-    return (
-        *(
-            _dissipation_metric(key, label, of.dissipation, to.dissipation, scale, limit, what)
-            for key, label, of, to, limit, what in against
-        ),
-        _loop_metric(reference, expected, found, scale),
-        _density_metric(expected, found, scales),
-        _permanent_stick_metric(reference, result, scales),
-    )
+    smooth, ours, polygon = pair.reference, pair.result, pair.polygon_reference
+    yield _dissipation(pair, "dissipation", smooth.dissipation, ours.dissipation)
+    if polygon:
+        yield _dissipation(pair, "dissipation_polygon", polygon.dissipation, ours.dissipation)
+        yield _dissipation(pair, "dissipation_step", smooth.dissipation, polygon.dissipation)
+    if pair.result.scene.load.path().period is None:
+        yield Metric(DEFINITIONS["hysteresis"], None, note="the path is not periodic: no loop")
+    else:
+        yield _dissipation(pair, "hysteresis", metrics.loop_work(pair.expected), metrics.loop_work(pair.found))
+    yield _density(pair)
+    yield _permanent_stick(pair)
 
 
-def _dissipation_metric(
-    key: str, label: str, expected: float, found: float, scale: float, tolerance: float | None, definition: str
-) -> Metric:
-    value, relative = metrics.dissipation(expected, found, scale)
-    return Metric(
-        key,
-        label,
-        "of W_ref" if relative else "of A f² P²",
-        value,
-        None,
-        definition,
-        tolerance,
-        note="" if relative else "the reference dissipates nothing, so the value is absolute",
-    )
+def _dissipation(pair: Pair, key: str, expected: float, found: float) -> Metric:
+    value, relative = metrics.dissipation(expected, found, pair.scales.dissipation)
+    note = "" if relative else "the reference dissipates nothing, so the value is absolute"
+    return Metric(DEFINITIONS[key], value, tolerance=_tolerance(pair, key), note=note, absolute=not relative)
 
 
-def _loop_metric(reference: ContactSolution, expected: Cycle, found: Cycle, scale: float) -> Metric:
-    closed = reference.scene.load.path().period is not None
-    value, relative = metrics.dissipation(metrics.loop_work(expected), metrics.loop_work(found), scale)
-    return Metric(
-        "hysteresis",
-        "Hysteresis loop area",
-        "of the reference's" if relative else "of A f² P²",
-        value if closed else None,
-        None,
-        "closed integral of Q dU less that of the reference, both by the trapezoidal rule over the same instants",
-        note="" if closed else "the path is not periodic: no loop",
-    )
+def _density(pair: Pair) -> Metric:
+    scale = pair.scales.dissipation / pair.scales.half_width
+    difference = metrics.dissipation_density(pair.expected, pair.found, scale)
+    nothing = float(np.max(np.abs(pair.expected.dissipation_density))) <= metrics.NO_DISSIPATION * scale
+    value, place = worst(difference, np.ones(len(difference), bool), pair.found.x)
+    note = "" if place is None or not value else f"at x = {place / pair.scales.half_width:.4g} a_ref"
+    return Metric(DEFINITIONS["dissipation_density"], value, note=note, absolute=nothing)
 
 
-def _density_metric(expected: Cycle, found: Cycle, scales: Scales) -> Metric:
-    density_scale = scales.dissipation / scales.half_width
-    difference = metrics.dissipation_density(expected, found, density_scale)
-    zero = float(np.max(np.abs(expected.dissipation_density))) <= metrics.NO_DISSIPATION * density_scale
-    value, _ = worst(difference, np.ones(len(difference), bool), found.x)
-    return Metric(
-        "dissipation_density",
-        "Pointwise dissipation",
-        "of A f² P²/a_ref" if zero else "of largest w_ref",
-        value,
-        None,
-        "w(x) less w_ref(x) at the worst point, over the largest w_ref",
-    )
-
-
-def _permanent_stick_metric(reference: ContactSolution, result: ContactSolution, scales: Scales) -> Metric:
-    theirs, ours = reference.permanent_stick_half_width, result.permanent_stick_half_width
-    lacking = [s.engine for s in (reference, result) if np.isnan(s.permanent_stick_half_width)]
-    return Metric(
-        "permanent_stick",
-        "Permanent stick half-width",
-        "of a_ref",
-        None if lacking else (ours - theirs) / scales.half_width,
-        None,
-        "half-width that sticks through the whole cycle less the reference's",
-        note=f"none in {' and '.join(lacking)}" if lacking else "",
-    )
+def _permanent_stick(pair: Pair) -> Metric:
+    lacking = [s.engine for s in (pair.reference, pair.result) if np.isnan(s.permanent_stick_half_width)]
+    if lacking:
+        return Metric(DEFINITIONS["permanent_stick"], None, note=f"none in {' and '.join(lacking)}")
+    difference = pair.result.permanent_stick_half_width - pair.reference.permanent_stick_half_width
+    return Metric(DEFINITIONS["permanent_stick"], difference / pair.scales.half_width)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from reports.comparison import Comparison
-from reports.drawing import name_of
+from reports.definitions import name_of
 from reports.verdicts import Metric
 from scenes import EllipseLoad, FlatRounded, Hertz, Scene
 
@@ -23,6 +23,17 @@ def units(scene: Scene) -> tuple[str, str, str]:
     return (parts[0], parts[1], parts[2]) if len(parts) == 3 else ("force", "length", "stress")
 
 
+def load_unit(scene: Scene) -> str:
+    """Unit of a load per thickness.
+
+    >>> from scenes import load_scene
+    >>> load_unit(load_scene("hertz-paper"))
+    'N/mm'
+    """
+    force, length, _ = units(scene)
+    return f"{force}/{length}"
+
+
 def number(value: float) -> str:
     """Six significant digits.
 
@@ -34,7 +45,7 @@ def number(value: float) -> str:
 
 def question(scene: Scene) -> str:
     """What is asked, in a sentence: bodies, material, friction, loads, with units."""
-    force, length, stress = units(scene)
+    _, length, stress = units(scene)
     match scene.profile:
         case Hertz(radius=radius):
             shape = f"a parabolic profile of relative radius {number(radius)} {length}"
@@ -47,7 +58,7 @@ def question(scene: Scene) -> str:
     material = f"both {upper}" if scene.material.alike else f"upper {upper}; lower {lower}"
     return (
         f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
-        f"{number(scene.friction.coefficient)}; {_loads(scene, f'{force}/{length}')}. "
+        f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}. "
         "What do they transmit, where do they slip, and what does a cycle dissipate?"
     )
 
@@ -65,34 +76,41 @@ def _loads(scene: Scene, unit: str) -> str:
     return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"
 
 
-def percent(value: float) -> str:
-    """Three significant digits, signed, in per cent.
+def percent(value: float, *, signed: bool = True) -> str:
+    """Three significant digits in per cent.
 
-    >>> percent(-0.00123456), percent(0.0), percent(float("nan"))
-    ('−0.123 %', '0 %', 'not a number')
+    >>> percent(-0.00123456), percent(0.5, signed=False), percent(0.0), percent(float("nan"))
+    ('−0.123 %', '50 %', '0 %', 'not a number')
     """
+    return _number(100 * value, signed) + (" %" if math.isfinite(value) else "")
+
+
+def _number(value: float, signed: bool) -> str:
     if not math.isfinite(value):
         return "not a number" if math.isnan(value) else "infinite"
-    return f"{100 * value:+.3g} %".replace("-", "−").replace("+0 %", "0 %")
+    sign = "" if value == 0 else "−" if value < 0 else "+" if signed else ""
+    return f"{sign}{abs(value):.3g}"
 
 
 def value_of(metric: Metric) -> str:
-    """The value of a metric with its unit."""
+    """The value of a metric, in per cent unless it is absolute."""
     if metric.value is None:
         return "nothing to compare"
-    if not math.isfinite(metric.value):
-        return percent(metric.value)
-    if metric.unit.startswith("of A f²"):
-        return f"{metric.value:+.2e}".replace("-", "−")
-    elements = "" if metric.elements is None else f" ({metric.elements:+.2g} elements)".replace("-", "−")
-    return percent(metric.value) + elements
+    signed = metric.definition.signed
+    return _number(metric.value, signed) if metric.absolute else percent(metric.value, signed=signed)
+
+
+def unit_of(metric: Metric) -> str:
+    """What the value is a share of; an edge's shift in elements beside it."""
+    elements = metric.elements
+    return metric.unit + ("" if elements is None else f" ({_number(elements, signed=True)} elements)")
 
 
 def tolerance_of(metric: Metric) -> str:
     """The tolerance of a metric, or a dash."""
     if metric.tolerance is None:
         return "–"
-    return f"{metric.tolerance:.2g}" if metric.unit.startswith("of A f²") else f"{100 * metric.tolerance:.3g} %"
+    return f"{metric.tolerance:.3g}" if metric.absolute else f"{100 * metric.tolerance:.3g} %"
 
 
 def accuracy_of(metric: Metric) -> str:
@@ -106,7 +124,7 @@ def verdict(comparison: Comparison) -> str:
     outside = [metric for metric in comparison.metrics if metric.accurate is False]
     judged = sum(metric.tolerance is not None for metric in comparison.metrics)
     broken = [
-        f"{check.name} in {name_of(engine)}"
+        f"{check.label} in {name_of(engine)}"
         for engine, checks in (
             (comparison.reference.engine, comparison.reference_certificates),
             (comparison.result.engine, comparison.result_certificates),
@@ -116,10 +134,16 @@ def verdict(comparison: Comparison) -> str:
     ]
     if outside:
         first = f"{ours.capitalize()} and {theirs} differ by more than the scene's tolerance in " + ", ".join(
-            f"{metric.label.lower()} ({value_of(metric)}, tolerance {tolerance_of(metric)})" for metric in outside
+            f"{_inside(metric.label)} ({value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
+            for metric in outside
         )
     else:
         first = f"{ours.capitalize()} agree with {theirs} within all {judged} tolerances of the scene"
         first += f"; dissipation differs by {value_of(comparison.metric('dissipation'))}"
     second = f" A law of contact is violated: {', '.join(broken)}." if broken else " Both answers are admissible."
     return f"{first}.{second}"
+
+
+def _inside(label: str) -> str:
+    """A label inside a sentence: its first letter small."""
+    return label[:1].lower() + label[1:]

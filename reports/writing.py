@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from reports import figures_cycle, figures_fields
+from reports import figures_checks, figures_cycle, figures_fields
 from reports.comparison import Comparison
 from reports.drawing import Drawing
 from reports.folder import filled
@@ -68,9 +68,9 @@ def draw(comparison: Comparison) -> tuple[Drawing, ...]:
         figures_fields.state_map(comparison, time, label),
         figures_fields.dissipation_density(comparison),
         figures_cycle.errors(comparison, time, label),
-        figures_cycle.energy(comparison.result),
-        figures_cycle.certificates(comparison.result, comparison.result_certificates),
-        figures_cycle.certificates(comparison.reference, comparison.reference_certificates),
+        figures_checks.energy(comparison.result),
+        figures_checks.certificates(comparison.result, comparison.result_certificates),
+        figures_checks.certificates(comparison.reference, comparison.reference_certificates),
     ]
     if bodies := getattr(comparison.result, "bodies", ()):
         drawings.append(figures_fields.mesh(comparison, bodies))
