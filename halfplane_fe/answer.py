@@ -9,20 +9,13 @@ from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.edges import contact_edges, stick_edges
-from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
+from halfplane_fe.visible import visible_states
 from scenes import Record, Scene, SurfaceState, freeze
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
-
-# A sliding node that has come less far, since it last stuck or turned round, than this share of the farthest one counts as
-# sticking: at the turning points of the load whole regions come back to the cone at once, and creep there by the mesh's error.
-# Slip grows as the distance from the stick edge to the power 3/2, so the share costs a hundredth of the slip zone at most.
-_MOVED = 1e-3
-# Slip of an increment, over the largest of all, below which it is rounding.
-_ROUNDING = 1e-9
 
 
 def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales) -> dict[str, Any]:
@@ -32,7 +25,7 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
-    seen = _visible(states)
+    seen = visible_states(states)
     edges = np.array([_edges(problem, state, visible) for state, visible in zip(states, seen, strict=True)])
     edges *= scales.half_width
     forces = {name: np.array([getattr(s, name) for s in states]) * scales.load for name in ("pressure", "shear")}
@@ -61,20 +54,6 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "permanent_stick_half_width": _permanent_stick(scene, problem, run, seen) * scales.half_width,
         "steady_from": run.steady_from,
     }
-
-
-def _visible(states: list[InterfaceState]) -> States:
-    """(n_steps, n) states as the user sees them: a node on the cone that has hardly moved since it last stuck sticks."""
-    law = np.array([state.state for state in states])
-    increments = np.diff(np.array([states[0].slip, *(state.slip for state in states)]), axis=0)
-    increments[np.abs(increments) <= _ROUNDING * np.abs(increments).max(initial=0.0)] = 0.0
-    run = np.zeros_like(increments)  # slip in one direction without a stop, open or closed
-    for step in range(1, len(states)):
-        goes_on = run[step - 1] * increments[step] > 0
-        run[step] = np.where(goes_on, run[step - 1], 0.0) + increments[step]
-    forward = slip_sign(law) * run
-    moved = forward > _MOVED * forward.max(axis=1, keepdims=True)
-    return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)
 
 
 def _edges(problem: ContactProblem, state: InterfaceState, visible: States) -> tuple[tuple[float, float], ...]:

@@ -51,16 +51,30 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
 
 
 def stick_edges(x: Array, stick: Mask, closed: Mask, contact: tuple[float, float]) -> tuple[float, float]:
-    """Left and right end of the stick zone: half-way between the last sticking and the first sliding node.
+    """Left and right end of the stick zone: half-way between its last node and the first one of the slip zone.
 
-    The contact edges where the whole contact sticks, NaN where nothing does.
+    The contact edges where the whole contact sticks, NaN where nothing does. On each side of the middle of the contact the edge is
+    where the fewest nodes are on the wrong side of it: a node that has just come to touch sticks at the rim of the slip zone, and
+    a single one may slide at the rim of a contact that sticks.
     """
-    if not stick.any():
-        return float("nan"), float("nan")
-    inside = np.flatnonzero(stick)
+    nodes = np.flatnonzero(closed)
+    middle = int(np.searchsorted(x[nodes], (x[nodes[0]] + x[nodes[-1]]) / 2))
     edges = []
-    for last, step, end in ((int(inside[0]), -1, contact[0]), (int(inside[-1]), 1, contact[1])):
-        following = last + step
-        slides = 0 <= following < len(x) and closed[following]
-        edges.append(float(x[last] + x[following]) / 2 if slides else end)
+    for side, step, end in ((nodes[:middle][::-1], -1, contact[0]), (nodes[middle:], 1, contact[1])):
+        n_stick = _fewest_wrong(stick[side])
+        if n_stick == 0 and len(side):
+            return float("nan"), float("nan")
+        if n_stick == len(side):
+            edges.append(end)
+            continue
+        last = int(side[n_stick - 1])
+        edges.append(float(x[last] + x[last + step]) / 2)
     return edges[0], edges[1]
+
+
+def _fewest_wrong(stick: Mask) -> int:
+    """How many of a row of nodes, from the middle outwards, to count as sticking; the more where it is a tie."""
+    sliding_inside = np.concatenate([[0], np.cumsum(~stick)])
+    sticking_outside = np.concatenate([np.cumsum(stick[::-1])[::-1], [0]])
+    wrong = sliding_inside + sticking_outside
+    return int(len(wrong) - 1 - np.argmin(wrong[::-1]))

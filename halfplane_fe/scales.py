@@ -15,6 +15,7 @@ from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.elasticity import condense
 from halfplane_fe.interface import Interface, matching_interface
 from halfplane_fe.run import run_path
+from halfplane_fe.visible import visible_states
 from meshes import SurfaceGrading, half_disc
 from scenes import Elastic, InputError, Scene, SurfaceState
 
@@ -87,8 +88,9 @@ def find_scales(scene: Scene) -> Scales:
     pressed = max(run.states, key=lambda state: state.normal_load)
     if scene.load.path().period is None:
         return Scales(size * _half_width(problem, pressed), 0.0, load, modulus)
-    last = run.states[1 + len(run.increments) - _last_cycle_steps(scene, run.states) :]
-    inner = min(min(_half_width(problem, state), _stick_half_width(problem, state)) for state in last)
+    last = slice(len(run.states) - _last_cycle_steps(scene, run.states), None)
+    seen = visible_states(run.states)[last]
+    inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[last], seen, strict=True))
     return Scales(size * _half_width(problem, pressed), size * inner, load, modulus)
 
 
@@ -138,9 +140,9 @@ def _half_width(problem: ContactProblem, state: InterfaceState) -> float:
     return (right - left) / 2
 
 
-def _stick_half_width(problem: ContactProblem, state: InterfaceState) -> float:
-    x = problem.interface.x
-    stick = state.state == SurfaceState.STICK
+def _least_half_width(problem: ContactProblem, state: InterfaceState, seen: NDArray[np.int8]) -> float:
+    """The half-width of the contact or of its stick zone, whichever is less; 0 where nothing sticks."""
     half = _half_width(problem, state)
-    left, right = stick_edges(x, stick, state.closed, (-half, half))
-    return (right - left) / 2 if stick.any() else 0.0
+    stick = seen == SurfaceState.STICK
+    left, right = stick_edges(problem.interface.x, stick, state.closed, (-half, half))
+    return min(half, (right - left) / 2) if stick.any() else 0.0

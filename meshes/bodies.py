@@ -23,8 +23,8 @@ class MeshSettings:
     order : 1 or 2, of elements and geometry
     """
 
-    element_size: float = 1 / 30
-    edge_element_size: float = 1 / 80
+    element_size: float = 1 / 24
+    edge_element_size: float = 1 / 120
     far_radius: float = 10.0
     growth: float = 0.2
     order: int = 2

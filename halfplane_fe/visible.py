@@ -1,0 +1,35 @@
+"""What a node does as a reader sees it: the law's states less creep at the turning points of the load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfplane_fe.contact import InterfaceState
+from halfplane_fe.law import slip_sign
+from scenes import SurfaceState
+
+States = NDArray[np.int8]
+
+# A sliding node that has come less far, since it last stuck or turned round, than this share of the farthest one counts as
+# sticking: at the turning points of the load whole regions come back to the cone at once, and creep there by the mesh's error.
+# Slip grows as the distance from the stick edge to the power 3/2, so the share costs a hundredth of the slip zone at most.
+_MOVED = 1e-3
+# Slip of an increment, over the largest of all, below which it is rounding.
+_ROUNDING = 1e-9
+
+
+def visible_states(states: Sequence[InterfaceState]) -> States:
+    """(n_steps, n) states as the user sees them: a node on the cone that has hardly moved since it last stuck sticks."""
+    law = np.array([state.state for state in states])
+    increments = np.diff(np.array([states[0].slip, *(state.slip for state in states)]), axis=0)
+    increments[np.abs(increments) <= _ROUNDING * np.abs(increments).max(initial=0.0)] = 0.0
+    run = np.zeros_like(increments)  # slip in one direction without a stop, open or closed
+    for step in range(1, len(states)):
+        goes_on = run[step - 1] * increments[step] > 0
+        run[step] = np.where(goes_on, run[step - 1], 0.0) + increments[step]
+    forward = slip_sign(law) * run
+    moved = forward > _MOVED * forward.max(axis=1, keepdims=True)
+    return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)
