@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from reports.certificates import LIMIT, Certificate
 from reports.definitions import name_of
 from reports.drawing import COLOURS, LINES, QUIET, Drawing, canvas, label_axes, legend_above
-from reports.wording import load_unit, units
+from reports.wording import energy_unit
 from scenes import ContactSolution
 
 
@@ -34,7 +34,7 @@ def energy(solution: ContactSolution) -> Drawing | None:
             _mark_cycles(axes, solution)
             legend_above(axes, columns=4)
             label_axes(axes, "time", "")
-        panels[0].set_ylabel(f"energy since the start  [{load_unit(solution.scene)}·{units(solution.scene)[1]}]")
+        panels[0].set_ylabel(f"energy since the start  [{energy_unit(solution.scene)}]")
     return Drawing(
         "energy",
         f"Energy, {name_of(solution.engine)}",
@@ -53,7 +53,8 @@ def certificates(solution: ContactSolution, checks: Sequence[Certificate]) -> Dr
     exact = [check.label for check in checks if check not in shown]
     with canvas(10.5, 3.6) as figure:
         axes = figure.subplots()
-        figure.subplots_adjust(left=0.075, right=0.985, top=0.85, bottom=0.13)
+        rows = -(-len(shown) // 5)
+        figure.subplots_adjust(left=0.075, right=0.985, top=0.95 - 0.055 * rows, bottom=0.13)
         for check, line, colour in zip(shown, LINES * 3, COLOURS * 3, strict=False):
             series = np.where(check.series > 0, check.series, np.nan)
             axes.semilogy(solution.time, series, ls=line, color=colour, lw=1.0, label=check.label)
@@ -63,7 +64,7 @@ def certificates(solution: ContactSolution, checks: Sequence[Certificate]) -> Dr
         axes.set_yscale("log")
         _mark_cycles(axes, solution)
         if shown:
-            legend_above(axes, columns=6)
+            legend_above(axes, columns=5)
         label_axes(axes, "time", "violation, dimensionless")
     return Drawing(
         f"certificates_{solution.engine}",

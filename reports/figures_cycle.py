@@ -83,7 +83,8 @@ def errors(comparison: Comparison, time: Array, time_label: str) -> Drawing:
             axes.plot(time, size, ls=line, color=colour, label=metric.label)
         axes.axhline(1.0, color=QUIET, lw=1.0)
         axes.text(0.995, 1.0, "tolerance", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=QUIET)
-        axes.set_ylim(bottom=0.0)
+        largest = max((float(np.nanmax(np.abs(m.series), initial=0.0) / m.tolerance) for m in shown if m.tolerance), default=1)
+        axes.set_ylim(0.0, 1.08 * min(max(1.0, largest), 8.0))
         legend_above(axes, columns=5)
         label_axes(axes, time_label, "|discrepancy| / tolerance")
     return Drawing(

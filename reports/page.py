@@ -12,7 +12,7 @@ from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.drawing import Drawing
 from reports.metrics import loop_work
-from reports.wording import CLAIM, accuracy_of, percent, question, tolerance_of, unit_of, units, value_of, verdict
+from reports.wording import CLAIM, accuracy_of, energy_unit, percent, question, tolerance_of, unit_of, units, value_of, verdict
 from scenes import ContactSolution
 
 
@@ -76,7 +76,7 @@ def _scales(comparison: Comparison) -> list[tuple[str, str, str]]:
         ("p_ref", f"{scales.pressure:.6g} {stress}", "2 P_ref/(π a_ref)"),
         (
             "A f² P_ref²",
-            f"{scales.dissipation:.6g} {force}·{length}/{length}",
+            f"{scales.dissipation:.6g} {energy_unit(comparison.scene)}",
             "scale of the dissipation of a cycle; A = 2/E*",
         ),
     ]
@@ -114,8 +114,8 @@ def _dissipations(comparison: Comparison) -> list[dict[str, Any]]:
 
 
 def _sentence(text: str) -> str:
-    """`text` with a full stop."""
-    return text if text.endswith((".", "!", "?")) else f"{text}."
+    """`text` with a capital and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "!", "?")) else ".")
 
 
 def _step_errors(comparison: Comparison) -> Iterator[str]:
@@ -141,10 +141,12 @@ def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:
 def _engine(solution: ContactSolution) -> dict[str, Any]:
     return {
         "name": name_of(solution.engine),
-        "message": solution.record.message,
+        "message": _sentence(solution.record.message),
         "steps": len(solution.time),
         "points": len(solution.x),
-        "work": solution.work,
+        "counts": {name.replace("_", " "): count for name, count in solution.work.counts.items()},
+        "seconds": solution.work.seconds,
+        "skipped": solution.work.skipped,
         "settings": flat(solution.settings),
         "versions": solution.versions,
     }

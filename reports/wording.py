@@ -34,6 +34,17 @@ def load_unit(scene: Scene) -> str:
     return f"{force}/{length}"
 
 
+def energy_unit(scene: Scene) -> str:
+    """Unit of an energy per thickness.
+
+    >>> from scenes import load_scene
+    >>> energy_unit(load_scene("hertz-paper"))
+    'N·mm/mm'
+    """
+    force, length, _ = units(scene)
+    return f"{force}·{length}/{length}"
+
+
 def number(value: float) -> str:
     """Six significant digits.
 
@@ -95,7 +106,7 @@ def _number(value: float, signed: bool) -> str:
 def value_of(metric: Metric) -> str:
     """The value of a metric, in per cent unless it is absolute."""
     if metric.value is None:
-        return "nothing to compare"
+        return "–"
     signed = metric.definition.signed
     return _number(metric.value, signed) if metric.absolute else percent(metric.value, signed=signed)
 
