@@ -17,6 +17,8 @@ States = NDArray[np.int8]
 # sticking: at the turning points of the load whole regions come back to the cone at once, and creep there by the mesh's error.
 # Slip grows as the distance from the stick edge to the power 3/2, so the share costs a hundredth of the slip zone at most.
 _MOVED = 1e-3
+# The same of a node whose slip per change of load is less than this share of the largest ever: next to a turning point.
+_CREEP = 5e-4
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
 
@@ -32,4 +34,8 @@ def visible_states(states: Sequence[InterfaceState]) -> States:
         run[step] = np.where(goes_on, run[step - 1], 0.0) + increments[step]
     forward = slip_sign(law) * run
     moved = forward > _MOVED * forward.max(axis=1, keepdims=True)
+    loads = np.array([(state.normal_load, state.tangential_load) for state in states])
+    change = np.abs(np.diff(loads, axis=0, prepend=loads[:1])).sum(axis=1)
+    pace = np.abs(increments) * (law != SurfaceState.OPEN) / np.maximum(change, 1e-300)[:, None]
+    moved &= pace > _CREEP * pace.max(initial=0.0)
     return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)

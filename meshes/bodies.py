@@ -24,7 +24,7 @@ class MeshSettings:
     """
 
     element_size: float = 1 / 24
-    edge_element_size: float = 1 / 120
+    edge_element_size: float = 1 / 160
     far_radius: float = 10.0
     growth: float = 0.2
     order: int = 2
