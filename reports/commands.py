@@ -40,7 +40,8 @@ def run(source: str, out: Path | None, vtu: tuple[str, ...], quiet: bool, option
     options.settings()
     command = options.command(source, folder, vtu)
     try:
-        report = jobs.run(scene, folder, options, stages, vtu=vtu, command=command)
+        with jobs.naming(source):
+            report = jobs.run(scene, folder, options, stages, vtu=vtu, command=command)
     except ConvergenceError as failure:
         return _not_converged(failure, scene, folder)
     _show_verdict(report.comparison)
@@ -67,7 +68,8 @@ def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, S
     folder = claim(out or default_folder(scene.name))
     jobs.load_engines(stages)
     try:
-        solution = solve(scene, stages)
+        with jobs.naming(source):
+            solution = solve(scene, stages)
     except ConvergenceError as failure:
         return _not_converged(failure, scene, folder)
     path = write_solution(solution, folder)

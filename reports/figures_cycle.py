@@ -24,6 +24,7 @@ from reports.drawing import (
 )
 from reports.instants import Event
 from reports.sampling import Cycle
+from reports.verdicts import Metric
 from reports.wording import load_unit, units
 from scenes import ContactSolution
 
@@ -83,7 +84,7 @@ def errors(comparison: Comparison, time: Array, time_label: str) -> Drawing:
             axes.plot(time, size, ls=line, color=colour, label=metric.label)
         axes.axhline(1.0, color=QUIET, lw=1.0)
         axes.text(0.995, 1.0, "tolerance", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=QUIET)
-        largest = max((float(np.nanmax(np.abs(m.series), initial=0.0) / m.tolerance) for m in shown if m.tolerance), default=1)
+        largest = max((_largest(m) for m in shown), default=1.0)
         axes.set_ylim(0.0, 1.08 * min(max(1.0, largest), 8.0))
         legend_above(axes, columns=5)
         label_axes(axes, time_label, "|discrepancy| / tolerance")
@@ -95,6 +96,11 @@ def errors(comparison: Comparison, time: Array, time_label: str) -> Drawing:
         figure,
         {"time": comparison.found.time} | {m.key: np.asarray(m.series) for m in shown},
     )
+
+
+def _largest(metric: Metric) -> float:
+    """The largest |value| of a metric through the cycle, over its tolerance."""
+    return float(np.nanmax(np.abs(np.asarray(metric.series)), initial=0.0)) / (metric.tolerance or 1.0)
 
 
 def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) -> Drawing:

@@ -7,13 +7,14 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from contextlib import contextmanager
 from pathlib import Path
 
 from scenes import InputError
 
 MANIFEST = "manifest.json"
+_RESULTS = (MANIFEST, "report.html", "comparison.json", "scene.json", "reference.nc", "result.nc")
 
 
 def default_folder(name: str) -> Path:
@@ -39,40 +40,54 @@ def claim(out: str | Path) -> Path:
     try:
         _staging(folder).rmdir()
     except OSError as reason:
-        raise InputError(f"--out {out}: the folder can't be written to: {reason.strerror or reason}; name another") from reason
-    foreign = [name for name in ("report.html", "comparison.json") if (folder / name).exists()]
-    if foreign and not _owned(folder):
-        raise InputError(
-            f"--out {out}: {foreign[0]} is there already and halfplane did not write it; name another folder or move it away"
-        )
+        raise _unwritable(out, reason) from reason
+    _refuse_foreign(folder, _RESULTS, out)
     return folder
 
 
 @contextmanager
-def filled(out: str | Path) -> Generator[Path, None, None]:
+def filled(out: str | Path, *, fresh: bool = True) -> Generator[Path, None, None]:
     """A temporary folder beside `out` to write in; its files move to `out` at the end, or nothing does after an error.
 
-    Files of an earlier run that this one did not write again are removed (the manifest lists them); whatever else lies
-    in `out` stays. The page and the manifest move last.
+    Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an earlier run that this
+    one did not write again are removed where `fresh`, since a page must not stand beside figures of another run; else
+    they stay too. The page and the manifest move last.
     """
     folder = claim(out)
     staging = _staging(folder)
     try:
         yield staging
-        _write_manifest(staging)
+        _refuse_foreign(folder, _files(staging), out)
+        stale = set(_owned(folder)) - {*_files(staging), MANIFEST}
+        _write_manifest(staging, kept=() if fresh else stale)
         _move(staging, folder)
+        if fresh:
+            _remove(folder, stale)
+    except OSError as reason:
+        raise _unwritable(out, reason) from reason
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 
 
+def _unwritable(out: str | Path, reason: OSError) -> InputError:
+    return InputError(f"--out {out}: the folder can't be written to: {reason.strerror or reason}; name another")
+
+
+def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None:
+    """InputError if one of `names` is in `folder` already and no manifest of ours lists it."""
+    for name in sorted(set(names) - set(_owned(folder))):
+        if os.path.lexists(folder / name):
+            raise InputError(f"--out {out}: {name} is there already and halfplane did not write it; name another folder or move it")
+
+
 def _staging(folder: Path) -> Path:
-    """A new empty folder in the nearest existing folder above `out`."""
+    """A new empty folder in the nearest existing folder above `out`; OSError if that or `out` can't be written to."""
+    if folder.is_dir():
+        Path(tempfile.mkdtemp(prefix=".halfplane-", dir=folder)).rmdir()
     above = Path(os.path.abspath(folder)).parent
     while not above.exists():
         above = above.parent
     staging = Path(tempfile.mkdtemp(prefix=".halfplane-", dir=above))
-    if folder.is_dir():
-        Path(tempfile.mkdtemp(prefix=".halfplane-", dir=folder)).rmdir()
     umask = os.umask(0)
     os.umask(umask)
     staging.chmod(0o777 & ~umask)
@@ -83,8 +98,8 @@ def _files(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
-def _write_manifest(staging: Path) -> None:
-    text = json.dumps({"written by": "halfplane", "files": [*_files(staging), MANIFEST]}, indent=1)
+def _write_manifest(staging: Path, kept: Iterable[str]) -> None:
+    text = json.dumps({"written by": "halfplane", "files": sorted({*_files(staging), *kept, MANIFEST})}, indent=1)
     (staging / MANIFEST).write_text(text + "\n", encoding="utf-8")
 
 
@@ -100,14 +115,17 @@ def _owned(folder: Path) -> list[str]:
 
 
 def _move(staging: Path, folder: Path) -> None:
-    stale = set(_owned(folder)) - set(_files(staging))
     folder.mkdir(parents=True, exist_ok=True)
     last = ("report.html", MANIFEST)
     for name in [*(n for n in _files(staging) if n not in last), *last]:
         if (staging / name).exists():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             os.replace(staging / name, folder / name)
-    for name in stale:
+
+
+def _remove(folder: Path, names: Iterable[str]) -> None:
+    for name in names:
         (folder / name).unlink(missing_ok=True)
-        if name.count("/") and not any((folder / name).parent.iterdir()):
-            (folder / name).parent.rmdir()
+        above = (folder / name).parent
+        if above != folder and above.is_dir() and not any(above.iterdir()):
+            above.rmdir()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -31,6 +32,17 @@ def read(source: str) -> Scene:
     scene = load_scene(source)
     require_admissible(scene, source)
     return scene
+
+
+@contextmanager
+def naming(source: str) -> Generator[None, None, None]:
+    """Lets an engine's InputError name the scene it is about; one about an option or the file names that already."""
+    try:
+        yield
+    except InputError as fault:
+        if str(fault).startswith((source, "--")):
+            raise
+        raise InputError(f"{source}: {fault}") from fault
 
 
 def load_engines(stages: Stages) -> None:

@@ -37,7 +37,7 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         ("largest pressure", f"{np.max(solution.pressure):.8g}"),
         ("largest contact half-width", f"{np.nanmax(solution.contact_half_width):.8g}"),
         ("permanent stick half-width", _or_none(solution.permanent_stick_half_width)),
-        ("dissipation of the last cycle", f"{solution.dissipation:.10g}"),
+        ("dissipation of the last cycle", _or_none(solution.dissipation)),
     ]
     if solution.record.converged and solution.scene.load.path().period is not None:
         rows.append(("closed integral of Q dU, trapezoids", f"{loop_work(last_cycle(solution)):.10g}"))
@@ -48,13 +48,13 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
 
 
 def _or_none(value: float) -> str:
-    return "none" if np.isnan(value) else f"{value:.8g}"
+    return "none" if np.isnan(value) else f"{value:.10g}"
 
 
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
     stem = name or solution.engine
-    with filled(out) as folder:
+    with filled(out, fresh=False) as folder:
         solution.save(folder / f"{stem}.nc")
         content = solution_content(solution, certificates(solution))
         (folder / f"{stem}.json").write_text(json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8")
