@@ -7,8 +7,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Hertz, InputError, Materials, Profile
+from scenes import FlatRounded, Hertz, InputError, Materials, Profile
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.hertz import HertzContact
 
 Array = NDArray[np.float64]
@@ -68,4 +69,6 @@ def contact_of(profile: Profile, materials: Materials) -> Contact:
     modulus = composite_modulus(materials)
     if isinstance(profile, Hertz):
         return HertzContact(modulus, profile.radius, profile.datum_length)
+    if isinstance(profile, FlatRounded):
+        return FlatRoundedContact(modulus, profile.radius, profile.flat_half_length, profile.datum_length)
     raise InputError(f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile")

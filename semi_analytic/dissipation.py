@@ -6,9 +6,8 @@
     W(x) = (f A/pi) int p(x, P) w' arccosh(|x|/c) dt        over the times with c < |x| < a(P)
     W    = closed-int Q dU                                  over a steady cycle
 
-Each span of slip is integrated by the trapezoidal rule after t = begin + (end - begin)/(1 + exp(-s)): every singularity
-that comes near (a root at an edge, the logarithm close to gross sliding, P close to 0) lies at an end of a span or beyond,
-on the line Im s = pi, however near it is.
+Each span of slip is integrated in time by one rule for singular ends: roots at the edges of the contact, the logarithm of gross sliding, P
+close to 0 all lie at an end of a span or beyond it.
 """
 
 from __future__ import annotations
@@ -25,15 +24,9 @@ from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, Combination, change_from, level, rate, time_of
 from semi_analytic.memory import level_on
+from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
-
-_STEP = 0.375
-_RANGE = 36.0
-_S = np.arange(-_RANGE, _RANGE + _STEP / 2, _STEP)
-NODES = len(_S)
-_NEAR = 1 / (1 + np.exp(np.abs(_S)))
-_WEIGHT = _STEP * _NEAR * (1 - _NEAR)
 
 
 class Split(NamedTuple):
@@ -48,24 +41,12 @@ class Split(NamedTuple):
         return self.forward + self.reverse
 
 
-def graded(begin: Array, end: Array) -> tuple[Array, Array]:
-    """Times and weights of the rule on [begin, end], a new last axis of NODES.
-
-    >>> times, weights = graded(np.array(0.0), np.array(4.0))
-    >>> round(float(np.sum(weights * np.sqrt(times))), 12)  # 2/3 4^(3/2)
-    5.333333333333
-    """
-    first, length = np.asarray(begin)[..., None], np.asarray(end - begin)[..., None]
-    times = np.where(_S < 0, first + length * _NEAR, np.asarray(end)[..., None] - length * _NEAR)
-    return times, length * _WEIGHT
-
-
 def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
     """Friction work of the spans [energy per unit thickness]."""
     work = {1: 0.0, -1: 0.0}
     for span in spans:
         if span.direction and span.active is not None:
-            times, weights = graded(np.array(span.begin.time), np.array(span.end.time))
+            times, weights = graded(span.begin.time, span.end.time)
             area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
             growth = rate(span.leg, level(span.direction, span.friction), times)
             work[span.direction] += span.friction * float(np.sum(weights * np.maximum(growth, 0.0) * area))
@@ -124,7 +105,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     offset = float(contact.log_ratio(largest))
     total = 0.0
     for span in spans:
-        times, weights = graded(np.array(span.begin.time), np.array(span.end.time))
+        times, weights = graded(span.begin.time, span.end.time)
         shift = integrals.at(span, times)[:, 0] - offset * span.leg.loads(times)[1]
         total -= float(np.sum(weights * shift * rate(span.leg, Combination(0.0, 1.0), times)))
     return 2 / (math.pi * modulus) * total

@@ -16,11 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, InputError, Record, Scene, SurfaceState, Work, freeze
 from semi_analytic.contact import Contact, contact_of
-from semi_analytic.dissipation import NODES, closed_integral, global_dissipation, pointwise_dissipation
+from semi_analytic.dissipation import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.fields import Integrals, Kernel
 from semi_analytic.history import Span
 from semi_analytic.memory import pieces, value_on
+from semi_analytic.quadrature import NODES
 from semi_analytic.route import Cycles, Route, default_times, locate, own_route, straight_route
 
 Array = NDArray[np.float64]

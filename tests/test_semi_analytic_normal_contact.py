@@ -1,0 +1,172 @@
+"""Normal contact of each profile: closed forms against quadrature in 30 digits, inverses, limits."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from scenes import InputError, Materials
+from semi_analytic.contact import contact_of
+from semi_analytic.elasticity import composite_modulus, coupling_constant
+from semi_analytic.flat_rounded import FlatRoundedContact
+from semi_analytic.hertz import HertzContact, log_excess
+from semi_analytic_cases import UNIT, Elastic, make_scene, polygon
+
+HERTZ = HertzContact(modulus=3.0, radius=2.0, datum_length=5.0)
+FLAT = FlatRoundedContact(modulus=2.0, radius=1.0, flat_half_length=1.0, datum_length=5.0)  # unit = 1
+CONTACTS = pytest.mark.parametrize("contact", [HERTZ, FLAT], ids=["hertz", "flat_rounded"])
+
+
+def integrate(function, begin, end):
+    """30-digit quadrature with the ends graded."""
+    cuts = [begin, *(begin + (end - begin) * mp.mpf(10) ** -k for k in range(9, 0, -1)), end]
+    return mp.quad(function, cuts)
+
+
+def law(contact, a):
+    """dP/da: E* a arccos(b/a)/R, b = 0 for Hertz."""
+    flat = getattr(contact, "flat_half_length", 0.0)
+    return mp.mpf(contact.modulus) / contact.radius * a * mp.acos(min(flat / a, 1))
+
+
+@CONTACTS
+def test_load_is_the_integral_of_its_law(contact):
+    first = getattr(contact, "flat_half_length", 0.0)
+    for a in (1.3, 2.0, 40.0):
+        exact = integrate(lambda alpha: law(contact, alpha), mp.mpf(first), mp.mpf(a))
+        assert float(contact.load(a)) == pytest.approx(float(exact), rel=2e-15)
+
+
+@CONTACTS
+def test_half_width_inverts_load_over_sixteen_decades(contact):
+    load = 10.0 ** np.linspace(-8, 8, 161)
+    # On the flat face a - b keeps no more digits than a double leaves it: the inverse is judged through tau there.
+    if contact is FLAT:
+        tau = contact.tau(load)
+        np.testing.assert_allclose(contact.half_width(load), np.sqrt(1 + tau**2), rtol=4e-16)
+        np.testing.assert_allclose(FlatRoundedContact(2.0, 1.0, 1.0, 1.0).load(np.sqrt(1 + tau[80:] ** 2)), load[80:], rtol=1e-14)
+    else:
+        np.testing.assert_allclose(contact.load(contact.half_width(load)), load, rtol=1e-15)
+
+
+@pytest.mark.parametrize("x", [0.0, 0.7, 0.999999, 1.0, 1.000001, 1.2, 1.9, 1.9999])
+@CONTACTS
+def test_pressure_is_the_pile_of_flat_punches(contact, x):
+    x, a = mp.mpf(x), mp.mpf(2)
+    first = max(x, mp.mpf(getattr(contact, "flat_half_length", 0.0)))
+    low, high = mp.sqrt(first**2 - x**2), mp.sqrt(a**2 - x**2)
+
+    def strip(w):
+        alpha = mp.sqrt(x * x + w * w)
+        return law(contact, alpha) / alpha / mp.pi if alpha else mp.mpf(0)
+
+    exact = integrate(strip, low, high)
+    assert float(contact.pressure(float(x), float(contact.load(2.0)))) == pytest.approx(float(exact), rel=3e-14)
+
+
+@CONTACTS
+def test_pressure_carries_the_load_and_vanishes_outside(contact):
+    load = float(contact.load(2.0))
+    angle = (np.polynomial.legendre.leggauss(400)[0] + 1) * np.pi / 4
+    weight = np.polynomial.legendre.leggauss(400)[1] * np.pi / 4
+    assert 2 * np.sum(weight * 2 * np.cos(angle) * contact.pressure(2 * np.sin(angle), load)) == pytest.approx(load, rel=1e-5)
+    assert np.all(contact.pressure([2.0000001, 3.0], load) == 0)
+
+
+@pytest.mark.parametrize("tau", [1e-4, 0.1, 0.299, 0.301, 1.0, 30.0, 1e6])
+def test_flat_rounded_keeps_its_digits_at_any_depth(tau):
+    """The centre pressure from b/a = 1e-6 up to 1 - 5e-9, and the load itself."""
+    t = mp.mpf(tau)
+    load = (1 + t * t) * mp.atan(t) - t
+    assert float(FLAT.tau(float(load))) == pytest.approx(tau, rel=4e-15)
+    exact = integrate(lambda s: 2 / mp.pi * s * mp.atan(s) / mp.sqrt(1 + s * s), mp.mpf(0), t)
+    assert float(FLAT.pressure(0.0, float(load))) == pytest.approx(float(exact), rel=4e-15)
+
+
+@CONTACTS
+def test_moments_spread_and_logarithm_against_quadrature(contact):
+    first, end = mp.mpf(getattr(contact, "flat_half_length", 0.0)), mp.mpf("1.7")
+    load, x = float(contact.load(1.7)), mp.mpf("2.1")
+
+    def total(kernel, moment):
+        def integrand(a):
+            if a == first:
+                return mp.mpf(0)
+            eta = mp.mpf(float(contact.load(float(a)))) if moment else 1
+            return law(contact, a) * kernel(a) * eta
+
+        return float(integrate(integrand, first, end))
+
+    assert float(contact.spread(2.1, load)) == pytest.approx(total(lambda a: mp.acosh(x / a), 0), rel=3e-15)
+    assert float(contact.spread_moment(2.1, load)) == pytest.approx(total(lambda a: mp.acosh(x / a), 1), rel=3e-15)
+    assert float(contact.log_distance(load)) == pytest.approx(total(lambda a: mp.log(10 / a), 0), rel=3e-15)
+    assert float(contact.log_moment(load)) == pytest.approx(total(lambda a: mp.log(10 / a), 1), rel=3e-15)
+
+
+@CONTACTS
+def test_spread_beyond_the_contact_edge_is_the_initial_gap(contact):
+    """(A/pi) S(x, P_x) = h(x): a point that comes into contact has lost its gap."""
+    flat = getattr(contact, "flat_half_length", 0.0)
+    x = np.array([1.2, 2.0, 7.0])
+    gap = 2 / (np.pi * contact.modulus) * contact.spread(x, 1e6)
+    np.testing.assert_allclose(gap, (x - flat) ** 2 / (2 * contact.radius), rtol=3e-15)
+
+
+@pytest.mark.parametrize("load", [1e-9, 1e-3, 0.3, 1.0, 50.0, 1e9])
+@CONTACTS
+def test_slip_area_is_right_from_the_smallest_front_to_the_whole_contact(contact, load):
+    """Lam(P, P_c) from P - P_c = 1e-14 P upwards, against 60 digits."""
+    with mp.workdps(60):
+        for part in (1e-14, 1e-7, 1e-3, 0.29, 0.31, 0.7, 0.999):
+            drop = load * part
+            exact = float(area_in_many_digits(contact, mp.mpf(load), mp.mpf(load) - mp.mpf(drop)))
+            assert float(contact.log_area(load, drop)) == pytest.approx(exact, rel=1e-13), part
+
+
+def area_in_many_digits(contact, load, front):
+    if contact is HERTZ:
+        return (load * mp.log(load / front) - load + front) / 2
+
+    def primitive(tau):
+        return ((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau)
+
+    def tau_of(value):
+        tau = mp.mpf(float(contact.tau(float(value))))
+        for _ in range(8):
+            tau -= ((1 + tau**2) * mp.atan(tau) - tau - value) / (2 * tau * mp.atan(tau))
+        return tau
+
+    one, two = tau_of(load), tau_of(front)
+    return load * mp.log((1 + one**2) / (1 + two**2)) / 2 - primitive(one) + primitive(two)
+
+
+def test_log_excess_keeps_relative_accuracy():
+    for ratio in (1e-18, 1e-12, 1e-5, 0.1, 0.3, 0.3001, 0.9, 1 - 1e-12):
+        with mp.workdps(60):
+            exact = float(-mp.log(1 - mp.mpf(ratio)) - mp.mpf(ratio))
+        assert float(log_excess(ratio)) == pytest.approx(exact, rel=1e-15)
+
+
+def test_a_vanishing_flat_is_hertz():
+    nearly = FlatRoundedContact(modulus=3.0, radius=2.0, flat_half_length=1e-8, datum_length=5.0)
+    x, load = np.array([0.0, 0.4, 0.9, 3.0]), 1.7
+    np.testing.assert_allclose(nearly.pressure(x, load), HERTZ.pressure(x, load), rtol=0, atol=1e-7)
+    np.testing.assert_allclose(nearly.spread(x, load), HERTZ.spread(x, load), rtol=0, atol=1e-7)
+    assert float(nearly.log_area(load, 0.4)) == pytest.approx(float(HERTZ.log_area(load, 0.4)), rel=1e-7)
+
+
+def test_unlike_bodies_have_a_modulus_and_a_coupling_constant():
+    soft = Elastic(young_modulus=1.0, poisson_ratio=0.25)
+    pair = Materials(upper=soft, lower=UNIT)
+    assert composite_modulus(pair) == pytest.approx(1 / (0.9375 + 0.5))
+    assert coupling_constant(pair) == -coupling_constant(Materials(upper=UNIT, lower=soft)) != 0
+    assert coupling_constant(Materials(upper=soft, lower=soft)) == 0
+
+
+def test_an_unknown_profile_is_refused_by_name():
+    scene = make_scene(polygon([(1.0, 0.0)]))
+
+    class Wedge:
+        kind = "wedge"
+
+    with pytest.raises(InputError, match=r"profile\.kind = 'wedge'"):
+        contact_of(Wedge(), scene.material)
