@@ -68,7 +68,7 @@ bench: $(STAMP) ## benchmarks, one process
 numbers: $(STAMP) ## measure every promised number, print it, write docs/numbers.md
 	@echo "==> numbers"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(PY) benchmarks/numbers.py
+	@$(HOME_HERE) $(PY) benchmarks/claims.py
 
 docs: $(DOCS_STAMP) ## the pages, into docs/_build/html
 	@echo "==> docs: sphinx"

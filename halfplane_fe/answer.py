@@ -53,7 +53,17 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "cycle_dissipation": freeze(densities.sum(axis=1)),
         "permanent_stick_half_width": _permanent_stick(scene, problem, run, seen) * scales.half_width,
         "steady_from": run.steady_from,
+        "loop_work": _loop_work(scene, run) * work,
     }
+
+
+def _loop_work(scene: Scene, run: PathRun) -> float:
+    """Closed integral of Q dU over the last revolution, trapezoidal; NaN where that revolution is not closed."""
+    period = scene.load.path().period
+    if period is None or run.steady_from is None:
+        return float("nan")
+    last = [state for state in run.states if state.time > run.states[-1].time - period * (1 + 1e-9)]
+    return float(np.trapezoid([state.tangential_load for state in last], [state.shift for state in last]))
 
 
 def _edges(problem: ContactProblem, state: InterfaceState, visible: States) -> tuple[tuple[float, float], ...]:

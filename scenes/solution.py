@@ -86,6 +86,8 @@ class ContactSolution:
         U = (A/pi) int M' ln(2 L/a) d eta
     dissipation_density : (n_points,) [energy / area], of the last whole cycle
     dissipation : energy per unit thickness, of the last whole cycle
+    loop_work : closed integral of Q dU over the last whole cycle, the second and independent way to the dissipation;
+        NaN where the last cycle does not end in the state it started from
     cycle_dissipation : (n_cycles,); a path that is not periodic counts as one cycle
     permanent_stick_half_width : largest half-width that sticks through the whole last cycle [length]; NaN if none
     steady_from : index of the first cycle that ends in the state it started from; None if none did
@@ -118,6 +120,7 @@ class ContactSolution:
     work: Work
     settings: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
+    loop_work: float = float("nan")
 
     def to_dataset(self) -> xr.Dataset:
         """Everything but the meshes as an xarray.Dataset; the inverse is `from_dataset`."""
@@ -147,6 +150,7 @@ class ContactSolution:
             "engine": self.engine,
             "scene": self.scene.model_dump_json(),
             "dissipation": self.dissipation,
+            "loop_work": self.loop_work,
             "permanent_stick_half_width": self.permanent_stick_half_width,
             "steady_from": -1 if self.steady_from is None else self.steady_from,
             "record": json.dumps(record),
@@ -171,6 +175,7 @@ class ContactSolution:
             engine=stored["engine"],
             scene=Scene.model_validate_json(stored["scene"]),
             dissipation=float(stored["dissipation"]),
+            loop_work=float(stored["loop_work"]),
             permanent_stick_half_width=float(stored["permanent_stick_half_width"]),
             steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
             record=Record(

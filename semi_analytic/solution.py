@@ -123,6 +123,7 @@ def solve(
         time=freeze(question.time),
         x=freeze(question.x),
         dissipation=work_done.last,
+        loop_work=work_done.second_route,
         permanent_stick_half_width=_permanent_stick(question),
         steady_from=question.route.history.steady_from,
         record=_record(scene, question, everything, work_done),
@@ -309,12 +310,7 @@ def _notes(scene: Scene, question: Question, work_done: Dissipations) -> Iterato
     beta = coupling_constant(scene.material)
     if beta != 0:
         yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
-    if math.isfinite(work_done.second_route):
-        one, other = work_done.last, work_done.second_route
-        largest = max(abs(one), abs(other))
-        apart = abs(one - other) / largest if largest else 0.0
-        yield f"dissipation {one:.15g} by the slip integral, {other:.15g} by the closed integral of Q dU: {apart:.1e} apart"
-    elif "dissipation" in question.fields and question.route.period is not None:
+    if not math.isfinite(work_done.second_route) and "dissipation" in question.fields and question.route.period is not None:
         yield "the last cycle is not steady: no closed integral of Q dU to compare the dissipation with"
 
 

@@ -1,0 +1,226 @@
+"""Every number that the project claims, measured now: printed, and written to docs/numbers.md.
+
+    make numbers            (python benchmarks/claims.py)
+
+A row is a claim with its target; a claim that misses its target is printed and written all the same, and the exit code is 1.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import mpmath
+import numpy as np
+
+import halfplane_fe
+import semi_analytic
+from meshes import MeshSettings
+from reports import compare
+from scenes import Scene, load_scene
+
+ROOT = Path(__file__).parent.parent
+PAGE = ROOT / "docs" / "numbers.md"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One claim: what, the figure measured, the limit it shall keep (None: shown only), and how it was come by."""
+
+    what: str
+    measured: float
+    limit: float | None
+    how: str
+    unit: str = ""
+
+    @property
+    def kept(self) -> bool | None:
+        return None if self.limit is None else bool(abs(self.measured) <= self.limit)
+
+
+def half_plane_engine() -> Iterator[Row]:
+    """The semi-analytic engine against 30-digit arithmetic and against itself."""
+    for name, truth in (("hertz-paper", hertz_paper_truth()), ("cattaneo-mindlin", cattaneo_mindlin_truth())):
+        answer = semi_analytic.solve(load_scene(name))
+        error = float(mpmath.mpf(answer.dissipation) / truth - 1)
+        yield Row(f"{name}: global dissipation, relative error", error, 1e-12, "against theory in 30-digit arithmetic")
+        yield Row(f"{name}: closed integral of Q dU against it", answer.loop_work / answer.dissipation - 1, 1e-10, "two routes")
+    answer = semi_analytic.solve(load_scene("hertz-paper"))
+    a_mean = hertz_half_width(load_scene("hertz-paper"), load_scene("hertz-paper").load.mean_normal_load)
+    yield Row(
+        "hertz-paper: permanent stick a(P_T)/a(P0), less 0.72705",
+        answer.permanent_stick_half_width / a_mean - 0.72705,
+        5e-6,
+        f"{answer.permanent_stick_half_width / a_mean:.6f}",
+    )
+    yield Row("full-stick: dissipation", semi_analytic.solve(load_scene("full-stick")).dissipation, 0.0, "exactly zero")
+
+
+def modulus(scene: Scene) -> mpmath.mpf:
+    """E* with 30 digits."""
+    return 1 / sum((1 - mpmath.mpf(m.poisson_ratio) ** 2) / m.young_modulus for m in (scene.material.lower, scene.material.upper))
+
+
+def hertz_half_width(scene: Scene, load: float) -> float:
+    """a(P) of Hertz."""
+    return float(mpmath.sqrt(4 * load * scene.profile.radius / (mpmath.pi * modulus(scene))))
+
+
+def hertz_paper_truth() -> mpmath.mpf:
+    """Dissipation per cycle from the one-dimensional integrals (theory of the paper), 30 digits."""
+    # notation: u = Q - f P, v = Q + f P; E: max u, G: min v, I: min u, J: where the front has passed G, M = E a turn later
+    scene = load_scene("hertz-paper")
+    f, load = scene.friction.coefficient, scene.load
+    p0, p1, q0, q1 = (
+        mpmath.mpf(value)
+        for value in (load.mean_normal_load, load.normal_amplitude, load.mean_tangential_load, load.tangential_amplitude)
+    )
+    pi, compliance = mpmath.pi, 2 / modulus(scene)
+    t_e, t_g, t_i = 3 * pi / 4, 5 * pi / 4, 7 * pi / 4
+    t_j = 2 * t_i - t_g
+
+    def p(t: mpmath.mpf) -> mpmath.mpf:
+        return p0 + p1 * mpmath.cos(t)
+
+    def q(t: mpmath.mpf) -> mpmath.mpf:
+        return q0 + q1 * mpmath.sin(t)
+
+    def area(load: mpmath.mpf, front: mpmath.mpf) -> mpmath.mpf:
+        return (load * mpmath.log(load / front) - load + front) / 2
+
+    u_max, v_min = q(t_e) - f * p(t_e), q(t_g) + f * p(t_g)
+
+    def reverse(t: mpmath.mpf) -> mpmath.mpf:
+        return -(q1 * mpmath.cos(t) - f * p1 * mpmath.sin(t)) * area(p(t), (q(t) + f * p(t) - u_max) / (2 * f))
+
+    def forward(front: Callable[[mpmath.mpf], mpmath.mpf]) -> Callable[[mpmath.mpf], mpmath.mpf]:
+        return lambda t: (q1 * mpmath.cos(t) + f * p1 * mpmath.sin(t)) * area(p(t), front(t))
+
+    parts = (
+        mpmath.quad(reverse, [t_e, pi, t_g]),
+        mpmath.quad(forward(lambda t: p(2 * t_i - t)), [t_i, 2 * pi, t_j]),
+        mpmath.quad(forward(lambda t: (v_min - q(t) + f * p(t)) / (2 * f)), [t_j, 5 * pi / 2, t_e + 2 * pi]),
+    )
+    return f * compliance / pi * sum(parts)
+
+
+def cattaneo_mindlin_truth() -> mpmath.mpf:
+    """W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2], k = Q/(fP)."""
+    scene = load_scene("cattaneo-mindlin")
+    f = mpmath.mpf(scene.friction.coefficient)
+    load, shear = (mpmath.mpf(value) for value in scene.load.cycle[0])
+    k = shear / (f * load)
+    return 4 * f**2 * load**2 / (mpmath.pi * modulus(scene)) * ((1 - k) * mpmath.log(1 - k) + k - k**2 / 2)
+
+
+def finite_elements() -> Iterator[Row]:
+    """The FE model on its default mesh against the half-plane engine."""
+    scene = load_scene("hertz-paper")
+    answer = halfplane_fe.solve(scene)
+    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
+    polygon = semi_analytic.solve(scene, x=answer.x, time=answer.time, straight_steps=True)
+    comparison = compare(exact, answer, polygon_reference=polygon)
+    settings = MeshSettings()
+    how = (
+        f"default mesh: h = a/{1 / settings.element_size:.0f}, a/{1 / settings.edge_element_size:.0f} at the edges, "
+        f"{answer.work.counts['degrees of freedom']} dof, {answer.work.counts['steps solved']} increments"
+    )
+    limits = {"dissipation": 1.5e-3, "peak_pressure": 2e-4, "pressure": 2.5e-3, "shear": 8e-3}
+    for key, limit in limits.items():
+        yield Row(f"hertz-paper, FE: {comparison.metric(key).label}", comparison.metric(key).value, limit, how)
+    yield Row(
+        "hertz-paper, FE: dissipation against the polygon of its own increments",
+        answer.dissipation / polygon.dissipation - 1,
+        None,
+        "the rest is the error of the increments",
+    )
+    steps = answer.last_cycle
+    for key in ("contact_edges", "stick_edges"):
+        off = np.abs(getattr(answer, key)[steps] - getattr(exact, key)[steps]).max() / answer.settings["element_size"]
+        yield Row(f"hertz-paper, FE: {key.replace('_', ' ')}, worst of the cycle", float(off), 1.0, how, "elements")
+    checks = answer.record.certificates
+    for key in ("equilibrium", "tension", "cone", "slip_sign", "energy_balance"):
+        yield Row(
+            f"hertz-paper, FE: {key.replace('_', ' ')}, worst increment", float(checks[key].max()), 1e-9, "no reference needed"
+        )
+    energy = answer.record.energy
+    cycle = steps[1:]
+    step_error = float(energy["end_of_step"][cycle].sum() / energy["interface"][cycle].sum() - 1)
+    yield Row("hertz-paper, FE: end-of-step work less trapezoidal", step_error, None, "what end-of-step work would cost")
+    full = halfplane_fe.solve(load_scene("full-stick"))
+    yield Row("full-stick, FE: dissipation", full.dissipation, 0.0, "exactly zero")
+    yield Row(
+        "full-stick, FE: slip iterations",
+        full.work.counts["slip iterations"],
+        0.0,
+        f"{full.work.counts['steps solved']} increments",
+    )
+
+
+def times() -> Iterator[Row]:
+    """Cold run of the main job, in a process of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        command = [sys.executable, "-m", "reports", "run", "hertz-paper", "--out", f"{folder}/report"]
+        subprocess.run(command, check=True, capture_output=True, cwd=ROOT)
+        total = time.perf_counter() - start
+        seconds = json.loads((Path(folder) / "report" / "comparison.json").read_text())["seconds"]
+    yield Row("cold `halfplane run hertz-paper` with the page", total, 30.0, "a process of its own", "s")
+    yield Row("... of that the FE model", seconds["finite elements"], 6.0, "mesh, condensation and two revolutions", "s")
+    yield Row(
+        "... of that the half-plane engine", seconds["half-plane theory"], 0.1, "on the points and instants of the FE model", "s"
+    )
+
+
+def table(rows: list[Row]) -> str:
+    """The rows as a Markdown table."""
+    lines = ["| claim | measured | limit | kept | how |", "|---|---|---|---|---|"]
+    for row in rows:
+        limit = "" if row.limit is None else f"{row.limit:g} {row.unit}".strip()
+        kept = {None: "", True: "yes", False: "**no**"}[row.kept]
+        lines.append(f"| {row.what} | {row.measured:.3g} {row.unit} | {limit} | {kept} | {row.how} |")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    mpmath.mp.dps = 30
+    sections = {
+        "Half-plane engine": half_plane_engine,
+        "Finite elements": finite_elements,
+        "Time": times,
+    }
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-fem", "gmsh"))
+    text = [
+        "# Numbers",
+        "",
+        "Every figure that the project claims, written by `make numbers` and by nothing else. Errors are relative unless a unit "
+        "is given; times are of one run and vary by some ten per cent.",
+        "",
+        f"Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, {platform.machine()}.",
+    ]
+    missed = 0
+    for title, section in sections.items():
+        print(f"==> {title}", flush=True)
+        rows = list(section())
+        for row in rows:
+            print(
+                f"{'MISSED ' if row.kept is False else ''}{row.what}: {row.measured:.3g} {row.unit} (limit {row.limit})", flush=True
+            )
+        missed += sum(row.kept is False for row in rows)
+        text += ["", f"## {title}", "", table(rows)]
+    PAGE.write_text("\n".join(text) + "\n", encoding="utf-8")
+    print(f"{PAGE.relative_to(ROOT)}: {missed} claims missed")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
