@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reports.sampling import last_cycle
+
 from reports.metrics import compliance, loop_work
+from reports.sampling import last_cycle
 from scenes import ContactSolution, Record, Scene, SurfaceState, Work, freeze, load_scene
 
 LOAD_RATIO = 0.6

@@ -1,0 +1,91 @@
+"""Putting one solution on the points and instants of another: exact where it is exact, stated where it is not."""
+
+import numpy as np
+import pytest
+
+from reports import compare
+from reports.instants import events
+from reports.sampling import last_cycle
+from scenes import InputError, load_scene
+from test_reports_synthetic import cattaneo_mindlin, with_fields
+
+COARSE = cattaneo_mindlin(steps_per_leg=20, points=81)
+FINE = cattaneo_mindlin(steps_per_leg=160, points=641)
+
+
+def test_the_same_points_and_instants_are_taken_as_they_are() -> None:
+    found = compare(COARSE, COARSE)
+    assert not found.expected.interpolation
+    assert not any("interpolated" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("points", range(150, 250, 7))
+def test_interpolation_is_stated_and_not_smaller_than_the_true_one(points: int) -> None:
+    """Honest wherever the edge of the contact falls between two of the reference's points: the truth is known here."""
+    reference = cattaneo_mindlin(steps_per_leg=31, points=points)
+    found = compare(reference, COARSE)
+    stated = found.expected.interpolation
+    for name in ("pressure", "shear"):
+        truth = getattr(COARSE, name)
+        error = np.max(np.abs(getattr(found.expected, name) - truth)) / np.max(np.abs(truth))
+        assert 0 < error <= stated[name] < 0.5
+    assert any("was interpolated" in note for note in found.notes)
+
+
+def test_instants_are_matched_by_phase_not_by_revolution() -> None:
+    """The same cycle, one revolution later: nothing to interpolate, nothing to tell apart."""
+    found = compare(COARSE, with_fields(COARSE, time=COARSE.time + 3.0))
+    assert not found.expected.interpolation
+    assert all(not metric.value for metric in found.metrics)
+
+
+def test_a_reference_that_ends_inside_the_contact_is_refused() -> None:
+    inner = np.abs(FINE.x) < 0.9
+    cut = {name: getattr(FINE, name)[:, inner] for name in ("pressure", "shear", "slip", "state")}
+    short = with_fields(FINE, x=FINE.x[inner], dissipation_density=FINE.dissipation_density[inner], **cut)
+    with pytest.raises(InputError, match="still carries pressure"):
+        compare(short, COARSE)
+
+
+def test_less_than_a_cycle_is_refused() -> None:
+    names = ("pressure", "shear", "slip", "state", "contact_edges", "stick_edges", "normal_load", "tangential_load")
+    names += ("contact_half_width", "stick_half_width", "rigid_shift", "rigid_approach", "time")
+    half = with_fields(COARSE, **{name: getattr(COARSE, name)[:1] for name in names})
+    with pytest.raises(InputError, match="holds no whole cycle"):
+        compare(COARSE, half)
+
+
+def test_events_of_a_cycle_under_constant_pressure() -> None:
+    """P stands still: only Q has extremes; the rest of the six are the middles of the widest gaps."""
+    cycle = last_cycle(COARSE)
+    found = events(cycle, COARSE.scene.friction.coefficient)
+    labels = {event.label: cycle.time[event.index] for event in found}
+    assert len(found) == 6
+    assert labels["Q largest"] == 2.0
+    assert labels["Q least"] == 3.0
+    assert not any(label.startswith("P ") for label in labels)
+    assert [event.index for event in found] == sorted({event.index for event in found})
+
+
+def test_events_of_the_papers_ellipse() -> None:
+    """H, the largest P, the largest Q, E (forward slip ends at 5/8), the least P, G (reverse slip ends at 7/8)."""
+    scene = load_scene("hertz-paper")
+    path = scene.load.path()
+    time = path.cycle_start + np.linspace(0, 2 * np.pi, 81)
+    normal, tangential = path.at(time)
+    steps = {"time": time, "normal_load": normal, "tangential_load": tangential}
+    blank = {name: np.zeros((81, 81)) for name in ("pressure", "shear", "slip")}
+    edges = {name: np.zeros((81, 2)) for name in ("contact_edges", "stick_edges")}
+    series = {name: np.zeros(81) for name in ("rigid_shift", "rigid_approach")}
+    state = np.zeros((81, 81), np.int8)
+    cycle = last_cycle(with_fields(COARSE, scene=scene, state=state, **steps, **blank, **edges, **series))
+    found = events(cycle, 1.0)
+    assert [event.label for event in found] == [
+        "Q least",
+        "P largest",
+        "Q largest",
+        "forward slip ends",
+        "P least",
+        "reverse slip ends",
+    ]
+    assert cycle.fraction[[event.index for event in found]] == pytest.approx([0, 0.25, 0.5, 0.625, 0.75, 0.875])
