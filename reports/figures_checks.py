@@ -47,27 +47,31 @@ def energy(solution: ContactSolution) -> Drawing | None:
     )
 
 
-def certificates(solution: ContactSolution, checks: Sequence[Certificate]) -> Drawing:
-    """Violation of each law of contact at each instant of the whole path; those that are exactly 0 are only named."""
+def certificates(role: str, solution: ContactSolution, checks: Sequence[Certificate]) -> Drawing:
+    """Violation of each law of contact at each instant of the whole path; those that are exactly 0 are only named.
+
+    `role` is "reference" or "result": engines have names that no file could have.
+    """
     shown = [check for check in checks if np.any(check.series != 0)]
     exact = [check.label for check in checks if check not in shown]
     with canvas(10.5, 3.6) as figure:
         axes = figure.subplots()
         rows = -(-len(shown) // 5)
         figure.subplots_adjust(left=0.075, right=0.985, top=0.95 - 0.055 * rows, bottom=0.13)
+        finite = [float(s) for check in shown for s in check.series if np.isfinite(s)]
+        axes.set_yscale("log")
+        axes.set_ylim(1e-18, 30 * max([LIMIT, *finite]))
         for check, line, colour in zip(shown, LINES * 3, COLOURS * 3, strict=False):
             series = np.where(check.series > 0, check.series, np.nan)
-            axes.semilogy(solution.time, series, ls=line, color=colour, lw=1.0, label=check.label)
+            axes.plot(solution.time, series, scaley=False, ls=line, color=colour, lw=1.0, label=check.label)
         axes.axhline(LIMIT, color=QUIET, lw=1.0)
         axes.text(0.995, LIMIT, "limit", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=QUIET)
-        axes.set_ylim(bottom=1e-18)
-        axes.set_yscale("log")
         _mark_cycles(axes, solution)
         if shown:
             legend_above(axes, columns=5)
         label_axes(axes, "time", "violation, dimensionless")
     return Drawing(
-        f"certificates_{solution.engine}",
+        f"certificates_{role}",
         f"Certificates, {name_of(solution.engine)}",
         "How far each law of contact is violated, where it is at all."
         + (f" Exactly 0 throughout: {', '.join(exact)}." if exact else ""),

@@ -107,6 +107,7 @@ def state_map(comparison: Comparison, time: Array, time_label: str) -> Drawing:
     colours = ListedColormap([STATE_COLOURS[state] for state in SurfaceState])
     norm = BoundaryNorm(np.arange(-0.5, 4.5), 4)
     differs = (expected.state != found.state)[:, inside]
+    codes = ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items())
     with canvas(10.5, 4.3) as figure:
         left, middle, right = figure.subplots(1, 3, sharex=True, sharey=True)
         figure.subplots_adjust(left=0.065, right=0.99, top=0.93, bottom=0.2, wspace=0.08)
@@ -131,8 +132,8 @@ def state_map(comparison: Comparison, time: Array, time_label: str) -> Drawing:
         {
             "time": np.repeat(found.time, len(inside)),
             "x": np.tile(found.x[inside], len(time)),
-            "state_reference": expected.state[:, inside].ravel(),
-            "state_result": found.state[:, inside].ravel(),
+            f"state_reference ({codes})": expected.state[:, inside].ravel(),
+            f"state_result ({codes})": found.state[:, inside].ravel(),
         },
     )
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from reports.certificates import Certificate
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.drawing import Drawing
-from reports.metrics import loop_work
 from reports.wording import CLAIM, accuracy_of, energy_unit, percent, question, tolerance_of, unit_of, units, value_of, verdict
 from scenes import ContactSolution
 
@@ -82,35 +82,25 @@ def _scales(comparison: Comparison) -> list[tuple[str, str, str]]:
     ]
 
 
-def _dissipations(comparison: Comparison) -> list[dict[str, Any]]:
-    """Dissipation by engine: both routes and every cycle."""
-    scale = comparison.scales.dissipation
+def _dissipations(comparison: Comparison) -> list[dict[str, str]]:
+    """Dissipation of each solution: both routes and every cycle."""
+    polygon = comparison.polygon_reference
     solutions = [
-        (name_of(comparison.reference.engine), comparison.reference, comparison.expected),
-        (name_of(comparison.result.engine), comparison.result, comparison.found),
+        (name_of(comparison.reference.engine), comparison.reference),
+        *([(f"{name_of(polygon.engine)}, on the polygon of the steps", polygon)] if polygon else []),
+        (name_of(comparison.result.engine), comparison.result),
     ]
-    rows = [
+    return [
         {
             "name": name,
             "value": f"{solution.dissipation:.8g}",
-            "scaled": f"{solution.dissipation / scale:.8g}",
-            "loop": f"{loop_work(cycle):.8g}",
+            "scaled": f"{solution.dissipation / comparison.scales.dissipation:.8g}",
+            "loop": "–" if np.isnan(solution.loop_work) else f"{solution.loop_work:.8g}",
+            "apart": _apart(solution),
             "cycles": ", ".join(f"{w:.6g}" for w in solution.cycle_dissipation),
         }
-        for name, solution, cycle in solutions
+        for name, solution in solutions
     ]
-    if polygon := comparison.polygon_reference:
-        rows.insert(
-            1,
-            {
-                "name": f"{name_of(polygon.engine)}, on the polygon of the steps",
-                "value": f"{polygon.dissipation:.8g}",
-                "scaled": f"{polygon.dissipation / scale:.8g}",
-                "loop": "–",
-                "cycles": ", ".join(f"{w:.6g}" for w in polygon.cycle_dissipation),
-            },
-        )
-    return rows
 
 
 def _sentence(text: str) -> str:
@@ -129,6 +119,13 @@ def _step_errors(comparison: Comparison) -> Iterator[str]:
                 f"{name_of(solution.engine).capitalize()}: with the tractions at the end of each step instead of their mean "
                 f"the interface work of the cycle would differ by {percent(excess)} of W."
             )
+
+
+def _apart(solution: ContactSolution) -> str:
+    """How far the two routes to the dissipation are apart."""
+    if np.isnan(solution.loop_work) or not solution.dissipation:
+        return "–"
+    return f"{abs(solution.loop_work / solution.dissipation - 1):.1e}"
 
 
 def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:

@@ -11,8 +11,6 @@ from reports.certificates import certificates
 from reports.definitions import name_of
 from reports.drawing import table_text
 from reports.folder import filled
-from reports.metrics import loop_work
-from reports.sampling import last_cycle
 from reports.summary import solution_content, strict
 from scenes import ContactSolution
 
@@ -39,8 +37,8 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         ("permanent stick half-width", _or_none(solution.permanent_stick_half_width)),
         ("dissipation of the last cycle", _or_none(solution.dissipation)),
     ]
-    if solution.record.converged and solution.scene.load.path().period is not None:
-        rows.append(("closed integral of Q dU, trapezoids", f"{loop_work(last_cycle(solution)):.10g}"))
+    if np.isfinite(solution.loop_work):
+        rows.append(("the same as closed integral of Q dU", f"{solution.loop_work:.10g}"))
     rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
     rows.extend((f"{name} (work)", str(count)) for name, count in solution.work.counts.items())
     rows.extend((f"{name} (skipped)", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())

@@ -97,6 +97,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
     return {
         "engine": solution.engine,
         "dissipation": solution.dissipation,
+        "loop_work": solution.loop_work,
         "cycle_dissipation": solution.cycle_dissipation,
         "permanent_stick_half_width": solution.permanent_stick_half_width,
         "steady_from": solution.steady_from,

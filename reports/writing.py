@@ -69,8 +69,8 @@ def draw(comparison: Comparison) -> tuple[Drawing, ...]:
         figures_fields.dissipation_density(comparison),
         figures_cycle.errors(comparison, time, label),
         figures_checks.energy(comparison.result),
-        figures_checks.certificates(comparison.result, comparison.result_certificates),
-        figures_checks.certificates(comparison.reference, comparison.reference_certificates),
+        figures_checks.certificates("result", comparison.result, comparison.result_certificates),
+        figures_checks.certificates("reference", comparison.reference, comparison.reference_certificates),
     ]
     if bodies := getattr(comparison.result, "bodies", ()):
         drawings.append(figures_fields.mesh(comparison, bodies))
