@@ -4,8 +4,8 @@ Shares no code with the engine. Run it to make `semi_analytic_reference.json` an
 
     python benchmarks/semi_analytic_reference.py
 
-# notation: u = Q - f P, v = Q + f P; E maximum of u, G minimum of v, I minimum of u, J = where the front has passed G, M = E a turn later;
-#           A = 2/E*; P_c load at the front of slip, c = a(P_c); P_x load at which a = |x|
+# notation: u = Q - f P, v = Q + f P; E maximum of u, G minimum of v, I minimum of u, J = where the front has passed G,
+#           M = E a turn later; A = 2/E*; P_c load at the front of slip, c = a(P_c); P_x load at which a = |x|
 """
 
 from __future__ import annotations
@@ -168,9 +168,7 @@ def dissipation(case: Case) -> mp.mpf:
         p, front = load(t), part.front(t)
         return part.rate(t) * area(p, half_width(p), front, half_width(front)) if 0 < front < p else mp.mpf(0)
 
-    total = sum(
-        mp.quad(lambda t, part=part: power(part, t), mp.linspace(part.begin, part.end, 4)) for part in parts
-    )
+    total = sum(mp.quad(lambda t, part=part: power(part, t), mp.linspace(part.begin, part.end, 4)) for part in parts)
     return mp.mpf(case.friction) * 2 / mp.pi * total
 
 
@@ -202,7 +200,7 @@ def record(case: Case) -> dict[str, object]:
     """One entry of the table: the case, its global dissipation, and the pointwise one at three places of the slip zone."""
     mp.mp.dps = DIGITS + 8
     _, half_width, _, _ = mechanics(case.flat)
-    load, parts = phases(case)
+    _, parts = phases(case)
     inner, outer = half_width(parts[0].front(parts[0].end)), half_width(mp.mpf(case.mean) + mp.mpf(case.amplitude))
     places = [float(inner + (outer - inner) * mp.mpf(part)) for part in ("0.25", "0.6", "0.9")]
     return {

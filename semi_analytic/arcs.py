@@ -37,7 +37,7 @@ class Nodes(NamedTuple):
 
 
 class Half(NamedTuple):
-    """The part of arcs (n,) in one half of the ellipse: z in [low, high], P = extreme + curvature z^2, dQ = sign Q1 sin(phase) g dz."""
+    """The part of arcs (n,) in one half: z in [low, high], P = extreme + curvature z^2, dQ = sign Q1 sin(phase) g dz."""
 
     low: Array
     high: Array

@@ -6,8 +6,8 @@
     W(x) = (f A/pi) int p(x, P) w' arccosh(|x|/c) dt        over the times with c < |x| < a(P)
     W    = closed-int Q dU                                  over a steady cycle
 
-Each span of slip is integrated in time by one rule for singular ends: roots at the edges of the contact, the logarithm of gross sliding, P
-close to 0 all lie at an end of a span or beyond it.
+Each span of slip is integrated in time by one rule for singular ends: roots at the edges of the contact, the logarithm of gross
+sliding, P close to 0 all lie at an end of a span or beyond it.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     edge_load = contact.load(x)
     for span in spans:
         if span.direction and span.active is not None:
-            begin, end = _slip_times(span, edge_load)
+            begin, end = slip_times(span, edge_load)
             here = np.flatnonzero(end > begin)
             if len(here):
                 work[span.direction][here] += _work_at(contact, span, x[here], edge_load[here], begin[here], end[here])
@@ -68,7 +68,7 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     return Split(factor * work[1], factor * work[-1])
 
 
-def _slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
+def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     """When, within a span, points are in contact and outside the front; end <= begin if never."""
     assert span.active is not None
     leg, what, first, last = span.leg, level(span.direction, span.friction), span.begin, span.end

@@ -1,12 +1,14 @@
 """Normal contact of a flat face with parabolic edges, in closed form, with the digits kept where the closed forms cancel.
 
-# notation: b half-length of the flat, R edge radius, a half-width, tau = sqrt(a^2 - b^2)/b (the paper's phi0 is arccot tau), P or eta normal load,
-#           unit = E* b^2/(2 R), x^ = |x|/b, alpha = a/b = sqrt(1 + tau^2), g^2 = 1 - x^^2, k = sqrt(alpha^2 - x^^2), P_x load at which a = |x|
+# notation: b half-length of the flat, R edge radius, a half-width, P or eta normal load, tau = sqrt(a^2 - b^2)/b
+#           (the paper's phi0 is arccot tau), unit = E* b^2/(2 R), x^ = |x|/b, alpha = a/b = sqrt(1 + tau^2),
+#           g^2 = 1 - x^^2, k = sqrt(alpha^2 - x^^2), P_x load at which a = |x|
 
     P = unit F(tau),  F = (1 + tau^2) arctan tau - tau,  dF/d(tau^2) = arctan tau
     p = (E* b/(pi R)) int t arctan(t) / sqrt(t^2 + g^2) dt,  t from 0 or from where the root vanishes, to tau
 
-The integral is elementary (Ciavarella, Hills and Monno 1998), but its terms cancel like tau^-2 as tau -> 0: there it is done by quadrature.
+The integral is elementary (Ciavarella, Hills and Monno 1998), but its terms cancel like tau^-2 as tau -> 0: there it is done by
+quadrature.
 """
 
 from __future__ import annotations
@@ -184,7 +186,7 @@ class FlatRoundedContact:
 
 
 def _pressure_in_closed_form(inner: Array, tau: Array) -> Array:
-    """k arctan tau - artanh(tau/k) + x^ artanh(x^ tau/k) for x^ < 1, with inverse arguments for x^ > 1; by logarithms near x^ = 1."""
+    """k arctan tau - artanh(tau/k) + x^ artanh(x^ tau/k) for x^ < 1, inverse arguments for x^ > 1, logarithms near 1."""
     root = np.sqrt(np.maximum(tau * tau + inner, 0.0))
     x = np.sqrt(1 - inner)
     # Where tau and k are close, their quotient has no digits left below 1; elsewhere the logarithms cancel.
@@ -211,7 +213,7 @@ def _pressure_integral(weight: Callable[[Array], Array], inner: Array, tau: Arra
 
 
 def _spread_in_closed_form(edge: Array, tau: Array) -> Array:
-    """(alpha^2 arctan tau - tau) arccosh(x^/alpha) - x^ k arctan tau + (x^^2 + 1) arctan(x^ tau/k) - 2 x^ arctan(tau/k), k^2 = x^^2 - alpha^2."""
+    """F arccosh(x^/alpha) - x^ k arctan tau + (x^^2 + 1) arctan(x^ tau/k) - 2 x^ arctan(tau/k), here with k^2 = x^^2 - alpha^2."""
     x = np.sqrt(1 + edge * edge)
     root = np.sqrt(np.maximum((edge - tau) * (edge + tau), 0.0))
     reach = np.arcsinh(root / np.sqrt(1 + tau * tau))

@@ -34,7 +34,8 @@ from semi_analytic.memory import Curve, Piece, append, clip, cut, flat, level_on
 Array = NDArray[np.float64]
 
 _ROUNDING = 1e-14
-_NEAR = 1e-13
+_NEAR = 1e-14
+_LAST_DIGITS = 2e-15
 _SAMPLES = 33
 
 
@@ -138,7 +139,9 @@ def _check_stretch(leg: Leg, begin: float, end: float, friction: float, slack: f
             time = float(time_of(leg, what, growth * (total - excess), begin, end))
             broken.append((time, reason))
     if broken:
-        time, reason = min(broken)
+        # Where P runs out both limits of friction are met at the same instant: that is separation.
+        earliest = min(time for time, _ in broken) + _NEAR * (end - begin)
+        time, reason = next(entry for entry in broken if entry[0] <= earliest)
         where = instant(leg, time)
         raise InadmissibleLoadError(reason, time, where.normal, where.tangential)
 
@@ -179,9 +182,11 @@ def _slip(curve: Curve, direction: int, first: Instant, last: Instant, friction:
             curve = curve.below
             continue
         start = float(change_from(curve.anchor, leg, what, first.time))
-        remaining = float(level_on(curve, direction, friction, curve.bottom)) - start
-        # A front that meets the lower end of the piece at the very end of the stretch, to rounding, has not passed it.
-        if float(change(leg, what, last.time, first.time)) <= remaining * (1 + _NEAR):
+        bottom = float(level_on(curve, direction, friction, curve.bottom))
+        remaining, total = bottom - start, float(change(leg, what, last.time, first.time))
+        # A front that meets the lower end of the piece at the very end of the stretch, to rounding, has not passed it: what lies
+        # below may be at the limit already, and the front would jump through it.
+        if total <= remaining + _NEAR * (abs(bottom) + abs(start)) + _LAST_DIGITS * friction * last.normal:
             break
         passed = instant(leg, float(time_of(leg, what, remaining, first.time, last.time)))
         if passed.time > begin.time:

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 _SAMPLES = 257
 _ROUNDING = 1e-14
+_LEAST = 1e-290
 
 
 class Combination(NamedTuple):
@@ -143,7 +144,7 @@ def time_of(leg: Leg, what: Combination, amount: ArrayLike, begin: float, end: f
     """
     wanted = np.asarray(amount, dtype=float)
     total = float(change(leg, what, end, begin))
-    if total == 0:
+    if abs(total) < _LEAST:
         return np.full(wanted.shape, begin)
     sign = math.copysign(1.0, total)
     if isinstance(leg, StraightLeg):

@@ -83,9 +83,7 @@ def test_way_in_does_not_matter_above_the_permanent_stick_load(ratio, use, phase
         history = follow(path.way_in, [Turn(path.cycle, 2 * np.pi * k) for k in range(4)], FRICTION)
         assert history.steady_from in (0, 1)
         fronts = [
-            span.leg.loads(time)[0] - span.slipped(time)
-            for span in history.cycles[-1]
-            for time in (span.begin.time, span.end.time)
+            span.leg.loads(time)[0] - span.slipped(time) for span in history.cycles[-1] for time in (span.begin.time, span.end.time)
         ]
         ends.append((history.states[-1], float(min(fronts))))
     eta = np.linspace(ends[0][1], ends[0][0].top, 40)

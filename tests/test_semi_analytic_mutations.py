@@ -1,0 +1,117 @@
+"""Planted faults: the claims below hold for the engine as it is, and at least one of them must break for each mutant."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import semi_analytic.fields
+import semi_analytic.history
+from scenes import StraightLeg, SurfaceState, load_scene
+from semi_analytic import solve
+from semi_analytic.fields import Integrals
+from semi_analytic.memory import Piece
+
+NAMES = ("cattaneo-mindlin", "hertz-paper")
+
+
+def broken_claims(name):
+    """The claims that fail, by name; no knowledge of how the engine works."""
+    scene = load_scene(name)
+    solution = solve(scene)
+    limit = scene.friction.coefficient * solution.pressure
+    size = np.max(limit)
+    forward, reverse = (solution.state == state for state in (SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE))
+    weight = np.gradient(solution.x)
+    force = np.sum(weight * solution.shear, axis=1)
+    claims = {
+        "inside the cone": np.max(np.abs(solution.shear) - limit) <= 1e-12 * size,
+        "at the limit in forward slip": np.allclose(solution.shear[forward], limit[forward], atol=1e-11 * size),
+        "at the limit in reverse slip": np.allclose(solution.shear[reverse], -limit[reverse], atol=1e-11 * size),
+        "carries Q": np.allclose(force, solution.tangential_load, atol=5e-3 * np.max(np.abs(solution.tangential_load))),
+        "slip zones exist": np.any(forward) and np.any(reverse),
+        "energy balance": np.isclose(solution.dissipation, solution.loop_work, rtol=1e-10),
+        "dissipation": solution.dissipation > 0,
+        "stick stands still": still(solution),
+    }
+    return {claim for claim, holds in claims.items() if not holds}
+
+
+def still(solution):
+    stuck = (solution.state[1:] == SurfaceState.STICK) & (solution.state[:-1] == SurfaceState.STICK)
+    return np.max(np.abs(np.diff(solution.slip, axis=0)[stuck])) <= 1e-12 * np.max(np.abs(solution.slip))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_claim_holds_for_the_engine_itself(name):
+    assert broken_claims(name) == set()
+
+
+def drop_history(monkeypatch):
+    """Each leg starts as if its first point had been reached along a straight line."""
+    march = semi_analytic.history.march
+
+    def forgetful(curve, legs, friction, delay):
+        if curve is not None:
+            end = curve.anchor
+            leg = StraightLeg(-1.0, 0.0, (0.0, 0.0), (end.normal, end.tangential))
+            curve = Piece(None, end.normal, end._replace(leg=leg, time=0.0), end.tangential / end.normal)
+        return march(curve, legs, friction, delay)
+
+    monkeypatch.setattr(semi_analytic.history, "march", forgetful)
+
+
+def flip_change_of_shear(monkeypatch):
+    """Slip to the left where it should go to the right."""
+    level = semi_analytic.history.level
+    monkeypatch.setattr(semi_analytic.history, "level", lambda direction, friction: level(-direction, friction))
+
+
+def forget_friction(monkeypatch):
+    """The line of slip has slope 0."""
+    clip = semi_analytic.history.clip
+    monkeypatch.setattr(semi_analytic.history, "clip", lambda curve, s, f, end, slipped: clip(curve, s, 0.0, end, slipped))
+
+
+def shear_is_pressure(monkeypatch):
+    """The shear kernel is handed the pressure of the whole load."""
+    whole = Integrals.at
+
+    def mutant(self, span, time):
+        if self.kernel != "shear":
+            return whole(self, span, time)
+        return span.friction * self.contact.pressure(self.x, span.leg.loads(np.atleast_1d(time))[0][:, None])
+
+    monkeypatch.setattr(Integrals, "at", mutant)
+
+
+def lose_the_arc(monkeypatch):
+    """The curved part of an appended ellipse is left out: only its straight part counts."""
+    monkeypatch.setattr(semi_analytic.fields, "arc_shear", lambda contact, leg, first, last, x: np.zeros((len(last), len(x))))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("mutate", [drop_history, flip_change_of_shear, forget_friction, shear_is_pressure])
+def test_planted_faults_are_seen(name, mutate, monkeypatch):
+    mutate(monkeypatch)
+    try:
+        broken = broken_claims(name)
+    except (ValueError, ArithmeticError, RuntimeWarning) as reason:
+        broken = {f"raised {type(reason).__name__}"}
+    assert broken, mutate.__doc__
+
+
+def test_a_lost_arc_is_seen(monkeypatch):
+    lose_the_arc(monkeypatch)
+    assert broken_claims("hertz-paper") & {"inside the cone", "carries Q"}
+
+
+def test_friction_itself_matters():
+    """f -> 0 is not a detail: with a tenth less friction more slips, with a thousandth of it the path is refused."""
+    scene = load_scene("cattaneo-mindlin")
+    less = dataclasses.asdict(solve(scene, x=[0.0]))["dissipation"]
+    friction = scene.friction.model_copy(update={"coefficient": 0.45})
+    more = solve(scene.model_copy(update={"friction": friction}), x=[0.0]).dissipation
+    assert more > 1.1 * less
+    with pytest.raises(ValueError, match="gross sliding"):
+        solve(scene.model_copy(update={"friction": scene.friction.model_copy(update={"coefficient": 5e-4})}))
