@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState, Layer, untouched
+from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.elasticity import condense
 from halfplane_fe.interface import Interface, matching_interface
 from halfplane_fe.run import run_path
+from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
 from meshes import SurfaceGrading, half_disc
 from scenes import Elastic, InputError, Scene, SurfaceState

@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.answer import answer_arrays, record_of
-from halfplane_fe.contact import ContactProblem, InterfaceState, Layer
+from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody, condense
 from halfplane_fe.interface import matching_interface
 from halfplane_fe.path import check_admissible
 from halfplane_fe.run import PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, find_scales, needs_shear
 from halfplane_fe.settings import SolverSettings
+from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc
 from scenes import ContactSolution, ConvergenceError, Scene, Work
 

@@ -1,0 +1,166 @@
+"""Linear systems of the active set: forces that meet the equalities of given node states, factors kept and counted."""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter, OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, LinAlgWarning, cho_factor, cho_solve, lu_factor, lu_solve
+
+from halfplane_fe.interface import Interface
+from halfplane_fe.law import slip_sign
+from scenes import ConvergenceError, SurfaceState
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+States = NDArray[np.int8]
+
+# Bytes of factorised matrices kept: a cycle meets the same sets of nodes again and again.
+_KEPT_BYTES = 400_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Elastic layer between the faces, the penalty method: compliance of each node; zero for the exact law.
+
+    With it gap and slip in the law are those of the layer's inner faces, g + k_n p and s - k_t q.
+    """
+
+    normal: Array
+    tangential: Array
+
+
+class Forces(NamedTuple):
+    """Nodal forces (n,) and rigid displacements that go with them."""
+
+    pressure: Array
+    shear: Array
+    approach: float
+    shift: float
+
+
+@dataclass(eq=False)
+class Systems:
+    """Compliance of interface and layer, with the factors of the sets of nodes met so far."""
+
+    interface: Interface
+    layer: Layer
+    friction: float
+    work: Counter[str] = field(default_factory=Counter)
+
+    def __post_init__(self) -> None:
+        self.normal = self.interface.normal + np.diag(self.layer.normal)
+        self.tangential = self.interface.tangential + np.diag(self.layer.tangential)
+        self._kept: OrderedDict[tuple[str, bytes], tuple[Array, Array]] = OrderedDict()
+        self._bytes = 0
+
+    def gap(self, height: Array, forces: Forces) -> Array:
+        """Gap of the law, h - delta + N p - K^T q."""
+        gap = height - forces.approach + self.normal @ forces.pressure
+        return gap if self.interface.coupling is None else gap - self.interface.coupling.T @ forces.shear
+
+    def slip(self, forces: Forces) -> Array:
+        """Slip of the law, U + K p - T q."""
+        slip = forces.shift - self.tangential @ forces.shear
+        return slip if self.interface.coupling is None else slip + self.interface.coupling @ forces.pressure
+
+    def pressure_alone(self, closed: Mask, height: Array, load: float) -> tuple[Array, float]:
+        """Pressure and approach that close the given nodes over `height`, shear known or none."""
+        return self._bordered("normal", self.normal, closed, -height, load)
+
+    def shear_alone(self, states: States, pressure: Array, known_slip: Array, load: float) -> tuple[Array, float]:
+        """Shear and shift at known pressure: sticking nodes keep slip `known_slip`, sliding ones carry f p."""
+        sliding = slip_sign(states) * self.friction * pressure
+        stick = states == SurfaceState.STICK
+        known = -known_slip - self.tangential @ sliding
+        held, shift = self._bordered("tangential", self.tangential, stick, known, load - float(sliding.sum()))
+        return held + sliding, shift
+
+    def both(self, states: States, height: Array, slip_before: Array, loads: tuple[float, float]) -> Forces:
+        """Normal and tangential problem of unlike bodies in one system: p of closed nodes, q of sticking ones, approach, shift."""
+        closed, stick = states != SurfaceState.OPEN, states == SurfaceState.STICK
+        traction: Array = np.asarray(slip_sign(states) * self.friction, dtype=np.float64)  # q = traction * p where a node slides
+        n, m = int(closed.sum()), int(stick.sum())
+        factors = self._factors(("both", states.tobytes()), lambda: _lu(self._matrix(closed, stick, traction)))
+        right = np.concatenate([-height[closed], slip_before[stick], loads])
+        found = lu_solve(factors, right, check_finite=False)
+        pressure, shear = np.zeros(len(states)), np.zeros(len(states))
+        pressure[closed] = found[:n]
+        shear[stick] = found[n : n + m]
+        return Forces(pressure, shear + traction * pressure, float(found[n + m]), float(found[n + m + 1]))
+
+    def _matrix(self, closed: Mask, stick: Mask, traction: Array) -> Array:
+        """Rows: gap of closed nodes, slip of sticking ones, the two loads; columns: p, q, approach, shift."""
+        coupling = self.interface.coupling
+        if coupling is None:
+            raise ValueError("like bodies have no coupled system")
+        by_pressure = self.normal - coupling.T * traction  # gap by p, sliding nodes taking their q along
+        slip_by_pressure = coupling - self.tangential * traction
+        n, m = int(closed.sum()), int(stick.sum())
+        matrix = np.zeros((n + m + 2, n + m + 2))
+        matrix[:n, :n] = by_pressure[np.ix_(closed, closed)]
+        matrix[:n, n : n + m] = -coupling.T[np.ix_(closed, stick)]
+        matrix[:n, n + m] = -1.0
+        matrix[n : n + m, :n] = slip_by_pressure[np.ix_(stick, closed)]
+        matrix[n : n + m, n : n + m] = -self.tangential[np.ix_(stick, stick)]
+        matrix[n : n + m, n + m + 1] = 1.0
+        matrix[n + m, :n] = 1.0
+        matrix[n + m + 1, :n] = traction[closed]
+        matrix[n + m + 1, n : n + m] = 1.0
+        return matrix
+
+    def tangential_factors(self, stick: Mask) -> tuple[Array, Array]:
+        """Cholesky factor of T on the sticking nodes, and its solution for ones."""
+        return self._factors(("tangential", stick.tobytes()), lambda: _cholesky(self.tangential[np.ix_(stick, stick)]))
+
+    def _bordered(self, name: str, matrix: Array, active: Mask, known: Array, total: float) -> tuple[Array, float]:
+        """Forces f on the active nodes and rigid displacement d with matrix f - d = known there, sum f = total."""
+        if not active.any():
+            raise SingularSet(f"no node holds the {name} load")
+        factor, by_one = self._factors((name, active.tobytes()), lambda: _cholesky(matrix[np.ix_(active, active)]))
+        by_known = cho_solve((factor, True), known[active], check_finite=False)
+        displacement = (total - float(by_known.sum())) / float(by_one.sum())
+        forces = np.zeros(len(active))
+        forces[active] = by_known + displacement * by_one
+        return forces, displacement
+
+    def _factors(self, key: tuple[str, bytes], make: Callable[[], tuple[Array, Array]]) -> tuple[Array, Array]:
+        """The factors of a set of nodes: from store, or made now; the longest unused give way."""
+        self.work["linear solves"] += 1
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key]
+        factors = make()
+        self.work["factorisations"] += 1
+        self._kept[key] = factors
+        self._bytes += factors[0].nbytes
+        while self._bytes > _KEPT_BYTES and len(self._kept) > 1:
+            self._bytes -= self._kept.popitem(last=False)[1][0].nbytes
+        return factors
+
+
+def _cholesky(matrix: Array) -> tuple[Array, Array]:
+    """Factor of a symmetric positive definite matrix, and its solution for ones."""
+    try:
+        factor, _ = cho_factor(matrix, lower=True, check_finite=False)
+    except LinAlgError as reason:
+        raise ConvergenceError(f"contact: the compliance of the active nodes is not positive definite: {reason}") from reason
+    return factor, cho_solve((factor, True), np.ones(len(matrix)), check_finite=False)
+
+
+def _lu(matrix: Array) -> tuple[Array, Array]:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", LinAlgWarning)
+            return lu_factor(matrix, check_finite=False)
+    except LinAlgWarning as reason:
+        raise SingularSet(str(reason)) from reason
+
+
+class SingularSet(ArithmeticError):
+    """A set of node states that leaves the bodies free to move: no answer, try another set."""

@@ -1,0 +1,97 @@
+"""The two halves of the contact problem on their own, each convex, each solved from any start.
+
+Unilateral contact at known shear, and friction at known pressure (Tresca's law, |q| <= f p with p given).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_solve
+from scipy.optimize import brentq
+
+from halfplane_fe.systems import Systems
+from scenes import ConvergenceError, SurfaceState
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+States = NDArray[np.int8]
+
+_ITERATIONS = 200
+
+
+def pressure_at_known_shear(systems: Systems, height: Array, load: float, closed: Mask, rounding: float) -> tuple[Array, Mask]:
+    """Pressure (n,) and closed nodes of g = height - delta + N p >= 0, p >= 0, g p = 0, sum p = load.
+
+    Parameters
+    ----------
+    height : (n,) initial gap with the known shear's part in it
+    closed : where to start
+    """
+
+    def step(closed: Mask) -> tuple[Array, Array, Mask]:
+        pressure, approach = systems.pressure_alone(closed, height, load)
+        gap = height - approach + systems.normal @ pressure
+        wrong = np.where(closed, -pressure, -gap)
+        return pressure, wrong, np.where(wrong > rounding, ~closed, closed)
+
+    return _settled(step, closed)
+
+
+def shear_at_known_pressure(
+    systems: Systems, pressure: Array, known_slip: Array, load: float, rounding: float
+) -> tuple[Array, States]:
+    """Shear (n,) and states of |q| <= f p, slip U - T q - known_slip only where |q| = f p and along q, sum q = load.
+
+    The sum of q grows with the shift U from -f P to f P, so U is found by bracketing.
+    """
+    limit = systems.friction * pressure
+    closed = pressure > 0
+    states = np.where(closed, SurfaceState.STICK, SurfaceState.OPEN).astype(np.int8)
+    most = np.abs(known_slip[closed]).max() + np.abs(systems.tangential @ limit)[closed].max()
+
+    def shear(shift: float) -> Array:
+        nonlocal states
+        found, states = _bounded(systems, limit, known_slip - shift, states, rounding)
+        return found
+
+    shift = float(brentq(lambda u: float(shear(u).sum()) - load, -most, most, xtol=1e-13 * max(most, 1e-300), rtol=8.9e-16))
+    return shear(shift), states
+
+
+def _bounded(systems: Systems, limit: Array, known: Array, states: States, rounding: float) -> tuple[Array, States]:
+    """Shear and states of |q| <= limit, -T q - known = 0 inside, >= 0 at the upper bound, <= 0 at the lower one."""
+    sign = {SurfaceState.SLIP_FORWARD: 1.0, SurfaceState.SLIP_REVERSE: -1.0}
+
+    def step(states: States) -> tuple[Array, Array, States]:
+        stick = states == SurfaceState.STICK
+        shear = sum((value * limit * (states == state) for state, value in sign.items()), np.zeros_like(limit))
+        if stick.any():
+            factor, _ = systems.tangential_factors(stick)
+            shear[stick] = cho_solve((factor, True), (-known - systems.tangential @ shear)[stick], check_finite=False)
+        slip = -systems.tangential @ shear - known
+        forward, reverse = states == SurfaceState.SLIP_FORWARD, states == SurfaceState.SLIP_REVERSE
+        wrong = np.where(stick, np.abs(shear) - limit, np.where(forward, -slip, np.where(reverse, slip, -np.inf)))
+        turned = np.where(shear > 0, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE)
+        wanted = np.where(wrong > rounding, np.where(stick, turned, SurfaceState.STICK), states)
+        return shear, wrong, wanted.astype(np.int8)
+
+    return _settled(step, states)
+
+
+def _settled(step: Callable[[NDArray], tuple[Array, Array, NDArray]], states: NDArray) -> tuple[Array, NDArray]:
+    """Repeat `step` (states -> answer, violation, wanted states) until the states stay; the worst node alone once they recur."""
+    seen: set[bytes] = set()
+    for _ in range(_ITERATIONS):
+        answer, wrong, wanted = step(states)
+        changes = wanted != states
+        if not changes.any():
+            return answer, states
+        if wanted.tobytes() in seen:
+            worst = int(np.argmax(np.where(changes, wrong, -np.inf)))
+            wanted = np.where(np.arange(len(states)) == worst, wanted, states)
+        seen.add(wanted.tobytes())
+        states = wanted
+    raise ConvergenceError(f"contact: a convex half of the problem did not settle in {_ITERATIONS} iterations")
