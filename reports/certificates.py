@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import ContactSolution
+from scenes import ContactSolution, SurfaceState
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,7 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     from_fields = {
         "tension": _tension(solution),
         "cone": _cone(solution),
+        "slip": _slip(solution),
         "loads": _loads(solution),
     }
     return tuple(
@@ -78,6 +79,14 @@ def _cone(solution: ContactSolution) -> Array:
     friction = solution.scene.friction.coefficient
     outside = np.max(np.abs(solution.shear) - friction * solution.pressure, axis=1)
     return np.maximum(outside, 0.0) / ((friction or 1.0) * _largest_pressure(solution))
+
+
+def _slip(solution: ContactSolution) -> Array:
+    """max|q -+ f p| of the points in forward (reverse) slip, over the same as the cone, (n_steps,): slip costs f p, against it."""
+    friction = solution.scene.friction.coefficient
+    sign = (solution.state == SurfaceState.SLIP_FORWARD) * 1.0 - (solution.state == SurfaceState.SLIP_REVERSE)
+    short = np.max(np.abs(sign * solution.shear - friction * solution.pressure), axis=1, where=sign != 0, initial=0.0)
+    return np.asarray(short / ((friction or 1.0) * _largest_pressure(solution)))
 
 
 def _loads(solution: ContactSolution) -> Array:

@@ -47,7 +47,7 @@ def write(
         comparison.result.save(folder / "result.nc")
         (folder / "scene.json").write_text(comparison.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
         (folder / "comparison.json").write_text(as_json(comparison, command, seconds) + "\n", encoding="utf-8")
-        if vtu_instants:
+        if vtu_instants is not None and len(vtu_instants):
             _write_fields(comparison.result, folder / "fields", vtu_instants)
         page = render(comparison, drawings, command, seconds or {})
         (folder / "report.html").write_text(page, encoding="utf-8")

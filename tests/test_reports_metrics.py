@@ -271,7 +271,13 @@ class TestCertificates:
         assert "tension (fields)" in self.names(pressure=pressure)
 
     def test_cone(self) -> None:
-        assert self.names(shear=1.0001 * TRUTH.shear) == {"cone (fields)"}
+        assert self.names(shear=1.0001 * TRUTH.shear) == {"cone (fields)", "slip (fields)"}
+
+    def test_slip_short_of_friction(self) -> None:
+        assert self.names(shear=0.9999 * TRUTH.shear) == {"slip (fields)"}
+
+    def test_slip_with_friction_instead_of_against_it(self) -> None:
+        assert self.names(state=swapped_state().state) == {"slip (fields)"}
 
     def test_loads(self) -> None:
         assert self.names(tangential_load=TRUTH.tangential_load + 1e-6) == {"loads (fields)"}
