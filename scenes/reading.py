@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from scenes.errors import InputError
 from scenes.scene import Scene
@@ -68,7 +69,7 @@ def _parse(path: Path) -> dict[str, Any]:
     if path.suffix not in (".toml", ".json"):
         raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as reason:
         why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
         raise InputError(f"{path}: the scene file can't be read: {why}") from reason
@@ -76,7 +77,7 @@ def _parse(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
     try:
         data = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
-    except (tomllib.TOMLDecodeError, json.JSONDecodeError) as reason:
+    except (ValueError, RecursionError) as reason:  # the parsers' own errors, numbers of thousands of digits, thousands of brackets
         raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {reason}") from reason
     if not isinstance(data, dict):
         raise InputError(f"{path}: a scene is a table of keys, not a {type(data).__name__}")
@@ -86,35 +87,48 @@ def _parse(path: Path) -> dict[str, Any]:
 def _check(data: dict[str, Any], where: str, name: str) -> Scene:
     """A checked scene; the first fault becomes one sentence."""
     try:
-        return Scene.model_validate({"name": name} | data, strict=False)
+        # Strict, so that "1.0" and true are no numbers; as JSON, where strict still lets 1 be a float and a list a tuple.
+        return Scene.model_validate_json(json.dumps({"name": name} | data, default=str), strict=True)
     except ValidationError as faults:
         raise InputError(_sentence(where, data, faults)) from faults
 
 
-def _key(location: tuple[str | int, ...], data: dict[str, Any]) -> str:
+def _key(fault: ErrorDetails, data: dict[str, Any]) -> str:
     """The key as it stands in the file: pydantic's location less the parts that only its unions know."""
     found: list[str] = []
     level: Any = data
-    for position, part in enumerate(location):
-        known = (isinstance(level, dict) and part in level) or (isinstance(level, (list, tuple)) and isinstance(part, int))
-        if known or (position == len(location) - 1 and isinstance(level, dict)):
-            found.append(str(part))
-            level = level[part] if known else None
+    for part in fault["loc"]:
+        if isinstance(part, int) and isinstance(level, list) and part < len(level):
+            level = level[part]
+        elif isinstance(level, dict) and part in level:
+            level = level[str(part)]
+        elif fault["type"] == "missing" and isinstance(level, dict) and part == fault["loc"][-1]:
+            level = None
+        else:
+            continue
+        found.append(str(part))
     return ".".join(found)
 
 
 def _sentence(where: str, data: dict[str, Any], faults: ValidationError) -> str:
-    errors = sorted(faults.errors(), key=lambda fault: fault["type"] != "extra_forbidden")
+    # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's branches the one that got farthest.
+    errors = sorted(faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"])))
     fault = errors[0]
-    key = _key(fault["loc"], data)
-    others = len({_key(error["loc"], data) for error in errors} - {key})
+    key, value = _key(fault, data), fault["input"]
+    others = len({_key(error, data) for error in errors} - {key})
     more = f" (and {others} more)" if others else ""
+    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     match fault["type"]:
         case "extra_forbidden":
-            return f"{where}: unknown key {key} = {fault['input']!r}; `halfplane schema` lists the keys{more}"
-        case "missing":
+            return f"{where}: unknown key {key} = {value!r}; `halfplane schema` lists the keys{more}"
+        case "missing" if isinstance(value, dict):
             return f"{where}: the key {key} is missing; `halfplane schema` lists the keys{more}"
+        case "missing":
+            rule = "a point is [P, Q]"
         case "union_tag_not_found":
             return f"{where}: the key {key}.kind is missing; `halfplane schema` lists the kinds{more}"
-    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
-    return f"{where}: {key} = {fault['input']!r} is refused: {rule}{more}"
+        case "union_tag_invalid":
+            key, value, rule = f"{key}.kind", value["kind"], f"should be {fault['ctx']['expected_tags'].replace(', ', ' or ')}"
+        case "value_error":
+            return f"{where}: {key} is refused: {rule}{more}"
+    return f"{where}: {key} = {value!r} is refused: {rule}{more}"
