@@ -73,8 +73,8 @@ def test_slip_goes_as_deep_forward_as_in_reverse_confirmed(steady):
 def test_contact_slips_forward_twice_as_long_but_a_particle_does_not():
     """Confirmed for the contact: forward slip lasts pi, reverse slip pi/2. Contradicted for a particle never out of contact.
 
-    """Confirmed for the contact: forward slip lasts pi, reverse slip pi/2. Contradicted for a particle that is never open.
-    |U| (1 - cos) before M, and here |U| = |V|: at x = 0.77 both slips take the same time for the same distance.
+    The paper concludes that the mean forward slip velocity is the lower one. But the front passes x at |V| (1 - cos) before G and
+    at |U| (1 - cos) before M, and here |U| = |V|: at x = 0.77 both slips take the same time for the same distance.
     """
     spans = own_route(SCENE.load.path(), 1.0, 6, None).history.cycles[-1]
     spent = {s: sum(span.end.time - span.begin.time for span in spans if span.direction == s) for s in (1, -1)}
