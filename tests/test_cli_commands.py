@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from scenes import load_scene, scene_names
+from reports.cli import main
+from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_names
+from test_reports_synthetic import cattaneo_mindlin
 
 ROOT = Path(__file__).parents[1]
 # The slightest mesh and steps that still go through both engines: a second, and far outside every tolerance.
 COARSE = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
-# Enough nodes at the edges for a step to need more than two iterations.
-FINE_EDGE = ("--edge-element-size", "0.05", "--steps-per-cycle", "40")
 
 
 def environment() -> dict[str, str]:
@@ -253,15 +253,41 @@ class TestExitCodes:
         assert done.stderr == ""
         assert "within all 6 tolerances" in done.stdout
 
-    def test_not_converged_is_3_and_keeps_what_was_solved(self, tmp_path: Path) -> None:
-        done = halfplane(tmp_path, "run", "hertz-paper", "--quiet", "--max-iterations", "2", *COARSE[:4], *FINE_EDGE)
-        assert done.returncode == 3
-        assert "not converged" in done.stderr
-        assert "Traceback" not in done.stderr
-        stored = json.loads((tmp_path / "out" / "hertz-paper" / "partial.json").read_text(encoding="utf-8"))
-        assert stored["converged"] is False
-        assert (tmp_path / "out" / "hertz-paper" / "partial.nc").is_file()
-        assert not (tmp_path / "out" / "hertz-paper" / "report.html").exists()
+    @pytest.mark.parametrize("command", ["run", "fe"])
+    def test_not_converged_is_3_and_keeps_what_was_solved(
+        self, command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        """An engine that fails after the first revolution's first steps, whatever would make it fail."""
+        partial = cattaneo_mindlin(
+            steps_per_leg=4, points=21, record=Record(False, "not converged", "stuck", freeze([0] * 13, int))
+        )
+        self.fail_with(ConvergenceError("stuck at time 2.5", partial), monkeypatch)
+        monkeypatch.chdir(tmp_path)
+        assert main([command, "cattaneo-mindlin", "--quiet"]) == 3
+        shown = capsys.readouterr()
+        assert "halfplane: cattaneo-mindlin: not converged: stuck at time 2.5" in shown.err
+        assert "stuck" in shown.out
+        folder = tmp_path / "out" / "cattaneo-mindlin"
+        assert shown.out.strip().splitlines()[-1] == "out/cattaneo-mindlin/partial.nc"
+        assert {path.name for path in folder.iterdir()} >= {"partial.nc", "partial.json", "partial.csv", "scene.json"}
+        assert not (folder / "report.html").exists()
+        assert json.loads((folder / "partial.json").read_text(encoding="utf-8"))["converged"] is False
+        assert ContactSolution.load(folder / "partial.nc").time[-1] == partial.time[-1]
+
+    def test_not_converged_at_the_first_step(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        self.fail_with(ConvergenceError("stuck at once"), monkeypatch)
+        monkeypatch.chdir(tmp_path)
+        assert main(["run", "cattaneo-mindlin", "--quiet"]) == 3
+        assert "no step was solved, so nothing was written" in capsys.readouterr().err
+        assert everything(tmp_path) == set()
+
+    def fail_with(self, failure: ConvergenceError, monkeypatch: pytest.MonkeyPatch) -> None:
+        def solve(*_: object, **__: object) -> None:
+            raise failure
+
+        monkeypatch.setattr("halfplane_fe.solve", solve)
 
     def test_interrupted_is_130_and_leaves_nothing(self, tmp_path: Path) -> None:
         command = [sys.executable, "-m", "reports", "run", "hertz-paper", "--steps-per-cycle", "20000"]
