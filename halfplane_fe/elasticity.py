@@ -9,6 +9,7 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import SuperLU, splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
@@ -18,9 +19,6 @@ from scenes import ConvergenceError, Elastic, freeze
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-# Right-hand sides per call of SuperLU: twice as fast here as all at once, since a block stays in the cache.
-_BLOCK = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +32,8 @@ class CondensedBody:
     weights : (n,) integral of each node's shape function over the surface [length]
     compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x, outward) on node j,
         symmetric [length per force per thickness]
-    diagnostics : asymmetry (largest skew part over largest entry; the far field's discretisation), residual (of the solves)
+    diagnostics : asymmetry (largest skew part over largest entry; the far field's discretisation), residual (of the
+        elimination), degrees_of_freedom, sparse_factorisations
     """
 
     body: BodyMesh
@@ -92,29 +91,42 @@ def _arc_displacement(system: _System, material: Elastic, datum_length: float) -
     return kernel.reshape(2 * places.shape[1], 2 * len(forces))
 
 
-def _factorise(stiffness: sparse.csc_matrix) -> SuperLU:
+def _factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> SuperLU:
     # Symmetric positive definite: no pivoting, minimum degree on A + A^T (5 times faster here than the default order).
-    return splu(stiffness, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    return splu(stiffness, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
-def _unit_force_fields(system: _System, arc_displacement: Array) -> tuple[Array, float]:
-    """(n_free, 2 n) displacements of the free nodes by unit forces on the contact nodes, and the relative residual."""
-    rows = system.stiffness[system.free]
-    arc, contact = system.arc.ravel(), system.contact.ravel()
-    place = np.full(system.basis.N, -1)
-    place[system.free] = np.arange(len(system.free))
-    load = -(rows[:, arc] @ arc_displacement)
-    load[place[contact], np.arange(len(contact))] += 1.0
-    inner = rows[:, system.free].tocsc()
-    factors = _factorise(inner)
-    fields = np.empty_like(load)
-    for start in range(0, load.shape[1], _BLOCK):
-        block = np.s_[:, start : start + _BLOCK]
-        fields[block] = factors.solve(np.asfortranarray(load[block]))
-    residual = float(np.abs(inner @ fields - load).max() / np.abs(load).max())
-    if not residual < 1e-8:
-        raise ConvergenceError(f"condensation: the sparse factorisation left a relative residual of {residual:.1e}")
-    return fields, residual
+def _interface_stiffness(system: _System) -> tuple[Array, float]:
+    """Stiffness of the contact and arc nodes, all others eliminated (2 n rows of contact, all columns), and its residual.
+
+    The kept nodes stand last in the order of elimination, so that their stiffness is the trailing block of the factors: three to
+    five times faster than solving for each unit force.
+    """
+    kept = np.concatenate([system.contact.ravel(), system.arc.ravel()])
+    inner = np.setdiff1d(np.arange(system.basis.N), kept)
+    stiffness = system.stiffness
+    inner_factors = _factorise(stiffness[inner][:, inner].tocsc())
+    order = np.concatenate([inner[np.argsort(inner_factors.perm_c)], kept])
+    # The body floats: stiffening the arc, eliminated last of all, keeps its pivots off zero and does not touch the contact rows.
+    stiffer = np.zeros(system.basis.N)
+    stiffer[system.arc.ravel()] = stiffness.diagonal().max()
+    factors = _factorise((stiffness + sparse.diags(stiffer))[order][:, order].tocsc(), "NATURAL")
+    n_contact, last = system.contact.size, slice(len(inner), None)
+    lower, upper = factors.L[last, last].toarray(), factors.U[last, last].toarray()
+    found = lower[:n_contact] @ upper
+    return found, _elimination_residual(stiffness, inner_factors, inner, kept, found)
+
+
+def _elimination_residual(
+    stiffness: sparse.csr_matrix, inner_factors: SuperLU, inner: Indices, kept: Indices, found: Array
+) -> float:
+    """Relative error of the forces that `found` gives for one displacement of the kept nodes, against solving for it."""
+    rng = np.random.default_rng(0)
+    displacement = np.zeros(stiffness.shape[0])
+    displacement[kept] = rng.standard_normal(len(kept))
+    displacement[inner] = inner_factors.solve(-(stiffness[inner] @ displacement))
+    forces = stiffness[kept[: len(found)]] @ displacement
+    return float(np.abs(found @ displacement[kept] - forces).max() / np.abs(forces).max())
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
@@ -132,9 +144,14 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         If the sparse solve leaves a residual above 1e-8.
     """
     system = _assemble(body, material)
-    fields, residual = _unit_force_fields(system, _arc_displacement(system, material, datum_length))
-    place = np.searchsorted(system.free, system.contact.ravel())
-    compliance = fields[place]
+    stiffness, residual = _interface_stiffness(system)
+    if not residual < 1e-8:
+        raise ConvergenceError(f"condensation: the sparse factorisation left a relative residual of {residual:.1e}")
+    n_dofs = system.contact.size
+    by_contact, by_arc = stiffness[:, :n_dofs], stiffness[:, n_dofs:]
+    # f = S_cc u_c + S_ca u_a with u_a = G f, hence u_c = S_cc^-1 (1 - S_ca G) f.
+    right = np.eye(n_dofs) - by_arc @ _arc_displacement(system, material, datum_length)
+    compliance = cho_solve(cho_factor((by_contact + by_contact.T) / 2, overwrite_a=True), right, overwrite_b=True)
     # Betti: exact far field and exact elasticity make it symmetric; the discrete one is so up to the arc's mesh error.
     asymmetry = float(np.abs(compliance - compliance.T).max() / np.abs(compliance).max())
     n = system.contact.shape[1]
@@ -144,7 +161,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         freeze(system.basis.doflocs[0, system.contact[0]]),
         freeze(_surface_weights(system.basis, system.contact)),
         freeze((compliance + compliance.T).reshape(2, n, 2, n) / 2),
-        {"asymmetry": asymmetry, "residual": residual, "degrees_of_freedom": float(system.basis.N)},
+        {"asymmetry": asymmetry, "residual": residual, "degrees_of_freedom": float(system.basis.N), "sparse_factorisations": 2.0},
     )
 
 

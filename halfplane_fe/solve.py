@@ -199,7 +199,9 @@ def _work(
         "degrees of freedom": int(condensed[0].diagnostics["degrees_of_freedom"]),
         "contact nodes": len(condensed[0].x),
         "steps solved": len(run.increments),
-        "sparse factorisations": 1 if like else 2,
+        "sparse factorisations": int(
+            sum(body.diagnostics["sparse_factorisations"] for body in {id(b): b for b in condensed}.values())
+        ),
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
     skipped = {"meshes": (1, "both half-discs have one shape: meshed once, reflected")}
