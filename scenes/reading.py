@@ -117,7 +117,7 @@ def _sentence(where: str, data: dict[str, Any], faults: ValidationError) -> str:
     key, value = _key(fault, data), fault["input"]
     others = len({_key(error, data) for error in errors} - {key})
     more = f" (and {others} more)" if others else ""
-    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").replace("an object", "a table of keys")
     match fault["type"]:
         case "extra_forbidden":
             return f"{where}: unknown key {key} = {value!r}; `halfplane schema` lists the keys{more}"
