@@ -82,7 +82,7 @@ def find_scales(scene: Scene) -> Scales:
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     interface = _coarse_interface(scene, modulus)
     size = _fitting_size(scene, interface, load, modulus)
-    problem = _problem(scene, interface, size, load, modulus)
+    problem = _problem(scene, interface, size, load, modulus, needs_shear(scene))
     run = run_path(problem, scene.load.path(), load, _COARSE_STEPS, 2, lambda _done, _total, _text: None)
     if run.failure is not None:
         raise run.failure
@@ -108,18 +108,17 @@ def _coarse_interface(scene: Scene, modulus: float) -> Interface:
     return matching_interface(lower, upper).scaled(1.0, 1 / modulus)
 
 
-def _problem(scene: Scene, interface: Interface, size: float, load: float, modulus: float) -> ContactProblem:
+def _problem(scene: Scene, interface: Interface, size: float, load: float, modulus: float, tangential: bool) -> ContactProblem:
     zero = np.zeros_like(interface.x)
     height = scene.profile.height(interface.x * size) * modulus / load
-    return ContactProblem(interface, height, scene.friction.coefficient, Layer(zero, zero), needs_shear(scene))
+    return ContactProblem(interface, height, scene.friction.coefficient, Layer(zero, zero), tangential)
 
 
 def _fitting_size(scene: Scene, interface: Interface, load: float, modulus: float) -> float:
     """Half-width of meshed surface of which the contact at the largest load takes a good part."""
     size, too_small, too_large = scene.profile.datum_length, 0.0, np.inf
     for _ in range(400):
-        problem = _problem(scene, interface, size, load, modulus)
-        problem.tangential = False
+        problem = _problem(scene, interface, size, load, modulus, tangential=False)
         pressed, _ = problem.equilibrium(untouched(problem.height, 0.0), 0.0, (1.0, 0.0))
         fraction = 1.0 if pressed.closed.all() else float(np.abs(interface.x[pressed.closed]).max())
         if _FRACTION[0] <= fraction <= _FRACTION[1]:

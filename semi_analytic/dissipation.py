@@ -25,6 +25,7 @@ from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, Combination, change_from, level, rate, time_of
 from semi_analytic.memory import level_on
 from semi_analytic.quadrature import graded
+from semi_analytic.snapshot import take
 
 Array = NDArray[np.float64]
 
@@ -103,9 +104,8 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     integrals = Integrals(contact, np.zeros(1), "shift")
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
     offset = float(contact.log_ratio(largest))
-    total = 0.0
-    for span in spans:
-        times, weights = graded(span.begin.time, span.end.time)
-        shift = integrals.at(span, times)[:, 0] - offset * span.leg.loads(times)[1]
-        total -= float(np.sum(weights * shift * rate(span.leg, Combination(0.0, 1.0), times)))
-    return 2 / (math.pi * modulus) * total
+    rules = [graded(span.begin.time, span.end.time) for span in spans]
+    snapshot = take((span, times) for span, (times, _) in zip(spans, rules, strict=True))
+    shift = integrals.over(snapshot)[:, 0] - offset * snapshot.force
+    rates = [rate(span.leg, Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(spans, rules, strict=True)]
+    return -2 / (math.pi * modulus) * float(np.sum(shift * np.concatenate(rates)))

@@ -2,24 +2,23 @@
 
 # notation: M'(eta) slope of the memory curve, A = 2/E*, P_x load at which a = |x|
 
-q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d eta: one sum over the
-pieces of the curve with three kernels. What instants have in common, the pieces under the uppermost, is summed once.
+q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d eta: one sum over the pieces of the
+curve with three kernels. What instants have in common, the pieces under the uppermost, is summed once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from scenes import EllipseLeg
 from semi_analytic.arcs import arc_log, arc_shear, arc_slip
 from semi_analytic.contact import Contact
-from semi_analytic.history import Span
 from semi_analytic.memory import Curve, Piece, front_time, pieces
+from semi_analytic.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 Kernel = Literal["shear", "slip", "shift"]
@@ -43,59 +42,84 @@ class Integrals:
 
     def whole(self, curve: Curve) -> Array:
         """Over a whole curve: shape (k,)."""
-        todo, total = [], np.zeros(len(self.x))
+        self._remember([curve])
+        return self._known[id(curve)][1] if curve is not None else np.zeros(len(self.x))
+
+    def over(self, snapshot: Snapshot) -> Array:
+        """Over the curves of a snapshot: shape (n, k)."""
+        front = snapshot.load - snapshot.slipped
+        at_load = self.moment(0, snapshot.load)
+        at_front = at_load.copy()
+        slid = np.flatnonzero(snapshot.slipped)
+        at_front[slid] = self.moment(0, front[slid])
+        total = (snapshot.direction * snapshot.friction)[:, None] * (at_load - at_front)
+        groups = list(snapshot.groups())
+        self._remember([piece.below for piece, _ in groups])
+        bottoms = self.moment(0, np.array([piece.bottom for piece, _ in groups]))
+        for (piece, here), bottom in zip(groups, bottoms, strict=True):
+            total[here] += self.whole(piece.below) + _slope(piece) * (at_front[here] - bottom)
+            if piece.bend or piece.arc is not None:
+                total[here] += self._curved(piece, front[here])
+        return total
+
+    def _remember(self, curves: list[Curve]) -> None:
+        """Sum the curves that are not known yet, each from the first known piece up."""
+        unknown: dict[int, Piece] = {}
+        for curve in curves:
+            for piece in pieces(curve):
+                if id(piece) in self._known or id(piece) in unknown:
+                    break
+                unknown[id(piece)] = piece
+        if not unknown:
+            return
+        tops = self.moment(0, np.array([piece.top for piece in unknown.values()]))
+        bottoms = self.moment(0, np.array([piece.bottom for piece in unknown.values()]))
+        own = {}
+        for piece, top, bottom in zip(unknown.values(), tops, bottoms, strict=True):
+            curved = self._curved(piece, np.array([piece.top]))[0] if piece.bend or piece.arc is not None else 0.0
+            own[id(piece)] = _slope(piece) * (top - bottom) + curved
+        for piece in unknown.values():
+            self._add_up(piece, own)
+
+    def _add_up(self, curve: Piece, own: dict[int, Array]) -> None:
+        """Running sums from the lowest piece that is not known yet to the top of the curve."""
+        chain = []
         for piece in pieces(curve):
             if id(piece) in self._known:
-                total = self._known[id(piece)][1]
                 break
-            todo.append(piece)
-        for piece in reversed(todo):
-            total = total + self._part(piece, np.array([piece.top]), None)[0]
-            self._known[id(piece)] = (piece, total)
-        return total
+            chain.append(piece)
+        for piece in reversed(chain):
+            below = self._known[id(piece.below)][1] if piece.below is not None else np.zeros(len(self.x))
+            self._known[id(piece)] = (piece, below + own[id(piece)])
 
-    def at(self, span: Span, time: ArrayLike) -> Array:
-        """At times (n,) of a span's leg: shape (n, k)."""
-        t = np.atleast_1d(np.asarray(time, dtype=float))
-        load = span.leg.loads(t)[0]
-        slipped = span.slipped(t)
-        total = np.zeros((len(t), len(self.x)))
-        if span.active is not None:
-            total += self.whole(span.base) + self._part(span.active, load - slipped, slipped)
-        if span.direction:
-            limit = span.direction * span.friction
-            total += limit * (self._moment(0, load) - self._moment(0, load - slipped))
-        return total
-
-    def _part(self, piece: Piece, reach: Array, slipped: Array | None) -> Array:
-        """Over one piece from its lower end to the loads `reach` (n,): shape (n, k)."""
-        if piece.arc is not None:
-            return self._arc_part(piece, reach, slipped)
-        bottom = np.array([piece.bottom])
-        total = (piece.slope - 2 * piece.bend * piece.anchor.normal) * (self._moment(0, reach) - self._moment(0, bottom))
-        if piece.bend:
-            total += 2 * piece.bend * (self._moment(1, reach) - self._moment(1, bottom))
-        return total
-
-    def _arc_part(self, piece: Piece, reach: Array, slipped: Array | None) -> Array:
-        leg = piece.anchor.leg
+    def _curved(self, piece: Piece, front: Array) -> Array:
+        """What a piece from its lower end to the loads `front` (n,) has beyond its straight part: shape (n, k)."""
+        if piece.arc is None:
+            return 2 * piece.bend * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
+        leg, first = piece.anchor.leg, piece.arc[0]
         assert isinstance(leg, EllipseLeg)
-        assert piece.arc is not None
-        last = np.array([piece.arc[1]]) if slipped is None else front_time(piece, 0.0, reach)
-        slope = leg.amplitude[1] * np.cos(leg.phase) / leg.amplitude[0]
-        total = slope * (self._moment(0, reach) - self._moment(0, np.array([piece.bottom])))
+        last = front_time(piece, front)
         if self.kernel == "shear":
-            return total + arc_shear(self.contact, leg, piece.arc[0], last, self.x)
+            return arc_shear(self.contact, leg, first, last, self.x)
         if self.kernel == "slip":
-            return total + arc_slip(self.contact, leg, piece.arc[0], last, self.x)
-        return total + arc_log(self.contact, leg, piece.arc[0], last)[:, None]
+            return arc_slip(self.contact, leg, first, last, self.x)
+        return np.broadcast_to(arc_log(self.contact, leg, first, last)[:, None], (len(front), len(self.x)))
 
-    def _moment(self, order: int, load: Array) -> Array:
-        """int_0^load eta^order K d eta: shape (n, k)."""
+    def moment(self, order: int, load: Array) -> Array:
+        """int_0^load eta^order K d eta: shape (n, k) from (n,)."""
         contact, column = self.contact, load[:, None]
         if self.kernel == "shift":
-            function: Callable[[ArrayLike], Array] = (contact.log_distance, contact.log_moment)[order]
+            function = (contact.log_distance, contact.log_moment)[order]
             return np.broadcast_to(function(column), (len(load), len(self.x)))
         if self.kernel == "shear":
             return (contact.pressure, contact.pressure_moment)[order](self.x, column)
         return (contact.spread, contact.spread_moment)[order](self.x, column)
+
+
+def _slope(piece: Piece) -> float:
+    """Slope of the straight part: of a parabola at eta = 0, of an ellipse that of its cosine part."""
+    if piece.arc is None:
+        return piece.slope - 2 * piece.bend * piece.anchor.normal
+    leg = piece.anchor.leg
+    assert isinstance(leg, EllipseLeg)
+    return leg.amplitude[1] * float(np.cos(leg.phase)) / leg.amplitude[0]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -72,7 +73,10 @@ class Span:
     def slipped(self, time: ArrayLike) -> Array:
         """P - P_c >= 0 at times of the leg; 0 where nothing slips."""
         t = np.asarray(time, dtype=float)
-        load = self.leg.loads(t)[0]
+        return self.slipped_at(t, self.leg.loads(t)[0])
+
+    def slipped_at(self, t: Array, load: Array) -> Array:
+        """The same where P is known."""
         if self.direction == 0:
             return np.zeros(t.shape)
         if self.active is None:
@@ -105,7 +109,7 @@ class History:
     states: tuple[Curve, ...]
     steady_from: int | None
 
-    @property
+    @cached_property
     def spans(self) -> tuple[Span, ...]:
         """All spans in the order of time."""
         return (*self.way_in, *(span for cycle in self.cycles for span in cycle))

@@ -169,11 +169,10 @@ def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: Leg, tim
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) - change(arc_leg, NORMAL_LOAD, front, last)
 
 
-def front_time(piece: Piece, slipped: ArrayLike, load: ArrayLike) -> Array:
-    """Time of an arc's leg at which its load is `load` - `slipped`, shape of `slipped`."""
+def front_time(piece: Piece, front: ArrayLike) -> Array:
+    """Time of an arc's leg at which its load is `front`, shape of `front`."""
     first, last = _whole_arc(piece)
-    rise = np.asarray(load, dtype=float) - np.asarray(slipped, dtype=float) - piece.bottom
-    return time_of(piece.anchor.leg, NORMAL_LOAD, rise, first, last)
+    return time_of(piece.anchor.leg, NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, first, last)
 
 
 def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) -> bool:

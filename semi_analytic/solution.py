@@ -18,11 +18,12 @@ from scenes import ContactSolution, InputError, Record, Scene, SurfaceState, Wor
 from semi_analytic.contact import Contact, contact_of
 from semi_analytic.dissipation import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.elasticity import composite_modulus, coupling_constant
-from semi_analytic.fields import Integrals, Kernel
+from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
 from semi_analytic.memory import pieces, value_on
 from semi_analytic.quadrature import NODES
 from semi_analytic.route import Cycles, Route, default_times, locate, own_route, straight_route
+from semi_analytic.snapshot import Snapshot, take
 
 Array = NDArray[np.float64]
 
@@ -59,12 +60,16 @@ class Question:
     fold: NDArray[np.int64]
     fields: frozenset[str]
 
-    def groups(self) -> Iterator[tuple[Span, NDArray[np.intp], Array]]:
-        """(span, numbers of its instants, their times) for each span that has any."""
+    def snapshot(self) -> Snapshot:
+        """The memory curves at the instants, in their order."""
         order = np.argsort(self.span, kind="stable")
         numbers, starts = np.unique(self.span[order], return_index=True)
-        for number, here in zip(numbers, np.split(order, starts[1:]), strict=True):
-            yield self.route.history.spans[number], here, self.local[here]
+        spans = self.route.history.spans
+        sorted_times = np.split(self.local[order], starts[1:])
+        taken = take((spans[number], times) for number, times in zip(numbers, sorted_times, strict=True))
+        back = np.argsort(order)
+        columns = ("time", "load", "force", "slipped", "direction", "which")
+        return replace(taken, **{name: getattr(taken, name)[back] for name in columns})
 
 
 def solve(
@@ -108,7 +113,8 @@ def solve(
     started = clock.perf_counter()
     question = _question(scene, x, time, cycles, _checked(fields), straight_steps)
     marched = clock.perf_counter()
-    edges, grids = _edges(question), _grids(question)
+    snapshot = question.snapshot()
+    series, grids = _series(question, snapshot), _grids(question, snapshot)
     evaluated = clock.perf_counter()
     work_done = _dissipations(question)
     seconds = {
@@ -116,7 +122,7 @@ def solve(
         "fields": evaluated - marched,
         "dissipation": clock.perf_counter() - evaluated,
     }
-    everything: dict[str, NDArray[Any]] = {**edges, **grids, **work_done.arrays}
+    everything: dict[str, NDArray[Any]] = {**series, **grids, **work_done.arrays}
     return ContactSolution(
         engine="semi_analytic",
         scene=scene,
@@ -126,13 +132,11 @@ def solve(
         loop_work=work_done.second_route,
         permanent_stick_half_width=_permanent_stick(question),
         steady_from=question.route.history.steady_from,
-        record=_record(scene, question, everything, work_done),
+        record=_record(scene, question, snapshot, everything, work_done),
         work=_work(scene, question, work_done, seconds),
         settings={"cycles": cycles, "fields": sorted(question.fields), "straight_steps": straight_steps},
         versions=_versions(),
-        **{
-            name: freeze(values, np.int8 if name == "state" else float) for name, values in everything.items() if name != "mismatch"
-        },
+        **{name: freeze(values, np.int8 if name == "state" else float) for name, values in everything.items()},
     )
 
 
@@ -183,29 +187,19 @@ def _vector(values: ArrayLike, name: str) -> Array:
     return array
 
 
-def _edges(question: Question) -> dict[str, Array]:
+def _series(question: Question, snapshot: Snapshot) -> dict[str, Array]:
     """Loads, half-widths, edges and rigid movements: (n,) or (n, 2)."""
-    count = len(question.time)
-    names = ("normal_load", "tangential_load", "front_load", "mismatch", "rigid_shift")
-    series = {name: np.full(count, np.nan) for name in names}
-    integrals = Integrals(question.contact, np.zeros(1), "shift")
-    for span, here, local in question.groups():
-        load, force = span.leg.loads(local)
-        slipped = span.slipped(local)
-        series["normal_load"][here], series["tangential_load"][here] = load, force
-        series["front_load"][here] = load - slipped
-        held = value_on(span.active, load - slipped) if span.active is not None else 0.0
-        series["mismatch"][here] = held + span.direction * span.friction * slipped - force
-        if "rigid_shift" in question.fields:
-            series["rigid_shift"][here] = integrals.at(span, local)[:, 0]
-    contact, front = question.contact, series.pop("front_load")
-    half, stick = contact.half_width(series["normal_load"]), contact.half_width(front)
+    contact, fields = question.contact, question.fields
+    factor, nothing = 2 / (math.pi * question.modulus), np.full(len(question.time), np.nan)
+    front = snapshot.load - snapshot.slipped
+    half, stick = contact.half_width(snapshot.load), contact.half_width(front)
     stick = np.where((front <= 0) & (stick == 0), np.nan, stick)
-    factor = 2 / (math.pi * question.modulus)
-    approach = factor * contact.log_distance(series["normal_load"])
-    return series | {
-        "rigid_shift": factor * series["rigid_shift"],
-        "rigid_approach": approach if "rigid_approach" in question.fields else np.full(count, np.nan),
+    shift = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0] if "rigid_shift" in fields else nothing
+    return {
+        "normal_load": snapshot.load,
+        "tangential_load": snapshot.force,
+        "rigid_shift": factor * shift,
+        "rigid_approach": factor * contact.log_distance(snapshot.load) if "rigid_approach" in fields else nothing,
         "contact_half_width": half,
         "stick_half_width": stick,
         "contact_edges": half[:, None] * np.array([-1.0, 1.0]),
@@ -213,30 +207,30 @@ def _edges(question: Question) -> dict[str, Array]:
     }
 
 
-def _grids(question: Question) -> dict[str, NDArray[Any]]:
+def _grids(question: Question, snapshot: Snapshot) -> dict[str, NDArray[Any]]:
     """pressure, shear, slip, state: (n, m)."""
-    shape = (len(question.time), len(question.distance))
-    grids: dict[str, NDArray[Any]] = {name: np.full(shape, np.nan) for name in ("pressure", "shear", "slip")}
-    grids["state"] = np.full(shape, SurfaceState.OPEN, dtype=np.int8)
-    kernels: tuple[Kernel, ...] = ("shear", "slip")
-    wanted = {name: Integrals(question.contact, question.distance, name) for name in kernels if name in question.fields}
-    scale = {"shear": 1.0, "slip": 2 / (math.pi * question.modulus)}
-    for span, here, local in question.groups():
-        for name, integrals in wanted.items():
-            grids[name][here] = scale[name] * integrals.at(span, local)
-        load = span.leg.loads(local)[0][:, None]
-        if "pressure" in question.fields:
-            grids["pressure"][here] = question.contact.pressure(question.distance, load)
-        if "state" in question.fields:
-            grids["state"][here] = _states(question, span, load, span.slipped(local)[:, None])
+    contact, x = question.contact, question.distance
+    nothing = np.full((len(question.time), len(x)), np.nan)
+    grids: dict[str, NDArray[Any]] = dict.fromkeys(("pressure", "shear", "slip"), nothing)
+    grids["state"] = np.full(nothing.shape, SurfaceState.OPEN, dtype=np.int8)
+    if "pressure" in question.fields:
+        grids["pressure"] = contact.pressure(x, snapshot.load[:, None])
+    if "shear" in question.fields:
+        grids["shear"] = Integrals(contact, x, "shear").over(snapshot)
+    if "slip" in question.fields:
+        grids["slip"] = 2 / (math.pi * question.modulus) * Integrals(contact, x, "slip").over(snapshot)
+    if "state" in question.fields:
+        grids["state"] = _states(contact, x, snapshot)
     return {name: values[:, question.fold] for name, values in grids.items()}
 
 
-def _states(question: Question, span: Span, load: Array, slipped: Array) -> NDArray[np.int8]:
-    half, stick = question.contact.half_width(load), question.contact.half_width(load - slipped)
-    sliding = {0: SurfaceState.STICK, 1: SurfaceState.SLIP_FORWARD, -1: SurfaceState.SLIP_REVERSE}[span.direction]
-    inner = np.where(question.distance > stick, sliding, SurfaceState.STICK)
-    return np.where((question.distance <= half) & (load > 0), inner, SurfaceState.OPEN).astype(np.int8)
+def _states(contact: Contact, x: Array, snapshot: Snapshot) -> NDArray[np.int8]:
+    half = contact.half_width(snapshot.load)[:, None]
+    stick = contact.half_width(snapshot.load - snapshot.slipped)[:, None]
+    names = (SurfaceState.SLIP_REVERSE, SurfaceState.STICK, SurfaceState.SLIP_FORWARD)
+    sliding = np.array(names, dtype=np.int8)[snapshot.direction + 1][:, None]
+    inner = np.where(x > stick, sliding, np.int8(SurfaceState.STICK))
+    return np.where((x <= half) & (snapshot.load[:, None] > 0), inner, np.int8(SurfaceState.OPEN))
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,14 +275,16 @@ def _permanent_stick(question: Question) -> float:
     return half if half > 0 else math.nan
 
 
-def _record(scene: Scene, question: Question, arrays: Mapping[str, NDArray[Any]], work_done: Dissipations) -> Record:
-    reference = float(np.max(arrays["normal_load"]))
-    force = max(question.friction, np.finfo(float).tiny) * max(reference, np.finfo(float).tiny)
-    certificates = {"tangential_balance": freeze(np.abs(arrays["mismatch"]) / force)}
+def _record(
+    scene: Scene, question: Question, snapshot: Snapshot, arrays: Mapping[str, NDArray[Any]], work_done: Dissipations
+) -> Record:
+    tiny = np.finfo(float).tiny
+    force = max(question.friction * float(np.max(snapshot.load)), tiny)
+    certificates = {"tangential_balance": freeze(np.abs(_mismatch(snapshot)) / force)}
     if {"pressure", "shear"} <= question.fields:
         limit = question.friction * arrays["pressure"]
         beyond = np.max(np.abs(arrays["shear"]) - limit, axis=1, initial=0.0)
-        certificates["cone"] = freeze(beyond / max(float(np.max(limit)), np.finfo(float).tiny))
+        certificates["cone"] = freeze(beyond / max(float(np.max(limit)), tiny))
     steady = question.route.history.steady_from
     if question.route.period is None:
         message, termination = "the path was followed to its end", "end of path"
@@ -304,6 +300,14 @@ def _record(scene: Scene, question: Question, arrays: Mapping[str, NDArray[Any]]
         certificates=certificates,
         notes=tuple(_notes(scene, question, work_done)),
     )
+
+
+def _mismatch(snapshot: Snapshot) -> Array:
+    """M(P) - Q, (n,): what the pieces carry less what is applied."""
+    held = snapshot.direction * snapshot.friction * snapshot.slipped
+    for piece, here in snapshot.groups():
+        held[here] += value_on(piece, (snapshot.load - snapshot.slipped)[here])
+    return held - snapshot.force
 
 
 def _notes(scene: Scene, question: Question, work_done: Dissipations) -> Iterator[str]:

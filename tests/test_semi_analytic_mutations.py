@@ -75,14 +75,14 @@ def forget_friction(monkeypatch):
 
 def shear_is_pressure(monkeypatch):
     """The shear kernel is handed the pressure of the whole load."""
-    whole = Integrals.at
+    over = Integrals.over
 
-    def mutant(self, span, time):
+    def mutant(self, snapshot):
         if self.kernel != "shear":
-            return whole(self, span, time)
-        return span.friction * self.contact.pressure(self.x, span.leg.loads(np.atleast_1d(time))[0][:, None])
+            return over(self, snapshot)
+        return snapshot.friction * self.contact.pressure(self.x, snapshot.load[:, None])
 
-    monkeypatch.setattr(Integrals, "at", mutant)
+    monkeypatch.setattr(Integrals, "over", mutant)
 
 
 def lose_the_arc(monkeypatch):
