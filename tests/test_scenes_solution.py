@@ -1,0 +1,168 @@
+"""The form of the answer: read-only, the same after NetCDF, and its last cycle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from scenes import ConvergenceError, InadmissibleLoadError, InputError, load_scene
+from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
+
+STEPS, POINTS = 7, 5
+ARRAYS = (
+    *("time", "normal_load", "tangential_load", "x", "pressure", "shear", "slip", "state", "contact_edges", "stick_edges"),
+    *("contact_half_width", "stick_half_width", "rigid_shift", "rigid_approach", "dissipation_density", "cycle_dissipation"),
+)
+
+
+def small_solution(scene_name="hertz-paper", time=None):
+    """A made-up answer with something in every field, NaN and None included."""
+    rng = np.random.default_rng(1)
+    path = load_scene(scene_name).load.path()
+    time = np.linspace(path.start, path.cycle_start + 2 * (path.period or 0.0), STEPS) if time is None else time
+    per_step = lambda: freeze(rng.normal(size=len(time)))  # noqa: E731
+    grid = lambda: freeze(rng.normal(size=(len(time), POINTS)))  # noqa: E731
+    stick_edges = rng.normal(size=(len(time), 2))
+    stick_edges[0] = np.nan
+    return ContactSolution(
+        engine="test",
+        scene=load_scene(scene_name),
+        time=freeze(time),
+        normal_load=per_step(),
+        tangential_load=per_step(),
+        x=freeze(np.linspace(-1, 1, POINTS)),
+        pressure=grid(),
+        shear=grid(),
+        slip=grid(),
+        state=freeze(rng.integers(0, 4, size=(len(time), POINTS)), np.int8),
+        contact_edges=freeze(rng.normal(size=(len(time), 2))),
+        stick_edges=freeze(stick_edges),
+        contact_half_width=per_step(),
+        stick_half_width=per_step(),
+        rigid_shift=per_step(),
+        rigid_approach=per_step(),
+        dissipation_density=freeze(rng.normal(size=POINTS)),
+        dissipation=0.1 + 0.2,
+        cycle_dissipation=freeze([0.3, 1 / 3]),
+        permanent_stick_half_width=float("nan"),
+        steady_from=None,
+        record=Record(
+            converged=True,
+            termination="steady",
+            message="the cycle repeats: 1e-3 < 2",
+            iterations=freeze(np.arange(len(time)), np.int64),
+            certificates={"cone": per_step(), "energy_balance": per_step()},
+            energy={"external": per_step()},
+            notes=("one", 'two "quoted"'),
+        ),
+        work=Work({"steps": 3}, {"revolutions": (2, "repeats")}, {"mesh": 0.25}),
+        settings={"mesh": {"order": 2, "element_size": 0.1}},
+        versions={"numpy": "2"},
+    )
+
+
+def assert_same(one, other):
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+        assert getattr(one, name).dtype == getattr(other, name).dtype, name
+    for name in ("engine", "scene", "dissipation", "steady_from", "work", "settings", "versions"):
+        assert getattr(one, name) == getattr(other, name), name
+    np.testing.assert_equal(one.permanent_stick_half_width, other.permanent_stick_half_width)
+    for name in ("converged", "termination", "message", "notes"):
+        assert getattr(one.record, name) == getattr(other.record, name), name
+    np.testing.assert_array_equal(one.record.iterations, other.record.iterations)
+    for table in ("certificates", "energy"):
+        here, there = getattr(one.record, table), getattr(other.record, table)
+        assert here.keys() == there.keys()
+        for name in here:
+            np.testing.assert_array_equal(here[name], there[name])
+
+
+@pytest.mark.parametrize("steady_from", [None, 0, 3])
+def test_dataset_and_back(steady_from):
+    solution = replace(small_solution(), steady_from=steady_from)
+    assert_same(solution, ContactSolution.from_dataset(solution.to_dataset()))
+
+
+@pytest.mark.parametrize("scene_name", ["hertz-paper", "hertz-normal"])
+def test_netcdf_and_back(scene_name, tmp_path):
+    solution = small_solution(scene_name)
+    solution.save(tmp_path / "answer.nc")
+    found = ContactSolution.load(tmp_path / "answer.nc")
+    assert_same(solution, found)
+    with pytest.raises(ValueError, match="read-only"):
+        found.pressure[0, 0] = 1.0
+
+
+def test_the_comparison_of_that_test_sees_one_changed_number():
+    solution = small_solution()
+    changed = np.array(solution.slip)
+    changed[2, 3] = np.nextafter(changed[2, 3], 1)
+    with pytest.raises(AssertionError):
+        assert_same(solution, replace(solution, slip=freeze(changed)))
+    with pytest.raises(AssertionError):
+        assert_same(solution, replace(solution, scene=load_scene("motor")))
+
+
+def test_dataset_names_its_dimensions():
+    data = small_solution().to_dataset()
+    assert data["pressure"].dims == ("step", "point")
+    assert data["stick_edges"].dims == ("step", "side")
+    assert list(data["side"].values) == ["left", "right"]
+    assert data["certificate_cone"].dims == data["energy_external"].dims == data["time"].dims == ("step",)
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+def test_arrays_are_read_only(name):
+    array = getattr(small_solution(), name)
+    with pytest.raises(ValueError, match="read-only"):
+        array[...] = 0
+
+
+def test_freeze_copies():
+    mine = np.ones(3)
+    frozen = freeze(mine)
+    mine[0] = 5.0
+    assert frozen.tolist() == [1.0, 1.0, 1.0]
+    assert freeze([1, 2], np.int8).dtype == np.int8
+
+
+def test_solution_is_frozen():
+    with pytest.raises(AttributeError):
+        small_solution().engine = "other"
+
+
+def test_last_cycle_of_whole_revolutions_includes_both_ends():
+    path = load_scene("hertz-paper").load.path()
+    begin, period = path.cycle_start, path.period
+    time = np.concatenate([np.linspace(path.start, begin, 4), begin + period * np.array([0.25, 0.5, 1.0, 1.5, 1.75, 2.0])])
+    assert small_solution(time=time).last_cycle.tolist() == [6, 7, 8, 9]
+    # Rounding of the last instant must not cost a cycle.
+    time[-1] *= 1 - 1e-15
+    assert small_solution(time=time).last_cycle.tolist() == [6, 7, 8, 9]
+
+
+def test_last_cycle_leaves_out_a_revolution_that_was_not_finished():
+    path = load_scene("hertz-paper").load.path()
+    begin, period = path.cycle_start, path.period
+    time = np.concatenate([[path.start, begin], begin + period * np.array([0.5, 1.0, 1.25, 1.5])])
+    assert small_solution(time=time).last_cycle.tolist() == [1, 2, 3]
+
+
+def test_last_cycle_of_a_path_that_ends_is_the_whole_path():
+    assert small_solution("hertz-normal").last_cycle.tolist() == list(range(STEPS))
+
+
+def test_states_are_numbered_as_promised():
+    assert [state.name for state in SurfaceState] == ["OPEN", "STICK", "SLIP_FORWARD", "SLIP_REVERSE"]
+    assert [int(state) for state in SurfaceState] == [0, 1, 2, 3]
+
+
+def test_errors_carry_what_they_promise():
+    outside = InadmissibleLoadError("gross sliding", 1.5, 2.0, -3.0)
+    assert isinstance(outside, InputError)
+    assert (outside.time, outside.normal_load, outside.tangential_load) == (1.5, 2.0, -3.0)
+    assert str(outside) == "gross sliding at time 1.5: normal load 2, tangential load -3"
+    assert ConvergenceError("stopped").partial is None
+    solution = small_solution()
+    assert ConvergenceError("stopped", solution).partial is solution
