@@ -19,15 +19,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes import StraightLeg
 from semi_analytic.contact import Contact
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
-from semi_analytic.legs import NORMAL_LOAD, Combination, change_from, level, rate, time_of
+from semi_analytic.legs import NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
 from semi_analytic.memory import level_on
 from semi_analytic.quadrature import graded
 from semi_analytic.snapshot import take
 
 Array = NDArray[np.float64]
+
+
+_CHUNK = 256
 
 
 class Split(NamedTuple):
@@ -44,15 +48,41 @@ class Split(NamedTuple):
 
 def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
     """Friction work of the spans [energy per unit thickness]."""
-    work = {1: 0.0, -1: 0.0}
-    for span in spans:
-        if span.direction and span.active is not None:
-            times, weights = graded(span.begin.time, span.end.time)
-            area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
-            growth = rate(span.leg, level(span.direction, span.friction), times)
-            work[span.direction] += span.friction * float(np.sum(weights * np.maximum(growth, 0.0) * area))
+    slipping = [span for span in spans if span.direction and span.active is not None]
+    works = np.zeros(len(slipping))
+    straight = np.array([_is_straight(span) for span in slipping], dtype=bool)
+    for number in np.flatnonzero(~straight):
+        span = slipping[number]
+        times, weights = graded(span.begin.time, span.end.time)
+        area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
+        growth = rate(span.leg, level(span.direction, span.friction), times)
+        works[number] = span.friction * float(np.sum(weights * np.maximum(growth, 0.0) * area))
+    if np.any(straight):
+        works[straight] = _work_of_straight(contact, [span for span, here in zip(slipping, straight, strict=True) if here])
+    forward = np.array([span.direction > 0 for span in slipping], dtype=bool)
     factor = 2 / (math.pi * modulus)
-    return Split(np.array(factor * work[1]), np.array(factor * work[-1]))
+    return Split(factor * np.sum(works[forward]), factor * np.sum(works[~forward]))
+
+
+def _is_straight(span: Span) -> bool:
+    """Whether P and P - P_c are linear in time."""
+    piece = span.active
+    return piece is not None and piece.arc is None and piece.bend == 0 and isinstance(span.leg, StraightLeg)
+
+
+def _work_of_straight(contact: Contact, spans: Sequence[Span]) -> Array:
+    """f int w' Lam dt of spans in which P and P - P_c are linear in time, all at once: (m,) [force^2 per thickness^2]."""
+    ends = [np.array([span.begin.time, span.end.time]) for span in spans]
+    load = np.array([(span.begin.normal, span.end.normal) for span in spans])
+    slipped = np.array([span.slipped_at(times, pair) for span, times, pair in zip(spans, ends, load, strict=True)])
+    growth = [float(change(span.leg, level(span.direction, span.friction), span.end.time, span.begin.time)) for span in spans]
+    part, weight = graded(0.0, 1.0)
+    works = []
+    for chunk in range(0, len(spans), _CHUNK):
+        here = slice(chunk, chunk + _CHUNK)
+        p, d = (values[here, :1] * (1 - part) + values[here, 1:] * part for values in (load, slipped))
+        works.append(np.sum(weight * contact.log_area(p, d), axis=1))
+    return spans[0].friction * np.maximum(np.array(growth), 0.0) * np.concatenate(works)
 
 
 def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span], x: Array) -> Split:

@@ -2,8 +2,8 @@
 
 # notation: M'(eta) slope of the memory curve, A = 2/E*, P_x load at which a = |x|
 
-q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d eta: one sum over the pieces of the
-curve with three kernels. What instants have in common, the pieces under the uppermost, is summed once.
+q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d eta: one sum over the pieces
+of the curve with three kernels. What instants have in common, the pieces under the uppermost, is summed once.
 """
 
 from __future__ import annotations

@@ -30,6 +30,7 @@ _K = np.arange(1.0, 22.0)
 _F_SERIES = -((-1.0) ** _K) * 2 / (4 * _K**2 - 1)
 _G_SERIES = (-1.0) ** _K * (2 * _K - 2) / (4 * _K**2 - 1)
 _GAUSS3 = np.polynomial.legendre.leggauss(3)
+_GAUSS24 = np.polynomial.legendre.leggauss(24)
 _GAUSS12 = np.polynomial.legendre.leggauss(12)
 
 
@@ -138,7 +139,7 @@ class FlatRoundedContact:
         shallow = tau < _SHALLOW
         result = np.zeros(tau.shape)
         result[~shallow] = _spread_in_closed_form(edge[~shallow], tau[~shallow])
-        result[shallow] = _spread_integral(np.arctan, edge[shallow], tau[shallow])
+        result[shallow] = _spread_when_shallow(edge[shallow], tau[shallow])
         return self.unit * result
 
     def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
@@ -223,6 +224,16 @@ def _spread_in_closed_form(edge: Array, tau: Array) -> Array:
         + (x * x + 1) * np.arctan2(x * tau, root)
         - 2 * x * np.arctan2(tau, root)
     )
+
+
+def _spread_when_shallow(edge: Array, tau: Array) -> Array:
+    """The same integral over t = edge sin(angle), smooth up to the edge, by Gauss' rule."""
+    node, weight = _GAUSS24
+    widest = np.arcsin(tau / np.where(edge > 0, edge, 1.0))[..., None] / 2
+    angle = widest * (1 + node)
+    t = edge[..., None] * np.sin(angle)
+    root = edge[..., None] * np.cos(angle)
+    return np.sum(widest * weight * 2 * t * np.arctan(t) * np.arcsinh(root / np.sqrt(1 + t * t)) * root, axis=-1)
 
 
 def _spread_integral(weight: Callable[[Array], Array], edge: Array, tau: Array) -> Array:

@@ -50,6 +50,8 @@ class Instant(NamedTuple):
 
 def instant(leg: Leg, time: float) -> Instant:
     """The point of `leg` at `time`."""
+    if isinstance(leg, StraightLeg) and time in (leg.start, leg.end):
+        return Instant(leg, float(time), *(leg.first if time == leg.start else leg.last))
     normal, tangential = leg.loads(time)
     return Instant(leg, float(time), float(normal), float(tangential))
 

@@ -1,75 +1,26 @@
-"""From a scene to a ContactSolution: which fields at which points and instants, and a record of what was done and what was not."""
+"""From a scene to a ContactSolution: the fields at the points and instants that are asked for, and the dissipations."""
 
 from __future__ import annotations
 
 import math
-import platform
 import time as clock
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from importlib import metadata
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import ContactSolution, InputError, Record, Scene, SurfaceState, Work, freeze
-from semi_analytic.contact import Contact, contact_of
+from scenes import ContactSolution, Scene, SurfaceState, freeze
+from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
+from semi_analytic.contact import Contact
 from semi_analytic.dissipation import closed_integral, global_dissipation, pointwise_dissipation
-from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
-from semi_analytic.memory import pieces, value_on
-from semi_analytic.quadrature import NODES
-from semi_analytic.route import Cycles, Route, default_times, locate, own_route, straight_route
-from semi_analytic.snapshot import Snapshot, take
+from semi_analytic.question import FIELDS, Question, ask
+from semi_analytic.route import Cycles
+from semi_analytic.snapshot import Snapshot
 
 Array = NDArray[np.float64]
-
-FIELDS = ("pressure", "shear", "slip", "state", "rigid_shift", "rigid_approach", "dissipation_density", "dissipation")
-"""The fields that can be asked for one by one."""
-
-_POINTS = 200
-
-
-@dataclass(frozen=True, eq=False)
-class Question:
-    """What is to be evaluated: instants sorted into spans, points folded onto x >= 0.
-
-    Attributes
-    ----------
-    contact, modulus, friction : normal contact, E*, f
-    route : the solved history
-    time : (n,) instants as asked for
-    span, local : (n,) number of the span, time of its leg
-    x : (m,) points as asked for
-    distance, fold : (k,) different |x|, (m,) where each x finds its own
-    fields : what is wanted
-    """
-
-    contact: Contact
-    modulus: float
-    friction: float
-    route: Route
-    time: Array
-    span: NDArray[np.int64]
-    local: Array
-    x: Array
-    distance: Array
-    fold: NDArray[np.int64]
-    fields: frozenset[str]
-
-    def snapshot(self) -> Snapshot:
-        """The memory curves at the instants, in their order."""
-        order = np.argsort(self.span, kind="stable")
-        numbers, starts = np.unique(self.span[order], return_index=True)
-        spans = self.route.history.spans
-        sorted_times = np.split(self.local[order], starts[1:])
-        taken = take((spans[number], times) for number, times in zip(numbers, sorted_times, strict=True))
-        back = np.argsort(order)
-        columns = ("time", "load", "force", "slipped", "direction", "which")
-        return replace(taken, **{name: getattr(taken, name)[back] for name in columns})
 
 
 def solve(
@@ -111,7 +62,7 @@ def solve(
     1.0
     """
     started = clock.perf_counter()
-    question = _question(scene, x, time, cycles, _checked(fields), straight_steps)
+    question = ask(scene, x, time, cycles, fields, straight_steps)
     marched = clock.perf_counter()
     snapshot = question.snapshot()
     series, grids = _series(question, snapshot), _grids(question, snapshot)
@@ -132,59 +83,12 @@ def solve(
         loop_work=work_done.second_route,
         permanent_stick_half_width=_permanent_stick(question),
         steady_from=question.route.history.steady_from,
-        record=_record(scene, question, snapshot, everything, work_done),
-        work=_work(scene, question, work_done, seconds),
+        record=record_of(scene, question, snapshot, everything, work_done),
+        work=work_of(scene, question, work_done, seconds),
         settings={"cycles": cycles, "fields": sorted(question.fields), "straight_steps": straight_steps},
-        versions=_versions(),
+        versions=versions(),
         **{name: freeze(values, np.int8 if name == "state" else float) for name, values in everything.items()},
     )
-
-
-def _checked(fields: Iterable[str]) -> frozenset[str]:
-    wanted = frozenset(fields)
-    unknown = sorted(wanted - set(FIELDS))
-    if unknown:
-        raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")
-    return wanted
-
-
-def _question(
-    scene: Scene, x: ArrayLike | None, time: ArrayLike | None, cycles: Cycles, fields: frozenset[str], straight: bool
-) -> Question:
-    """Everything but the evaluation."""
-    if cycles not in ("all", "steady"):
-        raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
-    if straight and time is None:
-        raise InputError("straight_steps: give the times between which the steps are straight")
-    contact, path, friction = contact_of(scene.profile, scene.material), scene.load.path(), scene.friction.coefficient
-    asked = None if time is None else _vector(time, "time")
-    if straight and asked is not None:
-        route = straight_route(path, friction, asked)
-    else:
-        route = own_route(path, friction, scene.cycles, asked)
-    if cycles == "steady" and asked is None:
-        route = replace(route, covered=route.covered[-1:])
-    instants = default_times(route, cycles) if asked is None else asked
-    span, local = locate(route, instants)
-    largest = max(max(s.begin.normal, s.end.normal) for s in route.history.spans)
-    edge = 1.05 * float(contact.half_width(largest))
-    points = _spread(edge) if x is None else _vector(x, "x")
-    distance, fold = np.unique(np.abs(points), return_inverse=True)
-    modulus = composite_modulus(scene.material)
-    return Question(contact, modulus, friction, route, instants, span, local, points, distance, fold, fields)
-
-
-def _spread(edge: float) -> Array:
-    """Points from -edge to edge, mirrored to the last digit."""
-    right = np.linspace(edge / (_POINTS - 1), edge, _POINTS // 2)
-    return np.concatenate([-right[::-1], right])
-
-
-def _vector(values: ArrayLike, name: str) -> Array:
-    array = np.array(values, dtype=float)
-    if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)):
-        raise InputError(f"{name}: a list of finite numbers is needed, not an array of shape {array.shape}")
-    return array
 
 
 def _series(question: Question, snapshot: Snapshot) -> dict[str, Array]:
@@ -233,17 +137,6 @@ def _states(contact: Contact, x: Array, snapshot: Snapshot) -> NDArray[np.int8]:
     return np.where((x <= half) & (snapshot.load[:, None] > 0), inner, np.int8(SurfaceState.OPEN))
 
 
-@dataclass(frozen=True, eq=False)
-class Dissipations:
-    """Friction work of the cycles, the last one by a second route too, and how many quadratures it took."""
-
-    last: float
-    second_route: float
-    arrays: Mapping[str, Array]
-    slip_spans: int
-    stick_spans: int
-
-
 def _dissipations(question: Question) -> Dissipations:
     route, contact, modulus = question.route, question.contact, question.modulus
     cycles, last = route.history.cycles, route.covered[-1]
@@ -273,85 +166,3 @@ def _permanent_stick(question: Question) -> float:
     least = max(min(fronts), 0.0)
     half = float(question.contact.half_width(least))
     return half if half > 0 else math.nan
-
-
-def _record(
-    scene: Scene, question: Question, snapshot: Snapshot, arrays: Mapping[str, NDArray[Any]], work_done: Dissipations
-) -> Record:
-    tiny = np.finfo(float).tiny
-    force = max(question.friction * float(np.max(snapshot.load)), tiny)
-    certificates = {"tangential_balance": freeze(np.abs(_mismatch(snapshot)) / force)}
-    if {"pressure", "shear"} <= question.fields:
-        limit = question.friction * arrays["pressure"]
-        beyond = np.max(np.abs(arrays["shear"]) - limit, axis=1, initial=0.0)
-        certificates["cone"] = freeze(beyond / max(float(np.max(limit)), tiny))
-    steady = question.route.history.steady_from
-    if question.route.period is None:
-        message, termination = "the path was followed to its end", "end of path"
-    elif steady is None:
-        message, termination = f"no steady cycle among the first {len(question.route.history.cycles)}", "end of path"
-    else:
-        message, termination = f"cycle {steady} ends in the state it started from", "steady"
-    return Record(
-        converged=True,
-        termination=termination,
-        message=message,
-        iterations=freeze(np.zeros(len(question.time)), np.int64),
-        certificates=certificates,
-        notes=tuple(_notes(scene, question, work_done)),
-    )
-
-
-def _mismatch(snapshot: Snapshot) -> Array:
-    """M(P) - Q, (n,): what the pieces carry less what is applied."""
-    held = snapshot.direction * snapshot.friction * snapshot.slipped
-    for piece, here in snapshot.groups():
-        held[here] += value_on(piece, (snapshot.load - snapshot.slipped)[here])
-    return held - snapshot.force
-
-
-def _notes(scene: Scene, question: Question, work_done: Dissipations) -> Iterator[str]:
-    beta = coupling_constant(scene.material)
-    if beta != 0:
-        yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
-    if not math.isfinite(work_done.second_route) and "dissipation" in question.fields and question.route.period is not None:
-        yield "the last cycle is not steady: no closed integral of Q dU to compare the dissipation with"
-
-
-def _work(scene: Scene, question: Question, work_done: Dissipations, seconds: Mapping[str, float]) -> Work:
-    history = question.route.history
-    alive = max(sum(1 for _ in pieces(span.active)) for span in history.spans)
-    skipped = {name: (len(question.time), "not asked for") for name in FIELDS if name not in question.fields}
-    if history.steady_from is not None:
-        copies = max(scene.cycles, len(question.route.covered)) - len(history.cycles)
-        if copies > 0 and not question.route.straight:
-            skipped["cycles"] = (copies, f"copies of cycle {history.steady_from}, which is steady")
-    if work_done.stick_spans:
-        skipped["quadratures"] = (work_done.stick_spans, "full stick: nothing slips")
-    counts = {
-        "instants": len(question.time),
-        "points": len(question.x),
-        "points_evaluated": len(question.distance),
-        "spans": len(history.spans),
-        "cycles_solved": len(history.cycles),
-        "pieces_alive": alive,
-        "slip_quadratures": work_done.slip_spans,
-        "quadrature_nodes": work_done.slip_spans * NODES,
-    }
-    return Work(counts, skipped, dict(seconds))
-
-
-def _versions() -> dict[str, str]:
-    return {
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "halfplane": _version_of("halfplane"),
-    }
-
-
-def _version_of(package: str) -> str:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return "not installed"

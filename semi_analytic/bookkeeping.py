@@ -1,0 +1,136 @@
+"""What a solution says of itself: certificates, notes, work done and not done, versions."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from scenes import Record, Scene, Work, freeze
+from semi_analytic.elasticity import coupling_constant
+from semi_analytic.history import Span
+from semi_analytic.memory import pieces, value_on
+from semi_analytic.quadrature import NODES
+from semi_analytic.question import FIELDS, Question
+from semi_analytic.snapshot import Snapshot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Dissipations:
+    """Friction work of the cycles, the last one by a second route too, and how many quadratures it took."""
+
+    last: float
+    second_route: float
+    arrays: Mapping[str, Array]
+    slip_spans: int
+    stick_spans: int
+
+
+def record_of(
+    scene: Scene, question: Question, snapshot: Snapshot, arrays: Mapping[str, NDArray[Any]], work_done: Dissipations
+) -> Record:
+    """How the answer came about: M(P) = Q and the friction cone at every instant, the end of the path, what a reader must know."""
+    tiny = np.finfo(float).tiny
+    force = max(question.friction * float(np.max(snapshot.load)), tiny)
+    certificates = {"tangential_balance": freeze(np.abs(_mismatch(snapshot)) / force)}
+    if {"pressure", "shear"} <= question.fields:
+        limit = question.friction * arrays["pressure"]
+        beyond = np.max(np.abs(arrays["shear"]) - limit, axis=1, initial=0.0)
+        certificates["cone"] = freeze(beyond / max(float(np.max(limit)), tiny))
+    steady = question.route.history.steady_from
+    if question.route.period is None:
+        message, termination = "the path was followed to its end", "end of path"
+    elif steady is None:
+        message, termination = f"no steady cycle among the first {len(question.route.history.cycles)}", "end of path"
+    else:
+        message, termination = f"cycle {steady} ends in the state it started from", "steady"
+    return Record(
+        converged=True,
+        termination=termination,
+        message=message,
+        iterations=freeze(np.zeros(len(question.time)), np.int64),
+        certificates=certificates,
+        notes=tuple(_notes(scene, question, work_done)),
+    )
+
+
+def _mismatch(snapshot: Snapshot) -> Array:
+    """M(P) - Q, (n,): what the pieces carry less what is applied."""
+    held = snapshot.direction * snapshot.friction * snapshot.slipped
+    for piece, here in snapshot.groups():
+        held[here] += value_on(piece, (snapshot.load - snapshot.slipped)[here])
+    return held - snapshot.force
+
+
+def _notes(scene: Scene, question: Question, work_done: Dissipations) -> Iterator[str]:
+    beta = coupling_constant(scene.material)
+    if beta != 0:
+        yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
+    if not math.isfinite(work_done.second_route) and "dissipation" in question.fields and question.route.period is not None:
+        yield "the last cycle is not steady: no closed integral of Q dU to compare the dissipation with"
+
+
+def work_of(scene: Scene, question: Question, work_done: Dissipations, seconds: Mapping[str, float]) -> Work:
+    """What was done and what was not."""
+    history = question.route.history
+    alive = max(_depths(history.spans))
+    skipped = {name: (len(question.time), "not asked for") for name in FIELDS if name not in question.fields}
+    if history.steady_from is not None:
+        copies = max(scene.cycles, len(question.route.covered)) - len(history.cycles)
+        if copies > 0 and not question.route.straight:
+            skipped["cycles"] = (copies, f"copies of cycle {history.steady_from}, which is steady")
+    if work_done.stick_spans:
+        skipped["quadratures"] = (work_done.stick_spans, "full stick: nothing slips")
+    counts = {
+        "instants": len(question.time),
+        "points": len(question.x),
+        "points_evaluated": len(question.distance),
+        "spans": len(history.spans),
+        "cycles_solved": len(history.cycles),
+        "pieces_alive": alive,
+        "slip_quadratures": work_done.slip_spans,
+        "quadrature_nodes": work_done.slip_spans * NODES,
+    }
+    return Work(counts, skipped, dict(seconds))
+
+
+def _depths(spans: Iterable[Span]) -> Iterator[int]:
+    """Number of pieces of each span's curve."""
+    known: dict[int, int] = {}
+    for span in spans:
+        chain, depth = [], 0
+        for piece in pieces(span.active):
+            depth = known.get(id(piece), 0)
+            if depth:
+                break
+            chain.append(piece)
+        for piece in reversed(chain):
+            depth += 1
+            known[id(piece)] = depth
+        yield depth
+
+
+def versions() -> dict[str, str]:
+    """Versions of what the numbers depend on."""
+    return {
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "halfplane": _version_of("halfplane"),
+    }
+
+
+def _version_of(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "not installed"
