@@ -43,6 +43,11 @@ class CondensedBody:
     compliance: Array
     diagnostics: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def order(self) -> int:
+        """Order of the elements, 1 or 2."""
+        return _order(self.body.mesh)
+
 
 @dataclass(frozen=True, eq=False)
 class _System:
@@ -53,6 +58,10 @@ class _System:
     contact: Indices  # (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
     arc: Indices  # (2, m) those of the far-field arc
     free: Indices  # all that is not on the arc
+
+
+def _order(mesh: skfem.MeshTri) -> int:
+    return 2 if isinstance(mesh, skfem.MeshTri2) else 1
 
 
 def _element(order: int) -> skfem.ElementVector:
@@ -69,7 +78,7 @@ def _boundary_dofs(basis: skfem.Basis, name: str) -> Indices:
 
 
 def _assemble(body: BodyMesh, material: Elastic) -> _System:
-    order = 2 if isinstance(body.mesh, skfem.MeshTri2) else 1
+    order = _order(body.mesh)
     basis = skfem.Basis(body.mesh, _element(order), intorder=2 * order)
     form = linear_elasticity(*lame_parameters(material.young_modulus, material.poisson_ratio))
     contact, arc = _boundary_dofs(basis, "contact"), _boundary_dofs(basis, "far_field")

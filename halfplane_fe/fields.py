@@ -59,7 +59,8 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
         For an instant outside the solved time.
     """
     steps = [_step(solution, float(instant)) for instant in instants]
-    forces = {name: np.stack([_forces(solution, step, name) for step in steps], axis=-1) for name in ("lower", "upper")}
+    each = [_forces(solution, step) for step in steps]
+    forces = {name: np.stack([one[name] for one in each], axis=-1) for name in ("lower", "upper")}
     bodies = {name: _body_fields(name, solution.condensed[name == "upper"], forces[name], solution) for name in forces}
     return tuple(
         Snapshot(
@@ -79,9 +80,9 @@ def _step(solution: FiniteElementSolution, instant: float) -> int:
     return int(np.argmin(np.abs(solution.time - instant)))
 
 
-def _forces(solution: FiniteElementSolution, step: int, name: str) -> Array:
+def _forces(solution: FiniteElementSolution, step: int) -> dict[str, Array]:
     state, load = solution.states[step], solution.scales.load
-    return body_forces(state.pressure * load, state.shear * load, name)
+    return body_forces(*solution.condensed, state.pressure * load, state.shear * load)
 
 
 def _body_fields(name: str, condensed: CondensedBody, forces: Array, solution: FiniteElementSolution) -> list[BodyFields]:

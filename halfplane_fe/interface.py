@@ -4,7 +4,7 @@
     s = U + K p - T q                    slip of the upper face over the lower, U the rigid shift
 
 p and q are nodal forces (pressure and shear times weight), p pressing and q along +x on the lower body. N and T are symmetric,
-K couples: it is exactly zero for like bodies. A mortar coupling of non-matching sides gives the same value.
+K couples: it is exactly zero for like bodies on matching meshes.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.elasticity import CondensedBody
+from halfplane_fe.mortar import mortar_projection
 from scenes import freeze
 
 Array = NDArray[np.float64]
@@ -48,30 +49,34 @@ class Interface:
         )
 
 
-def matching_interface(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """Couple two bodies whose contact nodes lie opposite each other, node by node.
+def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
+    """Couple two bodies node by node where their contact nodes lie opposite each other, by mortar where they do not.
 
-    The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0 here. With equal weights on
-    both sides the nodal coupling passes the patch test.
-
-    Raises
-    ------
-    ValueError
-        If the nodes do not match.
+    The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0 here.
     """
-    if lower.x.shape != upper.x.shape or not np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)):
-        raise ValueError("the contact nodes of the two bodies do not lie opposite each other")
     # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels -q along x and -p outward.
-    like = upper is lower
+    above = upper.compliance
+    if not _matching(lower, upper):
+        projection = mortar_projection(lower.x, upper.x, lower.order)
+        above = np.einsum("pj,ijkl,ql->ipkq", projection, above, projection, optimize=True)
+    alike = lower.material == upper.material and _matching(lower, upper)
     return Interface(
         lower.x,
         lower.weights,
-        freeze(lower.compliance[1, :, 1, :] + upper.compliance[1, :, 1, :]),
-        freeze(lower.compliance[0, :, 0, :] + upper.compliance[0, :, 0, :]),
-        None if like else freeze(lower.compliance[0, :, 1, :] - upper.compliance[0, :, 1, :]),
+        freeze(lower.compliance[1, :, 1, :] + above[1, :, 1, :]),
+        freeze(lower.compliance[0, :, 0, :] + above[0, :, 0, :]),
+        None if alike else freeze(lower.compliance[0, :, 1, :] - above[0, :, 1, :]),
     )
 
 
-def body_forces(pressure: Array, shear: Array, body: str) -> Array:
-    """(2, n) nodal forces (along x, outward) on the "lower" or "upper" body in its own frame, from nodal p and q."""
-    return np.stack([shear if body == "lower" else -shear, -pressure])
+def _matching(lower: CondensedBody, upper: CondensedBody) -> bool:
+    return lower.x.shape == upper.x.shape and bool(np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)))
+
+
+def body_forces(lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array) -> dict[str, Array]:
+    """(2, n) nodal forces (along x, outward) on each body in its own frame, "lower" and "upper", from nodal p and q."""
+    below = np.stack([shear, -pressure])
+    above = np.stack([-shear, -pressure])
+    if not _matching(lower, upper):
+        above = above @ mortar_projection(lower.x, upper.x, lower.order)
+    return {"lower": below, "upper": above}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.elasticity import condense
-from halfplane_fe.interface import Interface, matching_interface
+from halfplane_fe.interface import Interface, couple
 from halfplane_fe.run import run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
@@ -105,7 +105,7 @@ def _coarse_interface(scene: Scene, modulus: float) -> Interface:
     body = half_disc("coarse", _GRADING)
     lower = condense(body, scene.material.lower, datum_length=1.0)
     upper = lower if scene.material.alike else condense(body, scene.material.upper, datum_length=1.0)
-    return matching_interface(lower, upper).scaled(1.0, 1 / modulus)
+    return couple(lower, upper).scaled(1.0, 1 / modulus)
 
 
 def _problem(scene: Scene, interface: Interface, size: float, load: float, modulus: float, tangential: bool) -> ContactProblem:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from halfplane_fe.answer import answer_arrays, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody, condense
-from halfplane_fe.interface import matching_interface
+from halfplane_fe.interface import couple
 from halfplane_fe.path import check_admissible
 from halfplane_fe.run import PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, find_scales, needs_shear
@@ -100,15 +100,19 @@ class _Watch:
 
 def _condensed_bodies(scene: Scene, mesh: MeshSettings, scales: Scales, watch: _Watch) -> tuple[CondensedBody, CondensedBody]:
     body = half_disc("lower", surface_grading(mesh, scales), mesh.growth, mesh.order)
+    above = body
+    if mesh.upper_ratio != 1:
+        above = half_disc("upper", surface_grading(mesh, scales, mesh.upper_ratio), mesh.growth, mesh.order)
     watch.lap("mesh")
     lower = condense(body, scene.material.lower, scene.profile.datum_length)
-    upper = lower if scene.material.alike else condense(body, scene.material.upper, scene.profile.datum_length)
+    same = scene.material.alike and above is body
+    upper = lower if same else condense(above, scene.material.upper, scene.profile.datum_length)
     watch.lap("condensation")
     return lower, upper
 
 
-def surface_grading(mesh: MeshSettings, scales: Scales) -> SurfaceGrading:
-    """Fine from just inside the innermost edge of the last cycle to just outside the largest contact."""
+def surface_grading(mesh: MeshSettings, scales: Scales, ratio: float = 1.0) -> SurfaceGrading:
+    """Fine from just inside the innermost edge of the last cycle to just outside the largest contact; sizes times `ratio`."""
     # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few hundredths of it.
     a = scales.half_width
     inner = scales.inner - 0.06 * a
@@ -116,8 +120,8 @@ def surface_grading(mesh: MeshSettings, scales: Scales) -> SurfaceGrading:
     return SurfaceGrading(
         inner=inner if inner > 4 * mesh.element_size * a else 0.0,
         outer=outer,
-        size=mesh.element_size * a,
-        edge_size=mesh.edge_element_size * a,
+        size=mesh.element_size * a * ratio,
+        edge_size=mesh.edge_element_size * a * ratio,
         radius=mesh.far_radius * a,
     )
 
@@ -129,7 +133,7 @@ def _contact_problem(
     scales: Scales,
     condensed: tuple[CondensedBody, CondensedBody],
 ) -> ContactProblem:
-    interface = matching_interface(*condensed).scaled(scales.half_width, 1 / scales.modulus)
+    interface = couple(*condensed).scaled(scales.half_width, 1 / scales.modulus)
     # A layer of stiffness k E*/h per area is, node by node and scaled, a compliance h/(k w).
     soft = 0.0 if settings.method == "augmented_lagrangian" else mesh.edge_element_size
     layer = Layer(
@@ -194,7 +198,7 @@ def _work(
 ) -> Work:
     like = condensed[0] is condensed[1]
     counts = {
-        "bodies meshed": 1,
+        "bodies meshed": 1 if condensed[0].body is condensed[1].body else 2,
         "condensations": 1 if like else 2,
         "degrees of freedom": int(condensed[0].diagnostics["degrees_of_freedom"]),
         "contact nodes": len(condensed[0].x),
@@ -204,7 +208,9 @@ def _work(
         ),
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
-    skipped = {"meshes": (1, "both half-discs have one shape: meshed once, reflected")}
+    skipped = {}
+    if condensed[0].body is condensed[1].body:
+        skipped["meshes"] = (1, "both half-discs have one shape: meshed once, reflected")
     if like:
         skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
     if not problem.tangential:

@@ -18,6 +18,7 @@ class MeshSettings:
     ----------
     element_size : surface elements where p and q are smooth
     edge_element_size : surface elements where the contact and stick edges travel
+    upper_ratio : surface elements of the upper body over those of the lower; 1 for matching sides
     far_radius : radius L of the half-disc that stands for a half-plane
     growth : growth of the element size with the distance from the contact
     order : 1 or 2, of elements and geometry
@@ -25,6 +26,7 @@ class MeshSettings:
 
     element_size: float = 1 / 24
     edge_element_size: float = 1 / 160
+    upper_ratio: float = 1.0
     far_radius: float = 10.0
     growth: float = 0.2
     order: int = 2
@@ -38,6 +40,8 @@ class MeshSettings:
                 f"mesh: edge_element_size = {self.edge_element_size!r} is refused: "
                 f"it is at most element_size = {self.element_size!r}"
             )
+        if not 0.05 <= self.upper_ratio <= 20:
+            raise InputError(f"mesh: upper_ratio = {self.upper_ratio!r} is refused: it lies in [0.05, 20]")
         if not 2 <= self.far_radius <= 1000:
             raise InputError(f"mesh: far_radius = {self.far_radius!r} is refused: it lies in [2, 1000], in half-widths")
         if not 0.02 <= self.growth <= 1:
