@@ -7,7 +7,7 @@ import math
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.verdicts import Metric
-from scenes import EllipseLoad, FlatRounded, Hertz, Scene
+from scenes import EllipseLoad, FlatRounded, Hertz, PolygonLoad, Scene
 
 CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
 
@@ -62,6 +62,8 @@ def question(scene: Scene) -> str:
             shape = f"a parabolic profile of relative radius {number(radius)} {length}"
         case FlatRounded(radius=radius, flat_half_length=half):
             shape = f"a flat face of half-length {number(half)} {length} with edges of radius {number(radius)} {length}"
+        case _:
+            shape = scene.profile.in_words(length)
     upper, lower = (
         f"E = {number(m.young_modulus)} {stress}, ν = {number(m.poisson_ratio)}"
         for m in (scene.material.upper, scene.material.lower)
@@ -82,6 +84,8 @@ def _loads(scene: Scene, unit: str) -> str:
             f"{number(load.normal_amplitude)} cos t and Q = {number(load.mean_tangential_load)} + "
             f"{number(load.tangential_amplitude)} cos(t − {number(load.phase_degrees)}°) {unit}"
         )
+    if not isinstance(load, PolygonLoad):
+        return load.in_words(unit)
     corners = (load.way_in[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.way_in)
     points = ", ".join(f"({number(p)}, {number(q)})" for p, q in corners)
     return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"

@@ -1,22 +1,34 @@
 """The question and the form of the answer: frozen types, the reading of scene files, the library of scenes. No mechanics."""
 
+from scenes.callable_loads import CallableLoad, ChebyshevLeg
+from scenes.callables import CallableProfile
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError
+from scenes.harmonics import HarmonicLeg, HarmonicLoad
 from scenes.loads import EllipseLeg, EllipseLoad, Leg, LoadPath, ParabolaLeg, PolygonLoad, StraightLeg
 from scenes.materials import Elastic, Materials
-from scenes.profiles import FlatRounded, Hertz, Profile
+from scenes.measured import Tabulated
+from scenes.profiles import Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
 from scenes.reading import load_scene, scene_names, scene_schema, scene_text
 from scenes.scene import Friction, HalfPlanes, Scene, Tolerances
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
+from scenes.time_series import TimeSeriesLoad
 
 __all__ = [
+    "CallableLoad",
+    "CallableProfile",
+    "ChebyshevLeg",
+    "Compound",
     "ContactSolution",
     "ConvergenceError",
     "Elastic",
     "EllipseLeg",
     "EllipseLoad",
+    "EvenPolynomial",
     "FlatRounded",
     "Friction",
     "HalfPlanes",
+    "HarmonicLeg",
+    "HarmonicLoad",
     "Hertz",
     "InadmissibleLoadError",
     "InputError",
@@ -25,12 +37,16 @@ __all__ = [
     "Materials",
     "ParabolaLeg",
     "PolygonLoad",
+    "PowerLaw",
     "Profile",
     "Record",
     "Scene",
     "StraightLeg",
     "SurfaceState",
+    "Tabulated",
+    "TimeSeriesLoad",
     "Tolerances",
+    "Wedge",
     "Work",
     "freeze",
     "load_scene",

@@ -190,11 +190,21 @@ class LoadPath:
         return p.reshape(shape), q.reshape(shape)
 
 
-def _straight_legs(points: list[Point], start: float, duration: float) -> tuple[StraightLeg, ...]:
+def straight_legs(points: list[Point], start: float, duration: float) -> tuple[StraightLeg, ...]:
     """Legs through `points`, `duration` each."""
     return tuple(
         StraightLeg(start + k * duration, start + (k + 1) * duration, points[k], points[k + 1]) for k in range(len(points) - 1)
     )
+
+
+WayIn = Literal["straight"] | tuple[Point, ...]
+
+
+def straight_way_in(way_in: WayIn, first: Leg, duration: float) -> tuple[StraightLeg, ...]:
+    """From (0, 0) through the points of `way_in` to the start of the leg `first`, `duration` a line."""
+    normal, tangential = first.loads(first.start)
+    points = [(0.0, 0.0), *(() if way_in == "straight" else way_in), (float(normal), float(tangential))]
+    return straight_legs(points, first.start - (len(points) - 1) * duration, duration)
 
 
 class EllipseLoad(BaseModel):
@@ -240,8 +250,7 @@ class EllipseLoad(BaseModel):
         first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
         if self.way_in == "parabola":
             return LoadPath((ParabolaLeg(begin - math.pi, begin, first, 0.0),), (turn,))
-        points = [(0.0, 0.0), *(() if self.way_in == "straight" else self.way_in), first]
-        return LoadPath(_straight_legs(points, begin - (len(points) - 1) * math.pi, math.pi), (turn,))
+        return LoadPath(straight_way_in(self.way_in, turn, math.pi), (turn,))
 
 
 class PolygonLoad(BaseModel):
@@ -270,9 +279,6 @@ class PolygonLoad(BaseModel):
 
     def path(self) -> LoadPath:
         """The legs of this history."""
-        way_in = _straight_legs([(0.0, 0.0), *self.way_in], 0.0, 1.0)
+        way_in = straight_legs([(0.0, 0.0), *self.way_in], 0.0, 1.0)
         corners = [self.way_in[-1], *self.cycle, self.way_in[-1]]
-        return LoadPath(way_in, _straight_legs(corners, float(len(way_in)), 1.0) if self.cycle else ())
-
-
-Load = Annotated[EllipseLoad | PolygonLoad, Field(discriminator="kind")]
+        return LoadPath(way_in, straight_legs(corners, float(len(way_in)), 1.0) if self.cycle else ())

@@ -79,6 +79,10 @@ class PowerLaw(BaseModel):
         """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
         return self.length
 
+    def in_words(self, length: str) -> str:
+        """The profile as part of a sentence; `length` is the unit."""
+        return f"a profile that grows like |x|^{self.exponent:.6g}, {self.rise:.6g} {length} at {self.length:.6g} {length}"
+
     def height(self, x: ArrayLike) -> NDArray[np.float64]:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
         return self.rise * np.power(np.abs(np.asarray(x, dtype=float)) / self.length, self.exponent)
@@ -102,6 +106,13 @@ class Compound(BaseModel):
     def datum_length(self) -> float:
         """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
         return min(self.inner_radius, self.outer_radius)
+
+    def in_words(self, length: str) -> str:
+        """The profile as part of a sentence; `length` is the unit."""
+        return (
+            f"a profile of relative radius {self.inner_radius:.6g} {length} up to {self.inner_half_length:.6g} {length} from "
+            f"the middle and {self.outer_radius:.6g} {length} beyond"
+        )
 
     def height(self, x: ArrayLike) -> NDArray[np.float64]:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
@@ -128,6 +139,13 @@ class Wedge(BaseModel):
     def datum_length(self) -> float:
         """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
         return self.tip_radius
+
+    def in_words(self, length: str) -> str:
+        """The profile as part of a sentence; `length` is the unit."""
+        return (
+            f"a wedge whose tip of half-length {self.tip_half_length:.6g} {length} has the relative radius "
+            f"{self.tip_radius:.6g} {length}"
+        )
 
     def height(self, x: ArrayLike) -> NDArray[np.float64]:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
@@ -168,6 +186,10 @@ class EvenPolynomial(BaseModel):
     def datum_length(self) -> float:
         """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
         return self.length
+
+    def in_words(self, length: str) -> str:
+        """The profile as part of a sentence; `length` is the unit."""
+        return f"an even polynomial of {len(self.rises)} terms, {sum(self.rises):.6g} {length} high at {self.length:.6g} {length}"
 
     def height(self, x: ArrayLike) -> NDArray[np.float64]:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""

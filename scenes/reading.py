@@ -51,11 +51,11 @@ def load_scene(source: str | Path) -> Scene:
     1.0
     """
     if str(source) in scene_names():
-        return _check(tomllib.loads(scene_text(str(source))), str(source), str(source))
+        return _check(tomllib.loads(scene_text(str(source))), str(source), str(source), Path(str(_LIBRARY)))
     path = Path(source)
     if not path.suffix and not path.exists():
         raise InputError(_unknown_scene(str(source)))
-    return _check(_parse(path), str(path), path.stem)
+    return _check(_parse(path), str(path), path.stem, path.parent)
 
 
 def _unknown_scene(name: str) -> str:
@@ -84,11 +84,12 @@ def _parse(path: Path) -> dict[str, Any]:
     return data
 
 
-def _check(data: dict[str, Any], where: str, name: str) -> Scene:
-    """A checked scene; the first fault becomes one sentence."""
+def _check(data: dict[str, Any], where: str, name: str, folder: Path) -> Scene:
+    """A checked scene whose tables lie in `folder`; the first fault becomes one sentence."""
     try:
         # Strict, so that "1.0" and true are no numbers; as JSON, where strict still lets 1 be a float and a list a tuple.
-        return Scene.model_validate_json(json.dumps({"name": name} | data, default=str), strict=True)
+        text = json.dumps({"name": name} | data, default=str)
+        return Scene.model_validate_json(text, strict=True, context={"folder": folder})
     except ValidationError as faults:
         raise InputError(_sentence(where, data, faults)) from faults
 

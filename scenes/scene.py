@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
+from pydantic_core import PydanticSerializationError
 
-from scenes.loads import Load
+from scenes.callable_loads import CallableLoad
+from scenes.errors import InputError
+from scenes.harmonics import HarmonicLoad
+from scenes.loads import EllipseLoad, PolygonLoad
 from scenes.materials import FROZEN, Materials, Positive
 from scenes.profiles import Profile
+from scenes.time_series import TimeSeriesLoad
+
+Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad, Field(discriminator="kind")]
 
 
 class Friction(BaseModel):
@@ -60,3 +67,18 @@ class Scene(BaseModel):
     bodies: HalfPlanes = HalfPlanes()
     tolerances: Tolerances = Tolerances()
     cycles: int = Field(6, ge=1, description="at most so many revolutions; the engines stop once the cycle repeats")
+
+    def model_dump_json(self, **options: Any) -> str:
+        """The scene as JSON text.
+
+        Raises
+        ------
+        InputError
+            For a scene that holds a Python function.
+        """
+        try:
+            return super().model_dump_json(**options)
+        except PydanticSerializationError as reason:
+            raise InputError(
+                f"scene {self.name!r} can't be written, hashed or sent elsewhere: it holds a Python function"
+            ) from reason

@@ -1,0 +1,130 @@
+"""Loads given as Python functions of time, taken over as Chebyshev series so that their turning points are found to rounding."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
+from pydantic import BaseModel, Field, model_validator
+
+from scenes.callables import PythonFunction, values_of
+from scenes.chebyshev import NODES, Unresolved, difference, fit, series
+from scenes.loads import Array, LoadPath, Loads, WayIn, straight_way_in
+from scenes.materials import FROZEN, Positive
+
+Series = tuple[float, ...]
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class ChebyshevLeg:
+    """P and Q as Chebyshev series of time on [start, end]."""
+
+    start: float
+    end: float
+    normal: Series
+    tangential: Series
+
+    def _unit(self, time: ArrayLike) -> Array:
+        t = np.asarray(time, dtype=float)
+        return ((t - self.start) - (self.end - t)) / (self.end - self.start)
+
+    def loads(self, time: ArrayLike) -> Loads:
+        u = self._unit(time)
+        return np.asarray(chebyshev.chebval(u, self.normal)), np.asarray(chebyshev.chebval(u, self.tangential))
+
+    def rates(self, time: ArrayLike) -> Loads:
+        u, scale = self._unit(time), 2 / (self.end - self.start)
+        normal, tangential = (chebyshev.chebval(u, chebyshev.chebder(part)) for part in (self.normal, self.tangential))
+        return np.asarray(normal * scale), np.asarray(tangential * scale)
+
+    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
+        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
+        u, u0, step = self._unit(t), self._unit(t0), 2 * (t - t0) / (self.end - self.start)
+        return difference(np.array(self.normal), u, u0) * step, difference(np.array(self.tangential), u, u0) * step
+
+    def shifted(self, delay: float) -> ChebyshevLeg:
+        return replace(self, start=self.start + delay, end=self.end + delay)
+
+
+class CallableLoad(BaseModel):
+    """P and Q given by Python functions of time on 0 <= time <= duration; corners are found, jumps refused.
+
+    >>> import math
+    >>> load = CallableLoad(normal_load=lambda t: 2 + math.cos(t), tangential_load=math.sin, duration=2 * math.pi, repeats=True)
+    >>> [round(float(v), 12) for v in load.path().at(math.pi / 2)]
+    [2.0, 1.0]
+    """
+
+    model_config = FROZEN
+
+    kind: Literal["callable"] = "callable"
+    normal_load: PythonFunction = Field(description="P(time), force per unit thickness")
+    tangential_load: PythonFunction = Field(description="Q(time)")
+    duration: Positive = Field(description="time that the functions cover: of one cycle if it repeats")
+    repeats: bool = Field(False, description="whether the functions are one cycle that repeats for ever")
+    way_in: WayIn = Field("straight", description="from (0, 0) to the loads at time 0: straight, or by the [P, Q] points")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        legs = self._legs()
+        for before, after in pairwise(legs):
+            self._meet(before, after, before.end)
+        if self.repeats:
+            self._meet(legs[-1], legs[0].shifted(self.duration), self.duration)
+        return self
+
+    def _meet(self, before: ChebyshevLeg, after: ChebyshevLeg, time: float) -> None:
+        left, right = before.loads(before.end), after.loads(after.start)
+        for name, one, two in zip(("normal_load", "tangential_load"), left, right, strict=True):
+            if abs(float(one - two)) > 1e3 * _ROUNDING * max(abs(float(left[0])), abs(float(right[0]))):
+                raise ValueError(f"{name} jumps from {float(one):.6g} to {float(two):.6g} at time {time:.6g}")
+
+    def _legs(self) -> tuple[ChebyshevLeg, ...]:
+        functions = [values_of(function) for function in (self.normal_load, self.tangential_load)]
+        # Not in halves: a function of few turns is met between its corners, not on them.
+        edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
+        scale = float(np.max(np.abs(functions[0](np.linspace(0, self.duration, 65)))))
+        for _ in range(2):
+            for name, function in zip(("normal_load", "tangential_load"), functions, strict=True):
+                edges = _edges(name, function, edges, scale)
+        found = []
+        for low, high in pairwise(edges.tolist()):
+            at = low + (high - low) * (1 + NODES) / 2
+            normal, tangential = (_trimmed(series(function(at)), scale) for function in functions)
+            found.append(ChebyshevLeg(low, high, normal, tangential))
+        return tuple(found)
+
+    def path(self) -> LoadPath:
+        """The legs of this history."""
+        legs = self._legs()
+        normal, tangential = (float(load) for load in legs[0].loads(0.0))
+        unloaded = normal == 0 and tangential == 0 and self.way_in == "straight"
+        if unloaded and not self.repeats:
+            return LoadPath(legs, ())
+        way_in = straight_way_in(self.way_in, legs[0], self.duration / 2)
+        return LoadPath(way_in, legs) if self.repeats else LoadPath((*way_in, *legs), ())
+
+    def in_words(self, unit: str) -> str:
+        """The loads as the end of a sentence."""
+        return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"
+
+
+def _edges(name: str, function: Callable[[Array], Any], edges: Array, scale: float) -> Array:
+    try:
+        return fit(function, edges, scale).edges
+    except Unresolved as fault:
+        raise ValueError(
+            f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: not finite, or it jumps or swings too fast"
+        ) from fault
+
+
+def _trimmed(coefficients: Array, scale: float) -> Series:
+    """The series without what is rounding at its end."""
+    kept = np.flatnonzero(np.abs(coefficients) > 1e-16 * scale)
+    return tuple(coefficients[: kept[-1] + 1 if len(kept) else 1].tolist())

@@ -1,0 +1,180 @@
+"""Smooth functions of one variable by piecewise Chebyshev series: values, differences without cancellation, derivatives, roots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Function = Callable[[Array], ArrayLike]
+
+_PIECES = 400
+_SHORTEST = 1e-14
+_CORNER = 1e-3
+_LOW = 16
+
+DEGREE = 24
+"""Degree of every series."""
+
+_ANGLE = (np.arange(DEGREE + 1) + 0.5) * np.pi / (DEGREE + 1)
+NODES = np.cos(_ANGLE)[::-1].copy()
+"""Chebyshev points of the first kind on [-1, 1], ascending: the ends are not among them."""
+_TO_SERIES = np.cos(np.outer(np.arange(DEGREE + 1), _ANGLE[::-1])) * 2 / (DEGREE + 1)
+_TO_SERIES[0] /= 2
+
+
+def series(values: ArrayLike) -> Array:
+    """Coefficients (..., DEGREE + 1) from values at `NODES` on the last axis."""
+    return np.asarray(values, dtype=float) @ _TO_SERIES.T
+
+
+def tail(coefficients: Array) -> Array:
+    """What the last coefficients are worth, shape (...,): an estimate of what was left out."""
+    return np.max(np.abs(coefficients[..., -3:]), axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """A function on [edges[0], edges[-1]], a Chebyshev series on each piece.
+
+    Attributes
+    ----------
+    edges : (n + 1,) ascending
+    coefficients : (DEGREE + 1, n)
+    """
+
+    edges: Array
+    coefficients: Array
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """Value at x, any shape; outside, the value of the first or last series."""
+        at = np.asarray(x, dtype=float)
+        number = np.clip(np.searchsorted(self.edges, at, side="right") - 1, 0, len(self.edges) - 2)
+        low, high = self.edges[number], self.edges[number + 1]
+        return clenshaw(self.coefficients, number, (2 * at - low - high) / (high - low))
+
+    def derivative(self) -> Pieces:
+        """dF/dx piece by piece; loses about DEGREE^2 roundings."""
+        slope = chebyshev.chebder(self.coefficients) * (2 / np.diff(self.edges))
+        return Pieces(self.edges, np.concatenate([slope, np.zeros((1, slope.shape[1]))]))
+
+
+def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
+    """Sum of coefficients[k, number] T_k(t), shape of t."""
+    double, one, two = 2 * t, np.zeros_like(t), np.zeros_like(t)
+    for row in coefficients[:0:-1]:
+        one, two = double * one - two + row[number], one
+    return t * one - two + coefficients[0][number]
+
+
+def difference(coefficients: Array, t: Array, since: Array) -> Array:
+    """(sum c_k T_k(t) - sum c_k T_k(since)) / (t - since), free of cancellation; coefficients (n,), shape of t.
+
+    >>> float(difference(np.array([0.0, 0.0, 1.0]), np.array(0.3), np.array(0.3)))  # T_2' = 4 t
+    1.2
+    """
+    # Divided differences of T_(k+1) = 2 t T_k - T_(k-1).
+    before, now = np.zeros_like(t + since), np.ones_like(t + since)
+    value_before, value = np.ones_like(now), since * now
+    total = np.zeros_like(now)
+    for coefficient in coefficients[1:]:
+        total = total + coefficient * now
+        before, now = now, 2 * (t * now + value) - before
+        value_before, value = value, 2 * since * value - value_before
+    return total
+
+
+def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pieces:
+    """A function by series on pieces between `edges` (n,), cut further until each is resolved to rounding.
+
+    Resolved means: to 1e-13 of the largest value on the piece, to 1e-15 of that on the next one, or to 4e-15 of `scale`. A corner
+    inside a piece is found by halving, becomes an edge, and the pieces next to it are made anew.
+
+    Raises
+    ------
+    Unresolved
+        Where halving does not help: noise, a pole, a function that is too rough.
+    """
+    marks = np.asarray(edges, dtype=float)
+    first = _halved(function, marks, scale)
+    runs = _short_runs(first, marks)
+    if not runs:
+        return first
+    marks = np.union1d(marks, [_corner(function, first, run) for run in runs])
+    again = _halved(function, marks, scale)
+    left = _short_runs(again, marks)
+    if left:
+        raise Unresolved(float(again.edges[left[0][0]]), float(again.edges[left[0][1]]))
+    return again
+
+
+class Unresolved(ValueError):
+    """A function that piecewise series can't follow between `low` and `high`."""
+
+    def __init__(self, low: float, high: float) -> None:
+        self.low, self.high = low, high
+        super().__init__(f"too rough between {low:.6g} and {high:.6g}")
+
+
+def _halved(function: Function, edges: Array, scale: float | None) -> Pieces:
+    found: list[tuple[float, Array]] = []
+    middle = edges[:-1, None] + np.diff(edges)[:, None] * (1 + NODES) / 2
+    size = np.max(np.abs(np.asarray(function(middle), dtype=float)), axis=1)
+    # What is next to a piece counts too: a piece may be flat.
+    floor = np.maximum(1e-15 * np.maximum(size, np.append(size[1:], 0.0)), 4e-15 * (scale or 0.0))
+    for (begin, end), least in zip(pairwise(edges.tolist()), floor.tolist(), strict=True):
+        todo, budget = [(begin, end)], _PIECES
+        shortest = max(_SHORTEST * (end - begin), 4e-16 * max(abs(begin), abs(end)))
+        while todo:
+            low, high = todo.pop()
+            values = np.asarray(function(low + (high - low) * (1 + NODES) / 2), dtype=float)
+            coefficients = series(values)
+            limit = max(1e-13 * float(np.max(np.abs(values))), least)
+            budget -= 1
+            if budget < 0 or not np.all(np.isfinite(values)):
+                raise Unresolved(low, high)
+            if float(tail(coefficients)) > limit and high - low > shortest:
+                todo += [((low + high) / 2, high), (low, (low + high) / 2)]
+            else:
+                found.append((low, coefficients))
+    starts = np.array([low for low, _ in found] + [float(edges[-1])])
+    return Pieces(starts, np.array([c for _, c in found]).T.copy())
+
+
+def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
+    """(first, last + 1) of each run of pieces that halving left short: there is a corner among them."""
+    length = np.diff(pieces.edges)
+    whole = np.diff(edges)[np.searchsorted(edges, pieces.edges[:-1], side="right") - 1]
+    short = np.concatenate([[False], length < _CORNER * whole, [False]]).astype(int)
+    return list(zip(np.flatnonzero(np.diff(short) == 1).tolist(), np.flatnonzero(np.diff(short) == -1).tolist(), strict=True))
+
+
+def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
+    """Where the functions left and right of a run of short pieces cross, or their slopes where they only touch."""
+    begin, end = float(pieces.edges[run[0]]), float(pieces.edges[run[1]])
+    least = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
+    found = float(pieces.edges[least] + pieces.edges[least + 1]) / 2
+    width = min(50 * (end - begin), begin - float(pieces.edges[0]) or np.inf, float(pieces.edges[-1]) - end or np.inf)
+    sides = []
+    for low, high in ((begin - width, begin), (end, end + width)):
+        coefficients = series(function(low + (high - low) * (1 + NODES) / 2))[:_LOW]
+        sides.append(chebyshev.Chebyshev(coefficients, domain=[low, high]))
+    jumps = [[side.deriv(order) if order else side for side in sides] for order in range(3)]
+
+    def jump(order: int, x: float) -> float:
+        left, right = jumps[order]
+        return float(right(x) - left(x))
+
+    order = 0 if abs(jump(1, found)) > 1e-2 * abs(jump(2, found)) * width else 1
+    for _ in range(4):
+        slope = jump(order + 1, found)
+        step = jump(order, found) / slope if slope else 0.0
+        if abs(step) > end - begin:
+            break
+        found -= step
+    return found

@@ -1,0 +1,165 @@
+"""Columns of numbers from CSV files or lists: read once at the door, with errors that name file, line and rule."""
+
+from __future__ import annotations
+
+import itertools
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Rows of finite numbers as a read-only array (n_rows, n_columns); in a scene file, a list of lists.
+
+    >>> Table.of([[0, 0], [1, 2]]).values.shape
+    (2, 2)
+    """
+
+    values: Array
+
+    @classmethod
+    def of(cls, rows: ArrayLike | Table) -> Table:
+        """A table from anything that makes a rectangle of finite numbers; ValueError with the row if it does not."""
+        if isinstance(rows, Table):
+            return rows
+        try:
+            values = np.array(rows, dtype=float)
+        except (TypeError, ValueError):
+            values = np.empty(0)
+        if values.ndim != 2 or not len(values):
+            raise ValueError("rows of equally many numbers are needed")
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        if len(bad):
+            raise ValueError(f"row {bad[0] + 1}: {values[bad[0]].tolist()} is not all finite numbers")
+        values.flags.writeable = False
+        return cls(values)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Table) and np.array_equal(self.values, other.values)
+
+    def __hash__(self) -> int:
+        return hash((self.values.shape, self.values.tobytes()))
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __repr__(self) -> str:
+        return f"Table({len(self.values)} rows of {self.values.shape[1]})"
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            cls.of, serialization=core_schema.plain_serializer_function_ser_schema(lambda table: table.values.tolist())
+        )
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, _schema: CoreSchema, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
+
+
+class RowError(ValueError):
+    """A fault in one row of a table: `row` counts the rows of numbers from 0."""
+
+    def __init__(self, row: int, rule: str) -> None:
+        self.row, self.rule = row, rule
+        super().__init__(f"row {row + 1}: {rule}")
+
+
+def with_file(data: Any, info: ValidationInfo, key: str, names: tuple[str, ...]) -> Any:
+    """Raw input of a model with the table of its `file` put under `key`; a path is relative to the scene file."""
+    if not isinstance(data, dict) or not isinstance(data.get("file"), str) or data.get(key) is not None:
+        return data
+    folder = Path((info.context or {}).get("folder", "."))
+    return data | {key: read_table(folder / data["file"], names)}
+
+
+def read_table(path: Path, names: tuple[str, ...]) -> Table:
+    """The columns `names` of a CSV file; a first line of these names may be there, lines that start with # are skipped.
+
+    Raises
+    ------
+    ValueError
+        One sentence that names file, line and rule.
+    """
+    try:
+        with path.open(encoding="utf-8") as file:
+            head = list(itertools.islice(_numbered(file), 1))
+    except (OSError, UnicodeDecodeError) as reason:
+        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
+        raise ValueError(f"{path}: the file can't be read: {why}") from reason
+    if not head:
+        raise ValueError(f"{path}: the file is empty; {len(names)} columns {', '.join(names)} are needed")
+    skip = _header_lines(path, head[0], names)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # numpy's remark on a file without rows: refused below
+            values = np.loadtxt(path, delimiter=",", comments="#", skiprows=skip, ndmin=2, encoding="utf-8")
+    except ValueError as reason:
+        raise ValueError(_first_fault(path, skip, names)) from reason
+    if values.shape[0] == 0 or values.shape[1] != len(names):
+        raise ValueError(_first_fault(path, skip, names))
+    try:
+        return Table.of(values)
+    except ValueError as reason:
+        raise ValueError(_first_fault(path, skip, names)) from reason
+
+
+def line_of(path: Path, row: int, names: tuple[str, ...]) -> int:
+    """The line of the file, counted from 1, on which the row of numbers `row`, counted from 0, stands."""
+    with path.open(encoding="utf-8") as file:
+        lines = _numbered(file)
+        first = next(lines)
+        skip = _header_lines(path, first, names)
+        every = itertools.chain([] if skip else [first], lines)
+        return next(itertools.islice(every, row, None))[0]
+
+
+def _numbered(lines: Iterator[str] | Any) -> Iterator[tuple[int, str]]:
+    """(line number, text) of the lines that hold anything."""
+    for number, line in enumerate(lines, start=1):
+        text = line.split("#", 1)[0].strip()
+        if text:
+            yield number, text
+
+
+def _header_lines(path: Path, first: tuple[int, str], names: tuple[str, ...]) -> int:
+    number, text = first
+    cells = [cell.strip().strip('"') for cell in text.split(",")]
+    if any(_is_number(cell) for cell in cells):
+        return 0
+    if [cell.lower() for cell in cells] != [name.lower() for name in names]:
+        raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {text!r}")
+    return number
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _first_fault(path: Path, skip: int, names: tuple[str, ...]) -> str:
+    """What is wrong with the first bad line, found by going through them one by one."""
+    with path.open(encoding="utf-8") as file:
+        for number, text in _numbered(file):
+            if number <= skip:
+                continue
+            cells = text.split(",")
+            if len(cells) != len(names):
+                return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {text!r}"
+            for name, cell in zip(names, cells, strict=True):
+                if not _is_number(cell) or not np.isfinite(float(cell)):
+                    return f"{path}, line {number}: {name} = {cell.strip()!r} is not a finite number"
+    return f"{path}: no row of numbers; {len(names)} columns {', '.join(names)} are needed"
