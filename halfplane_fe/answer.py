@@ -72,8 +72,9 @@ def _edges(problem: ContactProblem, state: InterfaceState, visible: States) -> t
         touching = (float(x[closed].min()), float(x[closed].max())) if closed.any() else (0.0, 0.0)
         return touching, touching
     gap = state.gap  # open nodes carry nothing, so the layer does not count there
-    contact = contact_edges(x, state.pressure / problem.interface.weights, gap, closed, 1.0)
-    return contact, stick_edges(x, visible == SurfaceState.STICK, closed, contact)
+    pressure, shear = state.pressure / problem.interface.weights, state.shear / problem.interface.weights
+    contact = contact_edges(x, pressure, gap, closed, 1.0)
+    return contact, stick_edges(x, visible == SurfaceState.STICK, closed, contact, problem.friction * pressure, shear)
 
 
 def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States) -> float:

@@ -50,12 +50,21 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     return edges[0], edges[1]
 
 
-def stick_edges(x: Array, stick: Mask, closed: Mask, contact: tuple[float, float]) -> tuple[float, float]:
-    """Left and right end of the stick zone: half-way between its last node and the first one of the slip zone.
+def stick_edges(
+    x: Array, stick: Mask, closed: Mask, contact: tuple[float, float], limit: Array | None = None, shear: Array | None = None
+) -> tuple[float, float]:
+    """Left and right end of the stick zone; the contact edges where the whole contact sticks, NaN where nothing does.
 
-    The contact edges where the whole contact sticks, NaN where nothing does. On each side of the middle of the contact the edge is
-    where the fewest nodes are on the wrong side of it: a node that has just come to touch sticks at the rim of the slip zone, and
-    a single one may slide at the rim of a contact that sticks.
+    By node status the edge lies half-way between the last node of the stick zone and the first one of the slip zone: on each side
+    of the middle of the contact where the fewest nodes are on the wrong side of it (a node that has just come to touch sticks at
+    the rim of the slip zone, and a single one may slide at the rim of a contact that sticks). Where `limit` (f p) and `shear` are
+    given, the edge is fitted where it can be, see `fitted_stick_edge`.
+
+    Parameters
+    ----------
+    x, stick, closed : (n,) nodes in ascending order and what they do
+    contact : left and right end of the contact
+    limit, shear : (n,) f p and q [stress]
     """
     nodes = np.flatnonzero(closed)
     middle = int(np.searchsorted(x[nodes], (x[nodes[0]] + x[nodes[-1]]) / 2))
@@ -68,8 +77,45 @@ def stick_edges(x: Array, stick: Mask, closed: Mask, contact: tuple[float, float
             edges.append(end)
             continue
         last = int(side[n_stick - 1])
-        edges.append(float(x[last] + x[last + step]) / 2)
+        by_status = float(x[last] + x[last + step]) / 2
+        fitted = None
+        if limit is not None and shear is not None and n_stick > _FITTED.max():
+            fitted = fitted_stick_edge(x, limit - np.sign(shear[last + step]) * shear, last, step)
+        edges.append(by_status if fitted is None else fitted)
     return edges[0], edges[1]
+
+
+# Nodes inside the stick zone that the fit takes, counted from its last one, which the singularity spoils.
+_FITTED = np.arange(1, 8)
+# Elements by which two fits of a stick edge may differ.
+_AGREE = 0.1
+
+
+def fitted_stick_edge(x: Array, room: Array, last: int, step: int) -> float | None:
+    """Edge of the stick zone from the shear inside it: f p -+ q falls to zero as the square root of the distance.
+
+    Parameters
+    ----------
+    x : (n,) nodes
+    room : (n,) f p less the shear in the direction of the slip beyond the edge [stress]
+    last : last node of the stick zone by its status
+    step : 1 for a right edge, -1 for a left one
+
+    Returns
+    -------
+    The zero of a straight line through the squares of `room` at seven nodes; None where they do not fall towards the edge, where
+    the line through the next four says something else (an older stick edge is near), or where the zero is not near the last node.
+    """
+    element = abs(x[last] - x[last - 2 * step])
+    found = []
+    for count in (len(_FITTED), 4):
+        nodes = last - step * _FITTED[:count]
+        slope, value = np.polyfit(step * (x[nodes] - x[last]), room[nodes] ** 2, 1)
+        if slope >= 0:
+            return None
+        found.append(float(x[last] - step * value / slope))
+    agree = abs(found[0] - found[1]) <= _AGREE * element and abs(found[0] - x[last]) <= element
+    return found[0] if agree else None
 
 
 def _fewest_wrong(stick: Mask) -> int:
