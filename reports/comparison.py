@@ -111,8 +111,8 @@ def _notes(pair: Pair) -> Iterator[str]:
     if pair.expected.interpolation:
         errors = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in pair.expected.interpolation.items())
         yield (
-            "The reference is not on the result's points and instants and was interpolated; error of the interpolation, "
-            f"at most, over the largest value: {errors}."
+            "The reference is not on the result's points and instants and was interpolated; error of the interpolation "
+            f"over the largest value, estimated by leaving out every second sample: {errors}."
         )
     if light := int((pair.touching & ~pair.judged).sum()):
         yield (

@@ -34,6 +34,8 @@ def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, se
         verdict=verdict(comparison),
         comparison=comparison,
         rows=_rows(comparison),
+        claims=_claims(comparison),
+        notes=_notes(comparison),
         scales=_scales(comparison),
         dissipations=_dissipations(comparison),
         checks=_checks(comparison),
@@ -57,10 +59,29 @@ def _rows(comparison: Comparison) -> list[dict[str, str]]:
             "accurate": accuracy_of(metric),
             "when": "" if metric.time is None else f"{metric.time:.4g}",
             "definition": metric.definition.text,
-            "note": metric.note,
         }
         for metric in comparison.metrics
     ]
+
+
+def _claims(comparison: Comparison) -> list[tuple[str, bool | None, str]]:
+    """The three claims: name, answer (None: not assessed), and what it rests on."""
+    checks = (*comparison.reference_certificates, *comparison.result_certificates)
+    judged = [metric.accurate for metric in comparison.metrics if metric.accurate is not None]
+    return [
+        (
+            "Admissible",
+            comparison.admissible,
+            f"{sum(check.holds for check in checks)} of {len(checks)} checks of the laws of contact hold, which need no reference",
+        ),
+        ("Accurate", comparison.accurate, f"{sum(judged)} of {len(judged)} metrics lie within the tolerance that the scene states"),
+        ("Honest", None, "whether the stated error is not smaller than the true one: there is no error estimate yet"),
+    ]
+
+
+def _notes(comparison: Comparison) -> list[str]:
+    """What a reader must not miss: of the metrics, then of the solutions."""
+    return [*(f"{m.label}: {m.note}." for m in comparison.metrics if m.note), *comparison.notes]
 
 
 def _scales(comparison: Comparison) -> list[tuple[str, str, str]]:

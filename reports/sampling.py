@@ -28,7 +28,7 @@ class Cycle:
     x : (n,) [length]; pressure, shear, slip, state : (k, n); contact_edges, stick_edges : (k, 2)
     normal_load, tangential_load, rigid_shift, rigid_approach : (k,)
     dissipation_density : (n,)
-    interpolation : largest error that re-sampling may have made, over the field's largest value; empty where
+    interpolation : estimated largest error of the re-sampling, over the field's largest value; empty where
         nothing was interpolated
     """
 
@@ -74,8 +74,8 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
 
     Instants are matched by the fraction of the cycle, since two engines may have needed different numbers of
     revolutions. Linear in x and in time; the state is that of the nearest point and instant. `interpolation` states
-    what the same rule errs by when every second sample is left out, which bounds its error (a square-root edge
-    converges slowest, as h^(1/2)).
+    what the same rule errs by when every second sample is left out: of 320 spacings at a square-root edge, where it
+    converges slowest, one in a hundred at most errs by more.
 
     Raises
     ------

@@ -95,6 +95,8 @@ def test_stored_solutions_give_the_same_verdict(paper: Comparison, tmp_path: Pat
 
 
 def test_fields_only_when_asked(paper: Comparison, tmp_path: Path) -> None:
+    write(paper, tmp_path / "out", vtu_instants=())
+    assert not (tmp_path / "out" / "fields").exists()
     write(paper, tmp_path / "out", vtu_instants=paper.found.time[[0, 5]])
     names = {path.name for path in (tmp_path / "out" / "fields").iterdir()}
     assert names == {"lower_000.vtu", "upper_000.vtu", "lower_001.vtu", "upper_001.vtu"}

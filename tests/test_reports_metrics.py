@@ -273,6 +273,10 @@ class TestCertificates:
     def test_cone(self) -> None:
         assert self.names(shear=1.0001 * TRUTH.shear) == {"cone (fields)", "slip (fields)"}
 
+    def test_cone_on_the_side_of_negative_shear(self) -> None:
+        outside = np.where(TRUTH.shear < 0, 1.0001, 1.0) * TRUTH.shear
+        assert "cone (fields)" in self.names(shear=outside)
+
     def test_slip_short_of_friction(self) -> None:
         assert self.names(shear=0.9999 * TRUTH.shear) == {"slip (fields)"}
 

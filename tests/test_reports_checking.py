@@ -1,0 +1,77 @@
+"""The load path before anything is solved: how near gross sliding, and where, against figures that a hand can check."""
+
+import math
+
+import pytest
+
+from reports.checking import check_path, require_admissible
+from scenes import EllipseLoad, InputError, PolygonLoad, Scene, load_scene, scene_names
+
+BASE = load_scene("hertz-paper")
+
+
+def scene(load: EllipseLoad | PolygonLoad, friction: float = 0.5) -> Scene:
+    return BASE.model_copy(update={"load": load, "friction": BASE.friction.model_copy(update={"coefficient": friction})})
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_library_is_admissible(name: str) -> None:
+    check = check_path(load_scene(name))
+    assert not check.reason
+    assert check.ratio < 1
+    assert check.first_time is None
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_largest_ratio_of_an_ellipse(sign: int) -> None:
+    """P = 3 + cos t, Q = +-(1.1 + sin t), f = 1: the tangent from the origin to a circle of radius 1 about (3, 1.1).
+
+    Its angle is atan(1.1/3) + asin(1/sqrt(3^2 + 1.1^2)).
+    """
+    load = EllipseLoad(
+        mean_normal_load=3,
+        normal_amplitude=1,
+        mean_tangential_load=1.1 * sign,
+        tangential_amplitude=1,
+        phase_degrees=90.0 * sign,
+    )
+    check = check_path(scene(load, friction=1.0))
+    expected = math.tan(math.atan(1.1 / 3) + math.asin(1 / math.hypot(3, 1.1)))
+    assert check.ratio == pytest.approx(expected, rel=1e-12)
+    assert check.part == "cycle"
+    assert check.tangential_load / check.normal_load == pytest.approx(sign * expected, rel=1e-7)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_gross_sliding_is_found_where_it_starts(sign: int) -> None:
+    """Q grows from 0 to 60 beside P = 100 during the second unit of time; f P = 50 is passed at 1 + 5/6."""
+    check = check_path(scene(PolygonLoad(way_in=[(100, 0), (100, 60 * sign)])))
+    assert check.reason == "gross sliding"
+    assert check.first_time == pytest.approx(1 + 5 / 6, abs=1e-9)
+    assert check.ratio == pytest.approx(1.2)
+    assert (check.time, check.part) == (2.0, "way in")
+
+
+def test_on_the_brink_is_allowed() -> None:
+    assert not check_path(scene(PolygonLoad(way_in=[(100, 50), (100, -50)]))).reason
+
+
+def test_separation() -> None:
+    check = check_path(scene(PolygonLoad(way_in=[(100, 0), (-20, 0)])))
+    assert check.reason == "separation"
+    assert check.first_time == pytest.approx(1 + 100 / 120, abs=1e-9)
+
+
+def test_unloading_to_nothing_is_allowed() -> None:
+    assert not check_path(scene(PolygonLoad(way_in=[(100, 0)], cycle=[(0, 0)]))).reason
+
+
+def test_shear_without_friction_is_sliding_and_none_is_not() -> None:
+    assert check_path(scene(PolygonLoad(way_in=[(100, 1)]), friction=0.0)).reason == "gross sliding"
+    assert not check_path(scene(PolygonLoad(way_in=[(100, 0)]), friction=0.0)).reason
+
+
+def test_the_sentence_names_everything() -> None:
+    words = r"my\.toml: load: gross sliding from time 1\.83333 on, worst in the way in at time 2 with P = 100, Q = 60, f = 0\.5"
+    with pytest.raises(InputError, match=words):
+        require_admissible(scene(PolygonLoad(way_in=[(100, 0), (100, 60)])), "my.toml")
