@@ -25,7 +25,7 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
-    seen = visible_states(states)
+    seen = visible_states(states, run.cycle_starts)
     edges = np.array([_edges(problem, state, visible) for state, visible in zip(states, seen, strict=True)])
     edges *= scales.half_width
     forces = {name: np.array([getattr(s, name) for s in states]) * scales.load for name in ("pressure", "shear")}
@@ -98,10 +98,10 @@ def record_of(run: PathRun, scales: Scales) -> Record:
     names = run.checks[0] if run.checks else {}
     checks = {name: freeze([0.0, *(check[name] for check in run.checks)]) for name in names}
     energies = {
-        name: np.array([0.0, *(getattr(energy, name) for energy in run.energies)])
-        for name in ("external", "elastic", "interface", "end_of_step")
+        name: np.array([0.0, *(getattr(increment.energy, name) for increment in run.increments)])
+        for name in ("external", "elastic", "interface", "end_of_step", "step_error")
     }
-    energies["dissipation"] = np.array([0.0, *(energy.dissipation.sum() for energy in run.energies)])
+    energies["dissipation"] = np.array([0.0, *(increment.energy.dissipation.sum() for increment in run.increments)])
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
     return Record(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
-from halfplane_fe.energy import IncrementEnergy, certificates, increment_energy
+from halfplane_fe.energy import certificates
 from halfplane_fe.path import stretches
 from halfplane_fe.stepping import Increment, follow
 from scenes import ConvergenceError, Leg, LoadPath
@@ -20,6 +20,8 @@ Progress = Callable[[int, int | None, str], None]
 # Two revolutions end alike when no nodal force differs by more than this share of the largest. Nodes at the rim of the permanent
 # stick zone go on creeping towards the steady cycle, each time a tenth as far; what they leave is far below the mesh error.
 REPEATS = 5e-4
+# Dissipation over f^2 P^2/E* below which the step error need not follow it down.
+_LEAST_DISSIPATION = 1e-2
 
 
 @dataclass(eq=False)
@@ -28,8 +30,9 @@ class PathRun:
 
     Attributes
     ----------
-    states, increments : (n_steps + 1) and (n_steps)
-    energies, checks : one per increment
+    states : (n_steps + 1)
+    increments, checks : (n_steps)
+    cycle_starts : index of the state at which each revolution starts
     cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it is not periodic
     steady_from : index of the first revolution that ended as it started
     cycle_change : per revolution, largest change of a nodal force from its start to its end, over the largest force
@@ -38,32 +41,47 @@ class PathRun:
 
     states: list[InterfaceState]
     increments: list[Increment] = field(default_factory=list)
-    energies: list[IncrementEnergy] = field(default_factory=list)
     checks: list[dict[str, float]] = field(default_factory=list)
+    cycle_starts: list[int] = field(default_factory=list)
     cycle_density: list[Array] = field(default_factory=list)
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
     failure: ConvergenceError | None = None
 
 
-def run_path(
-    problem: ContactProblem, path: LoadPath, scale: float, steps_per_cycle: int, cycles: int, progress: Progress
-) -> PathRun:
-    """Follow `path`, loads divided by `scale`, for at most `cycles` revolutions; stop once a revolution repeats.
+@dataclass(frozen=True)
+class Pace:
+    """How finely a path is stepped.
+
+    Attributes
+    ----------
+    load : what loads are divided by
+    steps_per_cycle : regular increments of one revolution, or of the longest leg of a polygon
+    step_tolerance : step error of a revolution over its dissipation that calls for shorter increments
+    """
+
+    load: float
+    steps_per_cycle: int
+    step_tolerance: float
+
+
+def run_path(problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, progress: Progress) -> PathRun:
+    """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats.
 
     A ConvergenceError does not get lost: it ends the run and is kept in `failure` with everything solved before it.
     """
     run = PathRun([untouched(problem.height, path.start)])
     try:
-        _follow_legs(problem, run, path.way_in, steps_per_cycle / 8, scale, progress, "way in")
+        _follow_legs(problem, run, path.way_in, pace.steps_per_cycle / 8, pace, progress, "way in")
         if path.period is None:
-            run.cycle_density.append(sum((e.dissipation for e in run.energies), np.zeros_like(problem.height)))
+            run.cycle_density.append(_density(problem, run.increments))
             return run
         for number in range(cycles):
             before = run.states[-1]
-            first = len(run.energies)
-            _follow_legs(problem, run, path.cycle_legs(number), steps_per_cycle, scale, progress, f"revolution {number + 1}")
-            run.cycle_density.append(sum((e.dissipation for e in run.energies[first:]), np.zeros_like(problem.height)))
+            first = len(run.increments)
+            run.cycle_starts.append(first)
+            _follow_legs(problem, run, path.cycle_legs(number), pace.steps_per_cycle, pace, progress, f"revolution {number + 1}")
+            run.cycle_density.append(_density(problem, run.increments[first:]))
             run.cycle_change.append(_change(before, run.states[-1]))
             if run.cycle_change[-1] <= REPEATS:
                 run.steady_from = number
@@ -73,31 +91,31 @@ def run_path(
     return run
 
 
+def _density(problem: ContactProblem, increments: list[Increment]) -> Array:
+    """Dissipation of each node in a number of increments."""
+    return sum((increment.energy.dissipation for increment in increments), np.zeros_like(problem.height))
+
+
 def _follow_legs(
-    problem: ContactProblem,
-    run: PathRun,
-    legs: tuple[Leg, ...],
-    steps: float,
-    scale: float,
-    progress: Progress,
-    text: str,
+    problem: ContactProblem, run: PathRun, legs: tuple[Leg, ...], steps: float, pace: Pace, progress: Progress, text: str
 ) -> None:
     longest = max(leg.end - leg.start for leg in legs)
     pieces = [piece for leg in legs for piece in stretches(leg, problem.friction, steps * (leg.end - leg.start) / longest)]
+    duration = legs[-1].end - legs[0].start
+    # What the tolerance refers to: the dissipation of the revolution before; until there is one, a share of f^2 P^2/E*.
+    expected = float(run.cycle_density[-1].sum()) if run.cycle_density else 0.0
+    reference = max(expected, _LEAST_DISSIPATION * problem.friction**2)
+
+    def allowed(time: float) -> float:
+        return pace.step_tolerance * reference * time / duration
+
     for done, piece in enumerate(pieces):
         progress(done, len(pieces), text)
-        for increment in _increments(problem, run, follow(problem, run.states[-1], piece, scale)):
+        for increment in follow(problem, run.states[-1], piece, pace.load, allowed):
+            run.checks.append(certificates(problem, run.states[-1], increment.solved))
             run.increments.append(increment)
             run.states.append(increment.state)
     progress(len(pieces), len(pieces), text)
-
-
-def _increments(problem: ContactProblem, run: PathRun, following: Iterator[Increment]) -> Iterator[Increment]:
-    """Pass increments on, keeping the books of each."""
-    for increment in following:
-        run.energies.append(increment_energy(problem, run.states[-1], increment.solved))
-        run.checks.append(certificates(problem, run.states[-1], increment.solved))
-        yield increment
 
 
 def _change(before: InterfaceState, after: InterfaceState) -> float:

@@ -14,7 +14,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.elasticity import condense
 from halfplane_fe.interface import Interface, couple
-from halfplane_fe.run import run_path
+from halfplane_fe.run import Pace, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
 from meshes import SurfaceGrading, half_disc
@@ -83,14 +83,14 @@ def find_scales(scene: Scene) -> Scales:
     interface = _coarse_interface(scene, modulus)
     size = _fitting_size(scene, interface, load, modulus)
     problem = _problem(scene, interface, size, load, modulus, needs_shear(scene))
-    run = run_path(problem, scene.load.path(), load, _COARSE_STEPS, 2, lambda _done, _total, _text: None)
+    run = run_path(problem, scene.load.path(), Pace(load, _COARSE_STEPS, np.inf), 2, lambda _done, _total, _text: None)
     if run.failure is not None:
         raise run.failure
     pressed = max(run.states, key=lambda state: state.normal_load)
     if scene.load.path().period is None:
         return Scales(size * _half_width(problem, pressed), 0.0, load, modulus)
     last = slice(len(run.states) - _last_cycle_steps(scene, run.states), None)
-    seen = visible_states(run.states)[last]
+    seen = visible_states(run.states, run.cycle_starts)[last]
     inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[last], seen, strict=True))
     return Scales(size * _half_width(problem, pressed), size * inner, load, modulus)
 

@@ -18,14 +18,16 @@ class SolverSettings:
     normal_stiffness, tangential_stiffness : of the penalty layer, over E*/h with h the surface element of the contact edges
         [pressure per penetration is stiffness E*/h]; the cost is a penetration p h/(stiffness E*)
     steps_per_cycle : regular increments of one revolution or of the longest leg of a polygon; instants at which a node touches
-        or lets go, and the turning points of the path, come on top
+        or lets go, and the turning points of the path, come on top, and so do halved increments
+    step_tolerance : step error of a revolution, over its dissipation, above which increments are halved; "inf" for never
     max_iterations : of one increment, before it counts as not converged
     """
 
     method: Literal["augmented_lagrangian", "penalty"] = "augmented_lagrangian"
     normal_stiffness: float = 1e3
     tangential_stiffness: float = 1e3
-    steps_per_cycle: int = 160
+    steps_per_cycle: int = 96
+    step_tolerance: float = 2e-4
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
@@ -36,5 +38,7 @@ class SolverSettings:
                 raise InputError(f"solver: {name} = {getattr(self, name)!r} is refused: it lies in [0.001, 1e9], over E*/h")
         if not 4 <= self.steps_per_cycle <= 100_000:
             raise InputError(f"solver: steps_per_cycle = {self.steps_per_cycle!r} is refused: it lies in [4, 100000]")
+        if not self.step_tolerance >= 1e-8:
+            raise InputError(f"solver: step_tolerance = {self.step_tolerance!r} is refused: it is at least 1e-8")
         if self.max_iterations < 2:
             raise InputError(f"solver: max_iterations = {self.max_iterations!r} is refused: it is at least 2")

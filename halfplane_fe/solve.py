@@ -17,7 +17,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody, condense
 from halfplane_fe.interface import couple
 from halfplane_fe.path import check_admissible
-from halfplane_fe.run import PathRun, Progress, run_path
+from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, find_scales, needs_shear
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
@@ -77,7 +77,8 @@ def solve(
     condensed = _condensed_bodies(scene, mesh, scales, watch)
     problem = _contact_problem(scene, mesh, settings, scales, condensed)
     path = scene.load.path()
-    run = run_path(problem, path, scales.load, settings.steps_per_cycle, scene.cycles, report)
+    pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)
+    run = run_path(problem, path, pace, scene.cycles, report)
     watch.lap("load path")
     answer = _solution(scene, mesh, settings, scales, condensed, problem, run, watch)
     if run.failure is not None:

@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
+from halfplane_fe.energy import IncrementEnergy, increment_energy
 from halfplane_fe.path import Stretch
-from scenes import SurfaceState, freeze
+from scenes import ConvergenceError, SurfaceState, freeze
 
 Array = NDArray[np.float64]
 # Gap and nodal force within which a node counts as met by an event, scaled.
 _LANDED = 1e-9
+
+# Halvings of an increment before its error is accepted or its failure passed on.
+_HALVINGS = 12
 
 LoadsAt = Callable[[float], tuple[float, float]]
 
@@ -24,20 +28,36 @@ LoadsAt = Callable[[float], tuple[float, float]]
 class Increment:
     """One accepted increment: the state that was solved, the state it leaves behind as history, and how it was found.
 
-    The two differ at events only: there a node that touches or lets go has changed sides at the very end.
+    The two states differ at events only: there a node that touches or lets go has changed sides at the very end.
+
+    Attributes
+    ----------
+    event : what the increment ends with, "regular", "touch" or "release"
+    cut_back : how often it was halved before it was accepted
     """
 
     solved: InterfaceState
     state: InterfaceState
+    energy: IncrementEnergy
     iterations: int
-    event: str  # "regular", "touch", "release"
+    event: str
+    cut_back: int
 
 
-def follow(problem: ContactProblem, history: InterfaceState, stretch: Stretch, scale: float) -> Iterator[Increment]:
+def follow(
+    problem: ContactProblem, history: InterfaceState, stretch: Stretch, scale: float, allowed: Callable[[float], float]
+) -> Iterator[Increment]:
     """Increments along one stretch of the path, loads divided by `scale`.
 
     Between two events the discrete normal problem is linear in P, so landing on each node's touch (from where its slip counts) and
-    release (up to where its friction works) leaves no increment with a node that is closed for a part of it only.
+    release (up to where its friction works) leaves no increment with a node that is closed for a part of it only. An increment
+    that does not converge, or whose step error is above `allowed` (of its duration), is halved; the history it started from is a
+    value, so that the rejected attempt leaves no trace.
+
+    Raises
+    ------
+    ConvergenceError
+        Where halving does not help.
     """
 
     def loads_at(time: float) -> tuple[float, float]:
@@ -45,11 +65,45 @@ def follow(problem: ContactProblem, history: InterfaceState, stretch: Stretch, s
         return float(p) / scale, float(q) / scale
 
     for end in stretch.ends:
-        while history.time < end:
-            event, time = _next_event(problem, history, loads_at, end)
-            solved, iterations = problem.equilibrium(history, time, loads_at(time))
-            history = _landed(solved, event)
-            yield Increment(solved, history, iterations, event)
+        targets, halvings = [end], 0
+        while targets:
+            event, time = _next_event(problem, history, loads_at, targets[-1])
+            increment = _attempt(problem, history, time, loads_at(time), allowed, event, halvings)
+            if increment is None:
+                targets.append((history.time + time) / 2)
+                halvings += 1
+                continue
+            history = increment.state
+            problem.work[f"{event} increments"] += 1
+            yield increment
+            while targets and history.time >= targets[-1]:
+                targets.pop()
+                halvings = 0
+
+
+def _attempt(
+    problem: ContactProblem,
+    history: InterfaceState,
+    time: float,
+    loads: tuple[float, float],
+    allowed: Callable[[float], float],
+    event: str,
+    halvings: int,
+) -> Increment | None:
+    """The increment to `time`, or None where it shall be halved."""
+    last_chance = halvings >= _HALVINGS
+    try:
+        solved, iterations = problem.equilibrium(history, time, loads)
+    except ConvergenceError:
+        if last_chance:
+            raise
+        problem.work["increments halved, not converged"] += 1
+        return None
+    energy = increment_energy(problem, history, solved)
+    if energy.step_error > allowed(time - history.time) and not last_chance:
+        problem.work["increments halved, step error"] += 1
+        return None
+    return Increment(solved, _landed(solved, event), energy, iterations, event, halvings)
 
 
 def _next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[str, float]:
@@ -69,7 +123,6 @@ def _next_event(problem: ContactProblem, history: InterfaceState, loads_at: Load
     time = float(brentq(lambda t: loads_at(t)[0] - wanted, history.time, end, xtol=1e-15, rtol=8.9e-16))
     if not history.time < time < end:
         return "regular", end
-    problem.work[f"{event} events"] += 1
     return event, time
 
 

@@ -17,14 +17,20 @@ States = NDArray[np.int8]
 # sticking: at the turning points of the load whole regions come back to the cone at once, and creep there by the mesh's error.
 # Slip grows as the distance from the stick edge to the power 3/2, so the share costs a hundredth of the slip zone at most.
 _MOVED = 1e-3
-# The same of a node whose slip per change of load is less than this share of the largest ever: next to a turning point.
+# The same of a node whose slip per change of load is less than this share of the largest of the revolution: at turning points.
 _CREEP = 5e-4
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
 
 
-def visible_states(states: Sequence[InterfaceState]) -> States:
-    """(n_steps, n) states as the user sees them: a node on the cone that has hardly moved since it last stuck sticks."""
+def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]) -> States:
+    """(n_steps, n) states as the user sees them: a node on the cone that has hardly moved since it last stuck sticks.
+
+    Parameters
+    ----------
+    states : of the whole path
+    cycle_starts : index of the state at which each revolution starts; what comes before them is the way in
+    """
     law = np.array([state.state for state in states])
     increments = np.diff(np.array([states[0].slip, *(state.slip for state in states)]), axis=0)
     increments[np.abs(increments) <= _ROUNDING * np.abs(increments).max(initial=0.0)] = 0.0
@@ -36,6 +42,10 @@ def visible_states(states: Sequence[InterfaceState]) -> States:
     moved = forward > _MOVED * forward.max(axis=1, keepdims=True)
     loads = np.array([(state.normal_load, state.tangential_load) for state in states])
     change = np.abs(np.diff(loads, axis=0, prepend=loads[:1])).sum(axis=1)
-    pace = np.abs(increments) * (law != SurfaceState.OPEN) / np.maximum(change, 1e-300)[:, None]
-    moved &= pace > _CREEP * pace.max(initial=0.0)
+    pace = np.abs(increments) * (slip_sign(law) != 0) / np.maximum(change, 1e-300)[:, None]
+    for part in np.split(np.arange(len(states)), np.asarray(cycle_starts, dtype=int) + 1):
+        fastest = pace[part].max(initial=0.0)
+        moved[part] &= (pace[part] > _CREEP * fastest) & (
+            pace[part].max(axis=1, keepdims=True, initial=0.0) > _STANDSTILL * fastest
+        )
     return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)
