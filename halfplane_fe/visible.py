@@ -45,7 +45,5 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
     pace = np.abs(increments) * (slip_sign(law) != 0) / np.maximum(change, 1e-300)[:, None]
     for part in np.split(np.arange(len(states)), np.asarray(cycle_starts, dtype=int) + 1):
         fastest = pace[part].max(initial=0.0)
-        moved[part] &= (pace[part] > _CREEP * fastest) & (
-            pace[part].max(axis=1, keepdims=True, initial=0.0) > _STANDSTILL * fastest
-        )
+        moved[part] &= pace[part] > _CREEP * fastest
     return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)
