@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InputError, Leg, Scene
+from scenes import InputError, Leg, Scene, StraightLeg
 
 Array = NDArray[np.float64]
 
@@ -93,12 +93,17 @@ def _ratio(leg: Leg, friction: float, time: Array) -> Array:
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 
 
+def _samples(leg: Leg) -> Array:
+    """Times at which a leg is looked at; the ends of a straight one, since Q/P has no extreme between them."""
+    return np.linspace(leg.start, leg.end, 2 if isinstance(leg, StraightLeg) else _SAMPLES)
+
+
 def _worst_of(leg: Leg, friction: float) -> tuple[float, float]:
     """(largest ratio, its time) on one leg: the best sample, then the golden section around it."""
-    time = np.linspace(leg.start, leg.end, _SAMPLES)
+    time = _samples(leg)
     ratio = _ratio(leg, friction, time)
     place = int(np.argmax(ratio))
-    if not np.isfinite(ratio[place]) or place in (0, _SAMPLES - 1):
+    if not np.isfinite(ratio[place]) or place in (0, len(time) - 1):
         return float(ratio[place]), float(time[place])
     low, high = float(time[place - 1]), float(time[place + 1])
     for _ in range(60):
@@ -112,7 +117,7 @@ def _worst_of(leg: Leg, friction: float) -> tuple[float, float]:
 
 def _first_of(leg: Leg, friction: float) -> float:
     """When a leg that leaves the admissible region first does so, by bisection."""
-    time = np.union1d(np.linspace(leg.start, leg.end, _SAMPLES), [_worst_of(leg, friction)[1]])
+    time = np.union1d(_samples(leg), [_worst_of(leg, friction)[1]])
     outside = int(np.flatnonzero(_ratio(leg, friction, time) > 1 + _ROUNDING)[0])
     if outside == 0:
         return float(time[0])

@@ -26,7 +26,7 @@ from reports.instants import Event
 from reports.sampling import Cycle
 from reports.verdicts import Metric
 from reports.wording import load_unit, units
-from scenes import ContactSolution
+from scenes import ContactSolution, StraightLeg
 
 Array = NDArray[np.float64]
 
@@ -107,8 +107,8 @@ def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) 
     """The path in the P-Q plane: way in, cycle, friction cone, chosen instants."""
     friction = solution.scene.friction.coefficient
     path = solution.scene.load.path()
-    legs = [(leg.start, leg.end, "way in") for leg in path.way_in] + [(leg.start, leg.end, "cycle") for leg in path.cycle]
-    samples = [(np.linspace(start, end, 65), part) for start, end, part in legs]
+    legs = [(leg, "way in") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
+    samples = [(np.linspace(leg.start, leg.end, 2 if isinstance(leg, StraightLeg) else 257), part) for leg, part in legs]
     time = np.concatenate([t for t, _ in samples])
     part = np.concatenate([np.full(len(t), name) for t, name in samples])
     normal, tangential = path.at(time)
