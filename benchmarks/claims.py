@@ -145,8 +145,10 @@ def finite_elements() -> Iterator[Row]:
     )
     steps = answer.last_cycle
     for key in ("contact_edges", "stick_edges"):
-        off = np.abs(getattr(answer, key)[steps] - getattr(exact, key)[steps]).max() / answer.settings["element_size"]
-        yield Row(f"hertz-paper, FE: {key.replace('_', ' ')}, worst of the cycle", float(off), 1.0, how, "elements")
+        off = np.abs(getattr(answer, key)[steps] - getattr(exact, key)[steps]).max(axis=1) / answer.settings["element_size"]
+        name = f"hertz-paper, FE: {key.replace('_', ' ')}"
+        yield Row(f"{name}, 99 of 100 instants of the cycle", float(np.quantile(off, 0.99)), 1.0, how, "elements")
+        yield Row(f"{name}, worst instant", float(off.max()), 1.0, f"at t = {answer.time[steps[off.argmax()]]:.4g}", "elements")
     checks = answer.record.certificates
     for key in ("equilibrium", "tension", "cone", "slip_sign", "energy_balance"):
         yield Row(
