@@ -36,7 +36,7 @@ def half_widths(comparison: Comparison, time: Array, time_label: str) -> Drawing
     length = comparison.scales.half_width
     with canvas(10.5, 4.8) as figure:
         top, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
-        figure.subplots_adjust(left=0.085, right=0.985, top=0.93, bottom=0.11, hspace=0.1)
+        figure.subplots_adjust(left=0.085, right=0.985, top=0.93, bottom=0.1, hspace=0.24)
         for cycle, engine, styles in (
             (comparison.expected, comparison.reference, BANDS),
             (comparison.found, comparison.result, THIN),
@@ -47,7 +47,7 @@ def half_widths(comparison: Comparison, time: Array, time_label: str) -> Drawing
         for edges, what, line in (("contact_edges", "contact", "-"), ("stick_edges", "stick", "--")):
             difference = (_half(comparison.found, edges) - _half(comparison.expected, edges)) / length
             below.plot(time, difference, color=DIFFERENCE, ls=line, lw=1.1, label=what)
-        below.legend(loc="best", ncols=2)
+        legend_above(below)
         label_axes(top, "", "half-width / a_ref")
         label_axes(below, time_label, "difference / a_ref")
     return Drawing(
@@ -74,33 +74,34 @@ def _half(cycle: Cycle, edges: str) -> Array:
 
 
 def errors(comparison: Comparison, time: Array, time_label: str) -> Drawing:
-    """Every metric that has a tolerance and a value at each instant, over its tolerance."""
+    """Every metric that has a tolerance and a value at each instant, over its tolerance, at the instants that are judged."""
     shown = [m for m in comparison.metrics if m.series is not None and m.tolerance is not None]
     with canvas(10.5, 3.4) as figure:
         axes = figure.subplots()
         figure.subplots_adjust(left=0.085, right=0.985, top=0.88, bottom=0.14)
         for metric, line, colour in zip(shown, LINES, COLOURS, strict=False):
-            size = np.abs(np.asarray(metric.series)) / (metric.tolerance or 1.0)
+            size = np.where(comparison.judged, np.abs(np.asarray(metric.series)) / (metric.tolerance or 1.0), np.nan)
             axes.plot(time, size, ls=line, color=colour, label=metric.label)
         axes.axhline(1.0, color=QUIET, lw=1.0)
         axes.text(0.995, 1.0, "tolerance", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=QUIET)
-        largest = max((_largest(m) for m in shown), default=1.0)
+        largest = max((_largest(m, comparison) for m in shown), default=1.0)
         axes.set_ylim(0.0, 1.08 * min(max(1.0, largest), 8.0))
         legend_above(axes, columns=5)
         label_axes(axes, time_label, "|discrepancy| / tolerance")
     return Drawing(
         "errors",
         "Discrepancy through the cycle",
-        "Each metric over its own tolerance: above 1 it fails.",
+        "Each metric over its own tolerance, at the instants that are judged: above 1 it fails.",
         "Discrepancies over their tolerances through the last cycle.",
         figure,
         {"time": comparison.found.time} | {m.key: np.asarray(m.series) for m in shown},
     )
 
 
-def _largest(metric: Metric) -> float:
-    """The largest |value| of a metric through the cycle, over its tolerance."""
-    return float(np.nanmax(np.abs(np.asarray(metric.series)), initial=0.0)) / (metric.tolerance or 1.0)
+def _largest(metric: Metric, comparison: Comparison) -> float:
+    """The largest |value| of a metric at the instants that are judged, over its tolerance."""
+    judged = np.abs(np.asarray(metric.series))[comparison.judged]
+    return float(np.nanmax(judged, initial=0.0)) / (metric.tolerance or 1.0)
 
 
 def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) -> Drawing:
@@ -160,9 +161,14 @@ def _mark_events(axes: Axes, horizontal: Array, vertical: Array, chosen: Sequenc
         )
 
 
-def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
-    """Tangential load over rigid shift in the last cycle, both engines; beside it sheared, so that the loop opens."""
+def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Drawing | None:
+    """Tangential load over rigid shift in the last cycle, both engines; beside it sheared, so that the loop opens.
+
+    None where neither load nor shift moves.
+    """
     expected, found = comparison.expected, comparison.found
+    if np.ptp(found.tangential_load) == 0 and np.ptp(found.rigid_shift) == 0 and np.ptp(expected.rigid_shift) == 0:
+        return None
     compliance = _loop_compliance(expected)
     load, length = load_unit(comparison.scene), units(comparison.scene)[1]
     with canvas(7.0, 4.0) as figure:

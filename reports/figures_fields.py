@@ -144,8 +144,10 @@ def _cell_edges(centres: Array) -> Array:
     return np.concatenate([[2 * centres[0] - middles[0]], middles, [2 * centres[-1] - middles[-1]]])
 
 
-def dissipation_density(comparison: Comparison) -> Drawing:
-    """w(x) of the last cycle, both engines, the difference beneath."""
+def dissipation_density(comparison: Comparison) -> Drawing | None:
+    """w(x) of the last cycle, both engines, the difference beneath; None where nothing is dissipated anywhere."""
+    if not (np.any(comparison.expected.dissipation_density) or np.any(comparison.found.dissipation_density)):
+        return None
     scales, x = comparison.scales, comparison.found.x / comparison.scales.half_width
     unit = scales.dissipation / scales.half_width
     theirs, ours = comparison.expected.dissipation_density / unit, comparison.found.dissipation_density / unit

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports import metrics
-from reports.definitions import DEFINITIONS, Definition
+from reports.definitions import DEFINITIONS, Definition, name_of
 from reports.metrics import Scales
 from reports.sampling import Cycle
 from scenes import ContactSolution
@@ -191,7 +191,7 @@ def _of_the_cycle(pair: Pair) -> Iterator[Metric]:
 
 def _dissipation(pair: Pair, key: str, expected: float, found: float) -> Metric:
     value, relative = metrics.dissipation(expected, found, pair.scales.dissipation)
-    note = "" if relative else "the reference dissipates nothing, so the value is absolute"
+    note = "the reference dissipates nothing, so the value is absolute" if key == "dissipation" and not relative else ""
     return Metric(DEFINITIONS[key], value, tolerance=_tolerance(pair, key), note=note, absolute=not relative)
 
 
@@ -207,6 +207,6 @@ def _density(pair: Pair) -> Metric:
 def _permanent_stick(pair: Pair) -> Metric:
     lacking = [s.engine for s in (pair.reference, pair.result) if np.isnan(s.permanent_stick_half_width)]
     if lacking:
-        return Metric(DEFINITIONS["permanent_stick"], None, note=f"none in {' and '.join(lacking)}")
+        return Metric(DEFINITIONS["permanent_stick"], None, note=f"none in {' and '.join(name_of(engine) for engine in lacking)}")
     difference = pair.result.permanent_stick_half_width - pair.reference.permanent_stick_half_width
     return Metric(DEFINITIONS["permanent_stick"], difference / pair.scales.half_width)
