@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -24,7 +25,7 @@ DIGITS = 30
 
 
 class Case(NamedTuple):
-    """A steady ellipse with E* = 1 and R = 1; `flat` is b, 0 for Hertz; `phase` in degrees."""
+    """A steady ellipse with E* = 1 and R = 1; `flat` is b, 0 for Hertz; `phase` in degrees, or in radians where it says so."""
 
     flat: float
     mean: float
@@ -32,6 +33,7 @@ class Case(NamedTuple):
     tangential: float
     phase: float
     friction: float
+    radians: bool = False
 
 
 PAPER = Case(0.0, 3.0, 1.0, 1.0, 90.0, 1.0)
@@ -44,6 +46,27 @@ def cases() -> list[Case]:
     for phase, friction, flat in itertools.product((5.0, 45.0, 90.0, 135.0, 175.0), (1e-3, 0.3, 1.0, 10.0), (0.0, 0.7)):
         ratio, use = next(ratios), next(uses)
         found.append(Case(flat, 1.0, ratio, use * friction * (1 - ratio), phase, friction))
+    return found
+
+
+def extremes() -> list[Case]:
+    """Where plain formulas lose their digits: tiny slip, next to gross sliding, to full unloading, to tangency, to a line."""
+    found = []
+    for flat, friction in ((0.0, 0.5), (0.7, 0.5)):
+        near_sliding = friction * math.sqrt(1 - 0.16) * (1 - 1e-12)
+        found += [
+            Case(flat, 1.0, 0.0, 1e-9 * friction, 1.0, friction, True),
+            Case(flat, 1.0, 0.3, 1e-9 * friction, math.pi / 2, friction, True),
+            Case(flat, 1.0, 0.5, 1e-6 * friction, 1.0, friction, True),
+            Case(flat, 1.0, 0.4, near_sliding, math.pi / 2, friction, True),
+            Case(flat, 1.0, 1 - 1e-9, 1e-10 * friction, math.pi / 2, friction, True),
+            Case(flat, 1.0, 1 - 1e-9, 4e-5 * friction, math.pi / 2, friction, True),
+            Case(flat, 1.0, 0.3, 0.2 * friction, 1e-9, friction, True),
+            Case(flat, 1.0, 0.3, 0.4 * friction, 1e-9, friction, True),
+            Case(flat, 1.0, 0.25, 0.25 * friction, 1e-9, friction, True),
+            Case(flat, 1.0, 0.3, 0.2 * friction, math.pi - 1e-9, friction, True),
+            Case(flat, 1.0, 0.25, 0.25 * friction, math.pi - 1e-9, friction, True),
+        ]
     return found
 
 
@@ -64,10 +87,10 @@ def flat_load(b: mp.mpf, a: mp.mpf) -> mp.mpf:
 def flat_half_width(b: mp.mpf, p: mp.mpf) -> mp.mpf:
     """Newton's method for tau, a = b sqrt(1 + tau^2), from where it converges downhill; dP/dtau = b^2 tau arctan(tau)."""
     tau = mp.cbrt(3 * p / b**2) + mp.sqrt(4 * p / (mp.pi * b**2)) + 1
-    for _ in range(60):
+    for _ in range(200):
         step = (((1 + tau**2) * mp.atan(tau) - tau) / 2 - p / b**2) / (tau * mp.atan(tau))
         tau -= step
-        if abs(step) < tau * mp.mpf(10) ** (-DIGITS - 2):
+        if abs(step) < tau * mp.mpf(10) ** (2 - mp.mp.dps):
             break
     return b * mp.sqrt(1 + tau**2)
 
@@ -113,7 +136,7 @@ class Phase(NamedTuple):
 def phases(case: Case) -> tuple[Callable, list[Phase]]:
     """P(t), and the three phases of slip E-G, I-J, J-M of the steady cycle (0 < phase < 180 degrees, Q0 = 0)."""
     p0, p1, q1, f = (mp.mpf(v) for v in (case.mean, case.amplitude, case.tangential, case.friction))
-    phase = mp.mpf(case.phase) * mp.pi / 180
+    phase = mp.mpf(case.phase) * (1 if case.radians else mp.pi / 180)
     z_u, z_v = q1 * mp.expj(-phase) - f * p1, q1 * mp.expj(-phase) + f * p1
     t_e, size_u, size_v = -mp.arg(z_u), abs(z_u), abs(z_v)
     t_g = -mp.arg(z_v) + mp.pi
@@ -168,8 +191,16 @@ def dissipation(case: Case) -> mp.mpf:
         p, front = load(t), part.front(t)
         return part.rate(t) * area(p, half_width(p), front, half_width(front)) if 0 < front < p else mp.mpf(0)
 
-    total = sum(mp.quad(lambda t, part=part: power(part, t), mp.linspace(part.begin, part.end, 4)) for part in parts)
+    total = sum(mp.quad(lambda t, part=part: power(part, t), _graded(part.begin, part.end, case.radians)) for part in parts)
     return mp.mpf(case.friction) * 2 / mp.pi * total
+
+
+def _graded(begin: mp.mpf, end: mp.mpf, towards_ends: bool) -> list[mp.mpf]:
+    """Ends and places in between; for the extremes ever closer to both ends."""
+    if not towards_ends:
+        return mp.linspace(begin, end, 4)
+    steps = [(end - begin) * mp.mpf(10) ** -k / 2 for k in range(0, 14, 2)]
+    return [begin, *(begin + step for step in reversed(steps)), *(end - step for step in steps[1:]), end]
 
 
 def density(case: Case, x: mp.mpf) -> mp.mpf:
@@ -211,9 +242,15 @@ def record(case: Case) -> dict[str, object]:
     }
 
 
+def extreme_record(case: Case) -> dict[str, object]:
+    """One entry of the second half of the table: the global dissipation only, in many more digits on the way."""
+    mp.mp.dps = 3 * DIGITS
+    return {**case._asdict(), "dissipation": mp.nstr(dissipation(case), DIGITS)}
+
+
 def main() -> None:
     with ProcessPoolExecutor() as pool:
-        rows = list(pool.map(record, cases()))
+        rows = [*pool.map(record, cases()), *pool.map(extreme_record, extremes())]
     FILE.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
 
 

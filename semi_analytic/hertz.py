@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-_TAIL = 2 / np.arange(3.0, 27.0, 2.0)
+_TAIL = (2 / np.arange(3.0, 25.0, 2.0)).tolist()
+_SERIES_UP_TO = 0.3
 
 
 def log_excess(ratio: ArrayLike) -> Array:
@@ -21,14 +22,23 @@ def log_excess(ratio: ArrayLike) -> Array:
     (1.000000000..., 0.193147180560)
     """
     r = np.asarray(ratio, dtype=float)
-    small = np.minimum(r, 0.3)
-    y = small / (2 - small)
-    square, tail = y * y, np.zeros_like(y)
-    for coefficient in _TAIL[::-1]:
-        tail = tail * square + coefficient
+    if not np.any(r > _SERIES_UP_TO):
+        return _log_series(r)
     with np.errstate(divide="ignore"):
-        direct = -np.log1p(-r) - r
-    return np.where(r <= 0.3, small * small / (2 - small) + tail * y * square, direct)
+        result = np.asarray(-np.log1p(-r) - r)
+    small = r <= _SERIES_UP_TO
+    result[small] = _log_series(r[small])
+    return result
+
+
+def _log_series(ratio: Array) -> Array:
+    rest = 2 - ratio
+    y = ratio / rest
+    square = y * y
+    tail = _TAIL[-1]
+    for coefficient in _TAIL[-2::-1]:
+        tail = tail * square + coefficient
+    return ratio * ratio / rest + tail * y * square
 
 
 @dataclass(frozen=True)

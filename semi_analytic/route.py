@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InputError, Leg, LoadPath, StraightLeg
+from scenes import EllipseLeg, InputError, Leg, LoadPath, StraightLeg
 from semi_analytic.history import History, Span, Turn, check, follow
 
 Array = NDArray[np.float64]
@@ -31,6 +31,7 @@ class Route:
     period : duration of a revolution, None for a path that is not periodic
     covered : for each whole cycle that the answer covers, the index of the solved cycle that it is or is a copy of
     straight : whether it is made of straight steps between given times
+    loop : the ellipse, where that is the whole cycle
     """
 
     history: History
@@ -39,6 +40,11 @@ class Route:
     period: float | None
     covered: tuple[int, ...]
     straight: bool = False
+    loop: EllipseLeg | None = None
+
+    def is_loop(self, cycle: int) -> bool:
+        """Whether a solved cycle is the steady state of an ellipse."""
+        return self.loop is not None and self.history.steady_from is not None and cycle >= self.history.steady_from
 
 
 def own_route(path: LoadPath, friction: float, cycles: int, time: Array | None) -> Route:
@@ -55,7 +61,8 @@ def own_route(path: LoadPath, friction: float, cycles: int, time: Array | None) 
     history = follow(path.way_in, (Turn(path.cycle, k * path.period) for k in range(turns)), friction)
     solved = len(history.cycles)
     covered = tuple(min(number, solved - 1) for number in range(whole or solved))
-    return Route(history, path.start, path.cycle_start, path.period, covered)
+    loop = path.cycle[0] if len(path.cycle) == 1 and isinstance(path.cycle[0], EllipseLeg) else None
+    return Route(history, path.start, path.cycle_start, path.period, covered, loop=loop)
 
 
 def straight_route(path: LoadPath, friction: float, time: Array) -> Route:

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, Scene, SurfaceState, freeze
+from semi_analytic.batch import Ellipses, dissipation_of, ellipses_of
+from semi_analytic.batch_density import density_of
 from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
 from semi_analytic.contact import Contact
-from semi_analytic.dissipation import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.fields import Integrals
+from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
 from semi_analytic.question import FIELDS, Question, ask
 from semi_analytic.route import Cycles
@@ -143,10 +145,10 @@ def _dissipations(question: Question) -> Dissipations:
     density, each, second = np.full(len(question.distance), np.nan), np.full(len(route.covered), np.nan), math.nan
     used: list[Span] = []
     if "dissipation_density" in question.fields:
-        density = pointwise_dissipation(contact, modulus, cycles[last], question.distance).total
+        density = _density_of_cycle(question, last)
         used.extend(cycles[last])
     if "dissipation" in question.fields:
-        works = {number: float(global_dissipation(contact, modulus, cycles[number]).total) for number in set(route.covered)}
+        works = {number: _work_of_cycle(question, number) for number in set(route.covered)}
         each = np.array([works[number] for number in route.covered])
         used.extend(span for number in works for span in cycles[number])
         steady = route.history.steady_from
@@ -155,6 +157,33 @@ def _dissipations(question: Question) -> Dissipations:
     slipping = sum(span.direction != 0 for span in used)
     arrays = {"dissipation_density": density[question.fold], "cycle_dissipation": each}
     return Dissipations(float(each[-1]), second, arrays, slipping, len(used) - slipping)
+
+
+def _work_of_cycle(question: Question, number: int) -> float:
+    """Friction work of a solved cycle; of a steady ellipse by the formulas that keep their digits however small the slip."""
+    if question.route.is_loop(number) and question.friction > 0:
+        forward, reverse = dissipation_of(_loop(question), question.contact)
+        return _unit_of_work(question) * float(forward[0] + reverse[0])
+    return float(global_dissipation(question.contact, question.modulus, question.route.history.cycles[number]).total)
+
+
+def _density_of_cycle(question: Question, number: int) -> Array:
+    x = question.distance
+    if question.route.is_loop(number) and question.friction > 0:
+        forward, reverse = density_of(_loop(question).take(np.zeros(len(x), dtype=int)), question.contact, x)
+        return _unit_of_work(question) * (forward + reverse)
+    return pointwise_dissipation(question.contact, question.modulus, question.route.history.cycles[number], x).total
+
+
+def _loop(question: Question) -> Ellipses:
+    leg = question.route.loop
+    assert leg is not None
+    loads = (leg.mean[0], leg.amplitude[0], leg.amplitude[1], leg.phase, question.friction)
+    return ellipses_of(*(np.array([value]) for value in loads))
+
+
+def _unit_of_work(question: Question) -> float:
+    return 2 / (math.pi * question.modulus) * question.friction**2
 
 
 def _permanent_stick(question: Question) -> float:

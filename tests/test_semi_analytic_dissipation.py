@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scenes import load_scene
 from semi_analytic import solve
 from semi_analytic.contact import contact_of
-from semi_analytic.dissipation import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.quadrature import graded
 from semi_analytic.route import own_route
 from semi_analytic_cases import REFERENCE, ellipse, make_scene, polygon, reference_scene

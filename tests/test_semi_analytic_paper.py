@@ -8,8 +8,8 @@ import pytest
 from scenes import SurfaceState, load_scene
 from semi_analytic import solve
 from semi_analytic.contact import contact_of
-from semi_analytic.dissipation import global_dissipation, slip_times
 from semi_analytic.flat_rounded import FlatRoundedContact
+from semi_analytic.friction_work import global_dissipation, slip_times
 from semi_analytic.route import own_route
 from semi_analytic_cases import ellipse, make_scene
 

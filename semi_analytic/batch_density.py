@@ -1,0 +1,109 @@
+"""Pointwise dissipation of steady ellipses, and its peak: the letters and angles of `batch`.
+
+# notation: P_x load at which a = |x|; h half-angle about the least load within which x is open, 2 P1 sin^2(h/2) = P_x - P_min
+
+While c < |x| < a(P), W(x) gathers (f A/pi) p(x, P) |rate| arccosh(|x|/c). The point is in contact for pi + h < t < 3 pi - h, and
+the front passes it in E-G where sin^2((D - s)/2) = (P_x - P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x - P_T)/u.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semi_analytic.batch import Ellipses, contact_for
+from semi_analytic.contact import Contact
+from semi_analytic.quadrature import graded
+
+Array = NDArray[np.float64]
+
+_CHUNK = 500
+_GRID = np.arange(1, 24) / 24
+_ZOOMS = 7
+
+
+def density_of(e: Ellipses, contact: Contact, x: Array) -> tuple[Array, Array]:
+    """Forward and reverse part of W(x) pi E*/(2 f^2), arrays (m,): member k at |x| = x[k], in chunks."""
+    count = len(x)
+    forward, reverse = np.zeros(count), np.zeros(count)
+    for first in range(0, count, _CHUNK):
+        here = np.arange(first, min(first + _CHUNK, count))
+        some = contact_for(contact, here, count)
+        forward[here], reverse[here] = _densities(e.take(here), some, x[here, None])
+    return forward, reverse
+
+
+def _densities(e: Ellipses, contact: Contact, x: Array) -> tuple[Array, Array]:
+    """The same for x (m, 1), all at once."""
+    edge = contact.load(x)
+    span = 2 * e.amplitude
+    risen = np.where(span > 0, (edge - e.mean + e.amplitude) / np.where(span > 0, span, 1.0), np.where(edge > e.mean, 1.0, 0.0))
+    away = 2 * np.arcsin(np.sqrt(np.clip(risen, 0.0, 1.0)))
+    above, start, turn = np.maximum(edge - e.permanent, 0.0), e.start, e.turn
+    passed = [2 * np.arcsin(np.sqrt(np.minimum(above / np.where(size > 0, size, np.inf), 1.0))) for size in (e.v, e.u)]
+    first = np.maximum(turn - passed[0], 0.0)
+    ranges = {
+        "E-G": [(first, np.minimum(turn, math.pi - away - start)), (np.maximum(first, math.pi + away - start), turn)],
+        "I-J": [(np.abs(start - away), np.minimum(math.pi - turn, 2 * math.pi - away - start))],
+        "J-M": [(np.maximum(0.0, start - math.pi + away), np.minimum(np.minimum(turn, passed[1]), start + math.pi - away))],
+    }
+    total = {name: np.zeros(len(x)) for name in ranges}
+    for name, parts in ranges.items():
+        for begin, end in parts:
+            here = np.flatnonzero(end > begin)
+            if len(here):
+                some = contact_for(contact, here, len(x))
+                total[name][here] += _integral(name, e.take(here), some, x[here], edge[here], begin[here, 0], end[here, 0])
+    return total["I-J"] + total["J-M"], total["E-G"]
+
+
+def _integral(name: str, e: Ellipses, contact: Contact, x: Array, edge: Array, begin: Array, end: Array) -> Array:
+    """int p |rate| arccosh(|x|/c) ds over one range of one phase, (m,)."""
+    s, weight = graded(begin, end)
+    growth, slipped, load = _phase(name, e, s)
+    front = load - slipped
+    reach = contact.reach(x, np.maximum(edge - front, 0.0), front)
+    return np.sum(weight * growth * contact.pressure(x, load) * reach, axis=1)
+
+
+def _phase(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
+    """Rate over f, P - P_c and P at angles s (m, n) of a phase."""
+    forth, back = np.cos(e.start + s), np.cos(e.start - s)
+    if name == "E-G":
+        return e.v * np.sin(e.turn - s), e.u * np.sin(s / 2) ** 2, e.load(forth)
+    if name == "I-J":
+        return e.u * np.sin(s), 2 * e.amplitude * e.sine * np.sin(s), e.load(-forth)
+    return e.u * np.sin(s), e.v * np.sin((e.turn + s) / 2) ** 2, e.load(back)
+
+
+def peak_of(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
+    """Largest W(x) pi E*/(2 f^2) and its |x|, arrays (m,): the best of a grid, then halving about it, then a parabola."""
+    count = len(e.mean)
+    inner, outer = contact.half_width(e.permanent)[:, 0], contact.half_width(e.mean + e.amplitude)[:, 0]
+
+    def values(part: Array) -> Array:
+        total = np.empty(part.shape)
+        for column in range(part.shape[1]):
+            total[:, column] = sum(density_of(e, contact, inner + (outer - inner) * part[:, column]))
+        return total
+
+    grid = np.broadcast_to(_GRID, (count, len(_GRID)))
+    found = values(grid)
+    best = np.argmax(found, axis=1)
+    rows = np.arange(count)
+    middle, step = grid[rows, best], float(_GRID[0])
+    top = found[rows, best]
+    for zoom in range(_ZOOMS + 1):
+        step /= 2 if zoom < _ZOOMS else 1
+        lower, upper = values(np.stack([middle - step, middle + step], axis=1)).T
+        if zoom == _ZOOMS:
+            break
+        middle = middle + np.where(lower > np.maximum(top, upper), -step, np.where(upper > top, step, 0.0))
+        top = np.maximum(top, np.maximum(lower, upper))
+    bend = lower + upper - 2 * top
+    curved = (bend < 0) & (top >= lower) & (top >= upper)
+    bend = np.where(curved, bend, -1.0)
+    lean = np.where(curved, lower - upper, 0.0)
+    return top - lean**2 / (8 * bend), inner + (outer - inner) * (middle + step * lean / (2 * bend))

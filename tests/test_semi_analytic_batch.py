@@ -1,0 +1,223 @@
+"""Batches: thirty-digit references, extremes, agreement with the engine that marches, what happens to bad members."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scenes import FlatRounded, Hertz, InputError, Materials
+from semi_analytic import Reason, dissipation, peak_dissipation, solve
+from semi_analytic.batch_density import density_of
+from semi_analytic.contact import contact_of
+from semi_analytic.sweeps import _members
+from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
+
+MATERIAL = Materials(upper=UNIT, lower=UNIT)
+PAPER = {"mean_normal_load": 3.0, "normal_amplitude": 1.0, "mean_tangential_load": 1.1, "tangential_amplitude": 1.0}
+PROFILES = {0.0: Hertz(radius=1.0), 0.7: FlatRounded(radius=1.0, flat_half_length=0.7)}
+
+
+def arguments(rows):
+    columns = {key: np.array([float(row[key]) for row in rows]) for key in ("mean", "amplitude", "tangential", "phase", "friction")}
+    radians = np.array([bool(row.get("radians")) for row in rows])
+    return {
+        "material": MATERIAL,
+        "friction_coefficient": columns["friction"],
+        "mean_normal_load": columns["mean"],
+        "normal_amplitude": columns["amplitude"],
+        "tangential_amplitude": columns["tangential"],
+        "phase": np.where(radians, columns["phase"], np.radians(columns["phase"])),
+    }
+
+
+@pytest.mark.parametrize("flat", PROFILES)
+def test_batch_is_that_of_thirty_digits(flat):
+    """Worst measured 3e-13 relative."""
+    rows = [row for row in REFERENCE if row["flat"] == flat]
+    batch = dissipation(profile=PROFILES[flat], **arguments(rows))
+    np.testing.assert_allclose(batch.value, [float(row["dissipation"]) for row in rows], rtol=1e-12)
+    assert np.all(batch.reason == Reason.NONE)
+    np.testing.assert_allclose(batch.forward + batch.reverse, batch.value, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "row", EXTREMES, ids=lambda row: f"b{row['flat']}-P1 {row['amplitude']:g}-Q1 {row['tangential']:.1e}-{row['phase']:g}"
+)
+def test_extremes_keep_ten_relative_digits(row):
+    """Slip of 1e-9, sliding at 1 - 1e-12, full unloading at 1 - 1e-9, a line within 1e-9: worst measured 1.3e-11."""
+    batch = dissipation(profile=PROFILES[row["flat"]], **arguments([row]))
+    assert batch.value[0] == pytest.approx(float(row["dissipation"]), rel=1e-10)
+
+
+def test_extremes_through_solve_keep_ten_digits_as_far_as_the_phase_in_degrees_does():
+    for row in EXTREMES:
+        if row["phase"] in (1.0, math.pi / 2):
+            load = ellipse(row["mean"], row["amplitude"], 0.0, row["tangential"], math.degrees(row["phase"]))
+            solution = solve(make_scene(load, row["friction"], row["flat"]), x=[0.0], fields=("dissipation",))
+            assert solution.dissipation == pytest.approx(float(row["dissipation"]), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "tangential", "phase"), [(0.3, 0.1, 0.0), (0.2, 0.1, 0.0), (0.3, 0.0, 1.0), (0.0, 0.0, 0.0), (0.2, 0.1, math.pi)]
+)
+def test_lines_within_the_cone_dissipate_nothing(amplitude, tangential, phase):
+    """Phase 0 or pi with Q1 <= f P1, tangency Q1 = f P1 included; absolute in A f^2 P0^2."""
+    batch = dissipation(
+        profile=PROFILES[0.0],
+        material=MATERIAL,
+        friction_coefficient=0.5,
+        mean_normal_load=1.0,
+        normal_amplitude=amplitude,
+        tangential_amplitude=tangential,
+        phase=phase,
+    )
+    assert abs(float(batch.value)) <= 1e-20  # the phase is pi to 1e-16 only
+    assert batch.reason == Reason.NONE
+
+
+@settings(max_examples=30)
+@given(
+    st.floats(0, 0.97),
+    st.floats(0.02, 0.98),
+    st.floats(-math.pi, math.pi),
+    st.floats(0.01, 5),
+    st.sampled_from([0.0, 0.7]),
+    st.floats(0, 1),
+)
+def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
+    """Forward, reverse, pointwise and global, both senses: one quadrature along a marched history, one in closed-form angles."""
+    from semi_analytic.friction_work import global_dissipation, pointwise_dissipation
+    from semi_analytic.route import own_route
+
+    q1 = use * friction * (1 - ratio)
+    scene = make_scene(ellipse(1.0, ratio, 0.0, q1, math.degrees(phase)), friction, flat)
+    contact = contact_of(scene.profile, scene.material)
+    spans = own_route(scene.load.path(), friction, 6, None).history.cycles[-1]
+    angle = math.radians(math.degrees(phase))
+    marched = global_dissipation(contact, 1.0, spans)
+    batch = dissipation(
+        profile=scene.profile,
+        material=scene.material,
+        friction_coefficient=friction,
+        mean_normal_load=1.0,
+        normal_amplitude=ratio,
+        tangential_amplitude=q1,
+        phase=angle,
+    )
+    floor = 1e-15 * friction**2
+    assert float(batch.forward) == pytest.approx(float(marched.forward), rel=1e-9, abs=floor)
+    assert float(batch.reverse) == pytest.approx(float(marched.reverse), rel=1e-9, abs=floor)
+    members = _members(scene.profile, scene.material, friction, 1.0, ratio, 0.0, q1, angle)
+    inner, outer = (float(contact.half_width(load)) for load in (members.ellipses.permanent[0, 0], 1 + ratio))
+    x = np.array([inner + part * (outer - inner)])
+    here = sum(density_of(members.ellipses, members.contact, x)) * members.scale
+    assert float(here[0]) == pytest.approx(
+        float(pointwise_dissipation(contact, 1.0, spans, x).total[0]), rel=1e-8, abs=1e-13 * friction**2
+    )
+
+
+def test_profile_parameters_broadcast_too():
+    keys = {"kind": "flat_rounded", "radius": np.array([[1.0], [2.0]]), "flat_half_length": np.array([0.4, 0.7, 1.0])}
+    batch = dissipation(profile=keys, material=MATERIAL, friction_coefficient=1.0, **PAPER)
+    peak = peak_dissipation(profile=keys, material=MATERIAL, friction_coefficient=1.0, **PAPER)
+    assert batch.value.shape == peak.value.shape == (2, 3)
+    for row, radius in enumerate((1.0, 2.0)):
+        for column, flat in enumerate((0.4, 0.7, 1.0)):
+            one = FlatRounded(radius=radius, flat_half_length=flat)
+            alone = dissipation(profile=one, material=MATERIAL, friction_coefficient=1.0, **PAPER)
+            alone_peak = peak_dissipation(profile=one, material=MATERIAL, friction_coefficient=1.0, **PAPER)
+            assert batch.value[row, column] == pytest.approx(float(alone.value), rel=1e-13)
+            assert peak.place[row, column] == pytest.approx(float(alone_peak.place), rel=1e-9)
+
+
+def test_radius_plays_no_part_in_the_global_dissipation_of_hertz():
+    keys = {"kind": "hertz", "radius": np.array([1e-3, 1.0, 1e6])}
+    batch = dissipation(profile=keys, material=MATERIAL, friction_coefficient=1.0, **PAPER)
+    np.testing.assert_allclose(batch.value, batch.value[1], rtol=1e-14)
+
+
+def test_bad_members_get_a_reason_and_the_rest_their_values():
+    batch = dissipation(
+        profile=Hertz(radius=1.0),
+        material=MATERIAL,
+        friction_coefficient=[1.0, 1.0, 1.0, -1.0, 1.0, 0.0, 0.0],
+        mean_normal_load=[3.0, 3.0, 1.0, 3.0, np.nan, 3.0, 3.0],
+        normal_amplitude=[1.0, 1.0, 2.0, 1.0, 1.0, 1.0, 1.0],
+        mean_tangential_load=[1.1, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        tangential_amplitude=[1.0, 1.0, 0.0, 0.1, 0.1, 0.0, 0.1],
+    )
+    expected = [Reason.NONE, Reason.SLIDING, Reason.SEPARATION, Reason.INVALID, Reason.INVALID, Reason.NONE, Reason.SLIDING]
+    np.testing.assert_array_equal(batch.reason, expected)
+    np.testing.assert_array_equal(np.isnan(batch.value), batch.reason != Reason.NONE)
+    assert batch.value[5] == 0
+    assert not batch.value.flags.writeable
+
+
+def test_a_batch_of_nothing_and_shapes_that_do_not_fit():
+    empty = dissipation(profile=Hertz(radius=1.0), material=MATERIAL, friction_coefficient=np.empty(0), **PAPER)
+    assert empty.value.shape == (0,)
+    with pytest.raises(InputError, match="must broadcast"):
+        dissipation(
+            profile=Hertz(radius=1.0), material=MATERIAL, friction_coefficient=[1.0, 1.0], **PAPER | {"normal_amplitude": [1, 1, 1]}
+        )
+    with pytest.raises(InputError, match="with all its keys"):
+        dissipation(profile={"kind": "hertz"}, material=MATERIAL, friction_coefficient=1.0, **PAPER)
+    with pytest.raises(InputError, match="must be positive"):
+        dissipation(profile={"kind": "hertz", "radius": [-1.0]}, material=MATERIAL, friction_coefficient=1.0, **PAPER)
+
+
+@pytest.mark.parametrize("flat", [0.0, 0.7])
+def test_peak_is_the_largest_value_of_the_density(flat):
+    """Against a grid of 20,001 points; the peak in between is found to 1e-9 of its value."""
+    scene = make_scene(ellipse(), 1.0, flat)
+    peak = peak_dissipation(profile=scene.profile, material=MATERIAL, friction_coefficient=1.0, **PAPER)
+    x = np.linspace(0.9, 1.1, 20001) * float(peak.place)
+    density = solve(scene, x=x, fields=("dissipation_density",)).dissipation_density
+    assert float(peak.value) == pytest.approx(np.max(density), rel=1e-9)
+    assert float(peak.place) == pytest.approx(x[np.argmax(density)], rel=2e-4)
+
+
+def test_figures_of_merit_of_the_two_geometries():
+    """Theory, section 6: peak at 0.595 and 0.604 of the slip zone; global dissipation 0.557, peaks 0.97 of Hertz at equal a(P0)."""
+    modulus = 1.0
+    hertz, flat = Hertz(radius=1.0), FlatRounded(radius=1.0, flat_half_length=0.505)
+    loads = {"normal": math.pi / 4 * modulus, "flat": float(contact_of(flat, MATERIAL).load(1.0))}
+    # Equal loads and equal a(P0) = 1: the radius of the flat face follows from the load, its b does not.
+    rounded = FlatRounded(radius=loads["flat"] / loads["normal"], flat_half_length=0.505)
+    kind = {"material": MATERIAL, "friction_coefficient": 1.0}
+    circle = {
+        "mean_normal_load": loads["normal"],
+        "normal_amplitude": loads["normal"] / 3,
+        "mean_tangential_load": 1.1 * loads["normal"] / 3,
+        "tangential_amplitude": loads["normal"] / 3,
+    }
+    works = [float(dissipation(profile=profile, **kind, **circle).value) for profile in (hertz, rounded)]
+    peaks = [peak_dissipation(profile=profile, **kind, **circle) for profile in (hertz, rounded)]
+    assert works[1] / works[0] == pytest.approx(0.557, abs=5e-4)
+    assert float(peaks[1].value / peaks[0].value) == pytest.approx(0.97, abs=5e-3)
+    assert [round(float(peak.fraction), 3) for peak in peaks] == [0.595, 0.604]
+    assert works[1] / works[0] / float(peaks[1].value / peaks[0].value) == pytest.approx(0.574, abs=5e-4)
+
+
+def test_damping_falls_faster_than_the_peak_with_the_mean_load_confirmed():
+    """Figure 7: with P1 = Q1 = 1 the global dissipation loses more of itself from P0 = 2 to 4 than the peak does."""
+    kind = {"profile": Hertz(radius=1.0), "material": MATERIAL, "friction_coefficient": 1.0}
+    circle = {"mean_normal_load": [2.0, 4.0], "normal_amplitude": 1.0, "tangential_amplitude": 1.0}
+    work, peak = dissipation(**kind, **circle).value, peak_dissipation(**kind, **circle).value
+    assert work[1] / work[0] < peak[1] / peak[0] < 1
+
+
+def test_full_stick_has_no_peak():
+    peak = peak_dissipation(
+        profile=Hertz(radius=1.0),
+        material=MATERIAL,
+        friction_coefficient=1.0,
+        mean_normal_load=1.0,
+        normal_amplitude=0.2,
+        tangential_amplitude=0.0,
+    )
+    assert peak.value == 0
+    assert np.isnan(peak.place)
+    assert np.isnan(peak.fraction)
