@@ -1,0 +1,410 @@
+"""Named problems with exact answers, and the finite-element runs of them that the tests share.
+
+Closed forms stand here as plain functions of numbers; `test_problems.py` tries each against brute force. Half-planes throughout,
+plane strain, like bodies. Rigid displacements are counted from the datum length L of the profile.
+"""
+
+# notation: P, Q loads; R radius; E the modulus E*; f friction; a, c half-widths; b half-length of the flat face.
+
+import functools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import quad
+
+import halfplane_fe
+from halfplane_fe import FiniteElementSolution, SolverSettings
+from meshes import MeshSettings
+from scenes import ContactSolution, EllipseLoad, PolygonLoad, Scene, load_scene
+
+
+def contact_modulus(scene: Scene) -> float:
+    """E*, both bodies in plane strain."""
+    bodies = (scene.material.upper, scene.material.lower)
+    return 1 / sum((1 - body.poisson_ratio**2) / body.young_modulus for body in bodies)
+
+
+# ------------------------------------------------------------------------------------------------- Hertz, pressed alone
+def hertz_half_width(P, R, E):
+    """P = pi E* a^2 / (4 R)."""
+    return np.sqrt(4 * P * R / (math.pi * E))
+
+
+def hertz_pressure(x, P, R, E):
+    """(E*/2R) sqrt(a^2 - x^2)."""
+    return E / (2 * R) * np.sqrt(np.maximum(hertz_half_width(P, R, E) ** 2 - np.square(x), 0.0))
+
+
+def hertz_approach(P, R, E, L):
+    """(2 P / pi E*) [ln(2 L/a) + 1/2]: the pile of flat punches, each going in by (2 dP / pi E*) ln(2 L/a)."""
+    return 2 * P / (math.pi * E) * (np.log(2 * L / hertz_half_width(P, R, E)) + 0.5)
+
+
+# -------------------------------------------------------------------------- Cattaneo, Mindlin: constant P, Q to and fro
+def mindlin_stick_half_width(P, Q, f, R, E):
+    """c = a sqrt(1 - |Q|/fP); after a reversal Q is half of what has changed since."""
+    return hertz_half_width(P, R, E) * np.sqrt(1 - abs(Q) / (f * P))
+
+
+def mindlin_shear(x, P, turns: Sequence[float], f, R, E):
+    """Shear after Q has gone 0 -> turns[0] -> turns[1] ... at constant P, no turn outside the two before it.
+
+    The first branch is f [p(x, P) - p(x, P - Q/f)]; each reversal adds the same with twice the friction.
+    """
+    q, before, factor = np.zeros_like(np.asarray(x, dtype=float)), 0.0, 1.0
+    for turn in turns:
+        change = (turn - before) / factor
+        stick = hertz_pressure(x, P - abs(change) / f, R, E)
+        q = q + factor * math.copysign(f, change) * (hertz_pressure(x, P, R, E) - stick)
+        before, factor = turn, 2.0
+    return q
+
+
+def mindlin_dissipation(P, Q, f, E):
+    """Energy of a cycle between +-Q: (4 f^2 P^2 / pi E*) [(1-k) ln(1-k) + k - k^2/2], k = Q/fP."""
+    k = Q / (f * P)
+    return 4 * (f * P) ** 2 / (math.pi * E) * ((1 - k) * math.log1p(-k) + k - k**2 / 2)
+
+
+def mindlin_shift(P, Q, f, R, E, L):
+    """Rigid shift on the first branch: f [delta(P) - delta(P - Q/f)]."""
+    return f * (hertz_approach(P, R, E, L) - hertz_approach(P - Q / f, R, E, L))
+
+
+# ----------------------------------------------------------------------------------- flat punch, flat and rounded punch
+def flat_punch_pressure(x, P, a):
+    """P / (pi sqrt(a^2 - x^2)) inside."""
+    return P / (math.pi * np.sqrt(a**2 - np.square(x)))
+
+
+def flat_rounded_load(a, b, R, E):
+    """P(a) = (E* a^2/R) [(pi - 2 phi0)/4 - sin(phi0) cos(phi0)/2], sin(phi0) = b/a."""
+    phi0 = math.asin(b / a)
+    return E * a**2 / R * ((math.pi - 2 * phi0) / 4 - math.sin(phi0) * math.cos(phi0) / 2)
+
+
+def flat_rounded_pressure(x, a, b, R, E):
+    """Ciavarella, Hills and Monno (1998): closed form in phi, x = a sin(phi)."""
+    inside = np.abs(x) < a
+    s, s0 = np.where(inside, np.asarray(x, dtype=float) / a, 0.0), b / a
+    s = np.where(np.abs(np.abs(s) - s0) < 1e-12, s * (1 - 1e-9), s)  # at b two logarithms are infinite, and cancel
+    phi, phi0 = np.arcsin(s), math.asin(s0)
+    one = s * np.log(np.abs(np.sin(phi + phi0) / np.sin(phi - phi0)))
+    two = s0 * np.log(np.abs(np.tan((phi + phi0) / 2) * np.tan((phi - phi0) / 2)))
+    total = (math.pi - 2 * phi0) * np.cos(phi) + one + two
+    return np.where(inside, E * a / (2 * math.pi * R) * total, 0.0)
+
+
+# -------------------------------------------------------------- one body under a given traction (not a contact problem)
+def pressed_in(x, b, young_modulus, nu, L):
+    """Displacement into a half-plane under unit pressure on |x| < b (2 (1-nu^2)/(pi E) times int ln(L/|x-s|) ds).
+
+    The same along the surface under unit shear.
+    """
+    ends = b + np.asarray(x, dtype=float), b - np.asarray(x, dtype=float)
+    logs = sum(end * np.log(np.where(end > 0, end, 1.0)) for end in ends)
+    return 2 * (1 - nu**2) / (math.pi * young_modulus) * (2 * b * (math.log(L) + 1) - logs)
+
+
+def drawn_inwards(x, young_modulus, nu):
+    """Displacement along x of a half-plane under unit pressure between 0 and x: -(1-2 nu)(1+nu)/E times the force there."""
+    return -(1 - 2 * nu) * (1 + nu) / young_modulus * np.asarray(x, dtype=float)
+
+
+# ------------------------------------------------------------ the paper's ellipse on a Hertz contact, in the steady cycle
+@dataclass(frozen=True)
+class HertzEllipse:
+    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), 0 < phase < pi; u = Q - f P, v = Q + f P.
+
+    Forward slip ends at t_E (u largest), reverse slip runs from there to t_G (v least), full stick to t_I (u least), forward slip
+    to t_M = t_E + 2 pi. The way in, Q = alpha P + beta P^2, is all in full stick.
+    """
+
+    P0: float
+    P1: float
+    Q0: float
+    Q1: float
+    phase: float
+    f: float
+    R: float
+    E: float
+    way_in: tuple[float, float]
+
+    def loads(self, t):
+        return self.P0 + self.P1 * np.cos(t), self.Q0 + self.Q1 * np.cos(t - self.phase)
+
+    @property
+    def amplitudes(self) -> tuple[complex, complex]:
+        """U, V of u = Re(U e^it) + mean and of v."""
+        tangential = self.Q1 * np.exp(-1j * self.phase)
+        return complex(tangential - self.f * self.P1), complex(tangential + self.f * self.P1)
+
+    @property
+    def turns(self) -> tuple[float, float]:
+        """t_E, t_G, ascending."""
+        u, v = self.amplitudes
+        forward_end = -np.angle(u)
+        return float(forward_end), float(forward_end + (math.pi - np.angle(v) - forward_end) % (2 * math.pi))
+
+    @property
+    def permanent_load(self) -> float:
+        """P_T = (v_min - u_max)/2f; the contact it makes sticks for ever."""
+        u, v = self.amplitudes
+        return self.P0 - (abs(u) + abs(v)) / (2 * self.f)
+
+    def dissipation(self) -> float:
+        """W = (2 f / pi E*) closed-int |u' or v'| Lam dt, Lam = [P ln(P/P_c) - P + P_c]/2 (section 4 of the theory).
+
+        With d = (P - P_c)/P_c, Lam = P_c [(1 + d) ln(1 + d) - d]/2, d without cancellation.
+        """
+        (u, v), (t_E, t_G) = (abs(amplitude) for amplitude in self.amplitudes), self.turns
+        t_I, t_M = t_E + math.pi, t_E + 2 * math.pi
+        t_J = 2 * t_I - t_G
+
+        def work(start, end, rate, apart):
+            def integrand(t):
+                P_c = float(self.loads(t)[0]) - apart(t)
+                d = apart(t) / P_c
+                return abs(rate(t)) * P_c * ((1 + d) * math.log1p(d) - d) / 2
+
+            return quad(integrand, start, end, epsabs=0, epsrel=1e-12)[0]
+
+        u_rate, v_rate = (lambda t: u * math.sin(t - t_E)), (lambda t: v * math.sin(t - t_G))
+        reverse = work(t_E, t_G, v_rate, lambda t: u * math.sin((t - t_E) / 2) ** 2 / self.f)
+        early = work(t_I, t_J, u_rate, lambda t: -2 * self.P1 * math.sin(t_I) * math.sin(t - t_I))
+        late = work(t_J, t_M, u_rate, lambda t: v * math.sin((t - t_G) / 2) ** 2 / self.f)
+        return 2 * self.f / (math.pi * self.E) * (reverse + early + late)
+
+    def shear(self, x, forward: bool):
+        """q(x) where forward slip has just ended (t_E), or reverse slip (t_G).
+
+        The memory M(eta) has the slope +f (t_E) or -f (t_G) from P_T on, is pinned at P_T to u_max + f P_T = v_min - f P_T, reaches
+        that with the slope +-f, and below is what the way in laid down.
+        """
+        P = float(self.loads(self.turns[0 if forward else 1])[0])
+        kept, slope = self._rim()
+        at = functools.partial(hertz_pressure, x, R=self.R, E=self.E)
+        outside = (self.f if forward else -self.f) * (at(P) - at(self.permanent_load))
+        return outside + slope * (at(self.permanent_load) - at(kept)) + self._way_in_shear(x, kept)
+
+    def _rim(self) -> tuple[float, float]:
+        """Load up to which the way in is kept, and the slope of the memory from there to P_T."""
+        (alpha, beta), top = self.way_in, self.permanent_load
+        u_max = self.Q0 - self.f * self.P0 + abs(self.amplitudes[0])
+        v_min = self.Q0 + self.f * self.P0 - abs(self.amplitudes[1])
+        above = alpha * top + beta * top**2 < u_max + self.f * top
+        start, slope = (u_max, self.f) if above else (v_min, -self.f)
+        roots = np.roots([beta, alpha - slope, -start]).real
+        return float(min(root for root in roots if 0 < root < top)), slope
+
+    def _way_in_shear(self, x, top):
+        """Shear of the memory's slope alpha + 2 beta eta on 0 < eta < top."""
+        alpha, beta = self.way_in
+        k = math.pi * self.E / (4 * self.R)
+        s = np.maximum(top - k * np.square(x), 0.0)
+        second = 2 * beta * math.sqrt(k) / math.pi * (2 / 3 * s**1.5 + 2 * k * np.square(x) * np.sqrt(s))
+        return alpha * hertz_pressure(x, top, self.R, self.E) + second
+
+
+def hertz_ellipse(scene: Scene) -> HertzEllipse:
+    """The steady cycle of a Hertz scene whose load is an ellipse with a parabola as way in."""
+    load = scene.load
+    assert isinstance(load, EllipseLoad)
+    ((parabola,), _) = load.path().way_in, load.path().cycle
+    return HertzEllipse(
+        load.mean_normal_load,
+        load.normal_amplitude,
+        load.mean_tangential_load,
+        load.tangential_amplitude,
+        load.phase,
+        scene.friction.coefficient,
+        scene.profile.radius,
+        contact_modulus(scene),
+        parabola.coefficients,
+    )
+
+
+# ------------------------------------------------------------------------------------------------------------ the table
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A scene, an instant of it, and what is true there; a figure that has no closed form is left out.
+
+    `exact` holds pressure and shear (of x) and, as numbers, contact_half_width, stick_half_width, peak_pressure, rigid_approach,
+    rigid_shift, and the dissipation of the last cycle.
+    """
+
+    name: str
+    tags: frozenset[str]
+    scene: Scene
+    time: float
+    exact: Mapping[str, float | Callable]
+
+    def loads(self) -> tuple[float, float]:
+        P, Q = self.scene.load.path().at(self.time)
+        return float(P), float(Q)
+
+
+def _zero(x):
+    return np.zeros_like(np.asarray(x, dtype=float))
+
+
+def _hertz(name, tags, scene, time, **further) -> Problem:
+    """What every Hertz contact has, and `further`."""
+    R, E = scene.profile.radius, contact_modulus(scene)
+    P = float(scene.load.path().at(time)[0])
+    a = float(hertz_half_width(P, R, E))
+    exact = {
+        "pressure": lambda x: hertz_pressure(x, P, R, E),
+        "peak_pressure": float(hertz_pressure(0.0, P, R, E)),
+        "contact_half_width": a,
+        "stick_half_width": a,
+        "rigid_approach": float(hertz_approach(P, R, E, scene.profile.datum_length)),
+    }
+    return Problem(name, frozenset(tags), scene, time, exact | further)
+
+
+def _hertz_normal() -> Problem:
+    return _hertz("hertz", {"normal", "hertz"}, load_scene("hertz-normal"), 1.0, shear=_zero, rigid_shift=0.0, dissipation=0.0)
+
+
+def _mindlin(name, time, turns_over_amplitude, tags) -> Problem:
+    """The library's scene at `time` in the second revolution, after the given turns of Q."""
+    scene = load_scene("cattaneo-mindlin")
+    f, R, E, L = scene.friction.coefficient, scene.profile.radius, contact_modulus(scene), scene.profile.datum_length
+    P, amplitude = scene.load.cycle[0]
+    turns = [share * amplitude for share in turns_over_amplitude]
+    last = turns[0] if len(turns) == 1 else (turns[-1] - turns[-2]) / 2
+    further = {
+        "shear": lambda x: mindlin_shear(x, P, turns, f, R, E),
+        "stick_half_width": float(mindlin_stick_half_width(P, last, f, R, E)),
+        "dissipation": mindlin_dissipation(P, amplitude, f, E),
+    }
+    if len(turns) == 1:
+        further["rigid_shift"] = float(mindlin_shift(P, amplitude, f, R, E, L))
+    return _hertz(name, {"tangential", "hertz", "cycle", *tags}, scene, time, **further)
+
+
+def _full_stick() -> Problem:
+    """P and Q in proportion: q = (Q/P) p for ever, at the largest load."""
+    scene = load_scene("full-stick")
+    slope = scene.load.mean_tangential_load / scene.load.mean_normal_load
+    base = _hertz("full-stick", {"tangential", "hertz", "cycle"}, scene, 2 * math.pi, dissipation=0.0)
+    shear = {"shear": lambda x: slope * base.exact["pressure"](x), "rigid_shift": slope * base.exact["rigid_approach"]}
+    return Problem(base.name, base.tags | {"full stick"}, scene, base.time, {**base.exact, **shear})
+
+
+def _flat_rounded(name, share, tags) -> Problem:
+    """A flat face with rounded edges pressed to a = 2 b, then sheared by `share` of f P."""
+    motor = load_scene("motor")
+    b, R, E, f = motor.profile.flat_half_length, motor.profile.radius, contact_modulus(motor), motor.friction.coefficient
+    a = 2 * b
+    P = flat_rounded_load(a, b, R, E)
+    c = a if not share else _flat_rounded_half_width((1 - share) * P, b, R, E)
+    way_in = [(P, 0.0), *([(P, share * f * P)] if share else [])]
+    scene = motor.model_copy(update={"name": name, "load": PolygonLoad(way_in=way_in)})
+    pressure = functools.partial(flat_rounded_pressure, b=b, R=R, E=E)
+    exact = {
+        "pressure": lambda x: pressure(x, a),
+        "shear": lambda x: f * (pressure(x, a) - pressure(x, c)) if share else _zero(x),
+        "contact_half_width": a,
+        "stick_half_width": c,
+    }
+    return Problem(name, frozenset({"flat and rounded", *tags}), scene, float(len(way_in)), exact)
+
+
+def _flat_rounded_half_width(P, b, R, E):
+    """The a of P(a), by bisection."""
+    low, high = b, 2 * b
+    while flat_rounded_load(high, b, R, E) < P:
+        high *= 2
+    for _ in range(100):
+        middle = (low + high) / 2
+        low, high = (middle, high) if flat_rounded_load(middle, b, R, E) < P else (low, middle)
+    return high
+
+
+def _paper(name, forward) -> Problem:
+    """The paper's Hertz cycle where forward or reverse slip ends, in the second revolution."""
+    scene = load_scene("hertz-paper")
+    cycle = hertz_ellipse(scene)
+    start, period = scene.load.path().cycle_start, scene.load.path().period
+    time = start + period + (cycle.turns[0 if forward else 1] - start) % period
+    further = {
+        "shear": lambda x: cycle.shear(x, forward),
+        "stick_half_width": float(hertz_half_width(cycle.permanent_load, cycle.R, cycle.E)),
+        "dissipation": cycle.dissipation(),
+    }
+    return _hertz(name, {"tangential", "hertz", "cycle", "varying P"}, scene, time, **further)
+
+
+PROBLEMS = {
+    problem.name: problem
+    for problem in (
+        _hertz_normal(),
+        _mindlin("mindlin, Q largest", 2.0, [1], ["first branch"]),
+        _mindlin("mindlin, half-way back", 5.5, [1, 0], []),
+        _mindlin("mindlin, reversed", 6.0, [1, -1], []),
+        _mindlin("mindlin, end of cycle", 7.0, [1, -1, 0], []),
+        _full_stick(),
+        _flat_rounded("flat and rounded", 0.0, ["normal"]),
+        _flat_rounded("flat and rounded, sheared", 0.6, ["tangential", "first branch"]),
+        _paper("paper, forward slip ends", forward=True),
+        _paper("paper, reverse slip ends", forward=False),
+    )
+}
+
+
+def problems(*tags: str) -> list[Problem]:
+    """The problems that have all of `tags`."""
+    return [problem for problem in PROBLEMS.values() if problem.tags.issuperset(tags)]
+
+
+# --------------------------------------------------------------------------------------------- answers against the truth
+COARSE = MeshSettings(element_size=1 / 12, edge_element_size=1 / 16, far_radius=6.0, growth=0.3)
+FEW_STEPS = SolverSettings(steps_per_cycle=48)
+
+
+@functools.cache
+def fe_run(scene: Scene, mesh: MeshSettings = COARSE, settings: SolverSettings = FEW_STEPS) -> FiniteElementSolution:
+    """The finite-element answer, computed once however many tests look at it."""
+    return halfplane_fe.solve(scene, mesh, settings)
+
+
+def step_at(solution: ContactSolution, time: float) -> int:
+    """The stored step at `time`."""
+    step = int(np.argmin(np.abs(solution.time - time)))
+    assert abs(solution.time[step] - time) < 1e-9, f"no step at {time}; the nearest is at {solution.time[step]}"
+    return step
+
+
+def norm(x, values) -> float:
+    """L2 norm over the surface by the trapezoidal rule."""
+    return math.sqrt(np.trapezoid(np.square(values), x))
+
+
+def errors(problem: Problem, solution: ContactSolution) -> dict[str, float]:
+    """How far an answer is from the truth, in the dimensionless forms of the comparison.
+
+    pressure over ||p||, shear over f ||p||; edges over a; rigid displacements over the approach; peak and dissipation relative, but
+    dissipation over W of sliding (4 f^2 P^2/pi E*) where the true one is 0.
+    """
+    exact, step, x = problem.exact, step_at(solution, problem.time), solution.x
+    true_pressure = exact["pressure"](x)
+    size, friction = norm(x, true_pressure), solution.scene.friction.coefficient
+    found = {
+        "pressure": norm(x, solution.pressure[step] - true_pressure) / size,
+        "shear": norm(x, solution.shear[step] - exact["shear"](x)) / (friction * size),
+    }
+    for name in ("contact_half_width", "stick_half_width"):
+        found[name] = abs(float(getattr(solution, name)[step]) - exact[name]) / exact["contact_half_width"]
+    if "peak_pressure" in exact:
+        found["peak_pressure"] = abs(float(solution.pressure[step].max()) / exact["peak_pressure"] - 1)
+    for name in ("rigid_approach", "rigid_shift"):
+        if name in exact:
+            found[name] = abs(float(getattr(solution, name)[step]) - exact[name]) / exact["rigid_approach"]
+    if "dissipation" in exact:
+        sliding = 4 * (friction * problem.loads()[0]) ** 2 / (math.pi * contact_modulus(problem.scene))
+        found["dissipation"] = abs(solution.dissipation - exact["dissipation"]) / (exact["dissipation"] or sliding)
+    return found
