@@ -153,7 +153,7 @@ def dissipation_density(comparison: Comparison) -> Drawing | None:
     theirs, ours = comparison.expected.dissipation_density / unit, comparison.found.dissipation_density / unit
     with canvas(10.5, 4.2) as figure:
         top, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1))
-        figure.subplots_adjust(left=0.085, right=0.985, top=0.92, bottom=0.12, hspace=0.1)
+        figure.subplots_adjust(left=0.085, right=0.985, top=0.92, bottom=0.12, hspace=0.17)
         top.plot(x, theirs, label=name_of(comparison.reference.engine), **BANDS[0])
         top.plot(x, ours, label=name_of(comparison.result.engine), **THIN[0])
         legend_above(top)
