@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from scenes import InputError, Scene, load_scene, scene_names, scene_schema, scene_text
 
-LIBRARY = ("cattaneo-mindlin", "full-stick", "hertz-normal", "hertz-paper", "motor")
+LIBRARY = ("cattaneo-mindlin", "flat-rounded-paper", "full-stick", "hertz-normal", "hertz-paper", "motor")
 
 PLAIN = """
 [material]
