@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from halfplane_fe.answer import answer_arrays, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
@@ -66,8 +67,12 @@ def solve(
     ConvergenceError
         With `partial`, the solution up to the last accepted increment.
     """
-    mesh, settings = mesh or MeshSettings(), settings or SolverSettings()
-    report = progress or (lambda _done, _total, _text: None)
+    # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen where they share busy cores.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _solve(scene, mesh or MeshSettings(), settings or SolverSettings(), progress or (lambda _done, _total, _text: None))
+
+
+def _solve(scene: Scene, mesh: MeshSettings, settings: SolverSettings, report: Progress) -> FiniteElementSolution:
     watch = _Watch()
     check_admissible(scene.load.path(), scene.friction.coefficient)
     report(0, None, "coarse run")

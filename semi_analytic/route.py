@@ -135,6 +135,7 @@ def locate(route: Route, time: Array) -> tuple[NDArray[np.int64], Array]:
         inside = inside - over * route.period
     if np.any(inside < route.start - slack) or np.any(inside > ends[-1] + slack):
         raise InputError(f"time: outside the load path, which runs from {route.start:.6g} to {ends[-1]:.6g}")
-    number = np.minimum(np.searchsorted(ends, inside, side="left"), len(spans) - 1)
+    # Less the slack: a turning point that somebody else found to rounding still belongs to the span that it ends.
+    number = np.minimum(np.searchsorted(ends, inside - slack, side="left"), len(spans) - 1)
     begin, end, delay = (np.array(values) for values in zip(*((s.begin.time, s.end.time, s.delay) for s in spans), strict=True))
     return number, np.clip(inside - delay[number], begin[number], end[number])
