@@ -35,7 +35,7 @@ class Scales:
     Attributes
     ----------
     half_width : contact half-width at the largest load of the path [length]
-    inner : least half-width that a contact or stick edge has in the last cycle [length]; 0 where the path does not repeat
+    inner : least half-width that a contact or stick edge has in a revolution [length]; 0 where the path does not repeat
     load : largest normal load of the path [force per thickness]
     modulus : E* [stress]
     """
@@ -89,16 +89,10 @@ def find_scales(scene: Scene) -> Scales:
     pressed = max(run.states, key=lambda state: state.normal_load)
     if scene.load.path().period is None:
         return Scales(size * _half_width(problem, pressed), 0.0, load, modulus)
-    last = slice(len(run.states) - _last_cycle_steps(scene, run.states), None)
-    seen = visible_states(run.states, run.cycle_starts)[last]
-    inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[last], seen, strict=True))
+    cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
+    seen = visible_states(run.states, run.cycle_starts)[cycles]
+    inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[cycles], seen, strict=True))
     return Scales(size * _half_width(problem, pressed), size * inner, load, modulus)
-
-
-def _last_cycle_steps(scene: Scene, states: list[InterfaceState]) -> int:
-    path = scene.load.path()
-    start = states[-1].time - (path.period or 0.0) * (1 - 1e-9)
-    return sum(state.time > start for state in states)
 
 
 def _coarse_interface(scene: Scene, modulus: float) -> Interface:

@@ -118,7 +118,7 @@ def _condensed_bodies(scene: Scene, mesh: MeshSettings, scales: Scales, watch: _
 
 
 def surface_grading(mesh: MeshSettings, scales: Scales, ratio: float = 1.0) -> SurfaceGrading:
-    """Fine from just inside the innermost edge of the last cycle to just outside the largest contact; sizes times `ratio`."""
+    """Fine from just inside the innermost edge of any revolution to just outside the largest contact; sizes times `ratio`."""
     # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few hundredths of it.
     a = scales.half_width
     inner = scales.inner - 0.06 * a
