@@ -101,12 +101,12 @@ def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pie
         Where halving does not help: noise, a pole, a function that is too rough.
     """
     marks = np.asarray(edges, dtype=float)
-    first = _halved(function, marks, scale)
+    first = halved(function, marks, scale)
     runs = _short_runs(first, marks)
     if not runs:
         return first
     marks = np.union1d(marks, [_corner(function, first, run) for run in runs])
-    again = _halved(function, marks, scale)
+    again = halved(function, marks, scale)
     left = _short_runs(again, marks)
     if left:
         raise Unresolved(float(again.edges[left[0][0]]), float(again.edges[left[0][1]]))
@@ -121,7 +121,8 @@ class Unresolved(ValueError):
         super().__init__(f"too rough between {low:.6g} and {high:.6g}")
 
 
-def _halved(function: Function, edges: Array, scale: float | None) -> Pieces:
+def halved(function: Function, edges: Array, scale: float | None = None) -> Pieces:
+    """A function by series on pieces, halved as `fit` does; next to a corner as short as need be."""
     found: list[tuple[float, Array]] = []
     middle = edges[:-1, None] + np.diff(edges)[:, None] * (1 + NODES) / 2
     size = np.max(np.abs(np.asarray(function(middle), dtype=float)), axis=1)

@@ -7,10 +7,28 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import FlatRounded, Hertz, InputError, Materials, Profile
+from scenes import (
+    CallableProfile,
+    Compound,
+    EvenPolynomial,
+    FlatRounded,
+    Hertz,
+    InputError,
+    Materials,
+    PowerLaw,
+    Profile,
+    Tabulated,
+    Wedge,
+)
+from semi_analytic.callable_profile import callable_contact
+from semi_analytic.compound import CompoundContact
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.hertz import HertzContact
+from semi_analytic.polynomial import PolynomialContact
+from semi_analytic.power_law import PowerLawContact
+from semi_analytic.tabulated import TabulatedContact
+from semi_analytic.wedge import wedge_contact
 
 Array = NDArray[np.float64]
 
@@ -66,9 +84,23 @@ def contact_of(profile: Profile, materials: Materials) -> Contact:
     InputError
         For a kind of profile that this engine does not know.
     """
-    modulus = composite_modulus(materials)
-    if isinstance(profile, Hertz):
-        return HertzContact(modulus, profile.radius, profile.datum_length)
-    if isinstance(profile, FlatRounded):
-        return FlatRoundedContact(modulus, profile.radius, profile.flat_half_length, profile.datum_length)
+    modulus, datum = composite_modulus(materials), getattr(profile, "datum_length", 0.0)
+    match profile:
+        case Hertz():
+            return HertzContact(modulus, profile.radius, datum)
+        case FlatRounded():
+            return FlatRoundedContact(modulus, profile.radius, profile.flat_half_length, datum)
+        case PowerLaw():
+            return PowerLawContact(modulus, profile.exponent, profile.length, profile.rise, datum)
+        case Compound():
+            return CompoundContact(modulus, datum, profile.inner_radius, profile.outer_radius, profile.inner_half_length)
+        case Wedge():
+            return wedge_contact(modulus, profile.tip_radius, profile.tip_half_length, datum)
+        case EvenPolynomial():
+            return PolynomialContact(modulus, datum, profile.length, profile.rises)
+        case Tabulated():
+            spline = profile.spline()
+            return TabulatedContact(modulus, datum, spline.x, spline.curvature)
+        case CallableProfile():
+            return callable_contact(modulus, profile)
     raise InputError(f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile")

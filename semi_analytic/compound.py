@@ -1,0 +1,109 @@
+"""Normal contact of compound curvature, 1/R1 up to x = b and 1/R2 beyond: a rounded tip plus a flat with rounded edges.
+
+# notation: tau = sqrt(a^2 - b^2)/b, 0 up to a = b; P or eta normal load
+
+P = (E*/R1) tip_load + (E* b^2/(2 R2)) F(tau), both terms growing: all digits are kept from R2/R1 = 0 to infinity.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semi_analytic.flat_rounded import FlatRoundedContact, load_function, log_function
+from semi_analytic.pile import Pile, rising_root
+from semi_analytic.tip import tip_load, tip_log, tip_pressure, tip_spread, tip_stiffness
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CompoundContact(Pile):
+    """Two half-planes pressed together by a profile of two curvatures. Methods as in `Contact`; R2 may be infinite (a wedge).
+
+    >>> contact = CompoundContact(modulus=100.0, datum_length=1.0, inner_radius=1.0, outer_radius=1.0, inner_half_length=0.3)
+    >>> round(float(contact.half_width(25 * np.pi)), 12)  # Hertz
+    1.0
+    """
+
+    inner_radius: float
+    outer_radius: float
+    inner_half_length: float
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """dP/da has a corner at a = b."""
+        return (self.inner_half_length,)
+
+    @property
+    def tip(self) -> float:
+        """E*/R1 [stress per length]."""
+        return self.modulus / self.inner_radius
+
+    @property
+    def edge(self) -> FlatRoundedContact | None:
+        """What lies outside; None for straight flanks."""
+        if math.isinf(self.outer_radius):
+            return None
+        return FlatRoundedContact(self.modulus, self.outer_radius, self.inner_half_length, self.datum_length)
+
+    def tau(self, load: ArrayLike) -> Array:
+        """sqrt(a^2 - b^2)/b from the load, 0 up to a = b."""
+        b = self.inner_half_length
+        inner, outer = self.tip * b * b / 2, self.edge.unit if self.edge is not None else 0.0
+        rest = np.maximum(np.asarray(load, dtype=float) - inner * np.pi / 2, 0.0)
+
+        def above(square: Array) -> Array:
+            # P - P(b) as a function of tau^2: the tip's share is pi/2 tau^2 - F, or by its closed form where that is large.
+            t = np.sqrt(square)
+            tip = np.where(t < 1, np.pi / 2 * square - load_function(t), (1 + square) * np.arctan2(1, t) + t - np.pi / 2)
+            return inner * tip + outer * load_function(t)
+
+        def slope(square: Array) -> Array:
+            t = np.sqrt(square)
+            return inner * np.arctan2(1, t) + outer * np.arctan(t)
+
+        guess = rest / (inner + outer) + np.where(outer > 0, 0.0, np.square(rest / (2 * inner)))
+        return np.sqrt(rising_root(above, slope, rest, guess))
+
+    def half_width(self, load: ArrayLike) -> Array:
+        """a(P) [length]."""
+        p, b = np.asarray(load, dtype=float), self.inner_half_length
+        hertz = np.sqrt(4 * p / (np.pi * self.tip))
+        return np.where(p <= self.tip * np.pi * b * b / 4, np.minimum(hertz, b), b * np.sqrt(1 + np.square(self.tau(p))))
+
+    def load(self, half_width: ArrayLike) -> Array:
+        """P(a) [force per thickness]."""
+        half = np.abs(np.asarray(half_width, dtype=float))
+        total = self.tip * tip_load(half, self.inner_half_length)
+        return total if self.edge is None else total + self.edge.load(half)
+
+    def stiffness(self, half_width: ArrayLike) -> Array:
+        """dP/da [stress] = E* a [arcsin(b/a)/R1 + arccos(b/a)/R2]."""
+        half, b = np.asarray(half_width, dtype=float), self.inner_half_length
+        tau = np.sqrt(np.maximum((half - b) * (half + b), 0.0))
+        return self.tip * tip_stiffness(half, b) + self.modulus / self.outer_radius * half * np.arctan2(tau, b)
+
+    def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """p(x, P) >= 0 [stress], 0 outside the contact."""
+        total = self.tip * tip_pressure(np.abs(x), self.half_width(load), self.inner_half_length)
+        return total if self.edge is None else total + self.edge.pressure(x, self._edge_load(load))
+
+    def spread(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness]."""
+        total = self.tip * tip_spread(np.abs(x), self.half_width(load), self.inner_half_length)
+        return total if self.edge is None else total + self.edge.spread(x, self._edge_load(load))
+
+    def log_distance(self, load: ArrayLike) -> Array:
+        """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per thickness]."""
+        p = np.asarray(load, dtype=float)
+        total = p * self.log_ratio(p) + self.tip * tip_log(self.half_width(p), self.inner_half_length)
+        return total if self.edge is None else total + self.edge.unit * log_function(self.tau(p))
+
+    def _edge_load(self, load: ArrayLike) -> Array:
+        """What the flat with rounded edges carries of P."""
+        assert self.edge is not None
+        return self.edge.unit * load_function(self.tau(load))

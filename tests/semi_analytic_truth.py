@@ -1,0 +1,121 @@
+"""Normal contact in 30 digits by quadrature, from h' and dP/da alone: what the tests of the profiles compare with."""
+
+import mpmath as mp
+import numpy as np
+
+STEP, RANGE = mp.mpf("0.2"), 225
+with mp.workdps(40):
+    _NEAR = [1 / (1 + mp.exp(STEP * k)) for k in range(RANGE + 1)]
+    _WEIGHT = [STEP * near * (1 - near) for near in _NEAR]
+
+
+def integrate(function, marks):
+    """int function between consecutive marks: trapezoidal rule in s of 1/(1 + exp(-s)), whatever the scale, whatever the ends."""
+    with mp.workdps(34):
+        total = mp.mpf(0)
+        for begin, end in zip(marks[:-1], marks[1:], strict=True):
+            begin, length = mp.mpf(begin), mp.mpf(end) - mp.mpf(begin)
+            if length > 0:
+                part = _WEIGHT[0] * function(begin + length / 2)
+                for near, weight in zip(_NEAR[1:], _WEIGHT[1:], strict=True):
+                    part += weight * (function(begin + length * near) + function(mp.mpf(end) - length * near))
+                total += part * length
+        return total
+
+
+class Truth:
+    """slope: h'(x); rate: dP/da for E* = 1; both in mpmath; breaks: where they have corners; least: a(0)."""
+
+    def __init__(self, modulus, slope, rate, breaks=(), least=0.0):
+        self.modulus, self.slope, self.rate = mp.mpf(modulus), slope, rate
+        self.breaks, self.least = sorted(breaks), least
+
+    def marks(self, begin, end):
+        return [begin, *(b for b in self.breaks if begin < b < end), end]
+
+    def load_of_slope(self, a):
+        """E* int x h'/sqrt(a^2 - x^2) dx with x = a sin(angle)."""
+        a = mp.mpf(a)
+        marks = [mp.asin(min(mp.mpf(m) / a, 1)) for m in self.marks(0, float(a))[:-1]] + [mp.pi / 2]
+        return float(self.modulus * integrate(lambda angle: a * mp.sin(angle) * self.slope(a * mp.sin(angle)), marks))
+
+    def pressure(self, x, a, weight=None):
+        """(1/pi) int dP/sqrt(alpha^2 - x^2) with alpha^2 = x^2 + w^2."""
+        x = mp.mpf(x)
+        first = max(float(x), self.least)
+        with mp.workdps(34):
+            marks = [mp.sqrt(mp.mpf(m) ** 2 - x * x) for m in self.marks(first, a)]
+
+        def strip(w):
+            alpha = mp.sqrt(x * x + w * w)
+            factor = weight(float(alpha)) if weight else 1
+            return factor * self.rate(alpha) / alpha / mp.pi if alpha else mp.mpf(0)
+
+        return float(self.modulus * integrate(strip, marks))
+
+    def total(self, kernel, begin, end, weight=None):
+        """int kernel(alpha) dP."""
+
+        def strip(alpha):
+            factor = weight(float(alpha)) if weight else 1
+            return factor * self.rate(alpha) * kernel(alpha) if alpha else mp.mpf(0)
+
+        return float(self.modulus * integrate(strip, self.marks(begin, end)))
+
+    def spread(self, x, a, weight=None):
+        x = mp.mpf(x)
+        return self.total(lambda alpha: mp.acosh(x / alpha) if alpha < x else mp.mpf(0), self.least, min(a, float(x)), weight)
+
+    def logarithm(self, a, datum, weight=None):
+        return self.total(lambda alpha: mp.log(2 * mp.mpf(datum) / alpha), self.least, a, weight)
+
+    def area(self, a, c):
+        return self.total(lambda alpha: mp.log(alpha / mp.mpf(c)), c, a)
+
+
+def worst(contact, truth, widths, relative_x=(0.0, 0.3, 0.9, 0.999, 1.3), moments=True):
+    """The largest relative error of each method at half-widths `widths`."""
+    found = {}
+
+    def note(name, value, exact):
+        error = abs(float(value) - exact) / abs(exact) if exact else abs(float(value))
+        found[name] = max(found.get(name, 0.0), error)
+
+    weight = lambda alpha: mp.mpf(float(contact.load(alpha)))  # noqa: E731
+    for a in widths:
+        load = float(contact.load(a))
+        note("load", load, truth.load_of_slope(a))
+        note("half_width", contact.half_width(load), a)
+        for part in relative_x:
+            x = part * a
+            if part < 1:
+                note("pressure", contact.pressure(x, load), truth.pressure(x, a))
+                if moments:
+                    note("pressure_moment", contact.pressure_moment(x, load), truth.pressure(x, a, weight))
+            if x > truth.least:
+                note("spread", contact.spread(x, load), truth.spread(x, a))
+                if moments:
+                    note("spread_moment", contact.spread_moment(x, load), truth.spread(x, a, weight))
+        note("log_distance", contact.log_distance(load), truth.logarithm(a, contact.datum_length))
+        if moments:
+            note("log_moment", contact.log_moment(load), truth.logarithm(a, contact.datum_length, weight))
+        for part in (0.999, 0.7, 0.1):
+            c = truth.least + part * (a - truth.least)
+            front = float(contact.load(c))
+            note("log_area", contact.log_area(load, load - front), truth.area(a, float(contact.half_width(front))))
+    return found
+
+
+def check_close_pairs(contact, widths, tolerance):
+    """`reach` and `root_quotient` of loads that are close: against their definitions, as far as these have digits."""
+    for a in widths:
+        load = float(contact.load(a))
+        for part in (0.5, 1e-2, 1e-4, 1e-6):
+            excess = part * load
+            outer = float(contact.half_width(load + excess))
+            inner = float(contact.half_width(load - excess))
+            digits = tolerance + 4e-16 / part
+            reach = np.arccosh(outer / a) if part > 1e-3 else np.arcsinh(np.sqrt((outer - a) * (outer + a)) / a)
+            np.testing.assert_allclose(contact.reach(outer, excess, load), reach, rtol=100 * digits)
+            quotient = np.sqrt(excess / ((a - inner) * (a + inner)))
+            np.testing.assert_allclose(contact.root_quotient(inner, excess, load), quotient, rtol=100 * digits)
