@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest slow bench numbers docs constraints clean distclean
+.PHONY: help run test lint types contracts pytest slow bench numbers regress docs constraints clean distclean
 
 PY := .venv/bin/python
 STAMP := .venv/.installed
@@ -69,6 +69,10 @@ numbers: $(STAMP) ## measure every promised number, print it, write docs/numbers
 	@echo "==> numbers"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(PY) benchmarks/claims.py
+
+regress: $(STAMP) ## the half-plane engine against stored references and its own frozen values (ACCEPT="scene ...", REFERENCES=1)
+	@echo "==> regress"
+	@$(ONE_THREAD) $(PY) benchmarks/regress.py $(if $(ACCEPT),--accept $(ACCEPT)) $(if $(REFERENCES),--references)
 
 docs: $(DOCS_STAMP) ## the pages, into docs/_build/html
 	@echo "==> docs: sphinx"

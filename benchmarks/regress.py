@@ -1,0 +1,231 @@
+"""Regression of the half-plane engine by itself, without FE: every scene of the library, in seconds.
+
+    make regress                             (python benchmarks/regress.py)
+    make regress ACCEPT="hertz-paper ..."    take the new values of the named scenes for frozen ones
+    make regress REFERENCES=1                evaluate the 30-digit references anew (some minutes)
+
+Two columns, kept apart: *accurate* is the difference from a closed form or a stored 30-digit value, of somebody else's making;
+*frozen* is the difference from our own value of last time. A change of either is shown as old, new and difference, and is accepted
+by name only. Exit code 1 where something changed or is not accurate.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import mpmath as mp
+from semi_analytic_reference import Case, flat_load, phases
+
+import semi_analytic
+from scenes import Scene, load_scene, scene_names
+
+FILE = Path(__file__).with_suffix(".json")
+DIGITS = 30
+# Relative; the frozen values were made by this very code, so only rounding may differ (another order of sums, another library).
+ACCURATE, SAME = 1e-12, 1e-13
+QUANTITIES = ("dissipation", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "stroke")
+
+
+@dataclass(frozen=True)
+class Line:
+    """One quantity of one scene: value now, frozen value, and the reference where there is one."""
+
+    scene: str
+    quantity: str
+    value: float
+    frozen: float | None
+    reference: str | None
+
+    @property
+    def drift(self) -> float | None:
+        """Relative difference from the frozen value."""
+        return None if self.frozen is None else _apart(self.value, self.frozen)
+
+    @property
+    def error(self) -> float | None:
+        """Relative difference from the reference."""
+        return None if self.reference is None else _apart(self.value, mp.mpf(self.reference))
+
+    @property
+    def good(self) -> bool:
+        return (self.error is None or self.error <= ACCURATE) and self.drift is not None and self.drift <= SAME
+
+
+def _apart(value: float, other: float | mp.mpf) -> float:
+    if math.isnan(value) and mp.isnan(other):
+        return 0.0
+    return float(abs(value - other) / max(abs(value), abs(other))) if value != other else 0.0
+
+
+def measure(scene: Scene) -> dict[str, float]:
+    """The quantities of a scene by the engine."""
+    answer = semi_analytic.solve(scene, x=[0.0, 1e-3, 1.0])
+    full = semi_analytic.solve(scene)
+    return {
+        "dissipation": answer.dissipation,
+        "permanent_stick_half_width": answer.permanent_stick_half_width,
+        "largest_half_width": float(full.contact_half_width.max()),
+        "largest_pressure": float(answer.pressure.max()),
+        "stroke": float(full.rigid_shift.max() - full.rigid_shift.min()),
+    }
+
+
+def truth(scene: Scene) -> mp.mpf | None:
+    """Dissipation of the last cycle with 30 digits, by closed form or one-dimensional integrals; None where there is no way yet."""
+    load, f = scene.load, mp.mpf(scene.friction.coefficient)
+    if load.kind == "polygon":
+        return _constant_load(scene, f)
+    if load.kind != "ellipse" or scene.profile.kind not in PILES:
+        return None
+    if load.phase_degrees in (0.0, 180.0, -180.0):
+        return mp.mpf(0) if _in_proportion(scene) else None
+    return _steady_ellipse(scene, f)
+
+
+def _in_proportion(scene: Scene) -> bool:
+    """Whether P and Q rise and fall together along one ray from the origin, in full stick."""
+    load, f = scene.load, scene.friction.coefficient
+    ratio = load.mean_tangential_load / load.mean_normal_load
+    return abs(load.tangential_amplitude - ratio * load.normal_amplitude) < 1e-12 * load.normal_amplitude and abs(ratio) < f
+
+
+def _constant_load(scene: Scene, f: mp.mpf) -> mp.mpf | None:
+    """Hertz, constant P, Q between +-k f P: W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2]; nothing where Q stays 0."""
+    points = [*scene.load.way_in, *scene.load.cycle]
+    if all(q == 0 for _, q in points):
+        return mp.mpf(0)
+    loads = {p for p, _ in points}
+    if scene.profile.kind != "hertz" or len(loads) != 1:
+        return None
+    p = mp.mpf(loads.pop())
+    k = max(abs(mp.mpf(q)) for _, q in points) / (f * p)
+    return 4 * f**2 * p**2 / (mp.pi * modulus(scene)) * ((1 - k) * mp.log(1 - k) + k - k**2 / 2)
+
+
+def modulus(scene: Scene) -> mp.mpf:
+    """E*."""
+    return 1 / sum(
+        (1 - mp.mpf(m.poisson_ratio) ** 2) / mp.mpf(m.young_modulus) for m in (scene.material.lower, scene.material.upper)
+    )
+
+
+# Profiles that are Hertz and a rounded flat laid over each other: curvature of the one and of the other, half-length b.
+PILES: dict[str, Callable[[object], tuple[mp.mpf, mp.mpf, mp.mpf]]] = {
+    "hertz": lambda p: (1 / mp.mpf(p.radius), mp.mpf(0), mp.mpf(1)),
+    "flat_rounded": lambda p: (mp.mpf(0), 1 / mp.mpf(p.radius), mp.mpf(p.flat_half_length)),
+    "compound": lambda p: (
+        1 / mp.mpf(p.inner_radius),
+        1 / mp.mpf(p.outer_radius) - 1 / mp.mpf(p.inner_radius),
+        mp.mpf(p.inner_half_length),
+    ),
+    "wedge": lambda p: (1 / mp.mpf(p.tip_radius), -1 / mp.mpf(p.tip_radius), mp.mpf(p.tip_half_length)),
+}
+
+
+def _steady_ellipse(scene: Scene, f: mp.mpf) -> mp.mpf:
+    """W = (f A/pi) closed-int |u' or v'| Lam dt over the phases of slip."""
+    load, e_star = scene.load, modulus(scene)
+    round_, rounded, b = PILES[scene.profile.kind](scene.profile)
+    degrees = load.phase_degrees if load.phase_degrees > 0 else load.phase_degrees + 180  # Q mirrored
+    case = Case(0.0, load.mean_normal_load, load.normal_amplitude, load.tangential_amplitude, degrees, scene.friction.coefficient)
+    normal, parts = phases(case)
+
+    def load_of(a: mp.mpf) -> mp.mpf:
+        return e_star * (round_ * mp.pi * a * a / 4 + (rounded * flat_load(b, a) if a > b and rounded else 0))
+
+    def area_below(a: mp.mpf) -> mp.mpf:
+        """int P(alpha)/alpha d alpha from 0 to a."""
+        total = round_ * mp.pi * a * a / 8
+        if a > b and rounded:
+            tau = mp.sqrt(a * a / (b * b) - 1)
+            total += rounded * b * b / 2 * (((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau))
+        return e_star * total
+
+    def half_width(p: mp.mpf) -> mp.mpf:
+        low, high = mp.mpf(0) if round_ else b, b
+        while load_of(high) < p:
+            high *= 2
+        return mp.findroot(
+            lambda a: load_of(a) - p, (low + (high - low) / 1000, high), solver="anderson", tol=mp.mpf(10) ** -60, maxsteps=200
+        )
+
+    def power(part: object, t: mp.mpf) -> mp.mpf:
+        p, front = normal(t), part.front(t)
+        if not 0 < front < p:
+            return mp.mpf(0)
+        a, c = half_width(p), half_width(front)
+        return part.rate(t) * (p * mp.log(a / c) - area_below(a) + area_below(c))
+
+    total = sum(mp.quad(lambda t, part=part: power(part, t), mp.linspace(part.begin, part.end, 4)) for part in parts)
+    return f * 2 / (mp.pi * e_star) * total
+
+
+def references() -> dict[str, str]:
+    """The 30-digit references, evaluated now."""
+    mp.mp.dps = DIGITS + 10
+    found = {}
+    for name in scene_names():
+        value = truth(load_scene(name))
+        print(f"{name}: {'none' if value is None else mp.nstr(value, 15)}", flush=True)
+        if value is not None:
+            found[name] = mp.nstr(value, DIGITS)
+    return found
+
+
+def lines(stored: dict[str, dict]) -> list[Line]:
+    """Every quantity of every scene, beside what is stored."""
+    found = []
+    for name in scene_names():
+        values, kept = measure(load_scene(name)), stored.get(name, {})
+        for quantity in QUANTITIES:
+            reference = kept.get("reference") if quantity == "dissipation" else None
+            found.append(Line(name, quantity, values[quantity], kept.get("frozen", {}).get(quantity), reference))
+    return found
+
+
+def show(found: list[Line]) -> None:
+    """Print the table; a changed value as old, new and difference."""
+    print(f"{'scene':24} {'quantity':28} {'value':>24}  {'accurate':>9}  {'frozen':>9}")
+    for line in found:
+        error = "-" if line.error is None else f"{line.error:.1e}"
+        drift = "new" if line.drift is None else f"{line.drift:.1e}"
+        print(f"{line.scene:24} {line.quantity:28} {line.value:24.17g}  {error:>9}  {drift:>9}  {'' if line.good else '<<'}")
+        if line.drift is not None and line.drift > SAME:
+            print(f"    old {line.frozen!r}, new {line.value!r}, difference {line.value - (line.frozen or 0.0):.3g}")
+
+
+def main() -> int:
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    arguments.add_argument(
+        "--accept", nargs="*", default=[], metavar="SCENE", help="scenes whose new values become the frozen ones"
+    )
+    arguments.add_argument("--references", action="store_true", help="evaluate the 30-digit references anew")
+    asked = arguments.parse_args()
+    if unknown := set(asked.accept) - set(scene_names()):
+        print(f"regress: no such scene: {', '.join(sorted(unknown))}", file=sys.stderr)
+        return 2
+    stored = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
+    if asked.references:
+        for name, value in references().items():
+            stored.setdefault(name, {})["reference"] = value
+    mp.mp.dps = DIGITS + 10
+    found = lines(stored)
+    for name in asked.accept:
+        stored.setdefault(name, {})["frozen"] = {line.quantity: line.value for line in found if line.scene == name}
+    if asked.accept or asked.references:
+        FILE.write_text(json.dumps(dict(sorted(stored.items())), indent=1) + "\n", encoding="utf-8")
+        found = lines(stored)
+    show(found)
+    bad = [line for line in found if not line.good]
+    print(f"{len(found)} values of {len(scene_names())} scenes, {len(bad)} changed or not accurate")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
