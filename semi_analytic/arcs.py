@@ -67,8 +67,10 @@ def outside(low: Array, high: Array, edge: Array) -> Nodes:
     """Nodes for low < z < high with z^2 > e^2 = `edge`, which may be negative."""
     floor = np.sqrt(np.maximum(edge, 0.0))
     low, high = np.maximum(low, floor), np.maximum(high, floor)
-    a = np.log(np.maximum(low + np.sqrt(np.maximum(low * low - edge, 0.0)), 1e-150))
-    b = np.log(np.maximum(high + np.sqrt(np.maximum(high * high - edge, 0.0)), 1e-150))
+    beyond = np.maximum(-edge, 0.0)
+    # (z - e)(z + e), not z^2 - e^2: at z = e rounding would leave a root of 1e-8 in the latter.
+    a = np.log(np.maximum(low + np.sqrt((low - floor) * (low + floor) + beyond), 1e-150))
+    b = np.log(np.maximum(high + np.sqrt((high - floor) * (high + floor) + beyond), 1e-150))
     b = np.maximum(a, b)
     s, weight = _rule(a, b)
     r = np.exp(s)
@@ -80,8 +82,8 @@ def inside(low: Array, high: Array, edge: Array) -> Nodes:
     """Nodes for low < z < high with z^2 < e^2 = `edge`; weights are 0 where there are none."""
     e = np.sqrt(np.maximum(edge, 0.0))
     low, high = np.minimum(low, e), np.minimum(high, e)
-    a = np.arctan2(low, np.sqrt(np.maximum(edge - low * low, 0.0)))
-    b = np.arctan2(high, np.sqrt(np.maximum(edge - high * high, 0.0)))
+    a = np.arctan2(low, np.sqrt((e - low) * (e + low)))
+    b = np.arctan2(high, np.sqrt((e - high) * (e + high)))
     b = np.maximum(a, b)
     s, weight = _rule(a, b)
     return Nodes(e[..., None] * np.sin(s), weight, e[..., None] * np.cos(s))

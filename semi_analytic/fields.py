@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scenes import EllipseLeg
 from semi_analytic.arcs import arc_log, arc_shear, arc_slip
 from semi_analytic.contact import Contact
+from semi_analytic.curved import curved_log, curved_shear, curved_slip
 from semi_analytic.memory import Curve, Piece, front_time, pieces
 from semi_analytic.snapshot import Snapshot
 
@@ -97,13 +98,21 @@ class Integrals:
         if piece.arc is None:
             return 2 * piece.bend * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
         leg, first = piece.anchor.leg, piece.arc[0]
-        assert isinstance(leg, EllipseLeg)
         last = front_time(piece, front)
+        if not isinstance(leg, EllipseLeg):
+            return self._arc_of_any_leg(piece, last)
         if self.kernel == "shear":
             return arc_shear(self.contact, leg, first, last, self.x)
         if self.kernel == "slip":
             return arc_slip(self.contact, leg, first, last, self.x)
         return np.broadcast_to(arc_log(self.contact, leg, first, last)[:, None], (len(front), len(self.x)))
+
+    def _arc_of_any_leg(self, piece: Piece, last: Array) -> Array:
+        if self.kernel == "shear":
+            return curved_shear(self.contact, piece, last, self.x)
+        if self.kernel == "slip":
+            return curved_slip(self.contact, piece, last, self.x)
+        return np.broadcast_to(curved_log(self.contact, piece, last)[:, None], (len(last), len(self.x)))
 
     def moment(self, order: int, load: Array) -> Array:
         """int_0^load eta^order K d eta: shape (n, k) from (n,)."""
@@ -117,9 +126,10 @@ class Integrals:
 
 
 def _slope(piece: Piece) -> float:
-    """Slope of the straight part: of a parabola at eta = 0, of an ellipse that of its cosine part."""
+    """Slope of the straight part: of a parabola at eta = 0, of an ellipse that of its cosine part, of other arcs 0."""
     if piece.arc is None:
         return piece.slope - 2 * piece.bend * piece.anchor.normal
     leg = piece.anchor.leg
-    assert isinstance(leg, EllipseLeg)
+    if not isinstance(leg, EllipseLeg):
+        return 0.0
     return leg.amplitude[1] * float(np.cos(leg.phase)) / leg.amplitude[0]

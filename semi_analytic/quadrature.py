@@ -7,18 +7,24 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-_STEP = 0.375
 _RANGE = 36.0
-_S = np.arange(-_RANGE, _RANGE + _STEP / 2, _STEP)
-_NEAR = 1 / (1 + np.exp(np.abs(_S)))
-_WEIGHT = _STEP * _NEAR * (1 - _NEAR)
+
+
+def _rule(step: float) -> tuple[Array, Array, Array]:
+    """Places s, distances to the nearer end and weights on [0, 1]."""
+    s = np.arange(-_RANGE, _RANGE + step / 2, step)
+    near = 1 / (1 + np.exp(np.abs(s)))
+    return s, near, step * near * (1 - near)
+
+
+_S, _NEAR, _WEIGHT = _rule(0.375)
 
 NODES = len(_S)
 """Nodes of the rule."""
 
 
 def graded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
-    """Nodes and weights on [begin, end], a new last axis of NODES: trapezoidal rule in s of begin + (end - begin)/(1 + exp(-s)).
+    """Nodes and weights on [begin, end], a new last axis: trapezoidal rule in s of begin + (end - begin)/(1 + exp(-s)).
 
     A singularity beyond an end lies on the line Im s = pi, however near the end it is, so that roots and logarithms at the ends and
     next to them cost nothing: about 1e-14 of the largest value of the integrand times the range.

@@ -56,6 +56,7 @@ def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     friction = 0.0
     for span, time in parts:
         load, force = span.leg.loads(time)
+        load = np.maximum(load, 0.0)  # a path that unloads fully may end below 0 by rounding
         times.append(time)
         loads.append(load)
         forces.append(force)
