@@ -65,6 +65,11 @@ class CallableContact(Pile):
         """Half-widths at which dP/da is not smooth."""
         return tuple(stretch.begin for stretch in self.stretches[1:])
 
+    @property
+    def noise(self) -> float:
+        """Relative error of P and dP/da themselves: a derivative was taken of h, two of it in dP/da."""
+        return 1e-11
+
     def load(self, half_width: ArrayLike) -> Array:
         """P(a) [force per thickness]; in the very middle as a power of a."""
         return self._at(np.abs(np.asarray(half_width, dtype=float)), 0)
@@ -211,6 +216,6 @@ def _corners(profile: CallableProfile) -> tuple[float, ...]:
     found = []
     for b in profile.corners:
         left, right = profile.bend(np.array([b * (1 - 1e-9), b * (1 + 1e-9)]))
-        if abs(left - right) > _CORNER * (abs(left) + abs(right)) + 1e-300:
+        if abs(left - right) > _CORNER * (abs(left) + abs(right) + float(profile.slope(np.array(b)))) + 1e-300:
             found.append(b)
     return tuple(found)

@@ -148,6 +148,11 @@ class Pile:
         """Half-widths at which dP/da is not smooth."""
         return ()
 
+    @property
+    def noise(self) -> float:
+        """Relative error of P and dP/da themselves."""
+        return 2 * _EPS
+
     def _weight(self, at: Array, order: int) -> Array:
         return self.stiffness(at) * self.load(at) if order else self.stiffness(at)
 
@@ -172,7 +177,8 @@ class Pile:
         node = panels(self.least, self.half_width(load), self.breaks)
         return Terms(node.weight * self.load(node.at) ** (order + 1) / np.where(node.at > 0, node.at, np.inf))
 
-    def _area_terms(self, load: Array, slipped: Array) -> Terms:
+    def _area_terms(self, load: Array, slipped: Array, order: int = 0) -> Terms:
+        del order
         half = self.half_width(load)
         drop = self._drop(half, load, slipped)
         front = np.maximum(half - drop, 0.0)
@@ -200,16 +206,24 @@ class Pile:
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
         """Estimated error of the method `name` for these arguments, where it is done by quadrature; not below the true one."""
-        terms = {
-            "pressure": self._pressure_terms,
-            "spread": self._spread_terms,
-            "log_distance": self._log_terms,
-            "log_area": self._area_terms,
-            "pressure_moment": lambda x, p: self._pressure_terms(x, p, 1),
-            "spread_moment": lambda x, p: self._spread_terms(x, p, 1),
-            "log_moment": lambda p: Terms(self._log_terms(p, 1).parts / 2),
+        terms, order = {
+            "pressure": (self._pressure_terms, 0),
+            "spread": (self._spread_terms, 0),
+            "log_distance": (self._log_terms, 0),
+            "log_area": (self._area_terms, 0),
+            "pressure_moment": (self._pressure_terms, 1),
+            "spread_moment": (self._spread_terms, 1),
+            "log_moment": (self._log_terms, 1),
         }[name]
-        return terms(*np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in arguments))).error()  # type: ignore[operator]
+        values = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in arguments))
+        found = terms(*values, order)  # type: ignore[operator]
+        half = self.half_width(values[-1] if name != "log_area" else values[0])
+        # What the last digit of a half-width does to the result, and errors of P(a).
+        near = {"pressure": half - np.abs(values[0]), "spread": np.abs(values[0]) - half}.get(name.removesuffix("_moment"), half)
+        if name == "log_area":
+            near = self._drop(half, *values)
+        last_digit = 8 * _EPS * half / np.maximum(np.abs(near), _EPS * np.maximum(half, np.finfo(float).tiny))
+        return found.error() + (last_digit + self.noise) * np.sum(np.abs(found.parts), axis=(-2, -1))
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x, P) >= 0 [stress], 0 outside the contact."""

@@ -1,7 +1,13 @@
 """Normal contact in 30 digits by quadrature, from h' and dP/da alone: what the tests of the profiles compare with."""
 
+import itertools
+
 import mpmath as mp
 import numpy as np
+
+from scenes import Elastic, Materials
+from semi_analytic.contact import contact_of
+from semi_analytic.pile import Pile
 
 STEP, RANGE = mp.mpf("0.2"), 225
 with mp.workdps(40):
@@ -13,7 +19,7 @@ def integrate(function, marks):
     """int function between consecutive marks: trapezoidal rule in s of 1/(1 + exp(-s)), whatever the scale, whatever the ends."""
     with mp.workdps(34):
         total = mp.mpf(0)
-        for begin, end in zip(marks[:-1], marks[1:], strict=True):
+        for begin, end in itertools.pairwise(marks):
             begin, length = mp.mpf(begin), mp.mpf(end) - mp.mpf(begin)
             if length > 0:
                 part = _WEIGHT[0] * function(begin + length / 2)
@@ -119,3 +125,28 @@ def check_close_pairs(contact, widths, tolerance):
             np.testing.assert_allclose(contact.reach(outer, excess, load), reach, rtol=100 * digits)
             quotient = np.sqrt(excess / ((a - inner) * (a + inner)))
             np.testing.assert_allclose(contact.root_quotient(inner, excess, load), quotient, rtol=100 * digits)
+
+
+def profile_contact(profile, modulus=1.0):
+    """The contact of a profile between bodies of that composite modulus."""
+    material = Elastic(young_modulus=2 * modulus, poisson_ratio=0.0)
+    return contact_of(profile, Materials(upper=material, lower=material))
+
+
+def check_errors_are_honest(contact, truth, widths, limit, relative_x=(0.3, 0.999, 1.3)):
+    """Estimated errors: not below the true ones, and not above `limit` of the value."""
+    for a in widths:
+        load = float(contact.load(a))
+        front = float(contact.load(truth.least + 0.6 * (a - truth.least)))
+        cases = [("log_distance", (load,), truth.logarithm(a, contact.datum_length))]
+        cases.append(("log_area", (load, load - front), truth.area(a, float(contact.half_width(front)))))
+        for x in (part * a for part in relative_x):
+            if x < a:
+                cases.append(("pressure", (x, load), truth.pressure(x, a)))
+            elif x > truth.least:
+                cases.append(("spread", (x, load), truth.spread(x, a)))
+        for name, arguments, exact in cases:
+            value = float(getattr(Pile, name)(contact, *arguments))
+            estimate = float(contact.quadrature_error(name, *arguments))
+            assert abs(value - exact) <= estimate, (name, a, arguments)
+            assert estimate <= limit * abs(exact) * (1 + abs(np.log(a))), (name, a, arguments)
