@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import elementwise
 
-from scenes import EllipseLeg, Leg, ParabolaLeg, StraightLeg
+from scenes import ChebyshevLeg, EllipseLeg, HarmonicLeg, Leg, ParabolaLeg, StraightLeg
+from semi_analytic.turning import stationary_on_harmonics, stationary_on_series
 
 Array = NDArray[np.float64]
 
@@ -103,6 +104,10 @@ def stationary(leg: Leg, what: Combination) -> list[float]:
         return _stationary_on_parabola(leg, what)
     if isinstance(leg, EllipseLeg):
         return _stationary_on_ellipse(leg, what)
+    if isinstance(leg, HarmonicLeg):
+        return stationary_on_harmonics(leg, what.normal, what.tangential)
+    if isinstance(leg, ChebyshevLeg):
+        return stationary_on_series(leg, what.normal, what.tangential)
     return _stationary_sampled(leg, what)
 
 

@@ -1,6 +1,6 @@
 """Normal contact in 30 digits by quadrature, from h' and dP/da alone: what the tests of the profiles compare with."""
 
-import itertools
+from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
@@ -19,13 +19,14 @@ def integrate(function, marks):
     """int function between consecutive marks: trapezoidal rule in s of 1/(1 + exp(-s)), whatever the scale, whatever the ends."""
     with mp.workdps(34):
         total = mp.mpf(0)
-        for begin, end in itertools.pairwise(marks):
-            begin, length = mp.mpf(begin), mp.mpf(end) - mp.mpf(begin)
-            if length > 0:
-                part = _WEIGHT[0] * function(begin + length / 2)
+        for left, right in pairwise(marks):
+            begin, end = mp.mpf(left), mp.mpf(right)
+            if end > begin:
+                part = _WEIGHT[0] * function((begin + end) / 2)
                 for near, weight in zip(_NEAR[1:], _WEIGHT[1:], strict=True):
-                    part += weight * (function(begin + length * near) + function(mp.mpf(end) - length * near))
-                total += part * length
+                    step = (end - begin) * near
+                    part += weight * (function(begin + step) + function(end - step))
+                total += part * (end - begin)
         return total
 
 
