@@ -1,0 +1,255 @@
+"""The paper's two examples as the engine solves them, with the units in which the paper draws them.
+
+# notation: a0 = a(P0), A = 2/E*, unit load P0/3, so that the loads are 3, 1.1, 1, 1 as the paper prints them
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import semi_analytic
+from scenes import ContactSolution, EllipseLoad, InputError, Scene, freeze, load_scene
+from semi_analytic.contact import Contact, contact_of
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.friction_work import pointwise_dissipation
+from semi_analytic.history import Span
+from semi_analytic.route import own_route
+
+Array = NDArray[np.float64]
+
+HERTZ, ROUNDED = "hertz-paper", "flat-rounded-paper"
+FRICTIONS = (1.0, 0.8, 0.6, 0.4)
+"""Coefficients of friction of figure 4b, used in the grids of figures 7 and 10 as well."""
+POINTS = (0.77, 0.82, 1.0, 1.13)
+"""x/a0 of figure 5."""
+LETTERS = "ABCDEFGHIJKLM"
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One of the paper's ellipses on one of its profiles. Scaled: loads over P0/3, lengths over a0, slips over A P0/3.
+
+    Attributes
+    ----------
+    scene : the question, an ellipse
+    """
+
+    scene: Scene
+
+    @property
+    def load(self) -> EllipseLoad:
+        """The ellipse."""
+        load = self.scene.load
+        if not isinstance(load, EllipseLoad):
+            raise InputError(f"{self.scene.name}: the paper's figures are about an ellipse, not {load.kind}")
+        return load
+
+    @property
+    def friction(self) -> float:
+        """f."""
+        return self.scene.friction.coefficient
+
+    @cached_property
+    def contact(self) -> Contact:
+        """Normal contact of the profile."""
+        return contact_of(self.scene.profile, self.scene.material)
+
+    @property
+    def unit(self) -> float:
+        """P0/3 [force per thickness]."""
+        return self.load.mean_normal_load / 3
+
+    @property
+    def length(self) -> float:
+        """a0 = a(P0) [length]."""
+        return float(self.contact.half_width(self.load.mean_normal_load))
+
+    @property
+    def compliance(self) -> float:
+        """A = 2/E* [1/stress]."""
+        return 2 / composite_modulus(self.scene.material)
+
+    @property
+    def work_unit(self) -> float:
+        """A f^2 P0^2 [energy per thickness], the unit of a cycle's dissipation."""
+        return self.compliance * (self.friction * self.load.mean_normal_load) ** 2
+
+    def width(self, load: ArrayLike) -> Array:
+        """a(P)/a0 from P in scene units."""
+        return np.asarray(self.contact.half_width(load)) / self.length
+
+    def solve(
+        self, time: ArrayLike | None = None, x: ArrayLike = (0.0,), fields: Iterable[str] = (), *, steady: bool = False
+    ) -> ContactSolution:
+        """The engine's answer at scaled points `x`."""
+        points = np.asarray(x, dtype=float) * self.length
+        return semi_analytic.solve(self.scene, x=points, time=time, fields=fields, cycles="steady" if steady else "all")
+
+    @cached_property
+    def events(self) -> Mapping[str, semi_analytic.Event]:
+        """The paper's letters A to M."""
+        return {letter: event for event in semi_analytic.events(self.scene) for letter in event.letter}
+
+    def time(self, letter: str) -> float:
+        """When the letter is."""
+        return self.events[letter].time
+
+    def loads(self, time: ArrayLike) -> tuple[Array, Array]:
+        """P and Q at times, scaled."""
+        normal, tangential = self.scene.load.path().at(time)
+        return normal / self.unit, tangential / self.unit
+
+    def round_times(self, count: int = 361) -> Array:
+        """(count,) instants of one steady revolution that starts at M, and ends there."""
+        return self.time("M") + np.linspace(0.0, 2 * math.pi, count)
+
+    @cached_property
+    def steady(self) -> ContactSolution:
+        """The steady cycle: its dissipations, permanent stick and both routes to W."""
+        return self.solve(fields=("dissipation",), steady=True)
+
+    @property
+    def stick_edge(self) -> float:
+        """Half-width of the permanent stick zone over a0."""
+        return self.steady.permanent_stick_half_width / self.length
+
+    @property
+    def outer_edge(self) -> float:
+        """Largest contact half-width over a0."""
+        return float(self.width(self.load.mean_normal_load + self.load.normal_amplitude))
+
+    @cached_property
+    def slipping(self) -> Mapping[str, tuple[Span, ...]]:
+        """The steady cycle's spans of slip by the paper's phases EG, IJ and JM."""
+        route = own_route(self.scene.load.path(), self.friction, self.scene.cycles, None)
+        spans = route.history.cycles[-1]
+        first = min(span.begin.time for span in spans if span.direction > 0)
+        change = first + self.time("J") - self.time("I")
+        middle = {span: (span.begin.time + span.end.time) / 2 for span in spans}
+        return {
+            "EG": tuple(span for span in spans if span.direction < 0),
+            "IJ": tuple(span for span in spans if span.direction > 0 and middle[span] < change),
+            "JM": tuple(span for span in spans if span.direction > 0 and middle[span] > change),
+        }
+
+    def density(self, x: ArrayLike) -> dict[str, Array]:
+        """Pointwise work of each phase of slip at scaled `x`, over A f^2 P0^2/a0."""
+        points = np.asarray(x, dtype=float) * self.length
+        modulus = composite_modulus(self.scene.material)
+        factor = self.length / self.work_unit
+        return {
+            phase: factor * pointwise_dissipation(self.contact, modulus, spans, points).total for phase, spans in self.slipping.items()
+        }
+
+    def batch(self, **changes: Any) -> dict[str, Any]:
+        """Arguments of the engine's batches for this case, some of them replaced."""
+        load = self.load
+        return {
+            "profile": self.scene.profile,
+            "material": self.scene.material,
+            "friction_coefficient": self.friction,
+            "mean_normal_load": load.mean_normal_load,
+            "normal_amplitude": load.normal_amplitude,
+            "mean_tangential_load": load.mean_tangential_load,
+            "tangential_amplitude": load.tangential_amplitude,
+            "phase": load.phase,
+        } | changes
+
+    def with_load(self, friction: float | None = None, **changes: Any) -> Case:
+        """The same with another f or other numbers of the ellipse."""
+        scene = self.scene.model_copy(update={"load": self.load.model_copy(update=changes)})
+        if friction is not None:
+            scene = scene.model_copy(update={"friction": scene.friction.model_copy(update={"coefficient": friction})})
+        return Case(scene)
+
+    def about_no_shear(self, friction: float) -> Case:
+        """The same amplitudes about Q0 = 0 with another f: the widest range of f before gross sliding."""
+        return self.with_load(friction=friction, mean_tangential_load=0.0, way_in="straight")
+
+
+def sliding_limit(friction: ArrayLike) -> Array:
+    """Least P0/P1 of a circle about Q = 0 without gross sliding, sqrt(1 + f^2)/f: equation (25), mended."""
+    f = np.asarray(friction, dtype=float)
+    return np.sqrt(1 + f * f) / f
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Circles about Q = 0 (phase 90 degrees, Q1 = P1) with a(P0) and P1 the same in all: figures 7 and 10.
+
+    Attributes
+    ----------
+    frictions : (m,) f
+    ratio : (m, n) P0/P1, from the sliding limit on
+    work : (m, n) W/(A P1^2)
+    peak : (m, n) max W(x) a0/(A P1^2)
+    place : (m, n) place of the peak between permanent stick edge (0) and largest contact (1)
+    """
+
+    frictions: Array
+    ratio: Array
+    work: Array
+    peak: Array
+    place: Array
+
+
+def sweep(case: Case, largest: float = 6.0, count: int = 41) -> Sweep:
+    """The sweep over f and P0/P1 on the case's profile, its radius such that a(P0) and b stay what they are: one call each."""
+    friction = np.array(FRICTIONS)
+    # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself is rounding's.
+    ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
+    ratio = ratio * (largest / ratio) ** (np.linspace(0, 1, count) ** 2)
+    amplitude = case.unit
+    radius = case.scene.profile.model_dump()["radius"] * 3 / ratio
+    arguments = case.batch(
+        profile=case.scene.profile.model_dump() | {"radius": radius},
+        friction_coefficient=friction[:, None],
+        mean_normal_load=ratio * amplitude,
+        normal_amplitude=amplitude,
+        tangential_amplitude=amplitude,
+        mean_tangential_load=0.0,
+    )
+    scale = case.compliance * amplitude**2
+    peak = semi_analytic.peak_dissipation(**arguments)
+    work = semi_analytic.dissipation(**arguments).value / scale
+    arrays = (friction, ratio, work, peak.value * case.length / scale, peak.fraction)
+    return Sweep(*(freeze(array) for array in arrays))
+
+
+@dataclass(frozen=True, eq=False)
+class Paper:
+    """Everything that figures, statements and misprints draw on; what is costly is done once.
+
+    Attributes
+    ----------
+    hertz, rounded : the two examples
+    """
+
+    hertz: Case
+    rounded: Case
+
+    @cached_property
+    def sweeps(self) -> tuple[Sweep, Sweep]:
+        """Hertz, flat and rounded."""
+        return sweep(self.hertz), sweep(self.rounded)
+
+    @cached_property
+    def peaks(self) -> tuple[semi_analytic.PeakBatch, semi_analytic.PeakBatch]:
+        """Place and size of the peak of W(x) in the two examples."""
+        return tuple(semi_analytic.peak_dissipation(**case.batch()) for case in (self.hertz, self.rounded))  # type: ignore[return-value]
+
+
+def paper() -> Paper:
+    """The two examples from the library.
+
+    >>> round(paper().hertz.length, 12)  # a(P0) = 1 mm
+    1.0
+    """
+    return Paper(Case(load_scene(HERTZ)), Case(load_scene(ROUNDED)))

@@ -1,0 +1,113 @@
+"""The paper's own formulas for its ellipse, mended, written out in plain numbers: what its misprints are held against.
+
+# notation: t time of the ellipse, u = Q - f P, v = Q + f P, A = 2/E* = (1 + kappa)/(2 mu), x, c, a lengths of the scene
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reports.paper_cases import Case
+from semi_analytic.friction_work import slip_times
+from semi_analytic.quadrature import graded
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Formulas:
+    """Loads, fronts and slip increments of a case's steady cycle, equations (3), (4), (8), (14) and (16) to (19)."""
+
+    case: Case
+
+    def loads(self, t: ArrayLike) -> tuple[Array, Array]:
+        """P and Q, equations (3) and (4)."""
+        load, time = self.case.load, np.asarray(t, dtype=float)
+        return (
+            load.mean_normal_load + load.normal_amplitude * np.cos(time),
+            load.mean_tangential_load + load.tangential_amplitude * np.cos(time - load.phase),
+        )
+
+    def rates(self, t: ArrayLike) -> tuple[Array, Array]:
+        """dP/dt and dQ/dt."""
+        load, time = self.case.load, np.asarray(t, dtype=float)
+        return -load.normal_amplitude * np.sin(time), -load.tangential_amplitude * np.sin(time - load.phase)
+
+    def level(self, letter: str, sign: int) -> float:
+        """Q + sign f P at a letter."""
+        event = self.case.events[letter]
+        return event.tangential_load + sign * self.case.friction * event.normal_load
+
+    def twin(self, t: ArrayLike) -> Array:
+        """Time of Y of the paper: where the line of gradient f through t meets the stretch G-I of the loop."""
+        return 2 * self.case.time("I") - np.asarray(t, dtype=float)
+
+    def front(self, phase: str, t: ArrayLike) -> Array:
+        """P_c: P_S of equation (8) in EG, P_Y in IJ, what the paper calls P_K in JM."""
+        f, (p, q) = self.case.friction, self.loads(t)
+        if phase == "EG":
+            return np.asarray((q + f * p - self.level("E", -1)) / (2 * f))
+        if phase == "IJ":
+            return self.loads(self.twin(t))[0]
+        return np.asarray((self.level("G", 1) - q + f * p) / (2 * f))
+
+    def front_rate(self, phase: str, t: ArrayLike) -> Array:
+        """dP_c/dt."""
+        f, (dp, dq) = self.case.friction, self.rates(t)
+        if phase == "EG":
+            return np.asarray((dq + f * dp) / (2 * f))
+        if phase == "IJ":
+            return -self.rates(self.twin(t))[0]
+        return np.asarray((f * dp - dq) / (2 * f))
+
+    def multiplier(self, phase: str, t: ArrayLike) -> Array:
+        """C of equation (14), as printed."""
+        time = self.twin(t) if phase == "IJ" else t
+        dp, dq = self.rates(time)
+        return np.asarray(dq / dp / self.case.friction + (1 if phase == "EG" else -1))
+
+    def driving(self, phase: str, t: ArrayLike) -> Array:
+        """C dP/dt with the sign of slip: dv/f in EG, du/f in IJ and JM (where C dP is C dP_Y)."""
+        f, (dp, dq) = self.case.friction, self.rates(t)
+        return np.asarray(dq / f + (dp if phase == "EG" else -dp))
+
+    def reach(self, x: float | Array, load: ArrayLike) -> Array:
+        """arccosh(x/a(P)), 0 inside: int_a^x dx / sqrt(x^2 - a^2)."""
+        return np.arccosh(np.maximum(x / np.asarray(self.case.contact.half_width(load)), 1.0))
+
+    def slip_rate(self, phase: str, x: float, t: ArrayLike) -> Array:
+        """ds/dt, equations (16), (18) and (19) mended; x in or out of contact.
+
+        ds = (A/pi) f [C dP arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ and JM.
+        """
+        p, dp = self.loads(t)[0], self.rates(t)[0]
+        own = self.driving(phase, t) * self.reach(x, self.front(phase, t))
+        outside = (1 if phase == "EG" else -1) * dp * self.reach(x, p)
+        return self.case.compliance * self.case.friction / math.pi * (own - outside)
+
+    def moved(self, x: float, begin: float, end: float) -> float:
+        """The engine's change of s at x between two times in which the steady cycle is marched along."""
+        return float(np.diff(self.case.solve(time=[begin, end], x=[x / self.case.length], fields=("slip",)).slip[:, 0])[0])
+
+    def windows(self, phase: str, x: float) -> Iterable[tuple[Array, Array]]:
+        """Quadrature nodes and weights over the times at which x rubs in a phase."""
+        edge_load = np.asarray(self.case.contact.load(np.array([x])))
+        for span in self.case.slipping[phase]:
+            begin, end = (float(time[0]) for time in slip_times(span, edge_load))
+            if end > begin:
+                yield graded(begin + span.delay, end + span.delay)
+
+
+def integral(values: ArrayLike, weights: Array) -> float:
+    """Sum of values times weights."""
+    return float(np.sum(np.asarray(values) * weights))
+
+
+def share(found: float, right: float) -> float:
+    """Relative error."""
+    return abs(found / right - 1)
