@@ -14,7 +14,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.elasticity import condense
 from halfplane_fe.interface import Interface, couple
-from halfplane_fe.run import Pace, run_path
+from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
 from meshes import SurfaceGrading, half_disc
@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 _GRADING = SurfaceGrading(inner=0.0, outer=1.0, size=1 / 24, edge_size=1 / 24, radius=8.0)
 _FRACTION = (0.6, 0.85)
 _COARSE_STEPS = 48
+# By how much and how often the coarse body grows where the contact reaches its end; `solve` finds out if that was not enough.
+_ENLARGED = 1.3
+_ENLARGEMENTS = 10
 
 
 @dataclass(frozen=True)
@@ -36,12 +39,14 @@ class Scales:
     ----------
     half_width : contact half-width at the largest load of the path [length]
     inner : least half-width that a contact or stick edge has in a revolution [length]; 0 where the path does not repeat
+    reach : largest distance from x = 0 at which the faces touch [length]
     load : largest normal load of the path [force per thickness]
     modulus : E* [stress]
     """
 
     half_width: float
     inner: float
+    reach: float
     load: float
     modulus: float
 
@@ -82,17 +87,29 @@ def find_scales(scene: Scene) -> Scales:
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     interface = _coarse_interface(scene, modulus)
     size = _fitting_size(scene, interface, load, modulus)
+    problem, run = _coarse_run(scene, interface, size, load, modulus)
+    for _ in range(_ENLARGEMENTS):
+        if not any(state.closed[0] or state.closed[-1] for state in run.states):
+            break
+        # Shear moves the contact of unlike bodies sideways; the coarse body has to hold that too.
+        size *= _ENLARGED
+        problem, run = _coarse_run(scene, interface, size, load, modulus)
+    half_width = _half_width(problem, max(run.states, key=lambda state: state.normal_load))
+    reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
+    inner = 0.0
+    if scene.load.path().period is not None:
+        cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
+        seen = visible_states(run.states, run.cycle_starts)[cycles]
+        inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[cycles], seen, strict=True))
+    return Scales(size * half_width, size * inner, size * max(reach, half_width), load, modulus)
+
+
+def _coarse_run(scene: Scene, interface: Interface, size: float, load: float, modulus: float) -> tuple[ContactProblem, PathRun]:
     problem = _problem(scene, interface, size, load, modulus, needs_shear(scene))
     run = run_path(problem, scene.load.path(), Pace(load, _COARSE_STEPS, np.inf), 2, lambda _done, _total, _text: None)
     if run.failure is not None:
         raise run.failure
-    pressed = max(run.states, key=lambda state: state.normal_load)
-    if scene.load.path().period is None:
-        return Scales(size * _half_width(problem, pressed), 0.0, load, modulus)
-    cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
-    seen = visible_states(run.states, run.cycle_starts)[cycles]
-    inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[cycles], seen, strict=True))
-    return Scales(size * _half_width(problem, pressed), size * inner, load, modulus)
+    return problem, run
 
 
 def _coarse_interface(scene: Scene, modulus: float) -> Interface:

@@ -122,7 +122,7 @@ def surface_grading(mesh: MeshSettings, scales: Scales, ratio: float = 1.0) -> S
     # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few hundredths of it.
     a = scales.half_width
     inner = scales.inner - 0.06 * a
-    outer = 1.06 * a + 2 * mesh.edge_element_size * a
+    outer = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
     return SurfaceGrading(
         inner=inner if inner > 4 * mesh.element_size * a else 0.0,
         outer=outer,
@@ -155,7 +155,7 @@ def _check_room(answer: FiniteElementSolution) -> None:
     if any(state.closed[0] or state.closed[-1] for state in answer.states):
         raise ConvergenceError(
             f"the contact reached the end of the meshed side at |x| = {answer.x[-1]:.6g}: the coarse run took it for "
-            f"smaller, {answer.scales.half_width:.6g}",
+            f"smaller, {answer.scales.reach:.6g}",
             answer,
         )
 
