@@ -53,8 +53,9 @@ def half_disc(name: str, grading: SurfaceGrading, growth: float = 0.2, order: in
 
 
 def _scaled(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
+    # To twelve digits: on the last one gmsh makes another mesh, and the answer would depend on the scene's units.
     values = (grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius)
-    return SurfaceGrading(*(value * factor for value in values))
+    return SurfaceGrading(*(float(f"{value * factor:.12g}") for value in values))
 
 
 def _surface_points(grading: SurfaceGrading) -> Array:
