@@ -81,7 +81,8 @@ def stick_edges(
         fitted = None
         if limit is not None and shear is not None and n_stick > _FITTED.max():
             fitted = fitted_stick_edge(x, limit - np.sign(shear[last + step]) * shear, last, step)
-        edges.append(by_status if fitted is None else fitted)
+        outside = fitted is not None and step * (fitted - end) > 0  # nothing sticks beyond the contact: a fit gone wrong
+        edges.append(by_status if fitted is None or outside else fitted)
     return edges[0], edges[1]
 
 
