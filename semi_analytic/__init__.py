@@ -5,6 +5,7 @@ from semi_analytic.letters import Event, event, events
 from semi_analytic.question import FIELDS
 from semi_analytic.solution import solve
 from semi_analytic.sweeps import DissipationBatch, PeakBatch, dissipation, peak_dissipation
+from semi_analytic.time_series import SeriesSolution, solve_series
 
 __all__ = [
     "FIELDS",
@@ -12,9 +13,11 @@ __all__ = [
     "Event",
     "PeakBatch",
     "Reason",
+    "SeriesSolution",
     "dissipation",
     "event",
     "events",
     "peak_dissipation",
     "solve",
+    "solve_series",
 ]

@@ -32,9 +32,9 @@ def stationary_on_harmonics(leg: HarmonicLeg, normal: float, tangential: float) 
     amplitude = np.zeros(count + 1, dtype=complex)
     size = np.zeros(count + 1)
     for factor, waves in ((normal, leg.normal), (tangential, leg.tangential)):
-        for k, (length, phase) in enumerate(waves, 1):
-            amplitude[k] += 1j * k * factor * length * np.exp(-1j * phase)
-            size[k] += abs(k * factor * length)
+        for number, (length, phase) in enumerate(waves, 1):
+            amplitude[number] += 1j * number * factor * length * np.exp(-1j * phase)
+            size[number] += abs(number * factor * length)
     # The rate is Re of sum amplitude_k exp(i k t).
     amplitude[np.abs(amplitude) <= _ROUNDING * np.sum(size)] = 0
     known = np.flatnonzero(amplitude)
