@@ -5,6 +5,7 @@ One coarse half-disc serves every size: the compliance of a plane body has no le
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +13,9 @@ from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
-from halfplane_fe.elasticity import condense
 from halfplane_fe.interface import Interface, couple
 from halfplane_fe.run import Pace, PathRun, run_path
+from halfplane_fe.store import condensed
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
 from meshes import SurfaceGrading, half_disc
@@ -75,8 +76,8 @@ def needs_shear(scene: Scene) -> bool:
     return scene.friction.coefficient > 0 and (loaded or not scene.material.alike)
 
 
-def find_scales(scene: Scene) -> Scales:
-    """Run the scene on a coarse mesh of its own size.
+def find_scales(scene: Scene, work: Counter[str]) -> Scales:
+    """Run the scene on a coarse mesh of its own size; `work` counts the condensations.
 
     Raises
     ------
@@ -85,7 +86,7 @@ def find_scales(scene: Scene) -> Scales:
     """
     load = largest_load(scene)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    interface = _coarse_interface(scene, modulus)
+    interface = _coarse_interface(scene, modulus, work)
     size = _fitting_size(scene, interface, load, modulus)
     problem, run = _coarse_run(scene, interface, size, load, modulus)
     for _ in range(_ENLARGEMENTS):
@@ -112,10 +113,10 @@ def _coarse_run(scene: Scene, interface: Interface, size: float, load: float, mo
     return problem, run
 
 
-def _coarse_interface(scene: Scene, modulus: float) -> Interface:
+def _coarse_interface(scene: Scene, modulus: float, work: Counter[str]) -> Interface:
     body = half_disc("coarse", _GRADING)
-    lower = condense(body, scene.material.lower, datum_length=1.0)
-    upper = lower if scene.material.alike else condense(body, scene.material.upper, datum_length=1.0)
+    lower = condensed(body, scene.material.lower, 1.0, work)
+    upper = lower if scene.material.alike else condensed(body, scene.material.upper, 1.0, work)
     return couple(lower, upper).scaled(1.0, 1 / modulus)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import time as clock
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import version
@@ -15,12 +16,13 @@ from threadpoolctl import threadpool_limits
 
 from halfplane_fe.answer import answer_arrays, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
-from halfplane_fe.elasticity import CondensedBody, condense
+from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import couple
 from halfplane_fe.path import check_admissible
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, find_scales, needs_shear
 from halfplane_fe.settings import SolverSettings
+from halfplane_fe.store import condensed as condensed_body
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc
 from scenes import ContactSolution, ConvergenceError, Scene, Work
@@ -76,11 +78,13 @@ def _solve(scene: Scene, mesh: MeshSettings, settings: SolverSettings, report: P
     watch = _Watch()
     check_admissible(scene.load.path(), scene.friction.coefficient)
     report(0, None, "coarse run")
-    scales = find_scales(scene)
+    coarse_work: Counter[str] = Counter()
+    scales = find_scales(scene, coarse_work)
     watch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
-    condensed = _condensed_bodies(scene, mesh, scales, watch)
-    problem = _contact_problem(scene, mesh, settings, scales, condensed)
+    work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
+    condensed = _condensed_bodies(scene, mesh, scales, watch, work)
+    problem = _contact_problem(scene, mesh, settings, scales, condensed, work)
     path = scene.load.path()
     pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)
     run = run_path(problem, path, pace, scene.cycles, report)
@@ -104,15 +108,17 @@ class _Watch:
         self.seconds[stage], self._last = now - self._last, now
 
 
-def _condensed_bodies(scene: Scene, mesh: MeshSettings, scales: Scales, watch: _Watch) -> tuple[CondensedBody, CondensedBody]:
+def _condensed_bodies(
+    scene: Scene, mesh: MeshSettings, scales: Scales, watch: _Watch, work: Counter[str]
+) -> tuple[CondensedBody, CondensedBody]:
     body = half_disc("lower", surface_grading(mesh, scales), mesh.growth, mesh.order)
     above = body
     if mesh.upper_ratio != 1:
         above = half_disc("upper", surface_grading(mesh, scales, mesh.upper_ratio), mesh.growth, mesh.order)
     watch.lap("mesh")
-    lower = condense(body, scene.material.lower, scene.profile.datum_length)
+    lower = condensed_body(body, scene.material.lower, scene.profile.datum_length, work)
     same = scene.material.alike and above is body
-    upper = lower if same else condense(above, scene.material.upper, scene.profile.datum_length)
+    upper = lower if same else condensed_body(above, scene.material.upper, scene.profile.datum_length, work)
     watch.lap("condensation")
     return lower, upper
 
@@ -138,6 +144,7 @@ def _contact_problem(
     settings: SolverSettings,
     scales: Scales,
     condensed: tuple[CondensedBody, CondensedBody],
+    work: Counter[str],
 ) -> ContactProblem:
     interface = couple(*condensed).scaled(scales.half_width, 1 / scales.modulus)
     # A layer of stiffness k E*/h per area is, node by node and scaled, a compliance h/(k w).
@@ -147,7 +154,7 @@ def _contact_problem(
         soft / (settings.tangential_stiffness * interface.weights),
     )
     height = scene.profile.height(interface.x * scales.half_width) * scales.modulus / scales.load
-    return ContactProblem(interface, height, scene.friction.coefficient, layer, needs_shear(scene), settings.max_iterations)
+    return ContactProblem(interface, height, scene.friction.coefficient, layer, needs_shear(scene), settings.max_iterations, work)
 
 
 def _check_room(answer: FiniteElementSolution) -> None:
@@ -205,13 +212,11 @@ def _work(
     like = condensed[0] is condensed[1]
     counts = {
         "bodies meshed": 1 if condensed[0].body is condensed[1].body else 2,
-        "condensations": 1 if like else 2,
+        "condensations": problem.work["condensations"],
         "degrees of freedom": int(condensed[0].diagnostics["degrees_of_freedom"]),
         "contact nodes": len(condensed[0].x),
         "steps solved": len(run.increments),
-        "sparse factorisations": int(
-            sum(body.diagnostics["sparse_factorisations"] for body in {id(b): b for b in condensed}.values())
-        ),
+        "sparse factorisations": problem.work["sparse factorisations"],
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
     skipped = {}
@@ -219,6 +224,8 @@ def _work(
         skipped["meshes"] = (1, "both half-discs have one shape: meshed once, reflected")
     if like:
         skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
+    if stored := problem.work["condensations from the store"]:
+        skipped["condensations, stored"] = (stored, "this body of this material was condensed before: read from the store")
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.increments), "no shear can arise")
     if problem.tangential and not problem.work["slip iterations"]:

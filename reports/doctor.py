@@ -44,7 +44,7 @@ class Finding:
 
 
 def examine(out: str | Path = "out") -> tuple[Finding, ...]:
-    """Python, packages, gmsh, off-screen rendering, the output folder, threads."""
+    """Python, packages, gmsh, off-screen rendering, the output folder, threads, the store of condensed bodies."""
     checks: tuple[tuple[str, Callable[[], tuple[bool, str]]], ...] = (
         ("Python", _python),
         ("packages", _packages),
@@ -52,8 +52,19 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
         ("off-screen rendering", lambda: _alone(_SCREEN, "only field pictures need it")),
         ("output folder", lambda: _folder(out)),
         ("threads", _threads),
+        ("condensation store", _store),
     )
     return tuple(Finding(name, *check()) for name, check in checks)
+
+
+def _store() -> tuple[bool, str]:
+    from halfplane_fe.store import cache_folder, stored_bytes
+
+    folder = cache_folder()
+    if folder is None:
+        return True, "switched off by HALFPLANE_CACHE=off"
+    count, size = stored_bytes()
+    return True, f"{count} condensed bodies, {size / 1e6:.1f} MB in {folder} (HALFPLANE_CACHE moves it, or switches it off)"
 
 
 def _python() -> tuple[bool, str]:

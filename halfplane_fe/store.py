@@ -1,0 +1,117 @@
+"""Condensed bodies on disk, by content: mesh, material, support and the code that condensed them.
+
+The folder is $HALFPLANE_CACHE, else `halfplane` in $XDG_CACHE_HOME or ~/.cache; HALFPLANE_CACHE=off keeps nothing. Files are npz
+without pickle, written to a temporary name and moved, so that a reader never sees half of one; the oldest give way once the folder
+outgrows its bound. A file that can't be read is made anew, a folder that can't be written to is done without: `work` counts both.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+import zipfile
+from collections import Counter
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from halfplane_fe import elasticity, far_field
+from halfplane_fe.elasticity import CondensedBody, condense
+from meshes import BodyMesh
+from scenes import Elastic, freeze
+
+_BOUND_BYTES = 1_000_000_000
+_ARRAYS = ("x", "weights", "compliance")
+
+
+def cache_folder() -> Path | None:
+    """Where condensed bodies are kept; None where nothing shall be."""
+    asked = os.environ.get("HALFPLANE_CACHE", "")
+    if asked.lower() == "off":
+        return None
+    if asked:
+        return Path(asked)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "halfplane"
+
+
+def condensed(body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]) -> CondensedBody:
+    """The condensed body, from the store or made now and stored; `work` counts which."""
+    folder = cache_folder()
+    path = None if folder is None else folder / f"{_key(body, material, datum_length)}.npz"
+    if path is not None and (found := _read(path, body, material, work)):
+        work["condensations from the store"] += 1
+        return found
+    made = condense(body, material, datum_length)
+    work["condensations"] += 1
+    work["sparse factorisations"] += int(made.diagnostics["sparse_factorisations"])
+    if path is not None:
+        _write(path, made, work)
+    return made
+
+
+def _key(body: BodyMesh, material: Elastic, datum_length: float) -> str:
+    """Digest of everything that the answer depends on, the code included."""
+    digest = hashlib.sha256()
+    mesh = body.mesh
+    for array in (mesh.p, mesh.t, *(mesh.boundaries[name] for name in sorted(mesh.boundaries))):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    for module in (elasticity, far_field):
+        digest.update(Path(str(module.__file__)).read_bytes())
+    words = [material.model_dump_json(), repr(float(datum_length)), *sorted(mesh.boundaries)]
+    words += [version(name) for name in ("numpy", "scipy", "scikit-fem")]
+    digest.update("|".join(words).encode())
+    return digest.hexdigest()
+
+
+def _read(path: Path, body: BodyMesh, material: Elastic, work: Counter[str]) -> CondensedBody | None:
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            arrays = {name: freeze(stored[name]) for name in _ARRAYS}
+            names, values = stored["diagnostic_names"], stored["diagnostic_values"]
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        work["stored condensations unreadable"] += 1
+        return None
+    os.utime(path)  # the store forgets what was used longest ago
+    diagnostics = {str(name): float(value) for name, value in zip(names, values, strict=True)}
+    return CondensedBody(body, material, **arrays, diagnostics=diagnostics)
+
+
+def _write(path: Path, made: CondensedBody, work: Counter[str]) -> None:
+    arrays = {name: getattr(made, name) for name in _ARRAYS}
+    arrays["diagnostic_names"] = np.array(list(made.diagnostics))
+    arrays["diagnostic_values"] = np.array(list(made.diagnostics.values()))
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(suffix=".part", dir=path.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                np.savez(file, **arrays)
+            os.replace(temporary, path)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+        _prune(path.parent)
+    except OSError:
+        work["condensations not stored"] += 1
+
+
+def _prune(folder: Path) -> None:
+    """Remove the longest unused files until the folder is within its bound."""
+    files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_mtime)
+    total = sum(file.stat().st_size for file in files)
+    for file in files:
+        if total <= _BOUND_BYTES:
+            return
+        total -= file.stat().st_size
+        file.unlink(missing_ok=True)
+
+
+def stored_bytes() -> tuple[int, int]:
+    """Number of stored bodies, and their bytes."""
+    folder = cache_folder()
+    files = list(folder.glob("*.npz")) if folder is not None and folder.is_dir() else []
+    return len(files), sum(file.stat().st_size for file in files)
