@@ -32,7 +32,7 @@ from semi_analytic.quadrature import graded
 Array = NDArray[np.float64]
 
 _CHUNK = 1000
-_DEEP = 0.01
+_DEEP = 0.05
 _DIGITS = 30.0
 
 
@@ -177,7 +177,7 @@ def _bernstein(place: Array | float, depth: Array, length: Array) -> Array:
 
 
 def _area(e: Ellipses, contact: Contact) -> Callable[[Array, Array], Array]:
-    """The contact's log_area; its quicker form where every member slips by more than a hundredth of its load at some time."""
+    """The contact's log_area; its quicker form where every member slips by more than a twentieth of its load at some time."""
     return contact.log_area_in_sums if isinstance(contact, FlatRoundedContact) and np.all(_deep(e)) else contact.log_area
 
 
