@@ -1,6 +1,7 @@
 """The half-plane engine: partial slip of any symmetric profile under any history of P and Q, exact to rounding."""
 
 from semi_analytic.batch import Reason
+from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.letters import Event, event, events
 from semi_analytic.question import FIELDS
 from semi_analytic.solution import solve
@@ -11,12 +12,15 @@ __all__ = [
     "FIELDS",
     "DissipationBatch",
     "Event",
+    "Hysteresis",
     "PeakBatch",
     "Reason",
     "SeriesSolution",
+    "compliance",
     "dissipation",
     "event",
     "events",
+    "hysteresis",
     "peak_dissipation",
     "solve",
     "solve_series",
