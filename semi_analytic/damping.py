@@ -72,7 +72,7 @@ def hysteresis(solution: ContactSolution) -> Hysteresis:
 
 
 def compliance(solution: ContactSolution) -> tuple[Array, Array]:
-    """dU/dQ at constant P, arrays (n_steps,) [1/stress]: while slip goes on (infinite where nothing sticks), right after a reversal.
+    """dU/dQ at constant P, (n_steps,) [1/stress]: while slip goes on (infinite where nothing sticks), right after a reversal.
 
     >>> from scenes import load_scene
     >>> from semi_analytic import solve
