@@ -33,6 +33,7 @@ Examples:
   halfplane check my.toml                   is it read, is it admissible?
   halfplane exact my.toml                   half-plane theory alone
   halfplane fe my.toml --method penalty     finite elements alone
+  halfplane paper                           the paper's figures and statements
 Exit codes: 0 within tolerance, 1 outside, 2 bad input, 3 not converged,
             130 interrupted.
 """
@@ -117,6 +118,16 @@ def fe(scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elemen
     from reports import commands
 
     return commands.fe(scene, out, quiet, finite_elements)
+
+
+@app.command(sort_key=3, help_epilogue="")
+def paper(
+    *, out: Annotated[Path | None, Parameter(help="Folder for the results; out/paper if left out.")] = None, quiet: Quiet = False
+) -> int:
+    """The paper again from half-plane theory: its figures, statements and misprints."""
+    from reports import commands
+
+    return commands.paper(out, quiet)
 
 
 @app.command(sort_key=4, help_epilogue="")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
@@ -103,6 +104,32 @@ def _show_verdict(comparison: Comparison) -> None:
         right=(1, 3),
     )
     say(verdict(comparison))
+
+
+def paper(out: Path | None, quiet: bool) -> int:
+    """The paper's figures and both tables; outside if a misprint is not proven."""
+    stages = Stages(quiet)
+    folder = claim(out or default_folder("paper"))
+    with stages.stage("loading"):
+        from reports import paper as page
+        from reports.paper_tables import proven_in_words
+    command = shlex.join(["halfplane", "paper", "--out", str(folder)])
+    report = page.write(folder, stages, command)
+    show_table(
+        "What the paper states in words",
+        ("statement", "where", "the paper", "computed", "verdict"),
+        [(row.key, row.where, row.words, row.computed, row.verdict.value) for row in report.statements],
+    )
+    show_table(
+        "Misprints of the paper",
+        ("where", "printed", "right", "proof", "proven"),
+        [(row.key, row.printed, row.right, row.proof, proven_in_words(row)) for row in report.misprints],
+    )
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in page.tally(report.statements).items())
+    proven = sum(row.proven is True for row in report.misprints)
+    say(f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints: {proven} proven by evaluation")
+    say(str(report.page))
+    return WITHIN if report.proven else OUTSIDE
 
 
 def scenes() -> int:

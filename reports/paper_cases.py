@@ -145,7 +145,8 @@ class Case:
         modulus = composite_modulus(self.scene.material)
         factor = self.length / self.work_unit
         return {
-            phase: factor * pointwise_dissipation(self.contact, modulus, spans, points).total for phase, spans in self.slipping.items()
+            phase: factor * pointwise_dissipation(self.contact, modulus, spans, points).total
+            for phase, spans in self.slipping.items()
         }
 
     def batch(self, **changes: Any) -> dict[str, Any]:
@@ -178,6 +179,11 @@ def sliding_limit(friction: ArrayLike) -> Array:
     """Least P0/P1 of a circle about Q = 0 without gross sliding, sqrt(1 + f^2)/f: equation (25), mended."""
     f = np.asarray(friction, dtype=float)
     return np.sqrt(1 + f * f) / f
+
+
+def total(parts: Mapping[str, Array]) -> Array:
+    """Sum over the phases of slip."""
+    return np.asarray(sum(parts.values(), start=np.zeros(1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +249,7 @@ class Paper:
     @cached_property
     def peaks(self) -> tuple[semi_analytic.PeakBatch, semi_analytic.PeakBatch]:
         """Place and size of the peak of W(x) in the two examples."""
-        return tuple(semi_analytic.peak_dissipation(**case.batch()) for case in (self.hertz, self.rounded))  # type: ignore[return-value]
+        return semi_analytic.peak_dissipation(**self.hertz.batch()), semi_analytic.peak_dissipation(**self.rounded.batch())
 
 
 def paper() -> Paper:

@@ -53,9 +53,9 @@ def corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Mis
         "section 2",
         "second term p(x; Q − P)",
         "p(x, P − Q/f)",
-        f"Hertz, constant P, f = {friction}, Q = {part} f P: off the engine's q by {errors['right']:.0e} with P − Q/f; as printed Q − P "
-        f"is negative, nothing is taken off, and q carries f P = {1 / part:.2f} Q (off by {errors['printed']:.0%}); P − Q is off by "
-        f"{errors['sign turned only']:.0%}",
+        f"Hertz, constant P, f = {friction}, Q = {part} f P: off the engine's q by {errors['right']:.0e} with P − Q/f; as printed "
+        f"Q − P is negative, nothing is taken off, and q carries f P = {1 / part:.2f} Q (off by {errors['printed']:.0%}); P − Q "
+        f"is off by {errors['sign turned only']:.0%}",
         proves(errors["right"], min(errors["printed"], errors["sign turned only"])),
         errors,
     )
@@ -84,9 +84,7 @@ def stick_condition(case: Case) -> Misprint:
 def letters_of_nine(case: Case) -> Misprint:
     """Equations (9) and (10): the point is G."""
     formulas = Formulas(case)
-    permanent = {
-        letter: (formulas.level(letter, 1) - formulas.level("E", -1)) / (2 * case.friction) for letter in ("B", "G")
-    }
+    permanent = {letter: (formulas.level(letter, 1) - formulas.level("E", -1)) / (2 * case.friction) for letter in ("B", "G")}
     width = {letter: float(case.width(load)) for letter, load in permanent.items()}
     errors = {"right": share(width["G"], case.stick_edge), "printed": share(width["B"], case.stick_edge)}
     return Misprint(
@@ -113,7 +111,7 @@ def least_normal_load(case: Case) -> Misprint:
         "P is least at F; H is where Q is least",
         f"P is {loads['H']:.3g} at H, {loads['F']:.3g} at F, and at least {p.min():.3g} in the cycle; Q is {forces['H']:.2g} at H, "
         f"{forces['F']:.2g} at F, and at least {q.min():.2g}",
-        abs(loads["F"] - p.min()) < EXACT < loads["H"] - p.min() and abs(forces["H"] - q.min()) < EXACT,
+        bool(abs(loads["F"] - p.min()) < EXACT < loads["H"] - p.min() and abs(forces["H"] - q.min()) < EXACT),
         {"P at H": loads["H"], "P at F": loads["F"], "least P": float(p.min()), "Q at H": forces["H"], "least Q": float(q.min())},
     )
 
@@ -219,8 +217,8 @@ def flat_and_rounded_law(case: Case) -> Misprint:
         "section 4.2",
         "PR(1+κ)/(4 a² μ)",
         "PR(1+κ)/(4 b² μ)",
-        f"with P the integral of the engine's pressure the left side is {left['b']:.6f} over b² and {left['a']:.6f} over a²; the right "
-        f"side is {right_side:.6f} (b/a = {profile.flat_half_length / case.length:.3f})",
+        f"with P the integral of the engine's pressure the left side is {left['b']:.6f} over b² and {left['a']:.6f} over a²; the "
+        f"right side is {right_side:.6f} (b/a = {profile.flat_half_length / case.length:.3f})",
         proves(errors["right"], errors["printed"]),
         errors,
     )

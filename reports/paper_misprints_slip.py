@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.paper_cases import Case, Paper
+from reports.paper_cases import Case, Paper, total
 from reports.paper_formulas import Formulas, integral, share
 from reports.paper_tables import EXACT, Misprint, proves
 from scenes import Hertz
@@ -78,8 +78,8 @@ def stick_displacement(case: Case, x: float = 1.1) -> Misprint:
         "section 3",
         "f ΔP (1+κ)/(πμ) dQ/dP",
         "ΔQ (1+κ)/(2πμ): no f, and 2πμ",
-        f"movement of x = {x} a0 from G to H, out of contact: the printed factor is {ratios[1.0]:.4f} times the engine's at f = 1 and "
-        f"{ratios[0.6]:.4f} times at f = 0.6 (2 f); mended off by {worst:.0e}",
+        f"movement of x = {x} a0 from G to H, out of contact: the printed factor is {ratios[1.0]:.4f} times the engine's at f = 1 "
+        f"and {ratios[0.6]:.4f} times at f = 0.6 (2 f); mended off by {worst:.0e}",
         proves(worst, wrong) and all(abs(ratio / (2 * f) - 1) <= EXACT for f, ratio in ratios.items()),
         {"right": worst, "printed": wrong} | {f"factor at f = {f}": ratio for f, ratio in ratios.items()},
     )
@@ -94,9 +94,14 @@ def _root(case: Case, x: float, p: Array) -> Array:
     return np.asarray(case.friction**2 / (math.pi * profile.radius) * np.sqrt(under))
 
 
+def _density(case: Case, x: float) -> float:
+    """The engine's W(x), x in scene units."""
+    return float(case.solve(x=[x / case.length], fields=("dissipation_density",)).dissipation_density[0])
+
+
 def argument_of_arccosh(case: Case, x: float) -> Misprint:
     """Equations (23), (24): arccosh(x/C) with the multiplier C of (14), in millimetres and in metres, at the peak of W(x)."""
-    formulas, density = Formulas(case), case.solve(x=[x / case.length], fields=("dissipation_density",)).dissipation_density[0]
+    formulas, density = Formulas(case), _density(case, x)
     right, real, whole = 0.0, 0.0, 0.0
     printed = {1.0: 0.0, 1e-3: 0.0}
     for phase in _PHASES:
@@ -115,8 +120,9 @@ def argument_of_arccosh(case: Case, x: float) -> Misprint:
         "section 4.1",
         "arccosh(x/C), C also being the multiplier (14)",
         "arccosh(x/c), c the stick half-width",
-        f"W at its peak: with c off the engine's by {errors['right']:.0e}; with |C| the arccosh is real for {real / whole:.0%} of the "
-        f"time of slip, and that part sums to {printed[1.0] / density:.0%} of W in millimetres, {printed[1e-3] / density:.0%} in metres",
+        f"W at its peak: with c off the engine's by {errors['right']:.0e}; with |C| the arccosh is real for {real / whole:.0%} of "
+        f"the time of slip, and that part sums to {printed[1.0] / density:.0%} of W in millimetres, {printed[1e-3] / density:.0%} "
+        "in metres",
         proves(errors["right"], errors["printed"]),
         errors | {"share of time with a real arccosh": real / whole, "in metres": printed[1e-3] / density},
     )
@@ -125,7 +131,7 @@ def argument_of_arccosh(case: Case, x: float) -> Misprint:
 def sign_and_multiplier(case: Case, x: float) -> Misprint:
     """Equations (23), (24): the leading minus and C dP throughout, at the peak of W(x)."""
     formulas = Formulas(case)
-    density = float(case.solve(x=[x / case.length], fields=("dissipation_density",)).dissipation_density[0])
+    density = _density(case, x)
     printed, right = dict.fromkeys(_PHASES, 0.0), dict.fromkeys(_PHASES, 0.0)
     for phase in _PHASES:
         for t, weights in formulas.windows(phase, x):
@@ -138,8 +144,8 @@ def sign_and_multiplier(case: Case, x: float) -> Misprint:
         "section 4.1",
         "a leading minus, and C dP throughout",
         "|C dP|, with dP_Y in I–J",
-        f"W at its peak: as printed (c for C in the arccosh) I–J gives {printed['IJ']:+.1%} and J–M {printed['JM']:+.1%} of W; mended "
-        f"{right['IJ']:.1%} and {right['JM']:.1%}, the sum off the engine's by {errors['right']:.0e}",
+        f"W at its peak: as printed (c for C in the arccosh) I–J gives {printed['IJ']:+.1%} and J–M {printed['JM']:+.1%} of W; "
+        f"mended {right['IJ']:.1%} and {right['JM']:.1%}, the sum off the engine's by {errors['right']:.0e}",
         proves(errors["right"], errors["printed"]) and printed["JM"] < 0 < right["JM"],
         errors | {f"printed {phase}": value for phase, value in printed.items()},
     )
@@ -179,9 +185,7 @@ def not_per_area(case: Case) -> Misprint:
         mean_tangential_load=10 * load.mean_tangential_load,
         tangential_amplitude=10 * load.tangential_amplitude,
     )
-    powers = {
-        name: math.log10(_work(larger, name) / _work(case, name)) for name in ("density", "dissipation")
-    }
+    powers = {name: math.log10(_work(larger, name) / _work(case, name)) for name in ("density", "dissipation")}
     whole = share(_integral_of_density(case), 1.0)
     return Misprint(
         "(11)",
@@ -204,11 +208,11 @@ def _integral_of_density(case: Case) -> float:
     """Integral of W(x) over the contact as a share of the engine's global figure: in parts between the edges at events."""
     loads = [case.events[letter].normal_load for letter in "FGHIJ"]
     marks = sorted({case.stick_edge, case.outer_edge, *(float(case.width(load)) for load in loads)})
-    total = 0.0
+    whole = 0.0
     for begin, end in pairwise(marks):
         x, weights = graded(begin, end)
-        total += 2 * integral(sum(case.density(x).values()), weights)
-    return total * case.work_unit / case.steady.dissipation
+        whole += 2 * integral(total(case.density(x)), weights)
+    return whole * case.work_unit / case.steady.dissipation
 
 
 def equation_before_23(case: Case, x: float = 0.8) -> Misprint:

@@ -85,7 +85,8 @@ def receding_stick(case: Case) -> Statement:
     return Statement(
         "slip advances from B to E",
         "section 2, figure 3C–E",
-        "the stick slip boundaries recede continuously, so that the slip zone is formally advancing, right the way through to point E",
+        "the stick slip boundaries recede continuously, so that the slip zone is formally advancing, right the way through to "
+        "point E",
         f"c falls in each of 200 steps from {stick[0]:.4f} to {stick[-1]:.4f}, while a first grows from {contact[0]:.4f} to "
         f"{contact[1]:.4f}",
         judge(smallest_step > 0 and contact[1] > contact[0]),
@@ -192,13 +193,18 @@ def point_history(case: Case, x: float) -> Statement:
     expected = list(_WORDS[x])
     turns = [expected[k:] + expected[:k] for k in range(len(expected))]
     share = float(np.mean(states == SurfaceState.OPEN))
-    said = {0.77: "always in contact", 0.82: "leaves contact for only a very short period", 1.0: "an increased period of separation"}
+    said = {
+        0.77: "always in contact",
+        0.82: "leaves contact for only a very short period",
+        1.0: "an increased period of separation",
+    }
     words = f"{said.get(x, 'sees a history')} – {', '.join('separation' if word == 'open' else word for word in expected)}"
     return Statement(
         f"history of x = {x}",
         "section 4.1, figure 5",
         words,
-        f"from M on: {', '.join('separation' if word == 'open' else word for word in found)}; separated for {share:.1%} of the cycle",
+        f"from M on: {', '.join('separation' if word == 'open' else word for word in found)}; separated for {share:.1%} of the "
+        "cycle",
         judge(found in turns),
         {"share of separation": share, "runs": len(found)},
     )

@@ -36,9 +36,7 @@ def friction_delays(case: Case) -> Statement:
     """Onset of slip, and return to stick, for the coefficients of figure 4b (about Q0 = 0)."""
     times = {f: case.about_no_shear(f) for f in FRICTIONS}
     order = sorted(times)
-    shift = {
-        letter: math.degrees(times[order[-1]].time(letter) - times[order[0]].time(letter)) for letter in ("E", "G", "I")
-    }
+    shift = {letter: math.degrees(times[order[-1]].time(letter) - times[order[0]].time(letter)) for letter in ("E", "G", "I")}
     onset = [[times[f].time(letter) for f in order] for letter in ("E", "I")]
     back = [times[f].time("G") for f in order]
     later = all(np.all(np.diff(row) > 0) for row in onset)
@@ -46,8 +44,8 @@ def friction_delays(case: Case) -> Statement:
         "friction delays slip",
         "section 4.1, figure 4b",
         "for higher coefficients of friction the transition is delayed",
-        f"from f = {order[0]} to {order[-1]} slip starts {shift['E']:+.1f}° (E, reverse) and {shift['I']:+.1f}° (I, forward) later; "
-        f"the return to full stick (G) moves the other way, {shift['G']:+.1f}°",
+        f"from f = {order[0]} to {order[-1]} slip starts {shift['E']:+.1f}° (E, reverse) and {shift['I']:+.1f}° (I, forward) "
+        f"later; the return to full stick (G) moves the other way, {shift['G']:+.1f}°",
         judge(later and bool(np.all(np.diff(back) > 0)), nearly=later),
         {f"shift of {letter} in degrees": value for letter, value in shift.items()},
     )
@@ -108,8 +106,8 @@ def way_in(case: Case) -> Statement:
     return Statement(
         "way in",
         "section 2",
-        "The only residual information from the transient which persists is the locked-in distribution of shearing tractions within "
-        "the permanent stick region",
+        "The only residual information from the transient which persists is the locked-in distribution of shearing tractions "
+        "within the permanent stick region",
         f"straight and zigzag instead of the parabola: c moves by {zone:.1e} a0, W by a share of {work:.1e}; shear at M differs by "
         f"up to {residual[0]:.2f} P0/(3 a0) inside a(P_T) and by {residual[1]:.1e} outside",
         judge(max(zone, work) <= _ROUNDING and residual[1] <= _ROUNDING < residual[0]),
@@ -129,7 +127,8 @@ def rounded_stick(case: Case) -> Statement:
         "slip in the radii",
         "section 4.2, figure 8",
         "the extent of slip must be confined to the radiused regions for problems of this kind",
-        f"permanent stick reaches to a(P_T)/a0 = {case.stick_edge:.4f}, the flat to b/a0 = {flat:.3f} (it cannot do otherwise: a ≥ b)",
+        f"permanent stick reaches to a(P_T)/a0 = {case.stick_edge:.4f}, the flat to b/a0 = {flat:.3f} (it cannot do otherwise: a "
+        "≥ b)",
         judge(case.stick_edge > flat),
         {"a(P_T)/a0": case.stick_edge, "b/a0": flat},
     )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.paper_cases import Case, Paper
+from reports.paper_cases import Case, Paper, total
 from reports.paper_tables import Statement, judge, judge_number
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ def both_ends(case: Case) -> Statement:
     """W(x) is zero where the contact always sticks and at the largest contact."""
     inner, outer = case.stick_edge, case.outer_edge
     x = inner + (outer - inner) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])
-    values = sum(case.density(x).values())
+    values = total(case.density(x))
     largest = float(max(values[[0, 1, 3]]) / values[2])
     return Statement(
         "no work at the ends",
@@ -76,7 +76,7 @@ def _exponent(case: Case, outer: bool) -> float:
     """d ln W / d ln(distance) close to an end of the slip zone."""
     inner, last = case.stick_edge, case.outer_edge
     distance = (last - inner) * np.array([1e-6, 1e-5])
-    values = sum(case.density(last - distance if outer else inner + distance).values())
+    values = total(case.density(last - distance if outer else inner + distance))
     return float(np.diff(np.log(values))[0] / np.diff(np.log(distance))[0])
 
 
@@ -152,7 +152,9 @@ def peak_near_sliding(paper: Paper) -> Statement:
         "section 5",
         "for the two geometries studied, is found to be located at a point just over 60% of the way",
         "it moves with P0/P1 (f = 1): "
-        + "; ".join(f"{name} {near:.3f} at the sliding limit, {far:.3f} at P0/P1 = {ratio:g}" for name, (near, far) in places.items()),
+        + "; ".join(
+            f"{name} {near:.3f} at the sliding limit, {far:.3f} at P0/P1 = {ratio:g}" for name, (near, far) in places.items()
+        ),
         judge(
             all(0.6 < place < 0.65 for pair in places.values() for place in pair),
             nearly=all(0.55 < place < 0.7 for pair in places.values() for place in pair),
@@ -212,10 +214,10 @@ def best_designs(paper: Paper) -> Statement:
     return Statement(
         "best designs close to sliding",
         "section 4.1",
-        "the best designs – in the sense that the ratio of damping energy to localised energy is maximised – occur when the locus is "
-        "close to the sliding condition",
-        f"W/(a0 max W(x)) at f = 1: {ratios[0][0, 0]:.3f} at the sliding limit, {ratios[0][0, -1]:.3f} at P0/P1 = 6; largest at the "
-        "limit on all curves",
+        "the best designs – in the sense that the ratio of damping energy to localised energy is maximised – occur when the locus "
+        "is close to the sliding condition",
+        f"W/(a0 max W(x)) at f = 1: {ratios[0][0, 0]:.3f} at the sliding limit, {ratios[0][0, -1]:.3f} at P0/P1 = 6; largest at "
+        "the limit on all curves",
         judge(best == {0}),
         {"near": float(ratios[0][0, 0]), "far": float(ratios[0][0, -1])},
     )
@@ -238,8 +240,8 @@ def five_times(paper: Paper) -> Statement:
     return Statement(
         "five times the energy",
         "section 4.2, figure 10a",
-        "with the normalisation as shown, about five times as much energy absorbed for a given coefficient of friction and amplitude "
-        "of oscillatory load",
+        "with the normalisation as shown, about five times as much energy absorbed for a given coefficient of friction and "
+        "amplitude of oscillatory load",
         f"at equal loads, f and material W contains neither a nor R: the flat and rounded punch absorbs {work:.3f} of Hertz "
         f"({sweeps.min():.2f} to {sweeps.max():.2f} over the figure), so 'five' is the scale of a plot",
         judge_number(work, 5, 0, slack=0.2),
@@ -271,8 +273,8 @@ def weaker_dependence(paper: Paper) -> Statement:
         "weaker dependence of the peak",
         "section 4.2, figure 10b",
         "the curves for the flat and rounded indenter show a weaker dependence of the peak value on the ratio P1/P0 = Q1/P0",
-        f"from the sliding limit to P0/P1 = 6 at f = 1 the peak falls {spread[1][0]:.2f}-fold, {spread[0][0]:.2f}-fold for Hertz; its "
-        f"exponent in P1/P0 is the smaller one in {share:.0%} of the figure",
+        f"from the sliding limit to P0/P1 = 6 at f = 1 the peak falls {spread[1][0]:.2f}-fold, {spread[0][0]:.2f}-fold for Hertz; "
+        f"its exponent in P1/P0 is the smaller one in {share:.0%} of the figure",
         judge(bool(np.all(spread[1] < spread[0])) and share > 0.95),
         {"fall, hertz": float(spread[0][0]), "fall, flat and rounded": float(spread[1][0]), "share of smaller exponents": share},
     )

@@ -40,7 +40,8 @@ class Misprint:
     Attributes
     ----------
     key : short name; where : place in the paper; printed, right : the two readings
-    proof : what was evaluated, with numbers; proven : follows from `values`, None where there is nothing to evaluate; values : the numbers themselves
+    proof : what was evaluated, with numbers; proven : follows from `values`, None where there is nothing to
+        evaluate; values : the numbers themselves
     """
 
     key: str
@@ -80,7 +81,7 @@ def proves(right_error: float, printed_error: float) -> bool:
     >>> proves(1e-12, 0.5), proves(1e-5, 0.5), proves(1e-12, 1e-6)
     (True, False, False)
     """
-    return right_error <= EXACT and not printed_error <= APART
+    return bool(right_error <= EXACT and not printed_error <= APART)
 
 
 def proven_in_words(row: Misprint) -> str:
@@ -115,5 +116,3 @@ def misprints_table(rows: Sequence[Misprint]) -> dict[str, list[str]]:
 
 def _numbers(values: Mapping[str, float]) -> str:
     return "; ".join(f"{name} = {value!r}" for name, value in values.items())
-
-

@@ -1,0 +1,171 @@
+"""The paper again from the engine: its figures, its statements with verdicts, its misprints with their proofs, on one page."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+
+from reports import paper_interactive
+from reports.console import Stages
+from reports.drawing import Drawing, table_text
+from reports.folder import filled
+from reports.paper_cases import Paper, paper
+from reports.paper_figures_loads import figure_1, figure_2, figure_3
+from reports.paper_figures_work import figure_6, figure_7, figure_9, figure_10
+from reports.paper_figures_zones import figure_4a, figure_4b, figure_5, figure_8
+from reports.paper_misprints import load_misprints
+from reports.paper_misprints_slip import slip_misprints
+from reports.paper_plots import Sheet, draw, png
+from reports.paper_statements_cycle import cycle_statements
+from reports.paper_statements_loads import load_statements
+from reports.paper_statements_work import work_statements
+from reports.paper_tables import (
+    Misprint,
+    Statement,
+    Verdict,
+    misprints_table,
+    proven_in_words,
+    statements_table,
+)
+
+SOURCE = (
+    "“Energy dissipation in a frictional incomplete contact with varying normal load”, International Journal of Mechanical "
+    "Sciences, doi:10.1016/j.ijmecsci.2011.11.006"
+)
+
+
+@dataclass(frozen=True)
+class PaperReport:
+    """What the command leaves: both tables and the path of the page."""
+
+    statements: tuple[Statement, ...]
+    misprints: tuple[Misprint, ...]
+    page: Path
+
+    @property
+    def proven(self) -> bool:
+        """Whether no misprint that can be evaluated failed to be proven."""
+        return all(row.proven is not False for row in self.misprints)
+
+
+def statements(examples: Paper) -> tuple[Statement, ...]:
+    """Every statement of the paper, with verdicts."""
+    return (*cycle_statements(examples), *load_statements(examples), *work_statements(examples))
+
+
+def misprints(examples: Paper) -> tuple[Misprint, ...]:
+    """Every misprint of the paper, with proofs."""
+    return (*load_misprints(examples), *slip_misprints(examples))
+
+
+def sheets(examples: Paper) -> tuple[Sheet, ...]:
+    """Every figure of the paper, in its order."""
+    hertz, rounded = examples.hertz, examples.rounded
+    return (
+        figure_1(rounded),
+        figure_2(hertz),
+        figure_3(hertz),
+        figure_4a(hertz),
+        figure_4b(hertz),
+        figure_5(hertz),
+        figure_6(examples),
+        *figure_7(examples),
+        figure_8(rounded),
+        figure_9(examples),
+        *figure_10(examples),
+    )
+
+
+def tally(rows: Sequence[Statement]) -> dict[str, int]:
+    """How many statements got each verdict."""
+    found = Counter(row.verdict.value for row in rows)
+    return {verdict.value: found[verdict.value] for verdict in Verdict}
+
+
+def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> PaperReport:
+    """Compute everything and fill the folder: page, two tables as CSV, each figure as SVG, PNG and CSV.
+
+    Raises
+    ------
+    InputError
+        If the folder can't be written to.
+    """
+    examples = paper()
+    with stages.stage("statements and misprints"):
+        said, wrong = statements(examples), misprints(examples)
+    with stages.stage("figures"):
+        described = sheets(examples)
+        drawings = tuple(draw(sheet) for sheet in described)
+    with filled(out) as folder:
+        (folder / "statements.csv").write_text(table_text(statements_table(said)), encoding="utf-8")
+        (folder / "misprints.csv").write_text(table_text(misprints_table(wrong)), encoding="utf-8")
+        with stages.stage("SVG, PNG and CSV"):
+            vectors = _write_figures(folder / "figures", drawings)
+        with stages.stage("page"):
+            text = render(described, vectors, said, wrong, command)
+            (folder / "report.html").write_text(text, encoding="utf-8")
+    return PaperReport(said, wrong, Path(out) / "report.html")
+
+
+def _write_figures(folder: Path, drawings: Sequence[Drawing]) -> dict[str, str]:
+    """The files of each figure; returns its SVG by name."""
+    folder.mkdir()
+    vectors = {}
+    for drawing in drawings:
+        vectors[drawing.name] = drawing.svg()
+        (folder / f"{drawing.name}.svg").write_text(vectors[drawing.name], encoding="utf-8")
+        (folder / f"{drawing.name}.csv").write_text(drawing.csv(), encoding="utf-8")
+        png(drawing, folder / f"{drawing.name}.png")
+    return vectors
+
+
+def render(
+    described: Sequence[Sheet],
+    vectors: Mapping[str, str],
+    said: Sequence[Statement],
+    wrong: Sequence[Misprint],
+    command: str,
+) -> str:
+    """The page: static figures, and plotly, inlined once, that draws one when it is asked for."""
+    pages = Environment(
+        loader=PackageLoader("reports"),
+        autoescape=select_autoescape(("html",)),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    plots = {sheet.name: paper_interactive.figure(sheet) for sheet in described}
+    return pages.get_template("paper.html").render(
+        source=SOURCE,
+        figures=described,
+        vectors={name: Markup(_inline(text, name)) for name, text in vectors.items()},
+        statements=said,
+        misprints=wrong,
+        tally=tally(said),
+        proven=sum(row.proven is True for row in wrong),
+        proven_in_words=proven_in_words,
+        # "</" would end the script element early.
+        plots=Markup(json.dumps(plots, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")),
+        plotly=Markup(_plotly()),
+        command=command,
+    )
+
+
+def _inline(svg: str, name: str) -> str:
+    """An SVG document as an element of a page: no prologue, its identifiers its own."""
+    text = svg[svg.index("<svg") :]
+    for mark in ('id="', 'href="#', "url(#"):
+        text = text.replace(mark, f"{mark}{name}-")
+    return text
+
+
+def _plotly() -> str:
+    """The source of plotly.js, from the installed package."""
+    return (resources.files("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")

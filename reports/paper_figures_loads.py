@@ -1,0 +1,215 @@
+"""Figures 1 to 3 of the paper: the motor on its foot, the load history, the tractions at the points A to M."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.drawing import COLOURS, STATE_COLOURS
+from reports.paper_cases import LETTERS, Case
+from reports.paper_plots import FAINT, INK, Arrow, Band, Line, Note, Panel, Part, Sheet
+from scenes import SurfaceState, load_scene
+
+Array = NDArray[np.float64]
+
+FORWARD, REVERSE, STICK = (
+    STATE_COLOURS[state] for state in (SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE, SurfaceState.STICK)
+)
+PALE_FORWARD, PALE_REVERSE, PALE_STICK = "#f7deb0", "#b3d4ea", "#e3e3e3"
+LOAD = "/ (P₀/3)"
+
+
+def figure_1(case: Case) -> Sheet:
+    """The motor with an eccentric weight; the gap under its foot is the profile of the case, drawn much higher."""
+    scene = load_scene("motor")
+    x = np.linspace(-1.9, 1.9, 191)
+    height = np.asarray(case.scene.profile.height(x * case.length))
+    foot = height * 0.45 / height[0]
+    circle = np.linspace(0.0, 2 * math.pi, 121)
+    axle, radius, mass = (0.0, 2.35), 0.85, math.radians(35.0)
+    weight = (axle[0] + 0.55 * math.cos(mass), axle[1] + 0.55 * math.sin(mass))
+    tip = (axle[0] + 1.6 * math.cos(mass), axle[1] + 1.6 * math.sin(mass))
+    turn = np.linspace(math.radians(70), math.radians(160), 31)
+    parts: list[Part] = [
+        Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "#dcdcdc"),
+        Line(np.array([-2.6, 2.6]), np.zeros(2)),
+        Band(x, foot, np.full(len(x), 1.1), "#c9dcec"),
+        Line(np.concatenate([x, x[::-1], x[:1]]), np.concatenate([foot, np.full(len(x), 1.1), foot[:1]])),
+        Line(np.array([-0.55, -0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
+        Line(np.array([0.55, 0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
+        Line(axle[0] + radius * np.cos(circle), axle[1] + radius * np.sin(circle), width=1.8),
+        Line(np.array([axle[0], weight[0]]), np.array([axle[1], weight[1]]), colour=FAINT),
+        Note(*axle, "", dot=True),
+        Line(weight[0] + 0.1 * np.cos(circle), weight[1] + 0.1 * np.sin(circle), colour=COLOURS[1], width=4.0),
+        Arrow(weight, tip, COLOURS[1]),
+        Note(*tip, "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x", (62.0, 12.0), colour=COLOURS[1]),
+        Line(axle[0] + 0.6 * np.cos(turn), axle[1] + 0.6 * np.sin(turn), colour=FAINT),
+        Arrow((-0.5, 2.68), (axle[0] + 0.6 * math.cos(turn[-1]), axle[1] + 0.6 * math.sin(turn[-1]) - 0.06), FAINT),
+        Note(-0.42, 2.95, "ω", (0.0, 4.0), colour="#5c5c5c"),
+        Arrow(axle, (0.0, 1.2), COLOURS[0]),
+        Note(0.0, 1.3, "self-weight P₀", (-78.0, 1.0), colour=COLOURS[0]),
+        Arrow((-2.5, 0.22), (-2.0, 0.22)),
+        Note(-2.5, 0.22, "x, Q", (14.0, 9.0)),
+        Arrow((-0.505, -0.2), (0.505, -0.2)),
+        Arrow((0.505, -0.2), (-0.505, -0.2)),
+        Note(0.0, -0.2, "flat face, 2 b", (0.0, -10.0)),
+        Note(1.45, 0.55, "edges of\nradius R"),
+        Note(0.0, -0.72, "half-plane"),
+    ]
+    panel = Panel("", "", parts, x_range=(-2.8, 3.4), y_range=(-0.9, 3.6), equal=True, bare=True)
+    return Sheet(
+        "figure_01",
+        "Figure 1. Contact supporting a motor with an eccentric weight",
+        "The foot is flat with rounded edges; its gap is that of the library's profile, drawn much higher than it is. The weight "
+        "presses, the turning mass adds a force that varies in P and Q a quarter of a revolution apart (library scene "
+        f"{scene.name}).",
+        "A motor on a foot with rounded edges on a half-plane, its weight and the turning force of an eccentric mass as arrows.",
+        [panel],
+        {"x / a(P0)": x, "gap under the foot [scene units]": height},
+        size=(6.2, 4.5),
+        left=0.02,
+    )
+
+
+def figure_2(case: Case) -> Sheet:
+    """The way in and the ellipse in the plane of the loads, with the letters and the lines that define them."""
+    start = case.scene.load.path().start
+    way, turn = np.linspace(start, case.time("A"), 101), case.round_times()
+    (p_way, q_way), (p, q) = case.loads(way), case.loads(turn)
+    cone = np.array([0.0, 4.6])
+    parts: list[Part] = [
+        Line(cone, case.friction * cone, "sliding, |Q| = f P", FAINT, "dash", 1.0),
+        Line(cone, -case.friction * cone, "", FAINT, "dash", 1.0),
+        Line(p_way, q_way, "way in, parabola OA", COLOURS[1], "dashdot"),
+        *_constructions(case),
+        Line(p, q, "ellipse, gone round anticlockwise", INK, width=1.8),
+        *_letters(case),
+        Note(0.0, 0.0, "O", (18.0, -7.0), dot=True),
+    ]
+    label = f"load P {LOAD}"
+    panel = Panel(f"normal {label}", f"tangential load Q {LOAD}", parts, x_range=(0.0, 4.6), y_range=(-0.7, 2.8), equal=True)
+    letters = sorted(case.events, key=case.time)
+    return Sheet(
+        "figure_02",
+        "Figure 2. Definition of load history",
+        "Letters that share a point (A and H, B and I, C and K, D and L, E and M) are a revolution apart. dQ/dP = f at B, I, E "
+        "and M, −f at G. The line of gradient f through E meets the way in at Z, the one through G the ellipse at J, and the line "
+        "of gradient −f through G meets the first at T: a(P_Z) and a(P_T) bound stick in the first cycle and for good. In this "
+        "example K comes before J.",
+        "A circle in the P-Q plane with the parabola from the origin and the letters A to M.",
+        [panel],
+        {
+            "letter": letters,
+            "t": [case.time(letter) for letter in letters],
+            "P / (P0/3)": [case.events[letter].normal_load / case.unit for letter in letters],
+            "Q / (P0/3)": [case.events[letter].tangential_load / case.unit for letter in letters],
+            "front load / (P0/3)": [case.events[letter].front_load / case.unit for letter in letters],
+        },
+        size=(6.6, 5.3),
+        legend_columns=2,
+    )
+
+
+def _constructions(case: Case) -> Iterator[Part]:
+    """Lines of gradient +-f through E and G."""
+    f = case.friction
+    p_e, q_e, p_z = _point(case, "E")
+    p_g, q_g, p_t = _point(case, "G")
+    p_j, q_j, _ = _point(case, "J")
+    q_z, q_t = q_e - f * (p_e - p_z), q_g + f * (p_g - p_t)
+    yield Line(np.array([p_z, p_e]), np.array([q_z, q_e]), "gradient f through E and G", COLOURS[0], width=1.0)
+    yield Line(np.array([p_g, p_j]), np.array([q_g, q_j]), "", COLOURS[0], width=1.0)
+    yield Line(np.array([p_t, p_g]), np.array([q_t, q_g]), "gradient −f through G", COLOURS[2], "dot", 1.4)
+    yield Note(p_z, q_z, "Z", (-8.0, 6.0), dot=True, colour=COLOURS[0])
+    yield Note(p_t, q_t, "T", (-7.0, 7.0), dot=True, colour=COLOURS[2])
+
+
+def _point(case: Case, letter: str) -> tuple[float, float, float]:
+    """P, Q and the load at the front of slip, scaled."""
+    event = case.events[letter]
+    return event.normal_load / case.unit, event.tangential_load / case.unit, event.front_load / case.unit
+
+
+def _letters(case: Case) -> Iterator[Note]:
+    """Letters outside the ellipse, those of one point together."""
+    groups: dict[tuple[float, float], str] = {}
+    for letter in LETTERS:
+        p, q, _ = _point(case, letter)
+        place = (round(p, 6), round(q, 6))
+        groups[place] = f"{groups[place]}, {letter}" if place in groups else letter
+    centre = (3.0, case.load.mean_tangential_load / case.unit)
+    for (p, q), text in groups.items():
+        away = np.array([p - centre[0], q - centre[1]])
+        away = away / np.hypot(*away)
+        yield Note(p, q, text, (14.0 * float(away[0]), 12.0 * float(away[1])), dot=True)
+
+
+def figure_3(case: Case) -> Sheet:
+    """Pressure and shear traction at A to M."""
+    x = np.linspace(-1.25, 1.25, 251)
+    times = [case.time(letter) for letter in LETTERS]
+    solution = case.solve(time=times, x=x, fields=("pressure", "shear", "state"))
+    scale = case.length / case.unit
+    limit, shear = case.friction * solution.pressure * scale, solution.shear * scale
+    columns = 5
+    panels = []
+    for number, letter in enumerate(LETTERS):
+        state = solution.state[number]
+        below = number + columns >= len(LETTERS)
+        parts: list[Part] = [
+            *_slip_bands(x, state, limit[number]),
+            Line(x, limit[number], "f p", FAINT, "solid", 1.2),
+            Line(x, -limit[number], "−f p", FAINT, "dash", 1.0),
+            Line(x, shear[number], "shear traction q", INK, width=1.6),
+        ]
+        loads = f"P = {solution.normal_load[number] / case.unit:.2f}, Q = {solution.tangential_load[number] / case.unit:.2f}"
+        panels.append(
+            Panel(
+                "x / a(P₀)" if below else "",
+                "traction · a(P₀) / (P₀/3)" if number % columns == 0 else "",
+                parts,
+                title=f"{letter}   {loads}",
+                x_range=(-1.25, 1.25),
+                y_range=(-2.4, 2.4),
+            )
+        )
+    handles: list[Line | Band] = [
+        Line(x, x, "shear traction q", INK, width=1.6),
+        Line(x, x, "f p", FAINT, width=1.2),
+        Line(x, x, "−f p", FAINT, "dash", 1.0),
+        Band(x, x, x, PALE_FORWARD, "forward slip"),
+        Band(x, x, x, PALE_REVERSE, "reverse slip"),
+    ]
+    return Sheet(
+        "figure_03",
+        "Figure 3. Tractions beneath the Hertzian contact at various stages of the load cycle",
+        "Loads are over P₀/3. A to D belong to the first cycle, E to M to the steady state; the instants are those of figure 2, "
+        "where slip ends the last one of slip. In slip q meets f p (forward) or −f p (reverse); from G on the tractions inside "
+        "keep the hooks of the slip before.",
+        "Thirteen small plots of pressure times friction and shear traction over the contact.",
+        panels,
+        {"x / a(P0)": x}
+        | {f"f p at {letter}": limit[number] for number, letter in enumerate(LETTERS)}
+        | {f"q at {letter}": shear[number] for number, letter in enumerate(LETTERS)},
+        columns=columns,
+        size=(12.0, 7.2),
+        left=0.05,
+        gaps=(0.16, 0.32),
+        legend_columns=5,
+        handles=handles,
+    )
+
+
+def _slip_bands(x: Array, state: NDArray[np.int8], limit: Array) -> Iterator[Band]:
+    """What slips, filled between zero and the limit of friction."""
+    for which, colour, label, sign in (
+        (SurfaceState.SLIP_FORWARD, PALE_FORWARD, "forward slip", 1),
+        (SurfaceState.SLIP_REVERSE, PALE_REVERSE, "reverse slip", -1),
+    ):
+        here = state == which
+        if here.any():
+            top = np.where(here, sign * limit, np.nan)
+            yield Band(x, np.where(here, 0.0, np.nan), top, colour, label)

@@ -1,0 +1,282 @@
+"""Figures 4, 5 and 8 of the paper: contact and stick through the cycle, and what four points of the surface do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.drawing import COLOURS
+from reports.paper_cases import FRICTIONS, POINTS, Case
+from reports.paper_figures_loads import FORWARD, LOAD, PALE_FORWARD, PALE_REVERSE, PALE_STICK, REVERSE
+from reports.paper_plots import FAINT, INK, Band, Dash, Line, Note, Panel, Part, Sheet
+from scenes import SurfaceState
+
+Array = NDArray[np.float64]
+
+_ANGLE = "angle θ of the cycle after M  [degrees]"
+_POINT_COLOURS = ("#5B2A86", "#8C510A", "#C2568F", "#333333")
+_DEGREES = tuple((float(angle), f"{angle}") for angle in range(0, 361, 45))
+_DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot")
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Half-widths between two turning points of slip; at its start all sticks. Widths over a0."""
+
+    direction: int
+    time: Array
+    contact: Array
+    stick: Array
+
+
+def stretches(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> list[Stretch]:
+    """The stretches between marks (time, direction of slip up to the next)."""
+    found = []
+    for (begin, direction), (end, _) in pairwise(marks):
+        time = np.linspace(begin, end, count)
+        solution = case.solve(time=time)
+        contact, stick = solution.contact_half_width / case.length, solution.stick_half_width / case.length
+        # An instant between two stretches belongs to the one that ends there, but here to the one that starts.
+        stick = np.concatenate([contact[:1], stick[1:]])
+        found.append(Stretch(direction, time, contact, stick))
+    return found
+
+
+def zone_parts(parts: Sequence[Stretch], horizontal: Sequence[Array]) -> Iterator[Part]:
+    """Stick and slip filled, both edges drawn."""
+    joined, stick = np.concatenate(list(horizontal)), np.concatenate([s.stick for s in parts])
+    yield Band(joined, np.zeros(len(joined)), stick, PALE_STICK, "stick")
+    for stretch, x in zip(parts, horizontal, strict=True):
+        if stretch.direction:
+            colour, label = (PALE_FORWARD, "forward slip") if stretch.direction > 0 else (PALE_REVERSE, "reverse slip")
+            yield Band(x, stretch.stick, stretch.contact, colour, label)
+    yield Line(joined, np.concatenate([s.contact for s in parts]), "contact, a / a(P₀)", INK, width=1.8)
+    yield Line(joined, stick, "stick, c / a(P₀)", COLOURS[2], "dash", 1.6)
+
+
+def figure_4a(case: Case) -> Sheet:
+    """Half-widths over the way that P has gone."""
+    begin = case.scene.load.path().start
+    marks = [(begin, 0), *((case.time(letter), way) for letter, way in zip("BEGIM", (1, -1, 0, 1, 0), strict=True))]
+    # P turns at C, F and K: finer than that nothing is needed, since the way of P is taken from the instants.
+    found = stretches(case, marks, 181)
+    walked, far = [], 0.0
+    for stretch in found:
+        p = case.loads(stretch.time)[0]
+        walked.append(far + np.concatenate([[0.0], np.cumsum(np.abs(np.diff(p)))]))
+        far = float(walked[-1][-1])
+    places = _letter_places(case, found, walked)
+    parts = list(zone_parts(found, walked))
+    for letter, place in places.items():
+        height = float(case.width(case.events[letter].normal_load))
+        parts.append(Note(place, height, letter, (0.0, 9.0), dot=True))
+    load = {letter: case.events[letter].normal_load / case.unit for letter in "ACDFHKLM"}
+    ticks = [(0.0, "0"), *((float(value), f"{value}") for value in (1, 2))]
+    ticks += [(places[letter], f"{value:.3g}") for letter, value in load.items()]
+    panel = Panel(
+        f"normal load P {LOAD}: growing to C, falling to F, growing to K, falling to M",
+        "half-width / a(P₀)",
+        parts,
+        x_range=(0.0, far + 0.05),
+        y_range=(0.0, 1.3),
+        x_ticks=ticks,
+    )
+    return Sheet(
+        "figure_04a",
+        "Figure 4a. Contact size and stick zone size through the cycle for the Hertzian contact",
+        "The abscissa is the way that P has gone, so that it runs on where P falls. Slip is deeper in the first cycle (B to E) "
+        "than in the steady state, as deep in reverse slip (E to G) as in forward slip (I to M), and there is none from G to I. "
+        "At E, G and M the whole contact sticks at once.",
+        "Contact and stick half-width over the progress of the normal load, slip shaded by its direction.",
+        [panel],
+        _stretch_table(case, found, {"way of P / (P0/3)": np.concatenate(walked)}),
+        size=(8.6, 4.4),
+        left=0.085,
+        legend_columns=5,
+    )
+
+
+def _letter_places(case: Case, found: Sequence[Stretch], walked: Sequence[Array]) -> dict[str, float]:
+    time, way = np.concatenate([s.time for s in found]), np.concatenate(list(walked))
+    return {letter: float(np.interp(case.time(letter), time, way)) for letter in sorted(case.events)}
+
+
+def _stretch_table(case: Case, found: Sequence[Stretch], first: dict[str, Array]) -> dict[str, Array]:
+    time = np.concatenate([stretch.time for stretch in found])
+    return first | {
+        "t": time,
+        "P / (P0/3)": case.loads(time)[0],
+        "a / a(P0)": np.concatenate([stretch.contact for stretch in found]),
+        "c / a(P0)": np.concatenate([stretch.stick for stretch in found]),
+        "direction of slip": np.concatenate([np.full(len(s.time), s.direction) for s in found]),
+    }
+
+
+def steady_marks(case: Case) -> list[tuple[float, int]]:
+    """Turning points of slip of a steady revolution from M on."""
+    turn = 2 * math.pi
+    return [
+        (case.time("M"), -1),
+        (case.time("G") + turn, 0),
+        (case.time("I") + turn, 1),
+        (case.time("M") + turn, 0),
+    ]
+
+
+def _angles(found: Sequence[Stretch], start: float) -> list[Array]:
+    return [np.degrees(stretch.time - start) for stretch in found]
+
+
+def figure_4b(case: Case) -> Sheet:
+    """Half-widths through the steady cycle for four coefficients of friction, about Q0 = 0."""
+    others = {f: case.about_no_shear(f) for f in FRICTIONS}
+    start = others[FRICTIONS[0]].time("M")
+    lowest = others[FRICTIONS[-1]]
+    parts: list[Part] = []
+    columns: dict[str, Array] = {}
+    stick: list[tuple[Array, Array]] = []
+    # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
+    grid = np.linspace(1e-6, 360.0, 721)
+    for stretch in stretches(lowest, [(time, way) for time, way in _two_turns(lowest)]):
+        angle = np.degrees(stretch.time - start)
+        inside = (angle >= 0) & (angle <= 360)
+        stick.append((angle[inside], stretch.stick[inside]))
+        if stretch.direction and inside.any():
+            low, high = stretch.stick[inside], stretch.contact[inside]
+            colour, label = (PALE_FORWARD, "forward slip") if stretch.direction > 0 else (PALE_REVERSE, "reverse slip")
+            parts.append(Band(angle[inside], low, high, colour, f"{label}, f = 0.4"))
+    whole = [np.concatenate(column) for column in zip(*stick, strict=True)]
+    parts.insert(0, Band(whole[0], np.zeros(len(whole[0])), whole[1], PALE_STICK, "stick, f = 0.4"))
+    for number, (f, other) in enumerate(others.items()):
+        solution = other.solve(time=start + np.radians(grid))
+        columns |= {f"c / a(P0), f = {f}": solution.stick_half_width / other.length}
+        colour, dash = COLOURS[number], _DASHES[number]
+        parts.append(Line(grid, columns[f"c / a(P0), f = {f}"], f"c / a(P₀), f = {f}", colour, dash, 1.5))
+    contact = case.width(others[FRICTIONS[0]].solve(time=start + np.radians(grid)).normal_load)
+    parts.append(Line(grid, contact, "contact, a / a(P₀)", INK, width=1.8))
+    panel = Panel(
+        "angle θ of the cycle after M for f = 1  [degrees]",
+        "half-width / a(P₀)",
+        parts,
+        x_range=(0.0, 360.0),
+        y_range=(0.0, 1.3),
+        x_ticks=_DEGREES,
+    )
+    return Sheet(
+        "figure_04b",
+        "Figure 4b. Contact size and extent of slip during the stabilised cycle for various values of friction",
+        "Drawn for Q₀ = 0: with Q₀ = 1.1 the loads would slide grossly at f = 0.6 and 0.4, and the extent of slip does not depend "
+        "on Q₀. Shaded for f = 0.4. With more friction slip starts later, reverse and forward, and full stick returns earlier.",
+        "Contact half-width and four stick half-widths over the angle of the cycle.",
+        [panel],
+        {"theta [degrees]": grid, "a / a(P0)": contact} | columns,
+        size=(7.2, 4.6),
+        left=0.1,
+        legend_columns=3,
+    )
+
+
+def _two_turns(case: Case) -> list[tuple[float, int]]:
+    marks = steady_marks(case)
+    return [*marks[:-1], *((time + 2 * math.pi, way) for time, way in marks)]
+
+
+def figure_5(case: Case) -> Sheet:
+    """Extent of contact and slip above, displacement of four points beneath."""
+    start = case.time("M")
+    found = stretches(case, steady_marks(case))
+    above = list(zone_parts(found, _angles(found, start)))
+    for letter in "MFGHIKJL":
+        time = case.time(letter) + (2 * math.pi if letter != "M" and case.time(letter) < start else 0.0)
+        height = float(case.width(case.events[letter].normal_load))
+        shift = {"M": (8.0, 9.0), "I": (-13.0, 0.0), "J": (13.0, 0.0)}.get(letter, (0.0, 9.0))
+        above.append(Note(math.degrees(time - start), height, letter, shift, dot=True))
+    turn = np.linspace(0.0, 360.0, 721)
+    solution = case.solve(time=start + np.radians(turn), x=POINTS, fields=("slip", "state"))
+    moved = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
+    below: list[Part] = []
+    for number, (x, colour) in enumerate(zip(POINTS, _POINT_COLOURS, strict=True)):
+        above.append(Line(np.array([0.0, 360.0]), np.full(2, x), "", colour, "dot", 1.4))
+        above.append(Note(360.0, x, f"{x:.2f}", (15.0, 0.0), colour=colour))
+        below += _displacement(turn, moved[:, number], solution.state[:, number], colour)
+        peak = int(np.argmin(moved[:, number]))
+        below.append(Note(float(turn[peak]), float(moved[peak, number]), f"{x:.2f}", (0.0, -9.0), colour=colour))
+    span = float(np.ptp(moved))
+    panels = [
+        Panel("", "x / a(P₀)", above, x_range=(0.0, 360.0), y_range=(0.5, 1.28), x_ticks=_DEGREES),
+        Panel(
+            _ANGLE,
+            "displacement / (A P₀/3)",
+            below,
+            x_range=(0.0, 360.0),
+            y_range=(float(moved.min()) - 0.12 * span, float(moved.max()) + 0.08 * span),
+            x_ticks=_DEGREES,
+        ),
+    ]
+    states = {f"state at x = {x}": [int(s) for s in solution.state[:, k]] for k, x in enumerate(POINTS)}
+    return Sheet(
+        "figure_05",
+        "Figure 5. Stick, slip, separation and displacement history of four points beneath the Hertzian contact",
+        "Above: contact and stick, with the letters of figure 2 and the four points x/a(P₀). Beneath: displacement of the upper "
+        "face over the lower since M, A = 2/E*. Each point comes back to where it was; at 1.0 and 1.13 the way back is made while "
+        "the faces are apart, so that they rub in one direction only.",
+        "Two plots over the angle of the cycle: zones of stick and slip, and displacements of four points drawn by state.",
+        panels,
+        {"theta [degrees]": turn} | {f"s/(A P0/3) at x = {x}": moved[:, k] for k, x in enumerate(POINTS)} | states,
+        size=(7.6, 7.0),
+        left=0.115,
+        heights=(1.0, 1.1),
+        gaps=(0.2, 0.14),
+        right=0.4,
+        legend_columns=4,
+        handles=[
+            *(part for part in above if isinstance(part, Line | Band) and part.label),
+            Line(turn, turn, "sticking", FAINT, width=1.0),
+            Line(turn, turn, "slipping forward", FORWARD, width=3.0),
+            Line(turn, turn, "slipping in reverse", REVERSE, width=3.0),
+            Line(turn, turn, "separated", FAINT, "dot", 1.4),
+        ],
+    )
+
+
+def _displacement(turn: Array, moved: Array, state: NDArray[np.int8], colour: str) -> Iterator[Line]:
+    """One point's displacement: slip broad under a thin line of the point's colour, separation dotted."""
+    for which, broad in ((SurfaceState.SLIP_FORWARD, FORWARD), (SurfaceState.SLIP_REVERSE, REVERSE)):
+        if (state == which).any():
+            yield Line(turn, np.where(_grown(state == which), moved, np.nan), "", broad, width=4.0)
+    yield Line(turn, np.where(state == SurfaceState.OPEN, np.nan, moved), "", colour, width=1.2)
+    yield Line(turn, np.where(_grown(state == SurfaceState.OPEN), moved, np.nan), "", colour, "dot", 1.4)
+
+
+def _grown(here: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """With one instant more at either end, so that pieces of a curve meet."""
+    return np.asarray(here | np.roll(here, 1) | np.roll(here, -1))
+
+
+def figure_8(case: Case) -> Sheet:
+    """Contact and stick of the flat and rounded contact."""
+    found = stretches(case, steady_marks(case))
+    angles = _angles(found, case.time("M"))
+    flat = float(case.width(0.0))
+    parts = [
+        *zone_parts(found, angles),
+        Line(np.array([0.0, 360.0]), np.full(2, flat), "edge of flat, b / a(P₀)", COLOURS[1], "dot"),
+    ]
+    panel = Panel(_ANGLE, "half-width / a(P₀)", parts, x_range=(0.0, 360.0), y_range=(0.0, 1.3), x_ticks=_DEGREES)
+    return Sheet(
+        "figure_08",
+        "Figure 8. Variation of a and c for the flat and rounded contact",
+        f"b/a(P₀) = {flat:.3f}, loads as for Hertz, f = {case.friction:g}. The phases are those of figure 4b; slip stays in two "
+        "bands at the edges, outside the flat face.",
+        "Contact and stick half-width of the flat and rounded contact over the angle of the cycle.",
+        [panel],
+        _stretch_table(case, found, {"theta [degrees]": np.concatenate(angles)}),
+        size=(7.2, 4.4),
+        left=0.1,
+        legend_columns=3,
+    )
