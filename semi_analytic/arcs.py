@@ -23,6 +23,7 @@ from scenes import EllipseLeg
 from semi_analytic.contact import Contact
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 _NODES = {count: np.polynomial.legendre.leggauss(count) for count in (16, 24, 40, 80)}
 _SPANS = ((1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
@@ -108,13 +109,11 @@ def arc_shear(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: A
     total = np.zeros((len(last), len(x)))
     edge_load = contact.load(x)
     for half in halves(leg, first, last):
-        edge = (edge_load - half.extreme) / half.curvature
-        choose = outside if half.curvature > 0 else inside
-        shape = (len(last), len(x))
-        nodes = choose(*(np.broadcast_to(v, shape) for v in (half.low[:, None], half.high[:, None], edge)))
+        here, nodes = _touched(half, edge_load, half.curvature > 0)
+        point = here[1][:, None]
         excess = abs(half.curvature) * nodes.root**2
-        quotient = contact.root_quotient(x[:, None], excess, edge_load[:, None] + excess)
-        total += half.sign / math.sqrt(abs(half.curvature)) * np.sum(nodes.weight * density(nodes.z) * quotient, axis=-1)
+        quotient = contact.root_quotient(x[point], excess, edge_load[point] + excess)
+        total[here] += half.sign / math.sqrt(abs(half.curvature)) * np.sum(nodes.weight * density(nodes.z) * quotient, axis=-1)
     return total * leg.amplitude[1] * math.sin(leg.phase) / math.pi
 
 
@@ -123,14 +122,25 @@ def arc_slip(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: Ar
     total = np.zeros((len(last), len(x)))
     edge_load = contact.load(x)
     for half in halves(leg, first, last):
-        edge = (edge_load - half.extreme) / half.curvature
-        choose = inside if half.curvature > 0 else outside
-        shape = (len(last), len(x))
-        nodes = choose(*(np.broadcast_to(v, shape) for v in (half.low[:, None], half.high[:, None], edge)))
+        here, nodes = _touched(half, edge_load, half.curvature < 0)
         excess = abs(half.curvature) * nodes.root**2
-        reach = contact.reach(x[:, None], excess, half.extreme + half.curvature * nodes.z**2)
-        total += half.sign * np.sum(nodes.weight * nodes.root * density(nodes.z) * reach, axis=-1)
+        reach = contact.reach(x[here[1]][:, None], excess, half.extreme + half.curvature * nodes.z**2)
+        total[here] += half.sign * np.sum(nodes.weight * nodes.root * density(nodes.z) * reach, axis=-1)
     return total * leg.amplitude[1] * math.sin(leg.phase)
+
+
+def _touched(half: Half, edge_load: Array, beyond: bool) -> tuple[tuple[Indices, Indices], Nodes]:
+    """The arcs and points (m,) that have a part of this half on the right side of P_x, and the nodes there (m, nodes).
+
+    `beyond` the edge z^2 = e^2 for tractions in the lower half and slips in the upper one, before it otherwise.
+    """
+    edge = (edge_load - half.extreme) / half.curvature
+    e = np.sqrt(np.maximum(edge, 0.0))
+    low, high = half.low[:, None], half.high[:, None]
+    span = high - np.maximum(low, e) if beyond else np.minimum(high, e) - low
+    instant, point = np.nonzero(span > 0)
+    choose = outside if beyond else inside
+    return (instant, point), choose(half.low[instant], half.high[instant], edge[point])
 
 
 def arc_log(contact: Contact, leg: EllipseLeg, first: float, last: Array) -> Array:

@@ -1,0 +1,85 @@
+"""How fast the half-plane engine is: whole solutions, straight steps, batches against bare numpy. Ratios in one run count.
+
+python benchmarks/semi_analytic_speed.py
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from scenes import Elastic, FlatRounded, Hertz, Materials, load_scene
+from semi_analytic import dissipation, peak_dissipation, solve
+
+MEMBERS = 100_000
+STEEL = Elastic(young_modulus=2.0, poisson_ratio=0.0)
+
+
+def seconds(work: Callable[[], Any], times: int = 3) -> float:
+    """Least process time of a few runs, after one to warm up."""
+    work()
+    found = []
+    for _ in range(times):
+        begun = time.process_time()
+        work()
+        found.append(time.process_time() - begun)
+    return min(found)
+
+
+def random_ellipses(count: int, seed: int = 0) -> dict[str, Any]:
+    """P1/P0 in 0.01-0.9, phase in 0-pi, f log-uniform in 0.05-2, Q1 up to gross sliding, all uniform."""
+    rng = np.random.default_rng(seed)
+    ratio, phase = rng.uniform(0.01, 0.9, count), rng.uniform(0, np.pi, count)
+    friction = np.exp(rng.uniform(np.log(0.05), np.log(2), count))
+    cosine = np.abs(np.cos(phase))
+    limit = -ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2))
+    return {
+        "material": Materials(upper=STEEL, lower=STEEL),
+        "friction_coefficient": friction,
+        "mean_normal_load": 1.0,
+        "normal_amplitude": ratio,
+        "tangential_amplitude": rng.uniform(0, 1, count) * limit * friction,
+        "phase": phase,
+    }
+
+
+def bare(count: int, nodes: int = 16) -> None:
+    """Nothing but the transcendental calls: two sines, two cosines and three logarithms a node, in chunks of 1,000."""
+    values = np.full((1000, nodes), 0.5)
+    for _ in range(count // 1000):
+        for function in (np.sin, np.cos, np.sin, np.cos, np.log, np.log, np.log):
+            function(values)
+
+
+def rows() -> Iterator[tuple[str, str]]:
+    for name in ("hertz-paper", "cattaneo-mindlin", "motor"):
+        scene = load_scene(name)
+        own = solve(scene)
+        yield f"solve({name}), {own.shear.shape[0]} instants x 200", f"{1e3 * seconds(lambda s=scene: solve(s)):.1f} ms"
+        yield f"solve({name}), steady cycle only", f"{1e3 * seconds(lambda s=scene: solve(s, cycles='steady')):.1f} ms"
+        straight = seconds(lambda s=scene, o=own: solve(s, x=o.x, time=o.time, straight_steps=True), 1)
+        yield f"solve({name}), {len(own.time) - 1} straight steps", f"{1e3 * straight:.0f} ms"
+    members = random_ellipses(MEMBERS)
+    plain = seconds(lambda: bare(MEMBERS))
+    hertz = seconds(lambda: dissipation(profile=Hertz(radius=1.0), **members))
+    flat = seconds(lambda: dissipation(profile=FlatRounded(radius=1.0, flat_half_length=0.7), **members))
+    yield "bare transcendental calls of 16 nodes a phase", f"{MEMBERS / plain:,.0f} a second"
+    yield "batch of Hertz ellipses", f"{MEMBERS / hertz:,.0f} a second, {hertz / plain:.1f} x bare"
+    yield "batch of flat-and-rounded ellipses", f"{MEMBERS / flat:,.0f} a second, {flat / hertz:.1f} x Hertz"
+    few = random_ellipses(1000)
+    yield (
+        "peaks of Hertz ellipses",
+        f"{1000 / seconds(lambda: peak_dissipation(profile=Hertz(radius=1.0), **few), 1):,.0f} a second",
+    )
+
+
+def main() -> None:
+    for name, figure in rows():
+        print(f"{name:60s} {figure}")
+
+
+if __name__ == "__main__":
+    main()
