@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from scenes import StraightLeg
 from semi_analytic.contact import Contact
+from semi_analytic.corners import smooth_spans
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
@@ -48,7 +49,7 @@ class Split(NamedTuple):
 
 def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
     """Friction work of the spans [energy per unit thickness]."""
-    slipping = [span for span in spans if span.direction and span.active is not None]
+    slipping = [span for span in smooth_spans(contact, spans) if span.direction and span.active is not None]
     works = np.zeros(len(slipping))
     straight = np.array([_is_straight(span) for span in slipping], dtype=bool)
     for number in np.flatnonzero(~straight):
@@ -89,7 +90,7 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     """Friction work of the spans at |x| = `x` (k,): shape (k,) [energy per area]."""
     work = {1: np.zeros(len(x)), -1: np.zeros(len(x))}
     edge_load = contact.load(x)
-    for span in spans:
+    for span in smooth_spans(contact, spans):
         if span.direction and span.active is not None:
             begin, end = slip_times(span, edge_load)
             here = np.flatnonzero(end > begin)
@@ -134,6 +135,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     integrals = Integrals(contact, np.zeros(1), "shift")
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
     offset = float(contact.log_ratio(largest))
+    spans = smooth_spans(contact, spans)
     rules = [graded(span.begin.time, span.end.time) for span in spans]
     snapshot = take((span, times) for span, (times, _) in zip(spans, rules, strict=True))
     shift = integrals.over(snapshot)[:, 0] - offset * snapshot.force

@@ -185,7 +185,8 @@ class Pile:
         node = panels(0.0, drop, [b - front for b in self.breaks])
         at = front[..., None, None] + node.at
         safe = np.where(front > 0, front, np.finfo(float).tiny)[..., None, None]
-        growth = np.where(node.at < safe, np.log1p(np.minimum(node.at / safe, 1.0)), np.log(at) - np.log(safe))
+        near = node.at < safe
+        growth = np.where(near, np.log1p(np.where(near, node.at, 0.0) / safe), np.log(np.maximum(at, safe)) - np.log(safe))
         return Terms(node.weight * self.stiffness(at) * growth)
 
     def _drop(self, half: Array, load: Array, slipped: Array) -> Array:
@@ -282,7 +283,7 @@ class Pile:
 
     def log_ratio(self, load: ArrayLike) -> Array:
         """ln(2 L/a(P)); that of the smallest number for a = 0, where it is multiplied by P."""
-        return np.log(2 * self.datum_length / np.maximum(self.half_width(load), np.finfo(float).tiny))
+        return np.log(2 * self.datum_length) - np.log(np.maximum(self.half_width(load), np.finfo(float).tiny))
 
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per thickness]."""

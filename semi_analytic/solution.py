@@ -15,6 +15,7 @@ from semi_analytic.batch import Ellipses, dissipation_of, ellipses_of
 from semi_analytic.batch_density import density_of
 from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
 from semi_analytic.contact import Contact
+from semi_analytic.corners import has_corners
 from semi_analytic.fields import Integrals
 from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
@@ -161,7 +162,7 @@ def _dissipations(question: Question) -> Dissipations:
 
 def _work_of_cycle(question: Question, number: int) -> float:
     """Friction work of a solved cycle; of a steady ellipse by the formulas that keep their digits however small the slip."""
-    if question.route.is_loop(number) and question.friction > 0:
+    if question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact):
         forward, reverse = dissipation_of(_loop(question), question.contact)
         return _unit_of_work(question) * float(forward[0] + reverse[0])
     return float(global_dissipation(question.contact, question.modulus, question.route.history.cycles[number]).total)
@@ -169,7 +170,7 @@ def _work_of_cycle(question: Question, number: int) -> float:
 
 def _density_of_cycle(question: Question, number: int) -> Array:
     x = question.distance
-    if question.route.is_loop(number) and question.friction > 0:
+    if question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact):
         forward, reverse = density_of(_loop(question).take(np.zeros(len(x), dtype=int)), question.contact, x)
         return _unit_of_work(question) * (forward + reverse)
     return pointwise_dissipation(question.contact, question.modulus, question.route.history.cycles[number], x).total
