@@ -150,6 +150,7 @@ def render(
         misprints=wrong,
         tally=tally(said),
         proven=sum(row.proven is True for row in wrong),
+        by_reading=sum(row.proven is None for row in wrong),
         proven_in_words=proven_in_words,
         # "</" would end the script element early.
         plots=Markup(json.dumps(plots, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")),

@@ -206,7 +206,7 @@ class Sweep:
     place: Array
 
 
-def sweep(case: Case, largest: float = 6.0, count: int = 41) -> Sweep:
+def sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
     """The sweep over f and P0/P1 on the case's profile, its radius such that a(P0) and b stay what they are: one call each."""
     friction = np.array(FRICTIONS)
     # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself is rounding's.

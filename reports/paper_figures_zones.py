@@ -194,7 +194,7 @@ def figure_5(case: Case) -> Sheet:
     for letter in "MFGHIKJL":
         time = case.time(letter) + (2 * math.pi if letter != "M" and case.time(letter) < start else 0.0)
         height = float(case.width(case.events[letter].normal_load))
-        shift = {"M": (8.0, 9.0), "I": (-13.0, 0.0), "J": (13.0, 0.0)}.get(letter, (0.0, 9.0))
+        shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
         above.append(Note(math.degrees(time - start), height, letter, shift, dot=True))
     turn = np.linspace(0.0, 360.0, 721)
     solution = case.solve(time=start + np.radians(turn), x=POINTS, fields=("slip", "state"))

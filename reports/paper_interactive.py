@@ -19,7 +19,8 @@ def figure(sheet: Sheet) -> dict[str, Any]:
     shown: set[str] = set()
     layout: dict[str, Any] = {
         "height": round(sheet.size[1] * _PIXELS * 1.15),
-        "margin": {"l": 70, "r": 20, "t": 30, "b": 50},
+        "margin": {"l": 70, "r": 60, "t": 30, "b": 50},
+        "modebar": {"orientation": "v"},
         "hovermode": "closest",
         "font": {"size": 12, "color": "#1a1a1a"},
         "paper_bgcolor": "white",
@@ -96,7 +97,7 @@ def _annotations(panel: Panel, name: str, across: list[float], up: list[float]) 
         match part:
             case Note():
                 yield here | {
-                    "text": part.text,
+                    "text": part.text.replace("\n", "<br>"),
                     "x": part.x,
                     "y": part.y,
                     "xshift": part.shift[0] * 1.3,
@@ -110,7 +111,7 @@ def _annotations(panel: Panel, name: str, across: list[float], up: list[float]) 
 
 
 def _traces(part: Line | Band, name: str, shown: set[str]) -> list[dict[str, Any]]:
-    """A curve as one trace, a band as two; a label stands in the legend once."""
+    """A curve or a band as one trace; a label stands in the legend once."""
     first = bool(part.label) and part.label not in shown
     shown.add(part.label)
     common = {
@@ -125,10 +126,20 @@ def _traces(part: Line | Band, name: str, shown: set[str]) -> list[dict[str, Any
     if isinstance(part, Line):
         line = {"color": part.colour, "dash": part.dash, "width": part.width * 1.2}
         return [common | {"x": _numbers(part.x), "y": _numbers(part.y), "line": line}]
-    edge = {"line": {"width": 0}, "hoverinfo": "skip"}
-    lower = common | edge | {"x": _numbers(part.x), "y": _numbers(part.low), "showlegend": False}
-    upper = common | edge | {"x": _numbers(part.x), "y": _numbers(part.high), "fill": "tonexty", "fillcolor": part.colour}
-    return [lower, upper]
+    x, y = _outline(part)
+    fill = {"fill": "toself", "fillcolor": part.colour, "line": {"width": 0}, "hoverinfo": "skip"}
+    return [common | fill | {"x": _numbers(x), "y": _numbers(y)}]
+
+
+def _outline(band: Band) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Closed outlines of the parts of a band, NaN between them."""
+    known = np.isfinite(band.low) & np.isfinite(band.high)
+    runs = np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1)
+    parts = [run for run in runs if known[run[0]]]
+    gap = np.array([np.nan])
+    x = [values for run in parts for values in (band.x[run], band.x[run][::-1], gap)]
+    y = [values for run in parts for values in (band.low[run], band.high[run][::-1], gap)]
+    return np.concatenate(x), np.concatenate(y)
 
 
 def _dots(notes: Sequence[Note], name: str) -> dict[str, Any]:

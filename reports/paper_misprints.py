@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.paper_cases import Case, Paper, sliding_limit
-from reports.paper_formulas import Formulas, share
-from reports.paper_tables import EXACT, Misprint, proves
+from reports.paper_formulas import Formulas, integral, share
+from reports.paper_tables import EXACT, Misprint, proves, small
 from scenes import FlatRounded, PolygonLoad
+from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
 
@@ -53,9 +54,9 @@ def corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Mis
         "section 2",
         "second term p(x; Q − P)",
         "p(x, P − Q/f)",
-        f"Hertz, constant P, f = {friction}, Q = {part} f P: off the engine's q by {errors['right']:.0e} with P − Q/f; as printed "
-        f"Q − P is negative, nothing is taken off, and q carries f P = {1 / part:.2f} Q (off by {errors['printed']:.0%}); P − Q "
-        f"is off by {errors['sign turned only']:.0%}",
+        f"Hertz, constant P, f = {friction}, Q = {part} f P: off the engine's q by {small(errors['right'])} with P − Q/f; as "
+        f"printed Q − P is negative, nothing is taken off, and q carries f P = {1 / part:.2f} Q (off by {errors['printed']:.0%}); "
+        f"P − Q is off by {errors['sign turned only']:.0%}",
         proves(errors["right"], min(errors["printed"], errors["sign turned only"])),
         errors,
     )
@@ -125,7 +126,7 @@ def order_of_letters(case: Case) -> Misprint:
         "section 2, figures 2 and 3",
         "I, J (line of gradient f through G), K (maximum normal load): J before K",
         "in this example K comes before J",
-        f"the front passes P_G (to {front:.0e}) {angle['J']:.0f}° after the largest P, I lies {-angle['I']:.0f}° before it",
+        f"the front passes P_G (off by {small(front)}) {angle['J']:.0f}° after the largest P, I lies {-angle['I']:.0f}° before it",
         front <= EXACT and angle["I"] < 0 < angle["J"],
         {"J after K in degrees": angle["J"], "I after K in degrees": angle["I"], "front at J against P_G": front},
     )
@@ -146,7 +147,7 @@ def mean_force(case: Case) -> Misprint:
         "section 3",
         "independent of the mean shear force Q_1",
         "Q_0",
-        f"half of Q0 changes the dissipation by a share of {mean:.0e}, half of Q1 by {amplitude:.0%} (closed integral of Q dU)",
+        f"half of Q0 changes the dissipation by a share of {small(mean)}, half of Q1 by {amplitude:.0%} (closed integral of Q dU)",
         proves(mean, amplitude),
         {"right": mean, "printed": amplitude},
     )
@@ -199,15 +200,13 @@ def flat_and_rounded_law(case: Case) -> Misprint:
     if not isinstance(profile, FlatRounded):
         raise TypeError("the law is about a flat face with rounded edges")
     load = case.load.mean_normal_load
-    nodes, weights = np.polynomial.legendre.leggauss(400)
-    # x = a sin(angle): the pressure's root at the edge becomes smooth; its kinks of slope at x = b stay, 400 points a part.
+    # x = a sin(angle), in two parts: the pressure's root at the edge becomes smooth, its singular slope at x = b lies at an end.
     corner = math.asin(profile.flat_half_length / case.length)
     carried = 0.0
     for begin, end in ((0.0, corner), (corner, math.pi / 2)):
-        angle = (begin + end) / 2 + (end - begin) / 2 * nodes
-        x = case.length * np.sin(angle)
-        part = case.contact.pressure(x, load) * case.length * np.cos(angle)
-        carried += 2 * (end - begin) / 2 * float(np.sum(weights * part))
+        angle, weights = graded(begin, end)
+        part = case.contact.pressure(case.length * np.sin(angle), load) * case.length * np.cos(angle)
+        carried += 2 * integral(part, weights)
     right_side = (math.pi - 2 * corner) / (4 * math.sin(corner) ** 2) - 1 / math.tan(corner) / 2
     # (1 + kappa)/mu = 2 A
     left = {name: carried * profile.radius * 2 * case.compliance / (4 * length**2) for name, length in _lengths(case, profile)}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from reports.paper_cases import Case, Paper, total
 from reports.paper_formulas import Formulas, integral, share
-from reports.paper_tables import EXACT, Misprint, proves
+from reports.paper_tables import EXACT, Misprint, proves, small
 from scenes import Hertz
 from semi_analytic.quadrature import graded
 
@@ -55,7 +55,7 @@ def second_root(case: Case, x: float = 1.0) -> Misprint:
         "second integral over √(x² − c²)",
         "√(x² − a²), as in (18) and (19)",
         f"movement of x = {x} a0 from E to F, out of contact: printed off the engine's by {errors['printed']:.1%}, mended by "
-        f"{errors['right']:.0e}",
+        f"{small(errors['right'])}",
         proves(errors["right"], errors["printed"]),
         errors,
     )
@@ -79,7 +79,7 @@ def stick_displacement(case: Case, x: float = 1.1) -> Misprint:
         "f ΔP (1+κ)/(πμ) dQ/dP",
         "ΔQ (1+κ)/(2πμ): no f, and 2πμ",
         f"movement of x = {x} a0 from G to H, out of contact: the printed factor is {ratios[1.0]:.4f} times the engine's at f = 1 "
-        f"and {ratios[0.6]:.4f} times at f = 0.6 (2 f); mended off by {worst:.0e}",
+        f"and {ratios[0.6]:.4f} times at f = 0.6 (2 f); mended off by {small(worst)}",
         proves(worst, wrong) and all(abs(ratio / (2 * f) - 1) <= EXACT for f, ratio in ratios.items()),
         {"right": worst, "printed": wrong} | {f"factor at f = {f}": ratio for f, ratio in ratios.items()},
     )
@@ -120,9 +120,9 @@ def argument_of_arccosh(case: Case, x: float) -> Misprint:
         "section 4.1",
         "arccosh(x/C), C also being the multiplier (14)",
         "arccosh(x/c), c the stick half-width",
-        f"W at its peak: with c off the engine's by {errors['right']:.0e}; with |C| the arccosh is real for {real / whole:.0%} of "
-        f"the time of slip, and that part sums to {printed[1.0] / density:.0%} of W in millimetres, {printed[1e-3] / density:.0%} "
-        "in metres",
+        f"W at its peak: with c off the engine's by {small(errors['right'])}; with |C| the arccosh is real for {real / whole:.0%} "
+        f"of the time of slip, and that part sums to {printed[1.0] / density:.0%} of W in millimetres, "
+        f"{printed[1e-3] / density:.0%} in metres",
         proves(errors["right"], errors["printed"]),
         errors | {"share of time with a real arccosh": real / whole, "in metres": printed[1e-3] / density},
     )
@@ -145,7 +145,7 @@ def sign_and_multiplier(case: Case, x: float) -> Misprint:
         "a leading minus, and C dP throughout",
         "|C dP|, with dP_Y in I–J",
         f"W at its peak: as printed (c for C in the arccosh) I–J gives {printed['IJ']:+.1%} and J–M {printed['JM']:+.1%} of W; "
-        f"mended {right['IJ']:.1%} and {right['JM']:.1%}, the sum off the engine's by {errors['right']:.0e}",
+        f"mended {right['IJ']:.1%} and {right['JM']:.1%}, the sum off the engine's by {small(errors['right'])}",
         proves(errors["right"], errors["printed"]) and printed["JM"] < 0 < right["JM"],
         errors | {f"printed {phase}": value for phase, value in printed.items()},
     )
@@ -168,7 +168,7 @@ def name_of_the_front(case: Case, x: float = 1.0) -> Misprint:
         "P_K",
         "a moving front, not the load at point K",
         f"with the front P_c = (v_min − u)/(2f), {front:.3f} at M, the slip of x = {x} a0 after J is off the engine's by "
-        f"{errors['right']:.0e}; the load at K is {at_k:.3g} and constant: no slip at all",
+        f"{small(errors['right'])}; the load at K is {at_k:.3g} and constant: no slip at all",
         proves(errors["right"], errors["printed"]),
         errors | {"front at M": front, "load at K": at_k},
     )
@@ -193,7 +193,7 @@ def not_per_area(case: Case) -> Misprint:
         "The rate of doing frictional work, per unit area, is given by (11)",
         "(11) is an integral over x: work of the whole contact, per unit thickness",
         f"lengths and loads times ten: W(x) grows as the power {powers['density']:.6f} of length, its integral (11) as "
-        f"{powers['dissipation']:.6f}, which is a power per thickness; the integral meets the global figure to {whole:.0e}",
+        f"{powers['dissipation']:.6f}, which is a power per thickness; the integral meets the global figure to {small(whole)}",
         whole <= EXACT and abs(powers["density"] - 1) <= EXACT and abs(powers["dissipation"] - 2) <= EXACT,
         {"power of W(x)": powers["density"], "power of (11)": powers["dissipation"], "right": whole},
     )
@@ -229,8 +229,8 @@ def equation_before_23(case: Case, x: float = 0.8) -> Misprint:
         "section 4.1",
         "For a Hertz contact, Eq. (12) becomes",
         "(15), with (16) to (19)",
-        f"(15) gives the forward slip of x = {x} a0 to {errors['right']:.0e}; (12) is a closed integral that is zero there "
-        f"({abs(net):.0e} of that slip)",
+        f"(15) gives the forward slip of x = {x} a0 to {small(errors['right'])}; (12) is a closed integral that is zero there "
+        f"({small(abs(net))} of that slip)",
         proves(errors["right"], errors["printed"]),
         errors,
     )
@@ -248,7 +248,7 @@ def net_displacement(case: Case, x: float = 0.8) -> Misprint:
         "section 4.1",
         "no net displacement over the load cycle … equation (11)",
         "(12)",
-        f"over a cycle (11) sums to W = {work:.5f} A f² P0², which is not zero; (12) to {net:.0e} of the movement of x = {x} a0",
+        f"over a cycle (11) sums to W = {work:.5f} A f² P0², which is not zero; (12) to {small(net)} of the movement of x = {x} a0",
         net <= EXACT and work > 1e-3,
         {"right": net, "printed": work},
     )

@@ -6,6 +6,7 @@ Equations and figures are the paper's; x and half-widths are over a0 = a(P0).
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from itertools import groupby
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from reports.drawing import STATE_NAMES
 from reports.paper_cases import POINTS, Case, Paper
-from reports.paper_tables import Statement, judge, judge_number
+from reports.paper_tables import Statement, judge, judge_number, small
 from scenes import SurfaceState
 from semi_analytic.friction_work import slip_times
 
@@ -22,11 +23,13 @@ Array = NDArray[np.float64]
 
 _ROUNDING = 1e-10
 _WORDS = {
-    0.77: ("stick", "reverse slip", "stick", "forward slip"),
-    0.82: ("stick", "reverse slip", "open", "reverse slip", "stick", "forward slip"),
-    1.0: ("open", "stick", "forward slip"),
-    1.13: ("open", "forward slip"),
+    0.77: "is always in contact, and experiences a sequence – stick, reverse slip, stick, forwards slip",
+    0.82: "leaves contact for only a very short period during the cycle and experiences – stick, reverse slip, separation, reverse "
+    "slip, stick, forwards slip",
+    1.0: "experiences an increased period of separation, with an overall history – separation, stick, forwards slip separation",
+    1.13: "sees a history – separation, forwards slip, separation",
 }
+_NAMES = {"stick": "stick", "reverse slip": "reverse slip", "forwards slip": "forward slip", "separation": "open"}
 
 
 def cycle_statements(paper: Paper) -> list[Statement]:
@@ -179,7 +182,7 @@ def net_displacement(case: Case) -> Statement:
         "no net displacement",
         "sections 3 and 4.1, figure 5",
         "There can, of course, be no net displacement over the load cycle for any pair of opposed points",
-        f"largest net displacement of the four points over a cycle: {net:.1e} of the largest movement",
+        f"largest net displacement of the four points over a cycle: {small(net)} of the largest movement",
         judge(net <= _ROUNDING),
         {"net over largest": net},
     )
@@ -190,21 +193,14 @@ def point_history(case: Case, x: float) -> Statement:
     times = case.round_times(1441)
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
     found = sequence(states)
-    expected = list(_WORDS[x])
+    expected = _as_runs([_NAMES[name] for name in re.findall("|".join(_NAMES), _WORDS[x].partition("–")[2])])
     turns = [expected[k:] + expected[:k] for k in range(len(expected))]
     share = float(np.mean(states == SurfaceState.OPEN))
-    said = {
-        0.77: "always in contact",
-        0.82: "leaves contact for only a very short period",
-        1.0: "an increased period of separation",
-    }
-    words = f"{said.get(x, 'sees a history')} – {', '.join('separation' if word == 'open' else word for word in expected)}"
     return Statement(
         f"history of x = {x}",
         "section 4.1, figure 5",
-        words,
-        f"from M on: {', '.join('separation' if word == 'open' else word for word in found)}; separated for {share:.1%} of the "
-        "cycle",
+        _WORDS[x],
+        f"from M on: {', '.join(found).replace('open', 'separation')}; separated for {share:.1%} of the cycle",
         judge(found in turns),
         {"share of separation": share, "runs": len(found)},
     )
@@ -216,7 +212,11 @@ def sequence(states: Sequence[int] | NDArray[np.int8]) -> list[str]:
     >>> sequence([1, 1, 2, 0, 1])
     ['stick', 'forward slip', 'open']
     """
-    names = [name for name, _ in groupby(STATE_NAMES[SurfaceState(int(state))] for state in states)]
+    return _as_runs([STATE_NAMES[SurfaceState(int(state))] for state in states])
+
+
+def _as_runs(words: Sequence[str]) -> list[str]:
+    names = [name for name, _ in groupby(words)]
     return names[:-1] if len(names) > 1 and names[0] == names[-1] else names
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.paper_cases import FRICTIONS, Case, Paper
-from reports.paper_tables import Statement, judge
+from reports.paper_tables import Statement, judge, small
 
 Array = NDArray[np.float64]
 
@@ -44,8 +44,8 @@ def friction_delays(case: Case) -> Statement:
         "friction delays slip",
         "section 4.1, figure 4b",
         "for higher coefficients of friction the transition is delayed",
-        f"from f = {order[0]} to {order[-1]} slip starts {shift['E']:+.1f}° (E, reverse) and {shift['I']:+.1f}° (I, forward) "
-        f"later; the return to full stick (G) moves the other way, {shift['G']:+.1f}°",
+        f"from f = {order[0]} to {order[-1]} slip starts later by {shift['E']:.1f}° (E, reverse) and {shift['I']:.1f}° "
+        f"(I, forward); full stick returns (G) earlier by {-shift['G']:.1f}°",
         judge(later and bool(np.all(np.diff(back) > 0)), nearly=later),
         {f"shift of {letter} in degrees": value for letter, value in shift.items()},
     )
@@ -86,7 +86,7 @@ def mean_force(case: Case) -> Statement:
         "mean shear force",
         "section 3",
         "the work done against friction is also independent of the mean shearing force",
-        f"Q0 = −1, 0 and 0.5 instead of 1.1: c moves by at most {zone:.1e} a0, W by a share of {work:.1e}",
+        f"Q0 = −1, 0 and 0.5 instead of 1.1: c moves by at most {small(zone)} a0, W by a share of {small(work)}",
         judge(max(zone, work) <= _ROUNDING),
         {"change of c": zone, "change of W": work},
     )
@@ -108,8 +108,8 @@ def way_in(case: Case) -> Statement:
         "section 2",
         "The only residual information from the transient which persists is the locked-in distribution of shearing tractions "
         "within the permanent stick region",
-        f"straight and zigzag instead of the parabola: c moves by {zone:.1e} a0, W by a share of {work:.1e}; shear at M differs by "
-        f"up to {residual[0]:.2f} P0/(3 a0) inside a(P_T) and by {residual[1]:.1e} outside",
+        f"straight and zigzag instead of the parabola: c moves by {small(zone)} a0, W by a share of {small(work)}; shear at M differs by "
+        f"up to {residual[0]:.2f} P0/(3 a0) inside a(P_T) and by {small(residual[1])} outside",
         judge(max(zone, work) <= _ROUNDING and residual[1] <= _ROUNDING < residual[0]),
         {"change of c": zone, "change of W": work, "change of q inside": residual[0], "change of q outside": residual[1]},
     )

@@ -130,7 +130,7 @@ def peak_place(paper: Paper, number: int) -> Statement:
         ),
         (
             "sections 4.2 and 5, figure 9",
-            "the peak occurs at a point about 60% of the way to the contact edge; just over 60% of the way",
+            "the peak occurs at a point about 60% of the way to the contact edge … just over 60% of the way",
         ),
     )[number]
     return Statement(
@@ -243,7 +243,7 @@ def five_times(paper: Paper) -> Statement:
         "with the normalisation as shown, about five times as much energy absorbed for a given coefficient of friction and "
         "amplitude of oscillatory load",
         f"at equal loads, f and material W contains neither a nor R: the flat and rounded punch absorbs {work:.3f} of Hertz "
-        f"({sweeps.min():.2f} to {sweeps.max():.2f} over the figure), so 'five' is the scale of a plot",
+        f"({sweeps.min():.2f} to {sweeps.max():.2f} over the figure), so 'five' says something about the scales of two plots",
         judge_number(work, 5, 0, slack=0.2),
         {"quotient of work": work},
     )
@@ -257,7 +257,8 @@ def eight_times(paper: Paper) -> Statement:
         "eight times the peak",
         "section 4.2, figure 10b",
         "generally the value is of order eight times that for Hertz",
-        f"at equal a(P0) the peaks are as {peak:.3f} ({sweeps.min():.2f} to {sweeps.max():.2f} over the figure)",
+        f"at equal a(P0) the peaks are as {peak:.3f} ({sweeps.min():.2f} to {sweeps.max():.2f} over the figure); "
+        "in no one scale are work and peak five and eight times those of Hertz",
         judge_number(peak, 8, 0, slack=0.2),
         {"quotient of peaks": peak},
     )

@@ -71,6 +71,15 @@ def judge_number(computed: float, printed: float, digits: int, slack: float = 0.
     return judge(round(computed, digits) == printed, abs(computed - printed) <= slack * abs(printed))
 
 
+def small(value: float) -> str:
+    """A discrepancy to one digit; nothing at all is 0.
+
+    >>> small(0.0), small(3.14e-15)
+    ('0', '3e-15')
+    """
+    return "0" if value == 0 else f"{value:.0e}"
+
+
 EXACT, APART = 1e-9, 1e-3
 """A mended formula agrees with the engine to EXACT; a misprint is off by more than APART: both shares of the right value."""
 
