@@ -112,7 +112,7 @@ CYCLES = {
 }
 
 
-@settings(max_examples=40)
+@settings(max_examples=12)
 @given(**CYCLES)
 def test_three_routes_meet_for_any_ellipse(ratio, use, phase, friction, flat):
     """1e-10 relative, or of A f^2 P0^2 times 1e-14 where there is next to no slip."""
