@@ -18,8 +18,9 @@ Array = NDArray[np.float64]
 # Gap and nodal force within which a node counts as met by an event, scaled.
 _LANDED = 1e-9
 
-# Halvings of an increment before its error is accepted or its failure passed on.
-_HALVINGS = 12
+# Share of a regular increment below which a failure is passed on, and a step error accepted (and counted), instead of halved.
+_SHORTEST = 2.0**-12
+_SHORTEST_FOR_ERROR = 2.0**-5
 
 LoadsAt = Callable[[float], tuple[float, float]]
 
@@ -33,7 +34,7 @@ class Increment:
     Attributes
     ----------
     event : what the increment ends with, "regular", "touch" or "release"
-    cut_back : how often it was halved before it was accepted
+    share : its duration over that of a regular increment
     """
 
     solved: InterfaceState
@@ -41,7 +42,7 @@ class Increment:
     energy: IncrementEnergy
     iterations: int
     event: str
-    cut_back: int
+    share: float
 
 
 def follow(
@@ -64,21 +65,21 @@ def follow(
         p, q = stretch.leg.loads(time)
         return float(p) / scale, float(q) / scale
 
+    regular = stretch.ends[0] - stretch.start
     for end in stretch.ends:
-        targets, halvings = [end], 0
+        targets = [end]  # the first is to be reached, those after it are what halving has put before it
         while targets:
             event, time = _next_event(problem, history, loads_at, targets[-1])
-            increment = _attempt(problem, history, time, loads_at(time), allowed, event, halvings)
+            share = (time - history.time) / regular
+            increment = _attempt(problem, history, time, loads_at(time), allowed, event, share)
             if increment is None:
                 targets.append((history.time + time) / 2)
-                halvings += 1
                 continue
             history = increment.state
             problem.work[f"{event} increments"] += 1
             yield increment
             while targets and history.time >= targets[-1]:
                 targets.pop()
-                halvings = 0
 
 
 def _attempt(
@@ -88,22 +89,23 @@ def _attempt(
     loads: tuple[float, float],
     allowed: Callable[[float], float],
     event: str,
-    halvings: int,
+    share: float,
 ) -> Increment | None:
-    """The increment to `time`, or None where it shall be halved."""
-    last_chance = halvings >= _HALVINGS
+    """The increment to `time`, a `share` of a regular one, or None where it shall be halved."""
     try:
         solved, iterations = problem.equilibrium(history, time, loads)
     except ConvergenceError:
-        if last_chance:
+        if share < _SHORTEST:
             raise
         problem.work["increments halved, not converged"] += 1
         return None
     energy = increment_energy(problem, history, solved)
-    if energy.step_error > allowed(time - history.time) and not last_chance:
-        problem.work["increments halved, step error"] += 1
-        return None
-    return Increment(solved, _landed(solved, event), energy, iterations, event, halvings)
+    if energy.step_error > allowed(time - history.time):
+        if share > _SHORTEST_FOR_ERROR:
+            problem.work["increments halved, step error"] += 1
+            return None
+        problem.work["increments above the step tolerance"] += 1
+    return Increment(solved, _landed(solved, event), energy, iterations, event, share)
 
 
 def _next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[str, float]:
