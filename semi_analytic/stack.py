@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _ROUNDING = 1e-15
+_LAST_DIGITS = 4e-15
 
 
 class Records(NamedTuple):
@@ -42,6 +43,7 @@ class Stack:
     forces: list[float] = field(default_factory=lambda: [0.0])
     records: array[float] = field(default_factory=lambda: array("d"))
     dropped: int = 0
+    front: float = 0.0
 
     def step(self, normal: float, tangential: float) -> int:
         """Go straight to (P, Q): the direction of slip at the end of the step, 0 if none."""
@@ -78,12 +80,15 @@ class Stack:
         level = begin = s * m1 - f * e1
         # |Q| <= f P was checked: what is above 0 is rounding.
         end = min(s * tangential - f * normal, 0.0)
+        # A front that meets a knot at the very end of the step, to rounding, has not passed it: what lies below may be at the limit
+        # already, and the front would jump through it.
+        reached = end - _LAST_DIGITS * f * max(e1, normal)
         p = start = e1
         rate = (normal - start) / (end - begin) if end > begin else 0.0
         while loads:
             e0, m0 = loads[-1], forces[-1]
             lower = s * m0 - f * e0
-            if lower >= end or len(loads) == 1:
+            if lower >= reached or len(loads) == 1:
                 break
             if lower > level:
                 after = start + (lower - begin) * rate
@@ -99,6 +104,7 @@ class Stack:
             self.records.extend((s, p, normal, e1, front, end - level))
         else:
             front, held = e1, m1
+        self.front = min(front, normal)
         if loads[-1] < front < normal:
             loads.append(front)
             forces.append(held)
@@ -178,7 +184,7 @@ def follow_rows(stack: Stack, normal: Array, tangential: Array) -> Followed:
     for k, (p, q) in enumerate(zip(normal.tolist(), tangential.tolist(), strict=True)):
         s = step(p, q)
         direction[k] = s
-        front[k] = loads[-2] if s and len(loads) > 1 else p
+        front[k] = stack.front if s else p
         ends[k] = len(records)
         alive = max(alive, len(loads))
     table = np.frombuffer(records, dtype=float).reshape(-1, 6) if len(records) else np.empty((0, 6))

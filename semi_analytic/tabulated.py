@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
-from semi_analytic.pile import Pile, in_chunks, panels, rising_root
+from semi_analytic.pile import Pile, in_chunks, rising_root
 from semi_analytic.tip import tip_load, tip_log, tip_pressure, tip_spread, tip_stiffness
 
 Array = NDArray[np.float64]
@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 _BREAKS = 24
 _MANY = 300
 _NEAR = 0.02
+_GAUSS = np.polynomial.legendre.leggauss(24)
+_SQUARE, _STEP = np.square((1 + _GAUSS[0]) / 2), (1 + _GAUSS[0]) / 2 * _GAUSS[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,19 +134,28 @@ class TabulatedContact(Pile):
         return p * self.log_ratio(p) + self._sum(tip_log, self.half_width(p))
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int_0^P eta dp(x, eta) = P p - int p d eta: by quadrature of p, which steps over the knots, to about 1e-7."""
-        return self._moment(self.pressure, x, load)
+        """int_0^P eta dp(x, eta) = P p - int p d eta: by quadrature that steps over the knots (5e-4 for five rows, falling)."""
+        distance, half = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), self.half_width(load))
+        first = np.minimum(np.maximum(distance, self.least), half)
+        # p starts like the root of the distance from x.
+        width = (half - first)[..., None]
+        inside = self._integral(tip_pressure, distance, first[..., None] + width * _SQUARE, width * _STEP)
+        return np.asarray(load, dtype=float) * self.pressure(distance, load) - inside
 
     def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int eta arccosh(|x|/a(eta)) d eta, likewise from S."""
-        return self._moment(self.spread, x, load)
+        distance, half = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), self.half_width(load))
+        last = np.maximum(np.minimum(half, distance), self.least)
+        width = (last - self.least)[..., None]
+        inside = self._integral(tip_spread, distance, last[..., None] - width * _SQUARE, width * _STEP)
+        whole = in_chunks(lambda at, a: self._sum(tip_spread, at, a), distance, np.minimum(last, distance), len(self.knots))
+        return np.asarray(self.load(last) * whole - inside)
 
-    def _moment(self, whole: Callable[[ArrayLike, ArrayLike], Array], x: ArrayLike, load: ArrayLike) -> Array:
-        distance, p = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), np.asarray(load, dtype=float))
-        edge = self.load(np.minimum(distance, self.knots[-1]))
-        first, last = (edge, np.maximum(p, edge)) if whole == self.pressure else (np.zeros(p.shape), np.minimum(p, edge))
-        node = panels(first, last)
-        return last * whole(distance, last) - np.sum(node.weight * whole(distance[..., None, None], node.at), axis=(-2, -1))
+    def _integral(self, kernel: Callable[..., Array], x: Array, half: Array, weight: Array) -> Array:
+        """int kernel dP over half-widths (..., nodes)."""
+        beyond = np.minimum(half, x[..., None]) if kernel is tip_spread else half
+        values = in_chunks(lambda at, a: self._sum(kernel, at, a), x[..., None], beyond, len(self.knots))
+        return np.asarray(np.sum(weight * values * self.stiffness(half), axis=-1))
 
     def log_area(self, load: ArrayLike, slipped: ArrayLike) -> Array:
         """Lam(P, P_c) from P and P - P_c: P ln(a/c) less the difference of int P/alpha, by quadrature where the two are close."""
