@@ -89,7 +89,12 @@ class CallableLoad(BaseModel):
         functions = [values_of(function) for function in (self.normal_load, self.tangential_load)]
         # Not in halves: a function of few turns is met between its corners, not on them.
         edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
-        scale = float(np.max(np.abs(functions[0](np.linspace(0, self.duration, 65)))))
+        times = np.linspace(0, self.duration, 65)
+        for name, function in zip(("normal_load", "tangential_load"), functions, strict=True):
+            bad = ~np.isfinite(function(times))
+            if np.any(bad):
+                raise ValueError(f"{name} is not finite at time {times[bad][0]:.6g}")
+        scale = float(np.max(np.abs(functions[0](times))))
         for _ in range(2):
             for name, function in zip(("normal_load", "tangential_load"), functions, strict=True):
                 edges = _edges(name, function, edges, scale)
@@ -103,8 +108,8 @@ class CallableLoad(BaseModel):
     def path(self) -> LoadPath:
         """The legs of this history."""
         legs = self._legs()
-        normal, tangential = (float(load) for load in legs[0].loads(0.0))
-        unloaded = normal == 0 and tangential == 0 and self.way_in == "straight"
+        first, last = (np.abs(leg.loads(time)) for leg, time in ((legs[0], 0.0), (legs[-1], self.duration)))
+        unloaded = np.max(first) <= _ROUNDING * np.max(last) and self.way_in == "straight"
         if unloaded and not self.repeats:
             return LoadPath(legs, ())
         way_in = straight_way_in(self.way_in, legs[0], self.duration / 2)
