@@ -59,6 +59,8 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
         For an instant outside the solved time.
     """
     steps = [_step(solution, float(instant)) for instant in instants]
+    if not steps:
+        return ()
     each = [_forces(solution, step) for step in steps]
     forces = {name: np.stack([one[name] for one in each], axis=-1) for name in ("lower", "upper")}
     bodies = {name: _body_fields(name, solution.condensed[name == "upper"], forces[name], solution) for name in forces}
