@@ -73,9 +73,9 @@ def increment_energy(problem: ContactProblem, before: InterfaceState, after: Int
 def certificates(problem: ContactProblem, before: InterfaceState, after: InterfaceState) -> dict[str, float]:
     """Violations of law and equilibrium at the end of an increment, over the largest nodal force and its work.
 
-    The force is at least a thousandth of the mean one at the largest load: at the very first touch there is nothing but rounding.
+    The force is at least a tenth of the mean one at the largest load: at the very first touch there is nothing but rounding.
     """
-    force = max(float(after.pressure.max(initial=0.0)), 1e-3 / len(after.pressure))
+    force = max(float(after.pressure.max(initial=0.0)), 0.1 / len(after.pressure))
     found = violations(after.gap, after.pressure, after.shear, after.slip - before.slip, problem.friction)
     equilibrium = max(abs(float(after.pressure.sum()) - after.normal_load), abs(float(after.shear.sum()) - after.tangential_load))
     return {
