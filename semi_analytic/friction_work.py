@@ -13,13 +13,13 @@ sliding, P close to 0 all lie at an end of a span or beyond it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import StraightLeg
+from scenes import EllipseLeg, StraightLeg
 from semi_analytic.contact import Contact
 from semi_analytic.corners import smooth_spans
 from semi_analytic.fields import Integrals
@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 
 
 _CHUNK = 256
+_SETTLED = 1e-12
+_SHORTEST = 1e-4
 
 
 class Split(NamedTuple):
@@ -53,16 +55,45 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     works = np.zeros(len(slipping))
     straight = np.array([_is_straight(span) for span in slipping], dtype=bool)
     for number in np.flatnonzero(~straight):
-        span = slipping[number]
-        times, weights = graded(span.begin.time, span.end.time)
-        area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
-        growth = rate(span.leg, level(span.direction, span.friction), times)
-        works[number] = span.friction * float(np.sum(weights * np.maximum(growth, 0.0) * area))
+        works[number] = _work_of_curved(contact, slipping[number])
     if np.any(straight):
         works[straight] = _work_of_straight(contact, [span for span, here in zip(slipping, straight, strict=True) if here])
     forward = np.array([span.direction > 0 for span in slipping], dtype=bool)
     factor = 2 / (math.pi * modulus)
     return Split(factor * np.sum(works[forward]), factor * np.sum(works[~forward]))
+
+
+def _work_of_curved(contact: Contact, span: Span) -> float:
+    """f int w' Lam dt of one span; in halves, and these in halves, where the front runs unevenly along an arc without a formula."""
+
+    def work(begin: float, end: float) -> float:
+        times, weights = graded(begin, end)
+        area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
+        growth = rate(span.leg, level(span.direction, span.friction), times)
+        return span.friction * float(np.sum(weights * np.maximum(growth, 0.0) * area))
+
+    return _settled(work, span) if _uneven(span) else work(span.begin.time, span.end.time)
+
+
+def _uneven(span: Span) -> bool:
+    """Whether the front runs along an arc that has no formula."""
+    return span.direction != 0 and span.active is not None and span.active.arc is not None and not isinstance(span.leg, EllipseLeg)
+
+
+def _settled(work: Callable[[float, float], float], span: Span) -> float:
+    """An integral over a span in halves, and these in halves, until that changes it no more."""
+    begin, end = span.begin.time, span.end.time
+    whole = work(begin, end)
+    total, todo = 0.0, [(begin, end, whole)]
+    while todo:
+        low, high, rough = todo.pop()
+        middle = (low + high) / 2
+        left, right = work(low, middle), work(middle, high)
+        if abs(left + right - rough) <= _SETTLED * abs(whole) or high - low < _SHORTEST * (end - begin):
+            total += left + right
+        else:
+            todo += [(low, middle, left), (middle, high, right)]
+    return total
 
 
 def _is_straight(span: Span) -> bool:
@@ -136,8 +167,16 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
     offset = float(contact.log_ratio(largest))
     spans = smooth_spans(contact, spans)
-    rules = [graded(span.begin.time, span.end.time) for span in spans]
-    snapshot = take((span, times) for span, (times, _) in zip(spans, rules, strict=True))
-    shift = integrals.over(snapshot)[:, 0] - offset * snapshot.force
-    rates = [rate(span.leg, Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(spans, rules, strict=True)]
-    return -2 / (math.pi * modulus) * float(np.sum(shift * np.concatenate(rates)))
+
+    def loop(some: Sequence[Span], rules: Sequence[tuple[Array, Array]]) -> float:
+        snapshot = take((span, times) for span, (times, _) in zip(some, rules, strict=True))
+        shift = integrals.over(snapshot)[:, 0] - offset * snapshot.force
+        rates = [rate(span.leg, Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(some, rules, strict=True)]
+        return -float(np.sum(shift * np.concatenate(rates)))
+
+    even = [span for span in spans if not _uneven(span)]
+    total = loop(even, [graded(span.begin.time, span.end.time) for span in even]) if even else 0.0
+    for span in spans:
+        if _uneven(span):
+            total += _settled(lambda low, high, span=span: loop([span], [graded(low, high)]), span)  # type: ignore[misc]
+    return 2 / (math.pi * modulus) * total

@@ -1,0 +1,119 @@
+"""Histories other than ellipse and polygon: legs without formulas against legs with them, harmonics, functions, time series."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scenes.callable_loads import CallableLoad
+from scenes.harmonics import HarmonicLoad
+from scenes.time_series import TimeSeriesLoad
+from semi_analytic import solve
+from semi_analytic.contact import contact_of
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.friction_work import closed_integral, global_dissipation
+from semi_analytic.route import own_route
+from semi_analytic_cases import ellipse, make_scene, polygon
+
+TURN = 2 * math.pi
+ANGLES = TURN * np.linspace(0, 1, 41)
+
+
+def as_harmonics(phase):
+    return HarmonicLoad(
+        mean_normal_load=3.0, mean_tangential_load=0.4, normal_harmonics=[(1.0, 0.0)], tangential_harmonics=[(1.0, phase)]
+    )
+
+
+def as_functions(phase):
+    lag = math.radians(phase)
+    return CallableLoad(
+        normal_load=lambda t: 3 + np.cos(t), tangential_load=lambda t: 0.4 + np.cos(t - lag), duration=TURN, repeats=True
+    )
+
+
+@pytest.mark.parametrize("flat", [0.0, 0.7])
+@pytest.mark.parametrize("phase", [90.0, -120.0])
+@pytest.mark.parametrize("load", [as_harmonics, as_functions])
+def test_an_ellipse_in_other_clothes_is_the_same(load, phase, flat):
+    """Tractions, slips, shift and dissipation of the steady cycle, by substitution in time and by the ellipse's own.
+
+    The two share neither turning points (searched, closed form) nor quadratures on appended arcs. Measured: 2e-13.
+    """
+    known = make_scene(ellipse(3.0, 1.0, 0.4, 1.0, phase), 1.0, flat)
+    other = make_scene(load(phase), 1.0, flat)
+    half = float(contact_of(known.profile, known.material).half_width(4.0))
+    x = half * np.linspace(0, 1.093, 23)
+    begin = TURN * (2 + math.ceil(known.load.path().cycle_start / TURN))
+    one, two = (solve(scene, x=x, time=begin + ANGLES) for scene in (known, other))
+    assert two.steady_from == 1
+    assert two.dissipation == pytest.approx(one.dissipation, rel=1e-12)
+    assert two.loop_work == pytest.approx(one.dissipation, rel=1e-12)
+    # What lies inside the permanent stick zone is the way in's, and that differs.
+    outside = x > one.permanent_stick_half_width * (1 + 1e-9)
+    np.testing.assert_allclose(two.shear[:, outside], one.shear[:, outside], atol=2e-12)
+    np.testing.assert_allclose(two.slip - two.slip[0], one.slip - one.slip[0], atol=2e-12)
+    np.testing.assert_allclose(two.rigid_shift - two.rigid_shift[0], one.rigid_shift - one.rigid_shift[0], atol=2e-12)
+    np.testing.assert_allclose(two.dissipation_density, one.dissipation_density, atol=1e-11 * np.max(one.dissipation_density))
+    np.testing.assert_array_equal(two.state[1:-1], one.state[1:-1])
+
+
+WAVES = st.tuples(st.floats(0.0, 1.0), st.floats(-180, 180))
+
+
+@settings(max_examples=10)
+@given(st.lists(WAVES, min_size=1, max_size=3), st.lists(WAVES, min_size=1, max_size=3), st.floats(0.1, 0.9), st.floats(0.1, 0.9))
+def test_harmonics_balance_their_energy(normal, tangential, squeeze, use):
+    """Closed integral of Q dU against the slip integral for up to three harmonics, and M(P) = Q at every instant."""
+    sizes = [sum(amplitude for amplitude, _ in waves) or 1.0 for waves in (normal, tangential)]
+    normal = [(squeeze * amplitude / sizes[0], phase) for amplitude, phase in normal]
+    tangential = [(use * 0.5 * (1 - squeeze) * amplitude / sizes[1], phase) for amplitude, phase in tangential]
+    scene = make_scene(HarmonicLoad(mean_normal_load=1.0, normal_harmonics=normal, tangential_harmonics=tangential), 0.5)
+    route = own_route(scene.load.path(), 0.5, 6, None)
+    assert route.history.steady_from is not None
+    contact, modulus = contact_of(scene.profile, scene.material), composite_modulus(scene.material)
+    spans = route.history.cycles[-1]
+    work = float(global_dissipation(contact, modulus, spans).total)
+    assert closed_integral(contact, modulus, spans) == pytest.approx(work, rel=1e-9, abs=1e-13)
+    solution = solve(scene, x=[0.0], fields=(), time=8 * np.pi + ANGLES)
+    assert np.max(solution.record.certificates["tangential_balance"]) < 1e-11
+
+
+def test_time_series_is_a_polygon():
+    corners = [(2.0, 0.0), (2.0, 0.7), (1.2, -0.1), (2.5, -0.6), (2.0, 0.0)]
+    rows = [[float(k), *corner] for k, corner in enumerate(corners)]
+    series = make_scene(TimeSeriesLoad(rows=rows, repeats=True), 0.5)
+    plain = make_scene(polygon(corners[:1], corners[1:-1]), 0.5)
+    x = np.linspace(0, 1.8, 7)
+    one, two = solve(plain, x=x, time=np.linspace(1.0, 9.0, 33)), solve(series, x=x, time=np.linspace(0.0, 8.0, 33))
+    np.testing.assert_allclose(two.shear, one.shear, atol=1e-14)
+    np.testing.assert_allclose(two.slip, one.slip, atol=1e-14)
+    assert two.dissipation == pytest.approx(one.dissipation, rel=1e-13)
+    assert two.steady_from == one.steady_from
+
+
+def test_a_function_that_only_grows_sticks():
+    scene = make_scene(
+        CallableLoad(normal_load=lambda t: 1 - np.exp(-t), tangential_load=lambda t: 0.2 * np.sin(t), duration=1.0), 0.5
+    )
+    solution = solve(scene)
+    assert solution.dissipation == 0
+    assert np.max(solution.record.certificates["tangential_balance"]) < 1e-13
+
+
+@settings(max_examples=15)
+@given(st.lists(st.tuples(st.floats(0.3, 1.3), st.floats(-0.8, 0.8)), min_size=0, max_size=4))
+def test_start_up_plays_no_part_in_the_steady_cycle(points):
+    """Random admissible ways in: the same steady cycle after one revolution."""
+    corners = tuple((p, 0.5 * p * share) for p, share in points)
+    load = HarmonicLoad(
+        mean_normal_load=1.0, normal_harmonics=[(0.3, 0)], tangential_harmonics=[(0.05, 80), (0.1, 20)], way_in=corners
+    )
+    scene = make_scene(load, 0.5)
+    route = own_route(scene.load.path(), 0.5, 6, None)
+    assert route.history.steady_from in (0, 1)
+    straight = make_scene(load.model_copy(update={"way_in": "straight"}), 0.5)
+    expected = solve(straight, x=[0.0], fields=("dissipation",)).dissipation
+    assert solve(scene, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(expected, rel=1e-9)
