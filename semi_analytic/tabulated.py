@@ -135,7 +135,7 @@ class TabulatedContact(Pile):
         return p * self.log_ratio(p) + self._sum(tip_log, self.half_width(p))
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int_0^P eta dp(x, eta) = P p - int p d eta, by quadrature; it steps over knots where they are many: 1e-3 for forty rows."""
+        """int_0^P eta dp(x, eta) = P p - int p d eta, by quadrature; over many knots it steps: 1e-3 for forty rows."""
         if len(self.knots) < _FEW:
             return super().pressure_moment(x, load)
         distance, half = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), self.half_width(load))
