@@ -63,7 +63,7 @@ def test_an_ellipse_in_other_clothes_is_the_same(load, phase, flat):
 WAVES = st.tuples(st.floats(0.0, 1.0), st.floats(-180, 180))
 
 
-@settings(max_examples=10)
+@settings(max_examples=4)
 @given(st.lists(WAVES, min_size=1, max_size=3), st.lists(WAVES, min_size=1, max_size=3), st.floats(0.1, 0.9), st.floats(0.1, 0.9))
 def test_harmonics_balance_their_energy(normal, tangential, squeeze, use):
     """Closed integral of Q dU against the slip integral for up to three harmonics, and M(P) = Q at every instant."""
@@ -98,12 +98,12 @@ def test_a_function_that_only_grows_sticks():
     scene = make_scene(
         CallableLoad(normal_load=lambda t: 1 - np.exp(-t), tangential_load=lambda t: 0.2 * np.sin(t), duration=1.0), 0.5
     )
-    solution = solve(scene)
+    solution = solve(scene, x=[0.0, 0.3])
     assert solution.dissipation == 0
     assert np.max(solution.record.certificates["tangential_balance"]) < 1e-13
 
 
-@settings(max_examples=15)
+@settings(max_examples=5)
 @given(st.lists(st.tuples(st.floats(0.3, 1.3), st.floats(-0.8, 0.8)), min_size=0, max_size=4))
 def test_start_up_plays_no_part_in_the_steady_cycle(points):
     """Random admissible ways in: the same steady cycle after one revolution."""
