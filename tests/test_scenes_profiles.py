@@ -156,4 +156,6 @@ def test_the_spline_rises_and_bends_where_the_rows_do(count):
     spline = Tabulated(points=np.stack([x, convex], axis=1)).spline()
     assert np.all(spline.curvature >= -1e-12 * np.max(spline.curvature))
     rising = np.concatenate([[0.0], np.cumsum(rng.uniform(0, 1, count) ** 4)])
-    assert np.all(Tabulated(points=np.stack([x, rising], axis=1)).spline().slope >= 0)
+    profile = Tabulated(points=np.stack([x, rising], axis=1))
+    assert np.all(profile.spline().slope >= 0)
+    np.testing.assert_allclose(profile.height(x), rising, atol=1e-14 * rising[-1])
