@@ -18,7 +18,7 @@ States = NDArray[np.int8]
 # Slip grows as the distance from the stick edge to the power 3/2, so the share costs a hundredth of the slip zone at most.
 _MOVED = 1e-3
 # The same of a node whose slip per change of load is less than this share of the largest of the revolution: at turning points.
-_CREEP = 5e-4
+_CREEP = 5e-5
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
 
