@@ -76,8 +76,8 @@ def _work_of_curved(contact: Contact, span: Span) -> float:
 
 
 def _uneven(span: Span) -> bool:
-    """Whether the front runs along an arc that has no formula."""
-    return span.direction != 0 and span.active is not None and span.active.arc is not None and not isinstance(span.leg, EllipseLeg)
+    """Whether the front, or the load itself, runs along an arc that has no formula."""
+    return span.active is not None and span.active.arc is not None and not isinstance(span.leg, EllipseLeg)
 
 
 def _settled(work: Callable[[float, float], float], span: Span) -> float:
