@@ -17,7 +17,7 @@ from scipy.integrate import quad
 import halfplane_fe
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
-from scenes import ContactSolution, EllipseLoad, PolygonLoad, Scene, load_scene
+from scenes import ContactSolution, EllipseLoad, PolygonLoad, Scene, SurfaceState, load_scene
 
 
 def contact_modulus(scene: Scene) -> float:
@@ -408,3 +408,35 @@ def errors(problem: Problem, solution: ContactSolution) -> dict[str, float]:
         sliding = 4 * (friction * problem.loads()[0]) ** 2 / (math.pi * contact_modulus(problem.scene))
         found["dissipation"] = abs(solution.dissipation - exact["dissipation"]) / (exact["dissipation"] or sliding)
     return found
+
+
+def law_violations(answer: FiniteElementSolution) -> dict[str, float]:
+    """How far an answer is from the laws of contact, from the arrays that a reader sees; needs no reference, 0 is perfect.
+
+    Over the largest pressure, the largest load, or the work of sliding, whichever applies.
+    """
+    f, weights, p, q, state = (
+        answer.scene.friction.coefficient,
+        answer.condensed[0].weights,
+        answer.pressure,
+        answer.shear,
+        answer.state,
+    )
+    largest, load = float(p.max()), float(answer.normal_load.max())
+    sense = np.select([state == SurfaceState.SLIP_FORWARD, state == SurfaceState.SLIP_REVERSE], [1, -1], 0)
+    path_p, path_q = answer.scene.load.path().at(answer.time)
+    step = np.diff(answer.slip, axis=0)
+    travel = float(np.abs(step).max()) or 1.0
+    worst = lambda values: float(np.max(values, initial=0.0))  # noqa: E731
+    return {
+        "tension": worst(-p) / largest,
+        "open pressure": worst(np.abs(p[state == SurfaceState.OPEN])) / largest,
+        "cone": worst(np.abs(q) - f * p) / largest,
+        "sliding off the cone": worst(np.abs(q - sense * f * p)[sense != 0]) / largest,
+        "slip against friction": worst(-(q[1:] * step)[sense[1:] != 0]) / (largest * travel),
+        "normal equilibrium": worst(np.abs(p @ weights - path_p)) / load,
+        "tangential equilibrium": worst(np.abs(q @ weights - path_q)) / load,
+        "loads": worst(np.abs([answer.normal_load - path_p, answer.tangential_load - path_q])) / load,
+        "stick beyond contact": worst(np.nan_to_num(answer.stick_half_width - answer.contact_half_width)) / answer.x[-1],
+        "negative dissipation": worst(-answer.dissipation_density) / (worst(np.abs(answer.dissipation_density)) or 1.0),
+    }

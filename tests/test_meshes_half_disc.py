@@ -52,10 +52,10 @@ def test_boundaries_lie_where_they_are_named(name, order):
     np.testing.assert_array_equal(y[:, np.concatenate([contact, free])], 0.0)
     assert np.all(np.abs(x[:, contact]) <= grading.outer * (1 + 1e-12))
     assert np.all(np.abs(x[:, free]).max(axis=0) > grading.outer)
-    np.testing.assert_allclose(np.hypot(x, y)[:, arc], grading.radius, rtol=1e-12)
+    np.testing.assert_allclose(np.hypot(x, y)[:, arc], grading.radius, rtol=1e-10)
     length = lambda facets: float(np.hypot(*(np.diff(v[:, facets], axis=0) for v in (x, y))).sum())  # noqa: E731
     assert length(contact) == pytest.approx(2 * grading.outer, rel=1e-12)
-    assert length(free) == pytest.approx(2 * (grading.radius - grading.outer), rel=1e-12)
+    assert length(free) == pytest.approx(2 * (grading.radius - grading.outer), rel=1e-10)
     assert length(arc) == pytest.approx(math.pi * grading.radius, rel=2e-2)
 
 
@@ -80,7 +80,7 @@ def test_elements_are_their_own_mirror_image(name, order):
 def test_mid_side_points_of_the_arc_lie_on_it():
     mesh = body().mesh
     arc = mesh.boundaries["far_field"]
-    on_arc = np.hypot(*mesh.p) > GRADED.radius * (1 - 1e-12)
+    on_arc = np.hypot(*mesh.p) > GRADED.radius * (1 - 1e-10)
     assert np.count_nonzero(on_arc) == 2 * len(arc) + 1
     chords = np.hypot(*mesh.p[:, mesh.facets[:, arc]].mean(axis=1))
     assert np.all(chords < GRADED.radius * (1 - 1e-6))
@@ -131,13 +131,13 @@ def test_growth_makes_fewer_elements_and_order_two_more_nodes(order):
 
 
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("length", [1e-9, 1e9])
+@pytest.mark.parametrize("length", [1e-9, 1e9, 7.0, 1 / 3, 1.0573])
 def test_scale_does_not_matter(order, length):
     plain = body("graded", order)
     values = (getattr(GRADED, field) * length for field in ("inner", "outer", "size", "edge_size", "radius"))
     scaled = half_disc("scaled", SurfaceGrading(*values), 0.25, order)
     np.testing.assert_array_equal(scaled.mesh.t, plain.mesh.t)
-    np.testing.assert_allclose(scaled.mesh.p, plain.mesh.p * length, rtol=0, atol=1e-8 * length)  # gmsh's own tolerance: 2e-9
+    np.testing.assert_allclose(scaled.mesh.p, plain.mesh.p * length, rtol=0, atol=1e-11 * length)
     for name in NAMES:
         np.testing.assert_array_equal(scaled.mesh.boundaries[name], plain.mesh.boundaries[name])
     assert scaled.quality["area_error"] == pytest.approx(plain.quality["area_error"], abs=1e-9)

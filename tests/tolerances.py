@@ -28,36 +28,58 @@ MESH = "elements of a/16 and a/12, quadratic"
 ALGEBRA = "an identity of the discrete problem: rounding, of sums over a few hundred nodes"
 
 TOLERANCES = {
-    # Coarse mesh (problems.COARSE), every problem of the table, largest of them.
-    "hertz pressure": Tolerance(4.3e-3, 6e-3, EDGE),
-    "hertz shear": Tolerance(1.5e-2, 2.2e-2, EDGE + "; over f ||p||"),
-    "hertz contact_half_width": Tolerance(1.1e-3, 3e-3, EDGE + "; over a, an element being 0.06"),
+    # Coarse mesh (problems.COARSE), the largest of all problems. Moving the nodes by a part of an element changes the errors at the
+    # edges by a factor of up to two, hence the room.
+    "hertz pressure": Tolerance(6.3e-3, 1.2e-2, EDGE),
+    "hertz shear": Tolerance(2.2e-2, 3.2e-2, EDGE + "; over f ||p||"),
+    "hertz contact_half_width": Tolerance(2.8e-3, 5e-3, EDGE + "; over a, an element being 0.06"),
     "hertz stick_half_width": Tolerance(1.7e-2, 3.2e-2, EDGE + "; found to half an element"),
-    "hertz peak_pressure": Tolerance(1.1e-4, 2.5e-4, MESH),
+    "hertz peak_pressure": Tolerance(5.7e-5, 2.5e-4, MESH),
     "hertz rigid_approach": Tolerance(4.6e-5, 1e-4, MESH),
-    "hertz rigid_shift": Tolerance(4.8e-4, 8e-4, MESH + "; a node counts as stuck from the instant at which it touches"),
-    "hertz dissipation": Tolerance(3.7e-3, 6e-3, EDGE),
+    "hertz rigid_shift": Tolerance(4.8e-4, 9e-4, MESH + "; a node counts as stuck from the instant at which it touches"),
+    "hertz dissipation": Tolerance(3.9e-3, 7e-3, EDGE),
     "flat and rounded pressure": Tolerance(8.4e-3, 1.3e-2, FLAT),
     "flat and rounded shear": Tolerance(1.9e-2, 2.8e-2, FLAT + "; " + EDGE),
     "flat and rounded contact_half_width": Tolerance(1.5e-3, 3e-3, EDGE),
     "flat and rounded stick_half_width": Tolerance(5.3e-3, 3.2e-2, EDGE + "; found to half an element"),
+    # Cycles on the coarse mesh.
+    "certificates": Tolerance(1.8e-12, 1e-9, "promised: 1e-9; " + ALGEBRA),
+    "open pressure": Tolerance(5.6e-8, 1e-7, "a node counts as let go once 1e-9 of the load is left on it, over its small weight"),
+    "fields": Tolerance(2.1e-6, 1e-5, "the interface's compliance is made symmetric, the bodies' is not: see asymmetry"),
+    "stress": Tolerance(1.3e-2, 2.5e-2, "means over the elements of a node, a/24 and larger below; over p0"),
+    "stress on the face": Tolerance(5.2e-3, 2e-2, "means over the elements of a node, all of them below it; over p0"),
+    "hysteresis loop": Tolerance(
+        1.8e-5, 1e-4, "a cycle repeats to 5e-4 of a nodal force, and what it does not give back is in the loop"
+    ),
+    "way in": Tolerance(2.3e-16, 1e-9, "the first revolution wipes the way in out, to the last digit of every node's state"),
     # One condensed body under a uniform traction.
-    "compliance": Tolerance(5.5e-5, 8e-5, "elements of a/16, nu = 0.49; 1e-5 at nu = 0.3; over the largest displacement"),
+    "compliance": Tolerance(6.6e-5, 1e-4, "elements of a/16, nu = 0.49; 1e-5 at nu = 0.3; over the largest displacement"),
     "asymmetry": Tolerance(3e-7, 1e-6, "Betti's theorem fails by the mesh of the arc alone"),
     "second moment of p, L = 5a against 20a": Tolerance(
         1.6e-5, 4e-5, "the two meshes differ below the contact; 1.2e-2 with nothing but the resultant on the arc"
     ),
     # Default mesh and steps, the paper's cycle: the promised figures.
-    "default pressure": Tolerance(7.7e-4, 2.5e-3, "promised: 0.25 %; " + EDGE),
-    "default shear": Tolerance(4.2e-3, 8e-3, "promised: 0.8 %; " + EDGE),
-    "default contact_half_width": Tolerance(4.3e-4, 1 / 120, "promised: one element"),
-    "default stick_half_width": Tolerance(8.3e-4, 1 / 120, "promised: one element"),
-    "default peak_pressure": Tolerance(3.1e-5, 2e-4, "promised: 0.02 %"),
+    "default pressure": Tolerance(5.1e-4, 2.5e-3, "promised: 0.25 %; " + EDGE),
+    "default shear": Tolerance(3.2e-3, 8e-3, "promised: 0.8 %; " + EDGE),
+    "default contact_half_width": Tolerance(7.1e-5, 1 / 160, "promised: one element"),
+    "default stick_half_width": Tolerance(1.4e-3, 1 / 160, "promised: one element"),
+    "default peak_pressure": Tolerance(3.7e-5, 2e-4, "promised: 0.02 %"),
     "default rigid_approach": Tolerance(1.3e-5, 3e-5, "far field and bulk mesh"),
-    "default dissipation": Tolerance(3.6e-4, 1.5e-3, "promised: 0.15 %; mesh and step"),
+    "default dissipation": Tolerance(3.5e-4, 1.5e-3, "promised: 0.15 %; mesh and step"),
 }
 
 ORDERS = {
+    "hertz middle, quadratic": Order(1.87, 1.5, 2.3, "nodal pressure of quadratic elements away from the edges: 2"),
+    "hertz L2, quadratic": Order(0.94, 0.7, 1.4, "a square root inside an element: 1"),
+    "hertz edge, quadratic": Order(0.72, 0.5, 1.2, "the edge is found to a share of the element that holds it: 1"),
+    "hertz approach, quadratic": Order(2.03, 1.7, 2.5, "a mean of p against a logarithm: 2"),
+    "hertz L2, linear": Order(1.4, 1.1, 1.8, "3/2 between the middle's 2 and the edge's 1"),
+    "hertz approach, linear": Order(1.87, 1.5, 2.3, "energy of linear triangles: 2"),
+    "mindlin shear": Order(1.11, 0.8, 1.6, "square roots at c and a inside elements: 1"),
+    "mindlin stick edge": Order(0.85, 0.5, 1.3, "by node status, to half an element: 1"),
+    "mindlin dissipation": Order(2.5, 1.6, 3.0, "W is stationary in the stick edge: 2, and more where errors of p and c cancel"),
+    "step": Order(1.9, 1.6, 2.4, "friction work with the mean pressure of the increment, turning points and touches landed on: 2"),
+    "penalty": Order(1.0, 0.9, 1.1, "the layer gives way in proportion to its compliance"),
     "compliance, linear elements": Order(1.87, 1.6, 2.2, "displacement of linear triangles: 2, less where the bulk mesh is rough"),
     "compliance, quadratic elements": Order(
         3.5, 3.0, 4.0, "quadratic triangles: 4 at nodes of a smooth load, the ends' logarithm costs"

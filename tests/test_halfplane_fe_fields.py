@@ -1,0 +1,126 @@
+"""Fields in the bodies: displacements that agree with the interface, and stresses where Hertz's theory puts them."""
+
+import numpy as np
+import pytest
+
+from halfplane_fe import fields
+from meshes import MeshSettings
+from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
+from scenes import Elastic, InputError, Materials, load_scene
+from tolerances import check
+
+UNLIKE = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=Elastic(young_modulus=210e3, poisson_ratio=0.3))
+FINE = MeshSettings(element_size=1 / 24, edge_element_size=1 / 24, far_radius=8.0, growth=0.15)
+
+
+def scene_of(name):
+    scene = load_scene(name.removesuffix(", unlike"))
+    return scene.model_copy(update={"material": UNLIKE}) if name.endswith("unlike") else scene
+
+
+def on_surface(body, x):
+    """Displacement (n, 2) of the nodes of y = 0 that lie at `x`."""
+    surface = np.flatnonzero(body.points[:, 1] == 0)
+    order = surface[np.argsort(body.points[surface, 0])]
+    places = body.points[order, 0]
+    nearest = np.searchsorted(places, x - 1e-9 * np.ptp(x))
+    np.testing.assert_allclose(places[nearest], x, atol=1e-9 * np.ptp(x))
+    return body.displacement[order[nearest]]
+
+
+@pytest.mark.parametrize("name", ["hertz-paper", "cattaneo-mindlin", "hertz-paper, unlike"])
+def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
+    """Upper less lower face: along x the slip, along y the gap less the one at the start; rigid motion included."""
+    answer = fe_run(scene_of(name))
+    steps = [len(answer.time) // 3, len(answer.time) // 2, len(answer.time) - 1]
+    unit = answer.scales.load / answer.scales.modulus
+    for step, snapshot in zip(steps, fields(answer, answer.time[steps]), strict=True):
+        assert snapshot.time == answer.time[step]
+        assert (snapshot.normal_load, snapshot.tangential_load) == (answer.normal_load[step], answer.tangential_load[step])
+        lower, upper = (on_surface(body, answer.x) for body in snapshot.bodies)
+        apart = upper - lower
+        gap = answer.scene.profile.height(answer.x) + apart[:, 1]
+        check("fields", float(np.abs(apart[:, 0] - answer.slip[step]).max() / unit))
+        check("fields", float(np.abs(gap - answer.states[step].gap * unit).max() / unit))
+
+
+def test_pressed_like_bodies_are_mirror_images():
+    answer = fe_run(load_scene("hertz-normal"))
+    (snapshot,) = fields(answer, [answer.time[-1]])
+    lower, upper = snapshot.bodies
+    assert (lower.name, upper.name) == ("lower", "upper")
+    np.testing.assert_array_equal(upper.points, lower.points * [1, -1])
+    rigid = np.array([answer.rigid_shift[-1], -answer.rigid_approach[-1]])
+    limit, most = 1e-9 * np.abs(lower.displacement).max(), 1e-9 * lower.von_mises.max()
+    np.testing.assert_allclose(upper.displacement - rigid, lower.displacement * [1, -1], atol=limit)
+    np.testing.assert_allclose(upper.von_mises, lower.von_mises, atol=most)
+    np.testing.assert_allclose(upper.stress, lower.stress * [1, 1, -1, 1], atol=most)
+
+
+def test_stress_of_hertz_is_largest_below_the_surface():
+    """Plane strain, nu = 0.3: von Mises largest, 0.557 p0, at 0.704 a below the middle; on the axis against the closed form.
+
+    With m = sqrt(a^2 + z^2): s_xx = -p0 [(a^2 + 2 z^2)/(a m) - 2 z/a], s_yy = -p0 a/m, s_zz = nu (s_xx + s_yy). Johnson (4.46).
+    """
+    answer = fe_run(load_scene("hertz-normal"), FINE)
+    (snapshot,) = fields(answer, [1.0])
+    p0 = PROBLEMS["hertz"].exact["peak_pressure"]
+    for body in snapshot.bodies:
+        place = body.points[np.argmax(body.von_mises)]
+        assert abs(place[0]) < 0.1
+        assert abs(place[1]) == pytest.approx(0.704, abs=0.1)
+        axis = np.flatnonzero((np.abs(body.points[:, 0]) < 1e-9) & (np.abs(body.points[:, 1]) < 2) & (body.points[:, 1] != 0))
+        z = np.abs(body.points[axis, 1])
+        m = np.sqrt(1 + z**2)
+        xx, yy = -p0 * ((1 + 2 * z**2) / m - 2 * z), -p0 / m
+        exact = np.stack([xx, yy, 0 * z, 0.3 * (xx + yy)], axis=1)
+        check("stress", float(np.abs(body.stress[axis] - exact).max() / p0))
+        np.testing.assert_allclose(body.von_mises, von_mises(body.stress), rtol=1e-12, atol=1e-12 * p0)
+        assert body.von_mises.max() == pytest.approx(0.557 * p0, rel=0.03)
+
+
+def von_mises(stress):
+    """sqrt(3/2 s:s), s being the deviator."""
+    xx, yy, xy, zz = stress.T
+    mean = (xx + yy + zz) / 3
+    return np.sqrt(1.5 * ((xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2 * xy**2))
+
+
+def test_stress_on_both_faces_is_the_traction_between_them():
+    """s_yy = -p and s_xy = q on either face: the shear along +x on the lower body is a stress of the same sign in both."""
+    answer = fe_run(load_scene("cattaneo-mindlin"), FINE)
+    step = int(np.argmax(answer.tangential_load))
+    (snapshot,) = fields(answer, [answer.time[step]])
+    p0 = answer.pressure[step].max()
+    inside = np.abs(answer.x) < 0.5 * answer.stick_half_width[step]
+    for body in snapshot.bodies:
+        surface = np.flatnonzero(body.points[:, 1] == 0)
+        surface = surface[np.argsort(body.points[surface, 0])]
+        normal, shear = (np.interp(answer.x, body.points[surface, 0], body.stress[surface, k]) for k in (1, 2))
+        check("stress on the face", float(np.abs(normal + answer.pressure[step])[inside].max() / p0))
+        check("stress on the face", float(np.abs(shear - answer.shear[step])[inside].max() / p0))
+        assert np.abs(answer.shear[step])[inside].min() > 0.05 * p0
+
+
+def test_triangles_and_shapes():
+    answer = fe_run(load_scene("hertz-normal"))
+    (snapshot,) = fields(answer, [1.0])
+    for body in snapshot.bodies:
+        n = len(body.points)
+        assert (body.displacement.shape, body.stress.shape, body.von_mises.shape) == ((n, 2), (n, 4), (n,))
+        assert body.triangles.shape[1] == 6
+        corners = body.points[body.triangles[:, :3]]
+        middles = body.points[body.triangles[:, 3:]]
+        sides = (corners + np.roll(corners, -1, axis=1)) / 2  # 01, 12, 20 as VTK wants them
+        longest = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max()
+        assert np.abs(middles - sides).max() < 0.1 * longest  # those of the arc bulge
+
+
+def test_nearest_step_is_taken_and_instants_outside_are_refused():
+    answer = fe_run(load_scene("hertz-normal"), COARSE, FEW_STEPS)
+    (snapshot,) = fields(answer, [0.4999])
+    assert snapshot.time == answer.time[np.argmin(np.abs(answer.time - 0.4999))]
+    assert fields(answer, []) == ()
+    for instant in (-0.1, 1.1):
+        with pytest.raises(InputError, match=f"instant {instant:.6g} lies outside the solved time, 0 to 1"):
+            fields(answer, [instant])
