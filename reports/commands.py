@@ -20,6 +20,7 @@ from scenes import (
     InputError,
     Scene,
     load_scene,
+    scene_companions,
     scene_names,
     scene_schema,
     scene_text,
@@ -144,15 +145,23 @@ def init(file: Path, like: str) -> int:
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
     text = scene_text(like) if like else (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
-    try:
-        with file.open("x", encoding="utf-8") as stream:
-            stream.write(text.replace("FILE.toml", str(file)))
-    except FileExistsError:
-        raise InputError(f"{file}: the file is there already and stays as it is; name another") from None
-    except OSError as reason:
-        raise InputError(f"{file}: the file can't be written: {reason.strerror}; name another place") from reason
+    beside = {file.parent / name: content for name, content in (scene_companions(like) if like else {}).items()}
+    if taken := next((path for path in beside if path.exists()), None):
+        raise InputError(f"{taken}: the file is there already and stays as it is; choose another folder for {file.name}")
+    for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
+        _write_new(path, content)
     say(f"{file}: edit it, then `halfplane check {file}` and `halfplane run {file}`")
     return WITHIN
+
+
+def _write_new(path: Path, text: str) -> None:
+    try:
+        with path.open("x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise InputError(f"{path}: the file is there already and stays as it is; name another") from None
+    except OSError as reason:
+        raise InputError(f"{path}: the file can't be written: {reason.strerror}; name another place") from reason
 
 
 def check(source: str) -> int:

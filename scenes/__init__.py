@@ -8,7 +8,7 @@ from scenes.loads import EllipseLeg, EllipseLoad, Leg, LoadPath, ParabolaLeg, Po
 from scenes.materials import Elastic, Materials
 from scenes.measured import Tabulated
 from scenes.profiles import Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
-from scenes.reading import load_scene, scene_names, scene_schema, scene_text
+from scenes.reading import load_scene, scene_companions, scene_names, scene_schema, scene_text
 from scenes.scene import Friction, HalfPlanes, Scene, Tolerances
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
 from scenes.time_series import TimeSeriesLoad
@@ -50,6 +50,7 @@ __all__ = [
     "Work",
     "freeze",
     "load_scene",
+    "scene_companions",
     "scene_names",
     "scene_schema",
     "scene_text",

@@ -34,6 +34,16 @@ def scene_text(name: str) -> str:
     return (_LIBRARY / f"{name}.toml").read_text(encoding="utf-8")
 
 
+def scene_companions(name: str) -> dict[str, str]:
+    """File name and text of what a library scene reads besides its own file.
+
+    >>> list(scene_companions("time-series"))
+    ['time-series.csv']
+    """
+    files = [entry for entry in _LIBRARY.iterdir() if entry.name.startswith(f"{name}.") and not entry.name.endswith(".toml")]
+    return {entry.name: entry.read_text(encoding="utf-8") for entry in files}
+
+
 def scene_schema() -> dict[str, Any]:
     """JSON schema of a scene file, for editors."""
     return Scene.model_json_schema()

@@ -51,9 +51,11 @@ def test_projection_knows_no_scale(pressure, shear, f, power):
     scale = 2.0**power
     p, q, state = project(pressure, shear, f)
     p_scaled, q_scaled, state_scaled = project(scale * pressure, scale * shear, f)
-    np.testing.assert_array_equal(p_scaled, scale * p)
-    np.testing.assert_array_equal(q_scaled, scale * q)
-    np.testing.assert_array_equal(state_scaled, state)
+    # Not where a number is so small that even a power of two rounds it.
+    normal = np.min([np.abs(pressure), np.abs(shear), f * np.abs(pressure)], axis=0) > 1e-280
+    np.testing.assert_array_equal(p_scaled[normal], (scale * p)[normal])
+    np.testing.assert_array_equal(q_scaled[normal], (scale * q)[normal])
+    np.testing.assert_array_equal(state_scaled[normal], state[normal])
 
 
 some = st.floats(0, 10)
