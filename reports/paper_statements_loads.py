@@ -108,8 +108,8 @@ def way_in(case: Case) -> Statement:
         "section 2",
         "The only residual information from the transient which persists is the locked-in distribution of shearing tractions "
         "within the permanent stick region",
-        f"straight and zigzag instead of the parabola: c moves by {small(zone)} a0, W by a share of {small(work)}; shear at M differs by "
-        f"up to {residual[0]:.2f} P0/(3 a0) inside a(P_T) and by {small(residual[1])} outside",
+        f"straight and zigzag instead of the parabola: c moves by {small(zone)} a0, W by a share of {small(work)}; "
+        f"shear at M differs by up to {residual[0]:.2f} P0/(3 a0) inside a(P_T) and by {small(residual[1])} outside",
         judge(max(zone, work) <= _ROUNDING and residual[1] <= _ROUNDING < residual[0]),
         {"change of c": zone, "change of W": work, "change of q inside": residual[0], "change of q outside": residual[1]},
     )

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scenes import FlatRounded, Hertz, InputError, Materials
+from scenes import Compound, Elastic, FlatRounded, Hertz, InputError, Materials
 from semi_analytic import Reason, dissipation, peak_dissipation, solve
 from semi_analytic.batch_density import density_of
 from semi_analytic.contact import contact_of
@@ -221,3 +221,18 @@ def test_full_stick_has_no_peak():
     assert peak.value == 0
     assert np.isnan(peak.place)
     assert np.isnan(peak.fraction)
+
+
+def test_a_profile_with_corners_is_refused_by_the_batch() -> None:
+    """Its rule takes P(a) for smooth between the turning points: across a corner it was 1e-4 off."""
+    compound = Compound(inner_radius=1.0, outer_radius=2.0, inner_half_length=0.5)
+    steel = Elastic(young_modulus=1.82, poisson_ratio=0.3)
+    with pytest.raises(InputError, match="no profile with corners"):
+        dissipation(
+            profile=compound,
+            material=Materials(upper=steel, lower=steel),
+            friction_coefficient=1.0,
+            mean_normal_load=3.0,
+            normal_amplitude=1.0,
+            tangential_amplitude=1.0,
+        )
