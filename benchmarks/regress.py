@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import mpmath as mp
-from semi_analytic_reference import Case, flat_load, phases
+from semi_analytic_reference import Case, Phase, flat_load, phases
 
 import semi_analytic
 from scenes import Scene, load_scene, scene_names
@@ -155,14 +155,23 @@ def _steady_ellipse(scene: Scene, f: mp.mpf) -> mp.mpf:
             lambda a: load_of(a) - p, (low + (high - low) / 1000, high), solver="anderson", tol=mp.mpf(10) ** -60, maxsteps=200
         )
 
-    def power(part: object, t: mp.mpf) -> mp.mpf:
+    def power(part: Phase, t: mp.mpf) -> mp.mpf:
         p, front = normal(t), part.front(t)
         if not 0 < front < p:
             return mp.mpf(0)
         a, c = half_width(p), half_width(front)
         return part.rate(t) * (p * mp.log(a / c) - area_below(a) + area_below(c))
 
-    total = sum(mp.quad(lambda t, part=part: power(part, t), mp.linspace(part.begin, part.end, 4)) for part in parts)
+    # P(a) is smooth but for the load at which the edge passes b: cut there, for P and for the front.
+    corner = load_of(b)
+    cosine = (corner - case.mean) / mp.mpf(case.amplitude)
+    passes = [sign * mp.acos(cosine) + 2 * mp.pi * k for sign in (1, -1) for k in range(-2, 4)] if abs(cosine) < 1 else []
+
+    def marks(part: Phase) -> list[mp.mpf]:
+        inside = [t for t in (*passes, part.passed(corner)) if part.begin < t < part.end]
+        return sorted([*mp.linspace(part.begin, part.end, 4), *inside])
+
+    total = sum(mp.quad(lambda t, part=part: power(part, t), marks(part)) for part in parts)
     return f * 2 / (mp.pi * e_star) * total
 
 
