@@ -47,17 +47,14 @@ def _boxes(sheet: Sheet) -> Iterator[tuple[list[float], list[float]]]:
     """Domain of each panel, row by row from the top."""
     rows = -(-len(sheet.panels) // sheet.columns)
     heights = np.array(sheet.heights or [1.0] * rows)
-    heights = heights / heights.sum()
-    gap_x, gap_y = (0.06 if sheet.columns > 1 else 0.0), (0.1 if rows > 2 else 0.08)
+    gap_x, gap_y = 0.06, 0.09
+    wide = (1 - gap_x * (sheet.columns - 1)) / sheet.columns
+    heights = heights / heights.sum() * (1 - gap_y * (rows - 1))
     for number in range(len(sheet.panels)):
         row, column = divmod(number, sheet.columns)
-        top = 1 - float(heights[:row].sum())
-        bottom = top - float(heights[row])
-        left, right = column / sheet.columns, (column + 1) / sheet.columns
-        yield (
-            [left + (gap_x if column else 0.0), right],
-            [bottom + (gap_y if row < rows - 1 else 0.0), top],
-        )
+        top = 1 - float(heights[:row].sum()) - gap_y * row
+        left = column * (wide + gap_x)
+        yield [left, left + wide], [max(top - float(heights[row]), 0.0), top]
 
 
 def _axis(panel: Panel, domain: list[float], anchor: str, *, horizontal: bool) -> dict[str, Any]:

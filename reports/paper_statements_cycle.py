@@ -228,12 +228,12 @@ def one_way_slip(case: Case) -> Statement:
         rubbed = np.flatnonzero(case.density(grid)["EG"] > 0)
         low, high = float(grid[rubbed[-1]]), float(grid[rubbed[-1] + 1])
     edge = (low + high) / 2
+    widest = max(float(case.width(case.events[letter].normal_load)) for letter in "EG")
     return Statement(
         "one-way slip",
         "section 4.1",
         "the fretting, for points remote from the contact centre (x/a(P0) ≥ 0.88) occurs exclusively in one direction",
-        f"reverse slip dissipates up to x = {edge:.4f}, which is a at the largest P of the reverse-slip phase "
-        f"({float(case.width(case.events['G'].normal_load)):.4f})",
+        f"reverse slip dissipates up to x = {edge:.4f}; a at the largest P of the reverse-slip phase E–G is {widest:.4f}",
         judge_number(edge, 0.88, 2),
-        {"edge": edge, "a(P_G)/a0": float(case.width(case.events["G"].normal_load))},
+        {"edge": edge, "largest a in E-G": widest},
     )
