@@ -28,37 +28,7 @@ def figure_1(case: Case) -> Sheet:
     x = np.linspace(-1.9, 1.9, 191)
     height = np.asarray(case.scene.profile.height(x * case.length))
     foot = height * 0.45 / height[0]
-    circle = np.linspace(0.0, 2 * math.pi, 121)
-    axle, radius, mass = (0.0, 2.35), 0.85, math.radians(35.0)
-    weight = (axle[0] + 0.55 * math.cos(mass), axle[1] + 0.55 * math.sin(mass))
-    tip = (axle[0] + 1.6 * math.cos(mass), axle[1] + 1.6 * math.sin(mass))
-    turn = np.linspace(math.radians(70), math.radians(160), 31)
-    parts: list[Part] = [
-        Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "#dcdcdc"),
-        Line(np.array([-2.6, 2.6]), np.zeros(2)),
-        Band(x, foot, np.full(len(x), 1.1), "#c9dcec"),
-        Line(np.concatenate([x, x[::-1], x[:1]]), np.concatenate([foot, np.full(len(x), 1.1), foot[:1]])),
-        Line(np.array([-0.55, -0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
-        Line(np.array([0.55, 0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
-        Line(axle[0] + radius * np.cos(circle), axle[1] + radius * np.sin(circle), width=1.8),
-        Line(np.array([axle[0], weight[0]]), np.array([axle[1], weight[1]]), colour=FAINT),
-        Note(*axle, "", dot=True),
-        Line(weight[0] + 0.1 * np.cos(circle), weight[1] + 0.1 * np.sin(circle), colour=COLOURS[1], width=4.0),
-        Arrow(weight, tip, COLOURS[1]),
-        Note(*tip, "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x", (62.0, 12.0), colour=COLOURS[1]),
-        Line(axle[0] + 0.6 * np.cos(turn), axle[1] + 0.6 * np.sin(turn), colour=FAINT),
-        Arrow((-0.5, 2.68), (axle[0] + 0.6 * math.cos(turn[-1]), axle[1] + 0.6 * math.sin(turn[-1]) - 0.06), FAINT),
-        Note(-0.42, 2.95, "ω", (0.0, 4.0), colour="#5c5c5c"),
-        Arrow(axle, (0.0, 1.2), COLOURS[0]),
-        Note(0.0, 1.3, "self-weight P₀", (-78.0, 1.0), colour=COLOURS[0]),
-        Arrow((-2.5, 0.22), (-2.0, 0.22)),
-        Note(-2.5, 0.22, "x, Q", (14.0, 9.0)),
-        Arrow((-0.505, -0.2), (0.505, -0.2)),
-        Arrow((0.505, -0.2), (-0.505, -0.2)),
-        Note(0.0, -0.2, "flat face, 2 b", (0.0, -10.0)),
-        Note(1.45, 0.55, "edges of\nradius R"),
-        Note(0.0, -0.72, "half-plane"),
-    ]
+    parts = [*_foot(x, foot), *_motor()]
     panel = Panel("", "", parts, x_range=(-2.8, 3.4), y_range=(-0.9, 3.6), equal=True, bare=True)
     return Sheet(
         "figure_01",
@@ -72,6 +42,47 @@ def figure_1(case: Case) -> Sheet:
         size=(6.2, 4.5),
         left=0.02,
     )
+
+
+def _foot(x: Array, foot: Array) -> list[Part]:
+    """The half-plane and the foot on it."""
+    return [
+        Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "#dcdcdc"),
+        Line(np.array([-2.6, 2.6]), np.zeros(2)),
+        Band(x, foot, np.full(len(x), 1.1), "#c9dcec"),
+        Line(np.concatenate([x, x[::-1], x[:1]]), np.concatenate([foot, np.full(len(x), 1.1), foot[:1]])),
+        Arrow((-2.5, 0.22), (-2.0, 0.22)),
+        Note(-2.5, 0.22, "x, Q", (14.0, 9.0)),
+        Arrow((-0.505, -0.2), (0.505, -0.2)),
+        Arrow((0.505, -0.2), (-0.505, -0.2)),
+        Note(0.0, -0.2, "flat face, 2 b", (0.0, -10.0)),
+        Note(1.45, 0.55, "edges of\nradius R"),
+        Note(0.0, -0.72, "half-plane"),
+    ]
+
+
+def _motor() -> list[Part]:
+    """The motor on its struts, its weight and its turning mass."""
+    circle = np.linspace(0.0, 2 * math.pi, 121)
+    axle, radius, mass = (0.0, 2.35), 0.85, math.radians(35.0)
+    weight = (axle[0] + 0.55 * math.cos(mass), axle[1] + 0.55 * math.sin(mass))
+    tip = (axle[0] + 1.6 * math.cos(mass), axle[1] + 1.6 * math.sin(mass))
+    turn = np.linspace(math.radians(70), math.radians(160), 31)
+    return [
+        Line(np.array([-0.55, -0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
+        Line(np.array([0.55, 0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
+        Line(axle[0] + radius * np.cos(circle), axle[1] + radius * np.sin(circle), width=1.8),
+        Line(np.array([axle[0], weight[0]]), np.array([axle[1], weight[1]]), colour=FAINT),
+        Note(*axle, "", dot=True),
+        Line(weight[0] + 0.1 * np.cos(circle), weight[1] + 0.1 * np.sin(circle), colour=COLOURS[1], width=4.0),
+        Arrow(weight, tip, COLOURS[1]),
+        Note(*tip, "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x", (62.0, 12.0), colour=COLOURS[1]),
+        Line(axle[0] + 0.6 * np.cos(turn), axle[1] + 0.6 * np.sin(turn), colour=FAINT),
+        Arrow((-0.5, 2.68), (axle[0] + 0.6 * math.cos(turn[-1]), axle[1] + 0.6 * math.sin(turn[-1]) - 0.06), FAINT),
+        Note(-0.42, 2.95, "ω", (0.0, 4.0), colour="#5c5c5c"),
+        Arrow(axle, (0.0, 1.2), COLOURS[0]),
+        Note(0.0, 1.3, "self-weight P₀", (-78.0, 1.0), colour=COLOURS[0]),
+    ]
 
 
 def figure_2(case: Case) -> Sheet:
@@ -157,32 +168,17 @@ def figure_3(case: Case) -> Sheet:
     columns = 5
     panels = []
     for number, letter in enumerate(LETTERS):
-        state = solution.state[number]
-        below = number + columns >= len(LETTERS)
-        parts: list[Part] = [
-            *_slip_bands(x, state, limit[number]),
-            Line(x, limit[number], "f p", FAINT, "solid", 1.2),
-            Line(x, -limit[number], "−f p", FAINT, "dash", 1.0),
-            Line(x, shear[number], "shear traction q", INK, width=1.6),
-        ]
         loads = f"P = {solution.normal_load[number] / case.unit:.2f}, Q = {solution.tangential_load[number] / case.unit:.2f}"
         panels.append(
             Panel(
-                "x / a(P₀)" if below else "",
+                "x / a(P₀)" if number + columns >= len(LETTERS) else "",
                 "traction · a(P₀) / (P₀/3)" if number % columns == 0 else "",
-                parts,
+                [*_slip_bands(x, solution.state[number], limit[number]), *_tractions(x, limit[number], shear[number])],
                 title=f"{letter}   {loads}",
                 x_range=(-1.25, 1.25),
                 y_range=(-2.4, 2.4),
             )
         )
-    handles: list[Line | Band] = [
-        Line(x, x, "shear traction q", INK, width=1.6),
-        Line(x, x, "f p", FAINT, width=1.2),
-        Line(x, x, "−f p", FAINT, "dash", 1.0),
-        Band(x, x, x, PALE_FORWARD, "forward slip"),
-        Band(x, x, x, PALE_REVERSE, "reverse slip"),
-    ]
     return Sheet(
         "figure_03",
         "Figure 3. Tractions beneath the Hertzian contact at various stages of the load cycle",
@@ -199,8 +195,17 @@ def figure_3(case: Case) -> Sheet:
         left=0.05,
         gaps=(0.16, 0.32),
         legend_columns=5,
-        handles=handles,
+        handles=[*_tractions(x, x, x), Band(x, x, x, PALE_FORWARD, "forward slip"), Band(x, x, x, PALE_REVERSE, "reverse slip")],
     )
+
+
+def _tractions(x: Array, limit: Array, shear: Array) -> list[Line]:
+    """Shear traction between the limits of friction."""
+    return [
+        Line(x, limit, "f p", FAINT, "solid", 1.2),
+        Line(x, -limit, "−f p", FAINT, "dash", 1.0),
+        Line(x, shear, "shear traction q", INK, width=1.6),
+    ]
 
 
 def _slip_bands(x: Array, state: NDArray[np.int8], limit: Array) -> Iterator[Band]:

@@ -23,6 +23,14 @@ _POINT_COLOURS = ("#5B2A86", "#8C510A", "#C2568F", "#333333")
 _DEGREES = tuple((float(angle), f"{angle}") for angle in range(0, 361, 45))
 _DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot")
 
+_NOTHING = np.zeros(0)
+_STATES = (
+    Line(_NOTHING, _NOTHING, "sticking", FAINT, width=1.0),
+    Line(_NOTHING, _NOTHING, "slipping forward", FORWARD, width=3.0),
+    Line(_NOTHING, _NOTHING, "slipping in reverse", REVERSE, width=3.0),
+    Line(_NOTHING, _NOTHING, "separated", FAINT, "dot", 1.4),
+)
+
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
@@ -136,22 +144,11 @@ def figure_4b(case: Case) -> Sheet:
     """Half-widths through the steady cycle for four coefficients of friction, about Q0 = 0."""
     others = {f: case.about_no_shear(f) for f in FRICTIONS}
     start = others[FRICTIONS[0]].time("M")
-    lowest = others[FRICTIONS[-1]]
     parts: list[Part] = []
     columns: dict[str, Array] = {}
-    stick: list[tuple[Array, Array]] = []
     # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
     grid = np.linspace(1e-6, 360.0, 721)
-    for stretch in stretches(lowest, [(time, way) for time, way in _two_turns(lowest)]):
-        angle = np.degrees(stretch.time - start)
-        inside = (angle >= 0) & (angle <= 360)
-        stick.append((angle[inside], stretch.stick[inside]))
-        if stretch.direction and inside.any():
-            low, high = stretch.stick[inside], stretch.contact[inside]
-            colour, label = (PALE_FORWARD, "forward slip") if stretch.direction > 0 else (PALE_REVERSE, "reverse slip")
-            parts.append(Band(angle[inside], low, high, colour, f"{label}, f = 0.4"))
-    whole = [np.concatenate(column) for column in zip(*stick, strict=True)]
-    parts.insert(0, Band(whole[0], np.zeros(len(whole[0])), whole[1], PALE_STICK, "stick, f = 0.4"))
+    parts += _shading(others[FRICTIONS[-1]], start)
     for number, (f, other) in enumerate(others.items()):
         solution = other.solve(time=start + np.radians(grid))
         columns |= {f"c / a(P0), f = {f}": solution.stick_half_width / other.length}
@@ -181,6 +178,22 @@ def figure_4b(case: Case) -> Sheet:
     )
 
 
+def _shading(case: Case, start: float) -> list[Part]:
+    """Stick and slip of one coefficient of friction over the angle after `start`, filled."""
+    parts: list[Part] = []
+    stick: list[tuple[Array, Array]] = []
+    f = f"f = {case.friction:g}"
+    for stretch in stretches(case, _two_turns(case)):
+        angle = np.degrees(stretch.time - start)
+        inside = (angle >= 0) & (angle <= 360)
+        stick.append((angle[inside], stretch.stick[inside]))
+        if stretch.direction and inside.any():
+            colour, label = (PALE_FORWARD, "forward slip") if stretch.direction > 0 else (PALE_REVERSE, "reverse slip")
+            parts.append(Band(angle[inside], stretch.stick[inside], stretch.contact[inside], colour, f"{label}, {f}"))
+    angles, edges = (np.concatenate(column) for column in zip(*stick, strict=True))
+    return [Band(angles, np.zeros(len(angles)), edges, PALE_STICK, f"stick, {f}"), *parts]
+
+
 def _two_turns(case: Case) -> list[tuple[float, int]]:
     marks = steady_marks(case)
     return [*marks[:-1], *((time + 2 * math.pi, way) for time, way in marks)]
@@ -191,11 +204,7 @@ def figure_5(case: Case) -> Sheet:
     start = case.time("M")
     found = stretches(case, steady_marks(case))
     above = list(zone_parts(found, _angles(found, start)))
-    for letter in "MFGHIKJL":
-        time = case.time(letter) + (2 * math.pi if letter != "M" and case.time(letter) < start else 0.0)
-        height = float(case.width(case.events[letter].normal_load))
-        shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
-        above.append(Note(math.degrees(time - start), height, letter, shift, dot=True))
+    above += _letters_over_angle(case)
     turn = np.linspace(0.0, 360.0, 721)
     solution = case.solve(time=start + np.radians(turn), x=POINTS, fields=("slip", "state"))
     moved = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
@@ -206,17 +215,9 @@ def figure_5(case: Case) -> Sheet:
         below += _displacement(turn, moved[:, number], solution.state[:, number], colour)
         peak = int(np.argmin(moved[:, number]))
         below.append(Note(float(turn[peak]), float(moved[peak, number]), f"{x:.2f}", (0.0, -9.0), colour=colour))
-    span = float(np.ptp(moved))
     panels = [
         Panel("", "x / a(P₀)", above, x_range=(0.0, 360.0), y_range=(0.5, 1.28), x_ticks=_DEGREES),
-        Panel(
-            _ANGLE,
-            "displacement / (A P₀/3)",
-            below,
-            x_range=(0.0, 360.0),
-            y_range=(float(moved.min()) - 0.12 * span, float(moved.max()) + 0.08 * span),
-            x_ticks=_DEGREES,
-        ),
+        _displacement_panel(below, moved),
     ]
     states = {f"state at x = {x}": [int(s) for s in solution.state[:, k]] for k, x in enumerate(POINTS)}
     return Sheet(
@@ -234,14 +235,24 @@ def figure_5(case: Case) -> Sheet:
         gaps=(0.2, 0.14),
         right=0.4,
         legend_columns=4,
-        handles=[
-            *(part for part in above if isinstance(part, Line | Band) and part.label),
-            Line(turn, turn, "sticking", FAINT, width=1.0),
-            Line(turn, turn, "slipping forward", FORWARD, width=3.0),
-            Line(turn, turn, "slipping in reverse", REVERSE, width=3.0),
-            Line(turn, turn, "separated", FAINT, "dot", 1.4),
-        ],
+        handles=[*(part for part in above if isinstance(part, Line | Band) and part.label), *_STATES],
     )
+
+
+def _displacement_panel(parts: Sequence[Part], moved: Array) -> Panel:
+    low, high = float(moved.min()), float(moved.max())
+    limits = (low - 0.12 * (high - low), high + 0.08 * (high - low))
+    return Panel(_ANGLE, "displacement / (A P₀/3)", parts, x_range=(0.0, 360.0), y_range=limits, x_ticks=_DEGREES)
+
+
+def _letters_over_angle(case: Case) -> Iterator[Note]:
+    """The letters of a steady revolution on the edge of contact."""
+    start = case.time("M")
+    for letter in "MFGHIKJL":
+        time = case.time(letter) + (2 * math.pi if case.time(letter) < start else 0.0)
+        height = float(case.width(case.events[letter].normal_load))
+        shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
+        yield Note(math.degrees(time - start), height, letter, shift, dot=True)
 
 
 def _displacement(turn: Array, moved: Array, state: NDArray[np.int8], colour: str) -> Iterator[Line]:
