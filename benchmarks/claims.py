@@ -15,12 +15,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 import mpmath
 import numpy as np
+from claim import Row, table
 
 import halfplane_fe
 import semi_analytic
@@ -30,21 +30,6 @@ from scenes import Scene, load_scene
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "numbers.md"
-
-
-@dataclass(frozen=True)
-class Row:
-    """One claim: what, the figure measured, the limit it shall keep (None: shown only), and how it was come by."""
-
-    what: str
-    measured: float
-    limit: float | None
-    how: str
-    unit: str = ""
-
-    @property
-    def kept(self) -> bool | None:
-        return None if self.limit is None else bool(abs(self.measured) <= self.limit)
 
 
 def half_plane_engine() -> Iterator[Row]:
@@ -208,16 +193,6 @@ def times() -> Iterator[Row]:
     yield Row(
         "... of that the half-plane engine", seconds["half-plane theory"], 0.1, "on the points and instants of the FE model", "s"
     )
-
-
-def table(rows: list[Row]) -> str:
-    """The rows as a Markdown table."""
-    lines = ["| claim | measured | limit | kept | how |", "|---|---|---|---|---|"]
-    for row in rows:
-        limit = "" if row.limit is None else f"{row.limit:g} {row.unit}".strip()
-        kept = {None: "", True: "yes", False: "**no**"}[row.kept]
-        lines.append(f"| {row.what} | {row.measured:.3g} {row.unit} | {limit} | {kept} | {row.how} |")
-    return "\n".join(lines)
 
 
 def main() -> int:

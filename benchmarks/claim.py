@@ -1,0 +1,30 @@
+"""One claimed number and the table it stands in: what every benchmark yields and `make numbers` collects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """One claim: what, the figure measured, the limit it shall keep (None: shown only), and how it was come by."""
+
+    what: str
+    measured: float
+    limit: float | None
+    how: str
+    unit: str = ""
+
+    @property
+    def kept(self) -> bool | None:
+        return None if self.limit is None else bool(abs(self.measured) <= self.limit)
+
+
+def table(rows: list[Row]) -> str:
+    """The rows as a Markdown table."""
+    lines = ["| claim | measured | limit | kept | how |", "|---|---|---|---|---|"]
+    for row in rows:
+        limit = "" if row.limit is None else f"{row.limit:g} {row.unit}".strip()
+        kept = {None: "", True: "yes", False: "**no**"}[row.kept]
+        lines.append(f"| {row.what} | {row.measured:.3g} {row.unit} | {limit} | {kept} | {row.how} |")
+    return "\n".join(lines)
