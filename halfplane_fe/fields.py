@@ -10,10 +10,10 @@ import skfem
 from numpy.typing import NDArray
 from skfem.helpers import sym_grad
 
-from halfplane_fe.elasticity import CondensedBody, displacement_fields
+from halfplane_fe.elasticity import CondensedBody, displacement_fields, split_lame
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
-from scenes import Elastic, InputError
+from scenes import InputError
 
 Array = NDArray[np.float64]
 
@@ -89,13 +89,13 @@ def _forces(solution: FiniteElementSolution, step: int) -> dict[str, Array]:
 
 def _body_fields(name: str, condensed: CondensedBody, forces: Array, solution: FiniteElementSolution) -> list[BodyFields]:
     """Fields of a body for each column of `forces` (2, n, k); the upper body is reflected into the common frame."""
-    basis, displacements = displacement_fields(condensed, forces, solution.scene.profile.datum_length)
+    basis, displacements, tensions = displacement_fields(condensed, forces, solution.scene.profile.datum_length)
     flip = np.array([1.0, 1.0 if name == "lower" else -1.0])
     nodes = _node_dofs(basis)
     points, triangles = basis.mesh.p.T * flip, _triangles(basis)
     found = []
-    for values in displacements.T:
-        stress = _nodal_stress(basis, values, condensed.material)
+    for values, tension in zip(displacements.T, tensions.T, strict=True):
+        stress = _nodal_stress(basis, values, tension, condensed)
         stress[:, 2] *= flip[1]
         found.append(BodyFields(name, points, triangles, values[nodes].T * flip, stress, _von_mises(stress)))
     return found
@@ -122,19 +122,14 @@ def _triangles(basis: skfem.Basis) -> NDArray[np.int64]:
     return np.vstack([corners, basis.nodal_dofs.shape[1] + basis.mesh.t2f]).T.astype(np.int64)
 
 
-def _nodal_stress(basis: skfem.Basis, displacement: Array, material: Elastic) -> Array:
+def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody) -> Array:
     """(n_nodes, 4) xx, yy, xy, zz: element stresses averaged at each node with the elements' areas as weights."""
-    # notation: lam, mu are Lame's constants
-    young, nu = material.young_modulus, material.poisson_ratio
-    lam, mu = young * nu / ((1 + nu) * (1 - 2 * nu)), young / (2 * (1 + nu))
+    # notation: lam, mu are Lame's constants, the part of lam that enters through `tension` left out
+    lam, _, mu = split_lame(condensed.material, condensed.order)
     strain = sym_grad(basis.interpolate(displacement))
-    trace = strain[0, 0] + strain[1, 1]
-    parts = (
-        lam * trace + 2 * mu * strain[0, 0],
-        lam * trace + 2 * mu * strain[1, 1],
-        2 * mu * strain[0, 1],
-        lam * trace,
-    )
+    corners = basis.with_element(skfem.ElementTriP1()).interpolate(tension)
+    mean = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(corners)
+    parts = (mean + 2 * mu * strain[0, 0], mean + 2 * mu * strain[1, 1], 2 * mu * strain[0, 1], mean)
     area = basis.dx.sum(axis=1)
     triangles = _triangles(basis)
     n_nodes = basis.mesh.p.shape[1]

@@ -58,6 +58,11 @@ TOLERANCES = {
     "second moment of p, L = 5a against 20a": Tolerance(
         1.6e-5, 4e-5, "the two meshes differ below the contact; 1.2e-2 with nothing but the resultant on the arc"
     ),
+    # nu = 0.45 to 0.4999, coarse mesh. At 0.4999 plain quadratic elements have 7e-3, 7e-2, 7e-2.
+    "incompressible dissipation": Tolerance(3.2e-3, 6e-3, EDGE),
+    "incompressible pressure": Tolerance(3.2e-3, 6e-3, EDGE),
+    "incompressible rocking": Tolerance(6.4e-4, 1.5e-3, MESH + "; worst node of the inner half, over p0"),
+    "incompressible stress": Tolerance(2.6e-2, 4e-2, "means over the elements of a node, a/12 and larger below; over p0"),
     # Default mesh and steps, the paper's cycle: the promised figures.
     "default pressure": Tolerance(5.1e-4, 2.5e-3, "promised: 0.25 %; " + EDGE),
     "default shear": Tolerance(3.2e-3, 8e-3, "promised: 0.8 %; " + EDGE),
