@@ -1,0 +1,146 @@
+"""Mirror-symmetric meshes by gmsh: the half x >= 0 of a body is meshed and reflected, so that symmetry holds to the last bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Literal
+
+import gmsh
+import numpy as np
+import skfem
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Cells = Literal["triangles", "quadrilaterals"]
+
+# gmsh's node order of an element after a reflection, by number of nodes: triangles of order 1 and 2, quadrilaterals likewise.
+_REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+_MESHES = {3: skfem.MeshTri, 6: skfem.MeshTri2, 4: skfem.MeshQuad, 9: skfem.MeshQuad2}
+_ON_AXIS = 1e-9
+
+
+@dataclass(frozen=True)
+class _Cells:
+    points: Array  # (n_points, 2)
+    elements: Indices  # (n_elements, nodes of one), gmsh's order
+    named: dict[str, Indices]  # points of each boundary
+
+    @property
+    def corners(self) -> int:
+        return 3 if self.elements.shape[1] in (3, 6) else 4
+
+
+def mirrored_mesh(
+    draw: Callable[[], Mapping[str, list[int]]],
+    size: Callable[[float, float], float],
+    order: int,
+    cells: Cells = "triangles",
+    settle: Callable[[Array, dict[str, Indices]], Array] | None = None,
+) -> skfem.Mesh:
+    """Mesh of a body from its half x >= 0, of which the axis x = 0 bounds one side.
+
+    Parameters
+    ----------
+    draw : puts the half into gmsh's current model (geo kernel, lengths of order one) and says which curves have which name;
+        curves without a name lie on the axis
+    size : element size at a point (x, y)
+    order : 1 or 2, of elements and geometry
+    settle : given the points (n, 2) of the half and those of each name, the points where they shall be
+
+    Returns
+    -------
+    skfem.Mesh
+        MeshTri, MeshTri2, MeshQuad or MeshQuad2 with the named boundaries.
+    """
+    half = _half(draw, size, order, cells)
+    if settle is not None:
+        half = _Cells(settle(half.points, half.named), half.elements, half.named)
+    whole = _corners_first(_reflect(half))
+    points, elements = np.ascontiguousarray(whole.points.T), np.ascontiguousarray(whole.elements.T)
+    n_corners = int(elements[: whole.corners].max()) + 1
+    straight = _MESHES[whole.corners](points[:, :n_corners].copy(), elements[: whole.corners].copy())
+    straight.is_valid(raise_=True)
+    mesh = _MESHES[len(elements)](points, elements) if order == 2 else straight
+    return mesh.with_boundaries({name: _facets(mesh, nodes) for name, nodes in whole.named.items()})
+
+
+@contextmanager
+def _gmsh_model(cells: Cells) -> Iterator[None]:
+    # gmsh is one global state: entered here, left here, whatever happens.
+    gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.AbortOnError", 2)
+        for rule in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
+            gmsh.option.setNumber(f"Mesh.MeshSize{rule}", 0)
+        gmsh.option.setNumber("Mesh.Algorithm", 6)
+        gmsh.option.setNumber("Mesh.RandomSeed", 1)
+        if cells == "quadrilaterals":
+            gmsh.option.setNumber("Mesh.RecombineAll", 1)
+            gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 3)  # blossom, every triangle split or paired: quadrilaterals only
+        gmsh.model.add("half")
+        yield
+    finally:
+        gmsh.finalize()
+
+
+def _half(draw: Callable[[], Mapping[str, list[int]]], size: Callable[[float, float], float], order: int, cells: Cells) -> _Cells:
+    with _gmsh_model(cells):
+        named = draw()
+        gmsh.model.geo.synchronize()
+        gmsh.model.mesh.setSizeCallback(lambda _dim, _tag, x, y, _z, _size: size(x, y))
+        gmsh.model.mesh.generate(2)
+        gmsh.model.mesh.setOrder(order)
+        return _read(named)
+
+
+def _read(curves: Mapping[str, list[int]]) -> _Cells:
+    """Points, elements and boundary points of gmsh's current model."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    place[tags.astype(np.int64)] = np.arange(len(tags))
+    kinds, numbers, connectivity = gmsh.model.mesh.getElements(2)
+    if len(kinds) != 1:
+        raise ValueError("gmsh left elements of more than one kind")
+    elements = place[connectivity[0].astype(np.int64)].reshape(len(numbers[0]), -1)
+    named = {}
+    for name, lines in curves.items():
+        nodes = [gmsh.model.mesh.getNodes(1, line, includeBoundary=True)[0] for line in lines]
+        named[name] = np.unique(place[np.concatenate(nodes).astype(np.int64)])
+    return _Cells(coordinates.reshape(-1, 3)[:, :2], elements, named)
+
+
+def _reflect(half: _Cells) -> _Cells:
+    """`half` (x >= 0) with its mirror image, points on x = 0 shared."""
+    points = half.points.copy()
+    on_axis = np.abs(points[:, 0]) < _ON_AXIS
+    points[on_axis, 0] = 0.0
+    image = np.empty(len(points), dtype=np.int64)
+    image[on_axis] = np.flatnonzero(on_axis)
+    image[~on_axis] = len(points) + np.arange(np.count_nonzero(~on_axis))
+    mirrored = image[half.elements][:, _REFLECTED[half.elements.shape[1]]]
+    return _Cells(
+        np.vstack([points, points[~on_axis] * [-1.0, 1.0]]),
+        np.vstack([half.elements, mirrored]),
+        {name: np.union1d(nodes, image[nodes]) for name, nodes in half.named.items()},
+    )
+
+
+def _corners_first(body: _Cells) -> _Cells:
+    """The same body, corners numbered before mid-side points: then scikit-fem leaves the numbers alone."""
+    corners = np.unique(body.elements[:, : body.corners])
+    order = np.concatenate([corners, np.setdiff1d(np.arange(len(body.points)), corners)])
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    named = {name: place[nodes] for name, nodes in body.named.items()}
+    return _Cells(body.points[order], place[body.elements], named)
+
+
+def _facets(mesh: skfem.Mesh, nodes: Indices) -> Indices:
+    """Boundary facets whose corners all belong to `nodes`."""
+    facets = mesh.boundary_facets()
+    inside = np.isin(mesh.facets[:, facets], nodes).all(axis=0)
+    return facets[inside].astype(np.int64)
