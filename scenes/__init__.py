@@ -1,5 +1,6 @@
 """The question and the form of the answer: frozen types, the reading of scene files, the library of scenes. No mechanics."""
 
+from scenes.bodies import Block, Bodies, Cylinder, HalfPlane, Pad, Shape
 from scenes.callable_loads import CallableLoad, ChebyshevLeg
 from scenes.callables import CallableProfile
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError
@@ -9,11 +10,13 @@ from scenes.materials import Elastic, Materials
 from scenes.measured import Tabulated
 from scenes.profiles import Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
 from scenes.reading import load_scene, scene_companions, scene_names, scene_schema, scene_text
-from scenes.scene import Friction, HalfPlanes, Scene, Tolerances
+from scenes.scene import Friction, Scene, Tolerances
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
 from scenes.time_series import TimeSeriesLoad
 
 __all__ = [
+    "Block",
+    "Bodies",
     "CallableLoad",
     "CallableProfile",
     "ChebyshevLeg",
@@ -21,12 +24,13 @@ __all__ = [
     "ContactSolution",
     "ConvergenceError",
     "Elastic",
+    "Cylinder",
     "EllipseLeg",
     "EllipseLoad",
     "EvenPolynomial",
     "FlatRounded",
     "Friction",
-    "HalfPlanes",
+    "HalfPlane",
     "HarmonicLeg",
     "HarmonicLoad",
     "Hertz",
@@ -35,12 +39,14 @@ __all__ = [
     "Leg",
     "LoadPath",
     "Materials",
+    "Pad",
     "ParabolaLeg",
     "PolygonLoad",
     "PowerLaw",
     "Profile",
     "Record",
     "Scene",
+    "Shape",
     "StraightLeg",
     "SurfaceState",
     "Tabulated",

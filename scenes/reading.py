@@ -141,5 +141,5 @@ def _sentence(where: str, data: dict[str, Any], faults: ValidationError) -> str:
         case "union_tag_invalid":
             key, value, rule = f"{key}.kind", value["kind"], f"should be {fault['ctx']['expected_tags'].replace(', ', ' or ')}"
         case "value_error":
-            return f"{where}: {key} is refused: {rule}{more}"
+            return f"{where}: {key} is refused: {rule}{more}" if key else f"{where}: {rule}{more}"
     return f"{where}: {key} = {value!r} is refused: {rule}{more}"

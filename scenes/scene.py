@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticSerializationError
 
+from scenes.bodies import Bodies, Pad
 from scenes.callable_loads import CallableLoad
 from scenes.errors import InputError
 from scenes.harmonics import HarmonicLoad
 from scenes.loads import EllipseLoad, PolygonLoad
 from scenes.materials import FROZEN, Materials, Positive
-from scenes.profiles import Profile
+from scenes.profiles import FlatRounded, Hertz, Profile
 from scenes.time_series import TimeSeriesLoad
 
 Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad, Field(discriminator="kind")]
@@ -24,14 +25,6 @@ class Friction(BaseModel):
     model_config = FROZEN
 
     coefficient: float = Field(ge=0, description="coefficient of friction f >= 0; 0 is frictionless")
-
-
-class HalfPlanes(BaseModel):
-    """Two half-planes: the bodies that half-plane theory is about."""
-
-    model_config = FROZEN
-
-    kind: Literal["half_planes"] = "half_planes"
 
 
 class Tolerances(BaseModel):
@@ -64,9 +57,26 @@ class Scene(BaseModel):
     profile: Profile
     friction: Friction
     load: Load
-    bodies: HalfPlanes = HalfPlanes()
+    bodies: Bodies = Bodies()
     tolerances: Tolerances = Tolerances()
     cycles: int = Field(6, ge=1, description="at most so many revolutions; the engines stop once the cycle repeats")
+
+    @model_validator(mode="after")
+    def _faces_make_the_profile(self) -> Self:
+        radius = self.bodies.relative_radius()
+        if radius is not None and not (isinstance(self.profile, Hertz) and abs(self.profile.radius / radius - 1) <= 1e-9):
+            raise ValueError(
+                f"profile is not that of the cylinders: it is kind = 'hertz' with radius = {radius:.12g} "
+                "(1/R is the sum of 1/radius over the cylinders)"
+            )
+        for name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
+            if isinstance(body, Pad) and isinstance(self.profile, Hertz | FlatRounded):
+                reach = self.profile.radius + (self.profile.flat_half_length if isinstance(self.profile, FlatRounded) else 0.0)
+                if body.width / 2 >= reach:
+                    raise ValueError(
+                        f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at {2 * reach:g}: make it less"
+                    )
+        return self
 
     def model_dump_json(self, **options: Any) -> str:
         """The scene as JSON text.

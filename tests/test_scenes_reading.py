@@ -57,7 +57,27 @@ REFUSED = {
     "missing kind": ('kind = "hertz"', "", ["the key profile.kind is missing"]),
     "unknown kind": ('kind = "hertz"', 'kind = "hurtz"', ["profile.kind = 'hurtz'", "'hertz' or 'flat_rounded'"]),
     "unknown kind of load": ('kind = "polygon"', 'kind = "circle"', ["load.kind = 'circle'", "'ellipse' or 'polygon'"]),
-    "unknown bodies": ("[friction]", '[bodies]\nkind = "blocks"\n[friction]', ["bodies.kind = 'blocks'", "'half_planes'"]),
+    "pad wider than its block": (
+        "[friction]",
+        '[bodies]\nupper = {kind = "pad", width = 50.0, height = 9.0}\nlower = {kind = "block", width = 20.0, height = 9.0}\n[friction]',
+        ["bodies is refused", "a pad of width 50", "the block that it faces, of width 20", "make the pad narrower"],
+    ),
+    "pad past its arcs": (
+        "[friction]",
+        '[bodies.upper]\nkind = "pad"\nwidth = 2000.0\nheight = 9.0\n[friction]',
+        ["bodies.upper.width = 2000", "arcs, at 2000"],
+    ),
+    "cylinder of another radius": (
+        "[friction]",
+        '[bodies.upper]\nkind = "cylinder"\nradius = 50.0\n[friction]',
+        ["profile is not that of the cylinders", "radius = 50"],
+    ),
+    "two pads": (
+        "[friction]",
+        '[bodies]\nupper = {kind = "pad", width = 5.0, height = 9.0}\nlower = {kind = "pad", width = 5.0, height = 9.0}\n[friction]',
+        ["bodies is refused", "a pad on a pad"],
+    ),
+    "unknown bodies": ("[friction]", '[bodies.upper]\nkind = "ball"\n[friction]', ["bodies.upper.kind = 'ball'", "'half_plane'"]),
     "no point": ("way_in = [[2.0, 0.0]]", "way_in = []", ["load.way_in = []", "at least 1 item"]),
     "half a point": ("[2.0, 0.5]", "[2.0]", ["load.cycle.0 = [2.0]", "[P, Q]"]),
     "a point of words": ("[2.0, 0.5]", '[2.0, "x"]', ["load.cycle.0.1 = 'x'", "valid number"]),
