@@ -59,13 +59,14 @@ REFUSED = {
     "unknown kind of load": ('kind = "polygon"', 'kind = "circle"', ["load.kind = 'circle'", "'ellipse' or 'polygon'"]),
     "pad wider than its block": (
         "[friction]",
-        '[bodies]\nupper = {kind = "pad", width = 50.0, height = 9.0}\nlower = {kind = "block", width = 20.0, height = 9.0}\n[friction]',
+        '[bodies]\nupper = {kind = "pad", width = 50.0, height = 9.0}\nlower = {kind = "block", width = 20.0, height = 3.0}\n'
+        "[friction]",
         ["bodies is refused", "a pad of width 50", "the block that it faces, of width 20", "make the pad narrower"],
     ),
     "pad past its arcs": (
         "[friction]",
         '[bodies.upper]\nkind = "pad"\nwidth = 2000.0\nheight = 9.0\n[friction]',
-        ["bodies.upper.width = 2000", "arcs, at 2000"],
+        ["bodies.upper.width = 2000", "arcs, at 4"],
     ),
     "cylinder of another radius": (
         "[friction]",
@@ -74,7 +75,8 @@ REFUSED = {
     ),
     "two pads": (
         "[friction]",
-        '[bodies]\nupper = {kind = "pad", width = 5.0, height = 9.0}\nlower = {kind = "pad", width = 5.0, height = 9.0}\n[friction]',
+        '[bodies]\nupper = {kind = "pad", width = 5.0, height = 9.0}\nlower = {kind = "pad", width = 5.0, height = 9.0}\n'
+        "[friction]",
         ["bodies is refused", "a pad on a pad"],
     ),
     "unknown bodies": ("[friction]", '[bodies.upper]\nkind = "ball"\n[friction]', ["bodies.upper.kind = 'ball'", "'half_plane'"]),
