@@ -10,17 +10,18 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, LinAlgWarning, cho_factor, cho_solve, lu_factor, lu_solve
+from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
-from scenes import ConvergenceError, SurfaceState
+from halfplane_fe.nested import NestedFactor
+from scenes import SurfaceState
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 States = NDArray[np.int8]
 
-# Bytes of factorised matrices kept: a cycle meets the same sets of nodes again and again.
+# Bytes of factorised matrices of unlike bodies kept: a cycle meets the same sets of nodes again and again.
 _KEPT_BYTES = 400_000_000
 
 
@@ -46,7 +47,7 @@ class Forces(NamedTuple):
 
 @dataclass(eq=False)
 class Systems:
-    """Compliance of interface and layer, with the factors of the sets of nodes met so far."""
+    """Compliance of interface and layer, with their factors: nested for like bodies, else those of the sets met so far."""
 
     interface: Interface
     layer: Layer
@@ -56,6 +57,7 @@ class Systems:
     def __post_init__(self) -> None:
         self.normal = self.interface.normal + np.diag(self.layer.normal)
         self.tangential = self.interface.tangential + np.diag(self.layer.tangential)
+        self._nests: dict[str, NestedFactor] = {}
         self._kept: OrderedDict[tuple[str, bytes], tuple[Array, Array]] = OrderedDict()
         self._bytes = 0
 
@@ -71,14 +73,14 @@ class Systems:
 
     def pressure_alone(self, closed: Mask, height: Array, load: float) -> tuple[Array, float]:
         """Pressure and approach that close the given nodes over `height`, shear known or none."""
-        return self._bordered("normal", self.normal, closed, -height, load)
+        return self._bordered("normal", closed, -height, load)
 
     def shear_alone(self, states: States, pressure: Array, known_slip: Array, load: float) -> tuple[Array, float]:
         """Shear and shift at known pressure: sticking nodes keep slip `known_slip`, sliding ones carry f p."""
         sliding = slip_sign(states) * self.friction * pressure
         stick = states == SurfaceState.STICK
         known = -known_slip - self.tangential @ sliding
-        held, shift = self._bordered("tangential", self.tangential, stick, known, load - float(sliding.sum()))
+        held, shift = self._bordered("tangential", stick, known, load - float(sliding.sum()))
         return held + sliding, shift
 
     def both(self, states: States, height: Array, slip_before: Array, loads: tuple[float, float]) -> Forces:
@@ -114,20 +116,25 @@ class Systems:
         matrix[n + m + 1, n : n + m] = 1.0
         return matrix
 
-    def tangential_factors(self, stick: Mask) -> tuple[Array, Array]:
-        """Cholesky factor of T on the sticking nodes, and its solution for ones."""
-        return self._factors(("tangential", stick.tobytes()), lambda: _cholesky(self.tangential[np.ix_(stick, stick)]))
+    def held(self, stick: Mask, known: Array) -> Array:
+        """Shear (n_stick,) of the sticking nodes with T_SS q = known there."""
+        return self._nested("tangential").solve(stick, known)
 
-    def _bordered(self, name: str, matrix: Array, active: Mask, known: Array, total: float) -> tuple[Array, float]:
+    def _bordered(self, name: str, active: Mask, known: Array, total: float) -> tuple[Array, float]:
         """Forces f on the active nodes and rigid displacement d with matrix f - d = known there, sum f = total."""
         if not active.any():
             raise SingularSet(f"no node holds the {name} load")
-        factor, by_one = self._factors((name, active.tobytes()), lambda: _cholesky(matrix[np.ix_(active, active)]))
-        by_known = cho_solve((factor, True), known[active], check_finite=False)
+        nested = self._nested(name)
+        by_known, by_one = nested.solve(active, known[active]), nested.by_ones(active)
         displacement = (total - float(by_known.sum())) / float(by_one.sum())
         forces = np.zeros(len(active))
         forces[active] = by_known + displacement * by_one
         return forces, displacement
+
+    def _nested(self, name: str) -> NestedFactor:
+        if name not in self._nests:
+            self._nests[name] = NestedFactor(getattr(self, name), self.interface.x, self.work)
+        return self._nests[name]
 
     def _factors(self, key: tuple[str, bytes], make: Callable[[], tuple[Array, Array]]) -> tuple[Array, Array]:
         """The factors of a set of nodes: from store, or made now; the longest unused give way."""
@@ -142,15 +149,6 @@ class Systems:
         while self._bytes > _KEPT_BYTES and len(self._kept) > 1:
             self._bytes -= self._kept.popitem(last=False)[1][0].nbytes
         return factors
-
-
-def _cholesky(matrix: Array) -> tuple[Array, Array]:
-    """Factor of a symmetric positive definite matrix, and its solution for ones."""
-    try:
-        factor, _ = cho_factor(matrix, lower=True, check_finite=False)
-    except LinAlgError as reason:
-        raise ConvergenceError(f"contact: the compliance of the active nodes is not positive definite: {reason}") from reason
-    return factor, cho_solve((factor, True), np.ones(len(matrix)), check_finite=False)
 
 
 def _lu(matrix: Array) -> tuple[Array, Array]:

@@ -9,7 +9,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve
 from scipy.optimize import brentq
 
 from halfplane_fe.systems import Systems
@@ -69,8 +68,7 @@ def _bounded(systems: Systems, limit: Array, known: Array, states: States, round
         stick = states == SurfaceState.STICK
         shear = sum((value * limit * (states == state) for state, value in sign.items()), np.zeros_like(limit))
         if stick.any():
-            factor, _ = systems.tangential_factors(stick)
-            shear[stick] = cho_solve((factor, True), (-known - systems.tangential @ shear)[stick], check_finite=False)
+            shear[stick] = systems.held(stick, (-known - systems.tangential @ shear)[stick])
         slip = -systems.tangential @ shear - known
         forward, reverse = states == SurfaceState.SLIP_FORWARD, states == SurfaceState.SLIP_REVERSE
         wrong = np.where(stick, np.abs(shear) - limit, np.where(forward, -slip, np.where(reverse, slip, -np.inf)))
