@@ -4,5 +4,6 @@ from meshes.bodies import BodyMesh, MeshSettings, SurfaceGrading
 from meshes.files import write_vtu
 from meshes.half_disc import half_disc
 from meshes.quality import mesh_quality
+from meshes.solids import solid
 
-__all__ = ["BodyMesh", "MeshSettings", "SurfaceGrading", "half_disc", "mesh_quality", "write_vtu"]
+__all__ = ["BodyMesh", "MeshSettings", "SurfaceGrading", "half_disc", "mesh_quality", "solid", "write_vtu"]

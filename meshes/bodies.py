@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import skfem
 
@@ -54,29 +55,32 @@ class MeshSettings:
 class SurfaceGrading:
     """Where the surface is fine: elements of `edge_size` on inner <= |x| <= outer, of `size` on |x| < inner [length].
 
-    `outer` bounds the nodes that may touch; `radius` is that of the body.
+    `outer` bounds the nodes that may touch; `radius` is that of the half-disc, infinite for a body with a size of its own.
     """
 
     inner: float
     outer: float
     size: float
     edge_size: float
-    radius: float
+    radius: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
 class BodyMesh:
-    """One meshed body in its own frame: x along the surface y = 0, y out of the body.
+    """One meshed body in its own frame: x along the surface, first contact at the origin, y out of the body.
 
     Attributes
     ----------
     name : for headings and files
-    mesh : skfem mesh with the boundaries "contact", "free" and "far_field"
+    mesh : skfem mesh with the boundary "contact", those that are supported, and "free"
     grading : the surface as it was asked for
     quality : figure by name; see `mesh_quality`
+    supports : boundary -> "half_plane" (follows the displacement of the half-plane around it), "fixed", "rollers" (moves along x
+        only) or "guided" (along y only)
     """
 
     name: str
-    mesh: skfem.MeshTri
+    mesh: skfem.Mesh
     grading: SurfaceGrading
     quality: Mapping[str, float]
+    supports: Mapping[str, str] = field(default_factory=lambda: {"far_field": "half_plane"})

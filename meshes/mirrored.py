@@ -46,7 +46,7 @@ def mirrored_mesh(
     ----------
     draw : puts the half into gmsh's current model (geo kernel, lengths of order one) and says which curves have which name;
         curves without a name lie on the axis
-    size : element size at a point (x, y)
+    size : element size at a point (x, y); for quadrilaterals twice the one wanted, and likewise each curve's elements
     order : 1 or 2, of elements and geometry
     settle : given the points (n, 2) of the half and those of each name, the points where they shall be
 
@@ -79,8 +79,9 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
         gmsh.option.setNumber("Mesh.Algorithm", 6)
         gmsh.option.setNumber("Mesh.RandomSeed", 1)
         if cells == "quadrilaterals":
+            gmsh.option.setNumber("Mesh.Algorithm", 8)
             gmsh.option.setNumber("Mesh.RecombineAll", 1)
-            gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 3)  # blossom, every triangle split or paired: quadrilaterals only
+            gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)  # every element into quadrilaterals of half its size
         gmsh.model.add("half")
         yield
     finally:

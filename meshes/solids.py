@@ -1,0 +1,135 @@
+"""Blocks, pads and cylinders, meshed by gmsh: graded to the contact, mirror-symmetric, the face where it truly is."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import gmsh
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.bodies import BodyMesh, SurfaceGrading
+from meshes.faces import Face, face_of
+from meshes.grading import scaled_grading, size_field, surface_points
+from meshes.mirrored import Cells, mirrored_mesh
+from meshes.quality import mesh_quality
+from scenes import Block, Cylinder, InputError, Pad, Profile
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Size = Callable[[float, float], float]
+
+
+def solid(
+    name: str,
+    shape: Block | Pad | Cylinder,
+    profile: Profile,
+    grading: SurfaceGrading,
+    growth: float = 0.2,
+    order: int = 2,
+    cells: Cells = "triangles",
+) -> BodyMesh:
+    """A body of finite size in its own frame: first contact at the origin, y out of the body.
+
+    Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of the face), "sides" (none for a cylinder), "base".
+
+    Raises
+    ------
+    InputError
+        Where the face does not reach past the places that may touch, or a pad's face goes below its base.
+    """
+    face, half_width = face_of(shape, profile), shape.face_half_width
+    height = shape.radius if isinstance(shape, Cylinder) else shape.height
+    if grading.outer >= half_width:
+        raise InputError(
+            f"bodies.{name}: the contact reaches |x| = {grading.outer:.6g}, past the end of the {shape.kind}'s face at "
+            f"{half_width:.6g}: make the {shape.kind} wider, or the load less"
+        )
+    if isinstance(shape, Pad) and not float(face.depth(np.array(half_width))) < height:
+        raise InputError(f"bodies.{name}.height = {height:g} is refused: the pad's face goes as deep at its sides; make it higher")
+    unit, length = scaled_grading(grading, 1 / grading.outer), grading.outer
+    outline = _Outline(face, half_width / length, height / length, length)
+    if cells == "quadrilaterals":
+        unit = replace(unit, size=2 * unit.size, edge_size=2 * unit.edge_size)
+    size = size_field(unit, growth)
+    mesh = mirrored_mesh(lambda: outline.draw(unit, size), size, order, cells, outline.settle)
+    mesh = mesh.scaled(float(length))
+    return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
+
+
+def _supports(shape: Block | Pad | Cylinder) -> Mapping[str, str]:
+    if isinstance(shape, Cylinder):
+        return {"base": "fixed"}
+    return {"base": shape.base} | ({"sides": "guided"} if shape.sides == "guided" else {})
+
+
+def _area(shape: Block | Pad | Cylinder, face: Face) -> float:
+    """Area of the body [length^2], by 1,280 Gauss points along the face."""
+    if isinstance(shape, Cylinder):
+        return np.pi * shape.radius**2 / 2
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    flat = min(face.arc[0], shape.width / 2) if face.arc is not None else 0.0
+    pieces = np.linspace(flat, shape.width / 2, 65)
+    half = (pieces[1] - pieces[0]) / 2
+    depth = face.depth(pieces[:-1, None] + half * (1 + nodes))
+    return float(shape.width * shape.height - 2 * half * np.sum(depth @ weights))
+
+
+class _Outline:
+    """The half x >= 0 of a body in units of its contact side's half-width."""
+
+    def __init__(self, face: Face, half_width: float, height: float, length: float) -> None:
+        self._face, self._half_width, self._height, self._length = face, half_width, height, length
+
+    def _depth(self, x: Array) -> Array:
+        return np.asarray(self._face.depth(np.asarray(x) * self._length)) / self._length
+
+    def draw(self, grading: SurfaceGrading, size: Size) -> dict[str, list[int]]:
+        """Contact side, the rest of the face, side, base, axis."""
+        geo, places = gmsh.model.geo, surface_points(grading)
+        surface = [geo.addPoint(float(x), -float(y), 0) for x, y in zip(places, self._depth(places), strict=True)]
+        contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
+        for line in contact:
+            geo.mesh.setTransfiniteCurve(line, 2)
+        free, end = self._rest_of_face(float(places[-1]), surface[-1], size)
+        axis_end = geo.addPoint(0, -self._height, 0)
+        sides, foot = [], end
+        if self._drop() < self._height * (1 - 1e-9):
+            foot = geo.addPoint(self._half_width, -self._height, 0)
+            sides = [geo.addLine(end, foot)]
+        base = geo.addLine(foot, axis_end)
+        axis = geo.addLine(axis_end, surface[0])
+        geo.addPlaneSurface([geo.addCurveLoop([*contact, *free, *sides, base, axis])])
+        return {"contact": contact, "free": free, "base": [base]} | ({"sides": sides} if sides else {})
+
+    def _drop(self) -> float:
+        return float(self._depth(np.array(self._half_width)))
+
+    def _rest_of_face(self, start: float, first: int, size: Size) -> tuple[list[int], int]:
+        """Curves from the contact side's end to the face's end, and the point there."""
+        geo, end = gmsh.model.geo, self._half_width
+        if self._face.arc is not None:
+            begin, radius = (value / self._length for value in self._face.arc)
+            if start >= begin:
+                last = geo.addPoint(end, -self._drop(), 0)
+                return [geo.addCircleArc(first, geo.addPoint(begin, -radius, 0), last)], last
+        places = np.array([end]) if self._face.flat else self._places(start, end, size)
+        points = [first] + [geo.addPoint(float(x), -float(y), 0) for x, y in zip(places, self._depth(places), strict=True)]
+        return [geo.addLine(a, b) for a, b in itertools.pairwise(points)], points[-1]
+
+    def _places(self, start: float, end: float, size: Size) -> Array:
+        """Points up to the face's end, as far apart as the elements are large."""
+        places = [start]
+        while places[-1] < end:
+            places.append(places[-1] + size(places[-1], -float(self._depth(np.array(places[-1])))))
+        return start + (np.array(places[1:]) - start) * (end - start) / (places[-1] - start)
+
+    def settle(self, points: Array, named: dict[str, Indices]) -> Array:
+        """Mid-side points of straight curves onto the face, at the mean x of their corners."""
+        settled, nodes = points.copy(), named["contact"]
+        if self._face.arc is None or points[nodes, 0].max() < self._face.arc[0] / self._length:
+            nodes = np.union1d(nodes, named["free"])
+        settled[nodes, 1] = -self._depth(points[nodes, 0])
+        return settled
