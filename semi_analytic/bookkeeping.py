@@ -23,16 +23,22 @@ from semi_analytic.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 
+_DOUBTFUL = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class Dissipations:
-    """Friction work of the cycles, the last one by a second route too, and how many quadratures it took."""
+    """Friction work of the cycles, the last one by a second route too, and how many quadratures it took.
+
+    `doubts` are the estimated errors of those quadratures that settle by themselves: of W over W, of W(x) over the largest.
+    """
 
     last: float
     second_route: float
     arrays: Mapping[str, Array]
     slip_spans: int
     stick_spans: int
+    doubts: Mapping[str, float]
 
 
 def record_of(
@@ -77,6 +83,9 @@ def _notes(scene: Scene, question: Question, work_done: Dissipations) -> Iterato
         yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
     if not math.isfinite(work_done.second_route) and "dissipation" in question.fields and question.route.period is not None:
         yield "the last cycle is not steady: no closed integral of Q dU to compare the dissipation with"
+    for name, doubt in work_done.doubts.items():
+        if doubt > _DOUBTFUL:
+            yield f"{name}: its quadrature over time did not settle; an error of up to {doubt:.1e} of the largest value is left"
 
 
 def work_of(scene: Scene, question: Question, work_done: Dissipations, seconds: Mapping[str, float]) -> Work:

@@ -7,7 +7,8 @@
     W    = closed-int Q dU                                  over a steady cycle
 
 Each span of slip is integrated in time by one rule for singular ends: roots at the edges of the contact, the logarithm of gross
-sliding, P close to 0 all lie at an end of a span or beyond it.
+sliding, P close to 0 all lie at an end of a span or beyond it. On legs and arcs without formulas the front may run unevenly in the
+middle of a span as well: there the rule is applied to halves, and to halves of these, until that changes nothing.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import EllipseLeg, StraightLeg
+from scenes import EllipseLeg, ParabolaLeg, StraightLeg
 from semi_analytic.contact import Contact
 from semi_analytic.corners import smooth_spans
 from semi_analytic.fields import Integrals
@@ -27,21 +28,22 @@ from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
 from semi_analytic.memory import level_on
 from semi_analytic.quadrature import graded
+from semi_analytic.settling import settled
 from semi_analytic.snapshot import take
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 
 _CHUNK = 256
-_SETTLED = 1e-12
-_SHORTEST = 1e-4
 
 
 class Split(NamedTuple):
-    """Friction work done while slipping forward and while slipping in reverse."""
+    """Friction work done while slipping forward and while slipping in reverse, and an estimate of the error of both together."""
 
     forward: Array
     reverse: Array
+    error: Array
 
     @property
     def total(self) -> Array:
@@ -52,48 +54,39 @@ class Split(NamedTuple):
 def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
     """Friction work of the spans [energy per unit thickness]."""
     slipping = [span for span in smooth_spans(contact, spans) if span.direction and span.active is not None]
-    works = np.zeros(len(slipping))
+    works, error = np.zeros(len(slipping)), 0.0
     straight = np.array([_is_straight(span) for span in slipping], dtype=bool)
     for number in np.flatnonzero(~straight):
-        works[number] = _work_of_curved(contact, slipping[number])
+        works[number], doubt = _work_of_curved(contact, slipping[number])
+        error += doubt
     if np.any(straight):
         works[straight] = _work_of_straight(contact, [span for span, here in zip(slipping, straight, strict=True) if here])
     forward = np.array([span.direction > 0 for span in slipping], dtype=bool)
     factor = 2 / (math.pi * modulus)
-    return Split(factor * np.sum(works[forward]), factor * np.sum(works[~forward]))
+    return Split(factor * np.sum(works[forward]), factor * np.sum(works[~forward]), np.asarray(factor * error))
 
 
-def _work_of_curved(contact: Contact, span: Span) -> float:
-    """f int w' Lam dt of one span; in halves, and these in halves, where the front runs unevenly along an arc without a formula."""
+def _work_of_curved(contact: Contact, span: Span) -> tuple[float, float]:
+    """f int w' Lam dt of one span, and its error."""
 
-    def work(begin: float, end: float) -> float:
+    def work(_: Indices, begin: Array, end: Array) -> Array:
         times, weights = graded(begin, end)
         area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
         growth = rate(span.leg, level(span.direction, span.friction), times)
-        return span.friction * float(np.sum(weights * np.maximum(growth, 0.0) * area))
+        return span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1)
 
-    return _settled(work, span) if _uneven(span) else work(span.begin.time, span.end.time)
+    begin, end = np.array([span.begin.time]), np.array([span.end.time])
+    whole = work(np.zeros(1, dtype=int), begin, end)
+    if not _uneven(span):
+        return float(whole[0]), 0.0
+    value, error = settled(work, begin, end, float(whole[0]))
+    return float(value[0]), float(error[0])
 
 
 def _uneven(span: Span) -> bool:
-    """Whether the front, or the load itself, runs along an arc that has no formula."""
-    return span.active is not None and span.active.arc is not None and not isinstance(span.leg, EllipseLeg)
-
-
-def _settled(work: Callable[[float, float], float], span: Span) -> float:
-    """An integral over a span in halves, and these in halves, until that changes it no more."""
-    begin, end = span.begin.time, span.end.time
-    whole = work(begin, end)
-    total, todo = 0.0, [(begin, end, whole)]
-    while todo:
-        low, high, rough = todo.pop()
-        middle = (low + high) / 2
-        left, right = work(low, middle), work(middle, high)
-        if abs(left + right - rough) <= _SETTLED * abs(whole) or high - low < _SHORTEST * (end - begin):
-            total += left + right
-        else:
-            todo += [(low, middle, left), (middle, high, right)]
-    return total
+    """Whether the load, or the front along an arc, runs by no formula."""
+    arc = span.active is not None and span.active.arc is not None
+    return not isinstance(span.leg, EllipseLeg) and (arc or not isinstance(span.leg, StraightLeg | ParabolaLeg))
 
 
 def _is_straight(span: Span) -> bool:
@@ -121,14 +114,27 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     """Friction work of the spans at |x| = `x` (k,): shape (k,) [energy per area]."""
     work = {1: np.zeros(len(x)), -1: np.zeros(len(x))}
     edge_load = contact.load(x)
+    todo = []
     for span in smooth_spans(contact, spans):
         if span.direction and span.active is not None:
             begin, end = slip_times(span, edge_load)
             here = np.flatnonzero(end > begin)
             if len(here):
-                work[span.direction][here] += _work_at(contact, span, x[here], edge_load[here], begin[here], end[here])
+                rough = _work_at(contact, span, x[here], edge_load[here], begin[here], end[here])
+                work[span.direction][here] += rough
+                if _uneven(span):
+                    todo.append((span, here, begin[here], end[here], rough))
+    error, scale = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
+    for span, here, begin, end, rough in todo:
+
+        def part(which: Indices, low: Array, high: Array, span: Span = span, here: Indices = here) -> Array:
+            return _work_at(contact, span, x[here[which]], edge_load[here[which]], low, high)
+
+        value, doubt = settled(part, begin, end, scale)
+        work[span.direction][here] += value - rough
+        error[here] += doubt
     factor = 2 / (math.pi * modulus)
-    return Split(factor * work[1], factor * work[-1])
+    return Split(factor * work[1], factor * work[-1], factor * error)
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
@@ -178,5 +184,15 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     total = loop(even, [graded(span.begin.time, span.end.time) for span in even]) if even else 0.0
     for span in spans:
         if _uneven(span):
-            total += _settled(lambda low, high, span=span: loop([span], [graded(low, high)]), span)  # type: ignore[misc]
+            total += _settled_loop(lambda low, high, span=span: loop([span], [graded(low, high)]), span)  # type: ignore[misc]
     return 2 / (math.pi * modulus) * total
+
+
+def _settled_loop(work: Callable[[float, float], float], span: Span) -> float:
+    """A part of a closed integral over one span."""
+
+    def each(_: Indices, begin: Array, end: Array) -> Array:
+        return np.array([work(low, high) for low, high in zip(begin.tolist(), end.tolist(), strict=True)])
+
+    first, last = span.begin.time, span.end.time
+    return float(settled(each, [first], [last], abs(work(first, last))).value[0])

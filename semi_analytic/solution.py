@@ -145,35 +145,43 @@ def _dissipations(question: Question) -> Dissipations:
     cycles, last = route.history.cycles, route.covered[-1]
     density, each, second = np.full(len(question.distance), np.nan), np.full(len(route.covered), np.nan), math.nan
     used: list[Span] = []
+    doubts: dict[str, float] = {}
     if "dissipation_density" in question.fields:
-        density = _density_of_cycle(question, last)
+        density, doubts["dissipation_density"] = _density_of_cycle(question, last)
         used.extend(cycles[last])
     if "dissipation" in question.fields:
         works = {number: _work_of_cycle(question, number) for number in set(route.covered)}
-        each = np.array([works[number] for number in route.covered])
+        each = np.array([works[number][0] for number in route.covered])
+        doubts["dissipation"] = max(doubt for _, doubt in works.values())
         used.extend(span for number in works for span in cycles[number])
         steady = route.history.steady_from
         if steady is not None and last >= steady:
-            second = closed_integral(contact, modulus, cycles[last]) if works[last] else 0.0
+            second = closed_integral(contact, modulus, cycles[last]) if works[last][0] else 0.0
     slipping = sum(span.direction != 0 for span in used)
     arrays = {"dissipation_density": density[question.fold], "cycle_dissipation": each}
-    return Dissipations(float(each[-1]), second, arrays, slipping, len(used) - slipping)
+    return Dissipations(float(each[-1]), second, arrays, slipping, len(used) - slipping, doubts)
 
 
-def _work_of_cycle(question: Question, number: int) -> float:
-    """Friction work of a solved cycle; of a steady ellipse by the formulas that keep their digits however small the slip."""
+def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
+    """Friction work of a solved cycle and its relative error; a steady ellipse by formulas that keep their digits, however small
+    the slip.
+    """
     if question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact):
         forward, reverse = dissipation_of(_loop(question), question.contact)
-        return _unit_of_work(question) * float(forward[0] + reverse[0])
-    return float(global_dissipation(question.contact, question.modulus, question.route.history.cycles[number]).total)
+        return _unit_of_work(question) * float(forward[0] + reverse[0]), 0.0
+    split = global_dissipation(question.contact, question.modulus, question.route.history.cycles[number])
+    return float(split.total), float(split.error / split.total) if split.error else 0.0
 
 
-def _density_of_cycle(question: Question, number: int) -> Array:
+def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
+    """W(x) of a solved cycle, (k,), and its error over its largest value."""
     x = question.distance
     if question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact):
         forward, reverse = density_of(_loop(question).take(np.zeros(len(x), dtype=int)), question.contact, x)
-        return _unit_of_work(question) * (forward + reverse)
-    return pointwise_dissipation(question.contact, question.modulus, question.route.history.cycles[number], x).total
+        return _unit_of_work(question) * (forward + reverse), 0.0
+    split = pointwise_dissipation(question.contact, question.modulus, question.route.history.cycles[number], x)
+    worst = float(np.max(split.error))
+    return split.total, worst / float(np.max(split.total)) if worst else 0.0
 
 
 def _loop(question: Question) -> Ellipses:
