@@ -32,14 +32,14 @@ def turning_points(leg: Leg, friction: float) -> list[float]:
     found: set[float] = set()
     for normal, tangential in ((1.0, 0.0), (-friction, 1.0), (friction, 1.0)):
 
-        def rate(t: float, normal: float = normal, tangential: float = tangential) -> float:
+        def rate(t: Array | float, normal: float = normal, tangential: float = tangential) -> Array:
             p, q = leg.rates(t)
-            return float(normal * p + tangential * q)
+            return np.asarray(normal * p + tangential * q)
 
-        rates = np.array([rate(t) for t in times])
+        rates = rate(times)
         rates[np.abs(rates) < 1e-12 * np.abs(rates).max(initial=0.0)] = 0.0
         inner = np.flatnonzero(rates[:-1] * rates[1:] < 0)
-        found.update(float(brentq(rate, times[k], times[k + 1], xtol=1e-14)) for k in inner)
+        found.update(float(brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14)) for k in inner)
         touches = 1 + np.flatnonzero((rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0)))
         found.update(float(times[k]) for k in touches)
     span = leg.end - leg.start
