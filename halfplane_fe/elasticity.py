@@ -39,7 +39,7 @@ class CondensedBody:
     Attributes
     ----------
     body, material : what was condensed
-    x : (n,) contact nodes in ascending order [length]
+    x, y : (n,) places of the contact nodes in ascending order of x; y = 0 on a flat face [length]
     weights : (n,) integral of each node's shape function over the surface [length]
     compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x, outward) on node j,
         symmetric [length per force per thickness]
@@ -50,6 +50,7 @@ class CondensedBody:
     body: BodyMesh
     material: Elastic
     x: Array
+    y: Array
     weights: Array
     compliance: Array
     diagnostics: Mapping[str, float] = field(default_factory=dict)
@@ -67,16 +68,20 @@ class _System:
     basis: skfem.Basis
     stiffness: sparse.csr_matrix
     contact: Indices  # (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
-    arc: Indices  # (2, m) those of the far-field arc
-    free: Indices  # all that is not on the arc
+    arc: Indices  # (2, m) those that follow the half-plane around the body; m = 0 for a body of finite size
+    held: Indices  # those that supports keep at zero
+    free: Indices  # all that neither follow nor are held
 
 
-def _order(mesh: skfem.MeshTri) -> int:
-    return 2 if isinstance(mesh, skfem.MeshTri2) else 1
+def _order(mesh: skfem.Mesh) -> int:
+    return 2 if isinstance(mesh, (skfem.MeshTri2, skfem.MeshQuad2)) else 1
 
 
-def _element(order: int) -> skfem.ElementVector:
-    return skfem.ElementVector(skfem.ElementTriP2() if order == 2 else skfem.ElementTriP1())
+def scalar_element(mesh: skfem.Mesh, order: int) -> skfem.Element:
+    """Lagrange element of order 1 or 2 on the mesh's triangles or quadrilaterals."""
+    if mesh.refdom.nfacets == 3:
+        return skfem.ElementTriP2() if order == 2 else skfem.ElementTriP1()
+    return skfem.ElementQuad2() if order == 2 else skfem.ElementQuad1()
 
 
 def _boundary_dofs(basis: skfem.Basis, name: str) -> Indices:
@@ -95,10 +100,27 @@ def _assemble(body: BodyMesh, material: Elastic) -> _System:
             f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear elements lock above "
             f"{_LARGEST_NU_LINEAR:g}; take order = 2"
         )
-    basis = skfem.Basis(body.mesh, _element(order), intorder=2 * order)
-    contact, arc = _boundary_dofs(basis, "contact"), _boundary_dofs(basis, "far_field")
+    basis = skfem.Basis(body.mesh, skfem.ElementVector(scalar_element(body.mesh, order)), intorder=2 * order)
+    contact = _boundary_dofs(basis, "contact")
+    around = [_boundary_dofs(basis, name) for name, support in body.supports.items() if support == "half_plane"]
+    arc = np.hstack(around) if around else np.empty((2, 0), dtype=np.int64)
+    held = _held(body, basis)
     stiffness = _stiffness(basis, material, order)
-    return _System(basis, stiffness, contact, arc, np.setdiff1d(np.arange(stiffness.shape[0]), arc))
+    free = np.setdiff1d(np.arange(stiffness.shape[0]), np.concatenate([arc.ravel(), held]))
+    return _System(basis, stiffness, contact, arc, held, free)
+
+
+def _held(body: BodyMesh, basis: skfem.Basis) -> Indices:
+    """Degrees of freedom that the supports keep at zero."""
+    components = {"fixed": (0, 1), "rollers": (1,), "guided": (0,), "half_plane": ()}
+    held = [np.empty(0, dtype=np.int64)]
+    for name, support in body.supports.items():
+        dofs = _boundary_dofs(basis, name)
+        held += [dofs[component] for component in components[support]]
+        if support == "rollers" and "guided" not in body.supports.values():
+            # Nothing else keeps the body from drifting along x; without a tangential load this support carries nothing.
+            held.append(dofs[0, [np.argmin(np.abs(basis.doflocs[0, dofs[0]]))]])
+    return np.unique(np.concatenate(held))
 
 
 def split_lame(material: Elastic, order: int) -> tuple[float, float, float]:
@@ -115,7 +137,7 @@ def _stiffness(basis: skfem.Basis, material: Elastic, order: int) -> sparse.csr_
     stiffness = linear_elasticity(lam, G).assemble(basis).tocsr()
     if not rest:
         return stiffness
-    pressure = basis.with_element(skfem.ElementTriP1())
+    pressure = basis.with_element(scalar_element(basis.mesh, 1))
     divergence = skfem.BilinearForm(lambda u, r, _w: G * div(u) * r).assemble(basis, pressure)
     mass = skfem.BilinearForm(lambda r, s, _w: r * s).assemble(pressure)
     return sparse.bmat([[stiffness, divergence.T], [divergence, -(G**2) / rest * mass]]).tocsr()
@@ -148,10 +170,10 @@ def _interface_stiffness(system: _System) -> tuple[Array, float]:
     """
     kept = np.concatenate([system.contact.ravel(), system.arc.ravel()])
     stiffness = system.stiffness
-    inner = np.setdiff1d(np.arange(stiffness.shape[0]), kept)
+    inner = np.setdiff1d(system.free, system.contact.ravel())
     inner_factors = _factorise(stiffness[inner][:, inner].tocsc())
     order = np.concatenate([inner[np.argsort(inner_factors.perm_c)], kept])
-    # The body floats: stiffening the arc, eliminated last of all, keeps its pivots off zero and does not touch the contact rows.
+    # A half-disc floats: stiffening the arc, eliminated last of all, keeps its pivots off zero and does not touch the contact rows.
     stiffer = np.zeros(stiffness.shape[0])
     stiffer[system.arc.ravel()] = stiffness.diagonal().max()
     factors = _factorise((stiffness + sparse.diags(stiffer))[order][:, order].tocsc(), "NATURAL")
@@ -174,11 +196,11 @@ def _elimination_residual(
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
-    """Condense a half-disc to its contact nodes, the arc following the nodal forces by half-plane theory.
+    """Condense a body to its contact nodes; the arc of a half-disc follows the nodal forces by half-plane theory.
 
     Parameters
     ----------
-    body : mesh with the boundaries "contact" and "far_field"
+    body : mesh with the boundary "contact" and at least one that is supported
     material : of the body
     datum_length : distance from a force at which a half-plane's surface counts as unmoved [length]
 
@@ -200,11 +222,12 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     compliance = cho_solve(cho_factor((by_contact + by_contact.T) / 2, overwrite_a=True), right, overwrite_b=True)
     # Betti: exact far field and exact elasticity make it symmetric; the discrete one is so up to the arc's mesh error.
     asymmetry = float(np.abs(compliance - compliance.T).max() / np.abs(compliance).max())
-    n = system.contact.shape[1]
+    n, places = system.contact.shape[1], system.basis.doflocs[:, system.contact[0]]
     return CondensedBody(
         body,
         material,
-        freeze(system.basis.doflocs[0, system.contact[0]]),
+        freeze(places[0]),
+        freeze(places[1]),
         freeze(_surface_weights(system.basis, system.contact)),
         freeze((compliance + compliance.T).reshape(2, n, 2, n) / 2),
         {"asymmetry": asymmetry, "residual": residual, "degrees_of_freedom": float(system.basis.N), "sparse_factorisations": 2.0},

@@ -10,7 +10,7 @@ import skfem
 from numpy.typing import NDArray
 from skfem.helpers import sym_grad
 
-from halfplane_fe.elasticity import CondensedBody, displacement_fields, split_lame
+from halfplane_fe.elasticity import CondensedBody, displacement_fields, scalar_element, split_lame
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
 from scenes import InputError
@@ -26,7 +26,7 @@ class BodyFields:
     ----------
     name : "lower" or "upper"
     points : (n, 2) undeformed places [length]
-    triangles : (n_elements, 3 or 6), corners then mid-side nodes
+    cells : (n_elements, 3, 6, 4 or 9): corners, mid-side nodes, middle
     displacement : (n, 2) [length]; that of the upper body includes its rigid shift and approach
     stress : (n, 4) xx, yy, xy, zz [stress], averaged over the elements of a node
     von_mises : (n,) [stress]
@@ -34,7 +34,7 @@ class BodyFields:
 
     name: str
     points: Array
-    triangles: NDArray[np.int64]
+    cells: NDArray[np.int64]
     displacement: Array
     stress: Array
     von_mises: Array
@@ -92,34 +92,35 @@ def _body_fields(name: str, condensed: CondensedBody, forces: Array, solution: F
     basis, displacements, tensions = displacement_fields(condensed, forces, solution.scene.profile.datum_length)
     flip = np.array([1.0, 1.0 if name == "lower" else -1.0])
     nodes = _node_dofs(basis)
-    points, triangles = basis.mesh.p.T * flip, _triangles(basis)
+    points, cells = basis.mesh.p.T * flip, _cells(basis)
     found = []
     for values, tension in zip(displacements.T, tensions.T, strict=True):
         stress = _nodal_stress(basis, values, tension, condensed)
         stress[:, 2] *= flip[1]
-        found.append(BodyFields(name, points, triangles, values[nodes].T * flip, stress, _von_mises(stress)))
+        found.append(BodyFields(name, points, cells, values[nodes].T * flip, stress, _von_mises(stress)))
     return found
 
 
 def _moved(body: BodyFields, solution: FiniteElementSolution, step: int) -> BodyFields:
     rigid = np.array([solution.rigid_shift[step], -solution.rigid_approach[step]])
-    return BodyFields(body.name, body.points, body.triangles, body.displacement + rigid, body.stress, body.von_mises)
+    return BodyFields(body.name, body.points, body.cells, body.displacement + rigid, body.stress, body.von_mises)
 
 
 def _node_dofs(basis: skfem.Basis) -> NDArray[np.int64]:
-    """(2, n_nodes) degrees of freedom of the mesh's nodes: corners, then mid-side points for order 2."""
-    parts = [basis.nodal_dofs]
-    if isinstance(basis.mesh, skfem.MeshTri2):
-        parts.append(basis.facet_dofs)
-    return np.hstack(parts)
+    """(2, n_nodes) degrees of freedom of the mesh's nodes: corners, mid-side points, middles of quadrilaterals."""
+    return np.hstack([dofs for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs) if dofs.size])
 
 
-def _triangles(basis: skfem.Basis) -> NDArray[np.int64]:
-    corners = basis.mesh.t[:3]
-    if not isinstance(basis.mesh, skfem.MeshTri2):
-        return corners.T.astype(np.int64)
-    # scikit-fem numbers an element's facets 01, 12, 02, as VTK does its mid-side nodes.
-    return np.vstack([corners, basis.nodal_dofs.shape[1] + basis.mesh.t2f]).T.astype(np.int64)
+def _cells(basis: skfem.Basis) -> NDArray[np.int64]:
+    corners = basis.mesh.t[: basis.mesh.refdom.nfacets]
+    parts, first = [corners], basis.nodal_dofs.shape[1]
+    # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral, as VTK does its mid-side nodes.
+    if basis.facet_dofs.size:
+        parts.append(first + basis.mesh.t2f)
+        first += basis.mesh.facets.shape[1]
+    if basis.interior_dofs.size:
+        parts.append(first + np.arange(corners.shape[1])[None, :])
+    return np.vstack(parts).T.astype(np.int64)
 
 
 def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody) -> Array:
@@ -127,15 +128,15 @@ def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, conde
     # notation: lam, mu are Lame's constants, the part of lam that enters through `tension` left out
     lam, _, mu = split_lame(condensed.material, condensed.order)
     strain = sym_grad(basis.interpolate(displacement))
-    corners = basis.with_element(skfem.ElementTriP1()).interpolate(tension)
+    corners = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(tension)
     mean = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(corners)
     parts = (mean + 2 * mu * strain[0, 0], mean + 2 * mu * strain[1, 1], 2 * mu * strain[0, 1], mean)
     area = basis.dx.sum(axis=1)
-    triangles = _triangles(basis)
+    cells = _cells(basis)
     n_nodes = basis.mesh.p.shape[1]
-    weights = np.bincount(triangles.ravel(), np.repeat(area, triangles.shape[1]), n_nodes)
-    means = [np.repeat((part * basis.dx).sum(axis=1), triangles.shape[1]) for part in parts]
-    return np.column_stack([np.bincount(triangles.ravel(), mean, n_nodes) / weights for mean in means])
+    weights = np.bincount(cells.ravel(), np.repeat(area, cells.shape[1]), n_nodes)
+    means = [np.repeat((part * basis.dx).sum(axis=1), cells.shape[1]) for part in parts]
+    return np.column_stack([np.bincount(cells.ravel(), mean, n_nodes) / weights for mean in means])
 
 
 def _von_mises(stress: Array) -> Array:

@@ -23,7 +23,7 @@ from meshes import BodyMesh
 from scenes import Elastic, freeze
 
 _BOUND_BYTES = 1_000_000_000
-_ARRAYS = ("x", "weights", "compliance")
+_ARRAYS = ("x", "y", "weights", "compliance")
 
 
 def cache_folder() -> Path | None:
@@ -59,7 +59,7 @@ def _key(body: BodyMesh, material: Elastic, datum_length: float) -> str:
         digest.update(np.ascontiguousarray(array).tobytes())
     for module in (elasticity, far_field):
         digest.update(Path(str(module.__file__)).read_bytes())
-    words = [material.model_dump_json(), repr(float(datum_length)), *sorted(mesh.boundaries)]
+    words = [material.model_dump_json(), repr(float(datum_length)), *sorted(mesh.boundaries), repr(sorted(body.supports.items()))]
     words += [version(name) for name in ("numpy", "scipy", "scikit-fem")]
     digest.update("|".join(words).encode())
     return digest.hexdigest()

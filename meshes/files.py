@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 def write_vtu(
     path: str | Path,
     points: NDArray[np.float64],
-    triangles: NDArray[np.int64],
+    cells: NDArray[np.int64],
     point_data: Mapping[str, NDArray[np.float64]],
 ) -> None:
     """Write one body with nodal fields as VTU.
@@ -22,12 +22,12 @@ def write_vtu(
     ----------
     path : file to write
     points : (n_points, 2) [length]
-    triangles : (n_elements, 3 or 6), corners then mid-side nodes
+    cells : (n_elements, 3, 6, 4 or 9): corners, mid-side nodes, middle
     point_data : name -> (n_points,) or (n_points, k); vectors of two components get a third, 0
     """
-    kind = {3: "triangle", 6: "triangle6"}[triangles.shape[1]]
+    kind = {3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
     data = {name: _three_components(values) for name, values in point_data.items()}
-    meshio.write_points_cells(path, _three_components(points), [(kind, triangles)], point_data=data)
+    meshio.write_points_cells(path, _three_components(points), [(kind, cells)], point_data=data)
 
 
 def _three_components(values: NDArray[np.float64]) -> NDArray[np.float64]:

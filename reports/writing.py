@@ -87,4 +87,4 @@ def _write_fields(result: ContactSolution, folder: Path, instants: Sequence[floa
     for number, snapshot in enumerate(halfplane_fe.fields(result, instants)):
         for body in snapshot.bodies:
             data = {"displacement": body.displacement, "stress": body.stress, "von_mises": body.von_mises}
-            meshes.write_vtu(folder / f"{body.name}_{number:03d}.vtu", body.points, body.triangles, data)
+            meshes.write_vtu(folder / f"{body.name}_{number:03d}.vtu", body.points, body.cells, data)

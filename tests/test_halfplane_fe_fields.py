@@ -108,9 +108,9 @@ def test_triangles_and_shapes():
     for body in snapshot.bodies:
         n = len(body.points)
         assert (body.displacement.shape, body.stress.shape, body.von_mises.shape) == ((n, 2), (n, 4), (n,))
-        assert body.triangles.shape[1] == 6
-        corners = body.points[body.triangles[:, :3]]
-        middles = body.points[body.triangles[:, 3:]]
+        assert body.cells.shape[1] == 6
+        corners = body.points[body.cells[:, :3]]
+        middles = body.points[body.cells[:, 3:]]
         sides = (corners + np.roll(corners, -1, axis=1)) / 2  # 01, 12, 20 as VTK wants them
         longest = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max()
         assert np.abs(middles - sides).max() < 0.1 * longest  # those of the arc bulge

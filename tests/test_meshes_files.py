@@ -34,5 +34,5 @@ def test_six_node_triangles_come_back(tmp_path):
 
 def test_other_elements_are_refused(tmp_path):
     with pytest.raises(KeyError):
-        write_vtu(tmp_path / "body.vtu", POINTS, np.array([[0, 1, 3, 2]]), {})
+        write_vtu(tmp_path / "body.vtu", POINTS, np.array([[0, 1, 3, 2, 0]]), {})
     assert not list(tmp_path.iterdir())
