@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.edges import contact_edges, stick_edges
+from halfplane_fe.penalty import PenaltyAudit
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
 from halfplane_fe.visible import visible_states
@@ -93,14 +94,17 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     return (right - left) / 2
 
 
-def record_of(run: PathRun, scales: Scales) -> Record:
+def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit) -> Record:
     """How the run went, step by step; the first entry is the unloaded state."""
+    note = audit.note()
     names = run.checks[0] if run.checks else {}
     checks = {name: freeze([0.0, *(check[name] for check in run.checks)]) for name in names}
     energies = {
         name: np.array([0.0, *(getattr(increment.energy, name) for increment in run.increments)])
-        for name in ("external", "elastic", "interface", "end_of_step", "step_error")
+        for name in ("external", "external_end_of_step", "elastic", "interface", "end_of_step", "step_error", "layer")
     }
+    if note is None:
+        del energies["layer"]
     energies["dissipation"] = np.array([0.0, *(increment.energy.dissipation.sum() for increment in run.increments)])
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
@@ -111,7 +115,7 @@ def record_of(run: PathRun, scales: Scales) -> Record:
         iterations=freeze([0, *(increment.iterations for increment in run.increments)], np.int64),
         certificates={**checks, "energy_balance": freeze(balance / largest)},
         energy={name: freeze(values * scales.load**2 / scales.modulus) for name, values in energies.items()},
-        notes=(),
+        notes=() if note is None else (note,),
     )
 
 

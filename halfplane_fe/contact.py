@@ -23,9 +23,6 @@ States = NDArray[np.int8]
 
 # Rounding of nodal forces and displacements in scaled variables, both of order one: within it a node keeps its state.
 ROUNDING = 1e-11
-# Weight r of the displacements in the projection. In two dimensions a nodal force moves its node by O(1/E*) against its
-# neighbours however fine the mesh, so 1 is the natural scale; it sets the way to the answer, not the answer.
-_TRIAL_WEIGHT = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +57,11 @@ def untouched(height: Array, time: float) -> InterfaceState:
     return InterfaceState(time, 0.0, 0.0, zero, zero, freeze(gap), zero, freeze(state, np.int8), float(height.min()), 0.0)
 
 
+def _less_rounding(displacement: Array) -> Array:
+    """`displacement` (n,) with zeros where it is rounding: weighted by a large augmentation that would look like a force."""
+    return np.where(np.abs(displacement) <= ROUNDING, 0.0, displacement)
+
+
 @dataclass(eq=False)
 class ContactProblem:
     """What does not change along a load path. Factorisations are kept; history is not.
@@ -71,6 +73,9 @@ class ContactProblem:
     friction : coefficient f
     layer : of the penalty method
     tangential : False where there can be no shear (no friction, or like bodies with no tangential load): that half is then skipped
+    augmentation : weights r_n, r_t of gap and slip in the trial tractions, one or (n,) each; they set the way to the answer,
+        not the answer. In two dimensions a nodal force moves its node by O(1/E*) against its neighbours however fine the mesh,
+        so 1 is natural
     max_iterations : of one increment
     work : counts of what was done
     """
@@ -81,6 +86,7 @@ class ContactProblem:
     layer: Layer
     tangential: bool = True
     max_iterations: int = 100
+    augmentation: tuple[Array | float, Array | float] = (1.0, 1.0)
     work: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
@@ -159,13 +165,13 @@ class ContactProblem:
 
     def _wanted(self, answer: InterfaceState, history: InterfaceState) -> States:
         """The states that the law gives the answer's nodes."""
-        states = answer.state
-        trial_pressure = answer.pressure - _TRIAL_WEIGHT * answer.gap
-        trial_shear = answer.shear + _TRIAL_WEIGHT * (answer.slip - history.slip)
+        states, gap, slip = answer.state, _less_rounding(answer.gap), _less_rounding(answer.slip - history.slip)
+        r_normal, r_tangential = self.augmentation
+        trial_pressure = answer.pressure - r_normal * gap
         # Within rounding of touching or of the cone a node keeps the state it has.
         closed = np.where(np.abs(trial_pressure) <= ROUNDING, states != SurfaceState.OPEN, trial_pressure > 0)
-        pressure, _, wanted = project(np.maximum(trial_pressure, ROUNDING), trial_shear, self.friction)
-        at_cone = np.abs(np.abs(trial_shear) - self.friction * pressure) <= ROUNDING
+        pressure, _, wanted = project(np.maximum(trial_pressure, ROUNDING), answer.shear + r_tangential * slip, self.friction)
+        at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= ROUNDING) & (slip == 0)
         wanted = np.where(at_cone & (states != SurfaceState.OPEN), states, wanted)
         wanted = np.where(closed, wanted, SurfaceState.OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets chase each other.

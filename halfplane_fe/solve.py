@@ -19,6 +19,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import couple
 from halfplane_fe.path import check_admissible
+from halfplane_fe.penalty import PenaltyAudit, penalty_audit
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, find_scales, needs_shear
 from halfplane_fe.settings import SolverSettings
@@ -40,12 +41,14 @@ class FiniteElementSolution(ContactSolution):
     condensed : lower and upper CondensedBody
     states : one InterfaceState per step, scaled
     scales : what the coarse run found; with E* the units of `states`
+    penalty : what the layer of the penalty method costs
     """
 
     bodies: tuple[BodyMesh, BodyMesh]
     condensed: tuple[CondensedBody, CondensedBody]
     states: tuple[InterfaceState, ...]
     scales: Scales
+    penalty: PenaltyAudit
 
 
 def solve(
@@ -147,14 +150,22 @@ def _contact_problem(
     work: Counter[str],
 ) -> ContactProblem:
     interface = couple(*condensed).scaled(scales.half_width, 1 / scales.modulus)
-    # A layer of stiffness k E*/h per area is, node by node and scaled, a compliance h/(k w).
-    soft = 0.0 if settings.method == "augmented_lagrangian" else mesh.edge_element_size
-    layer = Layer(
-        soft / (settings.normal_stiffness * interface.weights),
-        soft / (settings.tangential_stiffness * interface.weights),
-    )
+    # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, or the weight of the trial tractions.
+    stiffness = settings.normal_stiffness, settings.tangential_stiffness
+    nodal = [k * interface.weights / mesh.edge_element_size for k in stiffness]
+    penalty = settings.method == "penalty"
+    layer = Layer(*((1 / k if penalty else np.zeros_like(k)) for k in nodal))
     height = scene.profile.height(interface.x * scales.half_width) * scales.modulus / scales.load
-    return ContactProblem(interface, height, scene.friction.coefficient, layer, needs_shear(scene), settings.max_iterations, work)
+    return ContactProblem(
+        interface,
+        height,
+        scene.friction.coefficient,
+        layer,
+        needs_shear(scene),
+        settings.max_iterations,
+        (1.0, 1.0) if penalty else (nodal[0], nodal[1]),
+        work,
+    )
 
 
 def _check_room(answer: FiniteElementSolution) -> None:
@@ -177,27 +188,31 @@ def _solution(
     run: PathRun,
     watch: _Watch,
 ) -> FiniteElementSolution:
+    arrays = answer_arrays(scene, problem, run, scales)
+    audit = penalty_audit(scene, problem, run.states, arrays, scales)
     own: dict[str, Any] = {
         "bodies": (condensed[0].body, condensed[1].body),
         "condensed": condensed,
         "states": tuple(run.states),
         "scales": scales,
+        "penalty": audit,
     }
     grading = condensed[0].body.grading
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
-        record=record_of(run, scales),
+        record=record_of(run, scales, audit),
         work=_work(scene, problem, run, condensed, watch.seconds),
         settings={
             "mesh": asdict(mesh),
             "solver": asdict(settings),
             "scales": asdict(scales),
             "element_size": grading.edge_size,
+            "penalty": {} if audit.note() is None else asdict(audit),
             "surface": {f.name: getattr(grading, f.name) for f in fields(grading)},
         },
         versions=versions(),
-        **answer_arrays(scene, problem, run, scales),
+        **arrays,
         **own,
     )
 

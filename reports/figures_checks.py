@@ -23,7 +23,7 @@ def energy(solution: ContactSolution) -> Drawing | None:
     recorded = {name: np.cumsum(series) for name, series in solution.record.energy.items()}
     if not recorded:
         return None
-    large = {name: series for name, series in recorded.items() if name in ("external", "elastic")}
+    large = {name: series for name, series in recorded.items() if name in ("external", "external_end_of_step", "elastic")}
     small = {name: series for name, series in recorded.items() if name not in large}
     with canvas(10.5, 3.3) as figure:
         panels = figure.subplots(1, 2)

@@ -40,6 +40,7 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     if np.isfinite(solution.loop_work):
         rows.append(("the same as closed integral of Q dU", f"{solution.loop_work:.10g}"))
     rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
+    rows.extend(("note", note) for note in solution.record.notes)
     rows.extend((f"{name} (work)", str(count)) for name, count in solution.work.counts.items())
     rows.extend((f"{name} (skipped)", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
     return rows

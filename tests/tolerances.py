@@ -84,6 +84,8 @@ ORDERS = {
     "mindlin stick edge": Order(0.85, 0.5, 1.3, "by node status, to half an element: 1"),
     "mindlin dissipation": Order(2.5, 1.6, 3.0, "W is stationary in the stick edge: 2, and more where errors of p and c cancel"),
     "step": Order(1.9, 1.6, 2.4, "friction work with the mean pressure of the increment, turning points and touches landed on: 2"),
+    "end_of_step work": Order(0.91, 0.8, 1.2, "half dq ds of an increment: 1; landing on touches adds increments, so less"),
+    "external_end_of_step work": Order(0.95, 0.8, 1.2, "half dP d(delta) + dQ dU of an increment: 1, as above"),
     "penalty": Order(1.0, 0.9, 1.1, "the layer gives way in proportion to its compliance"),
     "compliance, linear elements": Order(1.87, 1.6, 2.2, "displacement of linear triangles: 2, less where the bulk mesh is rough"),
     "compliance, quadratic elements": Order(
