@@ -24,7 +24,8 @@ from scenes import Elastic, InputError, Scene, SurfaceState
 Array = NDArray[np.float64]
 
 # The coarse body: unit half-width of meshed surface, of which the contact shall take between the two fractions.
-_GRADING = SurfaceGrading(inner=0.0, outer=1.0, size=1 / 24, edge_size=1 / 24, radius=8.0)
+_GRADING = SurfaceGrading(inner=0.0, outer=1.0, size=1 / 24, edge_size=1 / 24, radius=5.0)
+_GROWTH = 0.4  # a scale good to 1e-3 is asked for, and most of the coarse run is the making of its body
 _FRACTION = (0.6, 0.85)
 _COARSE_STEPS = 48
 # By how much and how often the coarse body grows where the contact reaches its end; `solve` finds out if that was not enough.
@@ -114,7 +115,7 @@ def _coarse_run(scene: Scene, interface: Interface, size: float, load: float, mo
 
 
 def _coarse_interface(scene: Scene, modulus: float, work: Counter[str]) -> Interface:
-    body = half_disc("coarse", _GRADING)
+    body = half_disc("coarse", _GRADING, _GROWTH)
     lower = condensed(body, scene.material.lower, 1.0, work)
     upper = lower if scene.material.alike else condensed(body, scene.material.upper, 1.0, work)
     return couple(lower, upper).scaled(1.0, 1 / modulus)
