@@ -1,10 +1,11 @@
 """The interface of two condensed bodies as one value: what nodal contact forces do to gap and slip.
 
-    g = h - delta + N p - K^T q          gap, delta the rigid approach
-    s = U + K p - T q                    slip of the upper face over the lower, U the rigid shift
+    g = h - n_y delta + n_x U + N p - K^T q          gap, delta the rigid approach, n the normal (out of the lower body)
+    s = n_y U + n_x delta + K p - T q                slip of the upper face over the lower, U the rigid shift
+    P = n_y p + n_x q,   Q = n_y q - n_x p           what the upper body carries
 
-p and q are nodal forces (pressure and shear times weight), p pressing and q along +x on the lower body. N and T are symmetric,
-K couples: it is exactly zero for like bodies on matching meshes.
+p and q are nodal forces (pressure and shear times weight), p pressing and q along the tangent (n_y, -n_x) on the lower body.
+N and T are symmetric, K couples: it is exactly zero for like bodies on matching meshes. On flat faces n = (0, 1).
 """
 
 from __future__ import annotations
@@ -15,68 +16,113 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.elasticity import CondensedBody
-from halfplane_fe.mortar import mortar_projection
+from halfplane_fe.mortar import Mortar, Side, mortar
 from scenes import freeze
 
 Array = NDArray[np.float64]
 
+# The upper body's frame is reflected in y = 0: y points out of it.
+_REFLECTED = np.array([1.0, -1.0])
+
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Compliance of a pair of bodies, both half-planes facing each other.
+    """Compliance of a pair of bodies facing each other.
 
     Attributes
     ----------
     x, weights : (n,) contact points of the lower body and their share of the surface [length]
+    normals : (2, n) n_x and n_y
+    gap : (n,) initial distance of the faces, as they are made [length]
     normal, tangential : (n, n) N and T [length per force per thickness]
-    coupling : (n, n) K, or None where the bodies are alike
+    coupling : (n, n) K, or None where it is exactly zero
     """
 
     x: Array
     weights: Array
+    normals: Array
+    gap: Array
     normal: Array
     tangential: Array
     coupling: Array | None
+
+    @property
+    def flat(self) -> bool:
+        """Whether the normal is (0, 1) everywhere."""
+        return not self.normals[0].any()
 
     def scaled(self, length: float, compliance: float) -> Interface:
         """The same interface in other units: lengths over `length`, compliances over `compliance`."""
         return Interface(
             freeze(self.x / length),
             freeze(self.weights / length),
+            self.normals,
+            freeze(self.gap / length),
             freeze(self.normal / compliance),
             freeze(self.tangential / compliance),
             None if self.coupling is None else freeze(self.coupling / compliance),
         )
 
+    def carried(self, pressure: Array, shear: Array) -> tuple[float, float]:
+        """P and Q that nodal forces p and q carry."""
+        n_x, n_y = self.normals
+        return float(n_y @ pressure + n_x @ shear), float(n_y @ shear - n_x @ pressure)
+
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """Couple two bodies node by node where their contact nodes lie opposite each other, by mortar where they do not.
+    """Couple two bodies: node by node where flat faces have nodes opposite each other, by mortar on their middle line elsewhere.
 
     The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0 here.
     """
-    # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels -q along x and -p outward.
-    above = upper.compliance
-    if not _matching(lower, upper):
-        projection = mortar_projection(lower.x, upper.x, lower.order)
-        above = np.einsum("pj,ijkl,ql->ipkq", projection, above, projection, optimize=True)
-    alike = lower.material == upper.material and _matching(lower, upper)
-    return Interface(
-        lower.x,
-        lower.weights,
-        freeze(lower.compliance[1, :, 1, :] + above[1, :, 1, :]),
-        freeze(lower.compliance[0, :, 0, :] + above[0, :, 0, :]),
-        None if alike else freeze(lower.compliance[0, :, 1, :] - above[0, :, 1, :]),
-    )
-
-
-def _matching(lower: CondensedBody, upper: CondensedBody) -> bool:
-    return lower.x.shape == upper.x.shape and bool(np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)))
+    if _opposite(lower, upper):
+        # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels -q along x and -p outward.
+        below, above = lower.compliance, upper.compliance
+        flat = np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])
+        normal, tangential = (below[i, :, i, :] + above[i, :, i, :] for i in (1, 0))
+        coupling = below[0, :, 1, :] - above[0, :, 1, :]
+        weights, normals, gap = lower.weights, flat, np.zeros_like(lower.x)
+    else:
+        sides = _mortar(lower, upper)
+        by_lower, by_upper = _flattened(sides.lower), _flattened(sides.upper)
+        total = by_lower @ _square(lower.compliance) @ by_lower.T + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
+        n = len(lower.x)
+        normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]
+        weights, normals, gap = sides.weights, sides.normals, sides.gap
+    parts = {"x": lower.x, "weights": weights, "normals": normals, "gap": gap, "normal": normal, "tangential": tangential}
+    arrays = {name: freeze(part) for name, part in parts.items()}
+    return Interface(**arrays, coupling=freeze(coupling) if coupling.any() else None)
 
 
 def body_forces(lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array) -> dict[str, Array]:
     """(2, n) nodal forces (along x, outward) on each body in its own frame, "lower" and "upper", from nodal p and q."""
-    below = np.stack([shear, -pressure])
-    above = np.stack([-shear, -pressure])
-    if not _matching(lower, upper):
-        above = above @ mortar_projection(lower.x, upper.x, lower.order)
-    return {"lower": below, "upper": above}
+    if _opposite(lower, upper):
+        return {"lower": np.stack([shear, -pressure]), "upper": np.stack([-shear, -pressure])}
+    sides = _mortar(lower, upper)
+    traction = np.concatenate([-pressure, shear])
+    below = (traction @ _flattened(sides.lower)).reshape(2, -1)
+    above = (-traction @ _flattened(sides.upper)).reshape(2, -1)
+    return {"lower": below, "upper": above * _REFLECTED[:, None]}
+
+
+def _opposite(lower: CondensedBody, upper: CondensedBody) -> bool:
+    """Whether both faces are flat and have their nodes opposite each other."""
+    flat = not (lower.y.any() or upper.y.any())
+    return flat and lower.x.shape == upper.x.shape and bool(np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)))
+
+
+def _mortar(lower: CondensedBody, upper: CondensedBody) -> Mortar:
+    return mortar(Side(lower.x, lower.y, lower.order), Side(upper.x, -upper.y, upper.order))
+
+
+def _flattened(operator: Array) -> Array:
+    """(2, n, 2, m) as a matrix (2 n, 2 m)."""
+    return operator.reshape(2 * operator.shape[1], -1)
+
+
+def _square(compliance: Array) -> Array:
+    return compliance.reshape(2 * compliance.shape[1], -1)
+
+
+def _turned(compliance: Array) -> Array:
+    """A compliance of the upper body in the common frame."""
+    return compliance * _REFLECTED[:, None, None, None] * _REFLECTED[:, None]

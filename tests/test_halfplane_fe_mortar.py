@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import halfplane_fe
-from halfplane_fe.mortar import mortar_projection
+from halfplane_fe.mortar import Side, mortar
 from meshes import MeshSettings
 from scenes import load_scene
 
@@ -30,6 +30,13 @@ def element_loads(nodes: np.ndarray, order: int) -> np.ndarray:
         members = np.arange(order * k, order * k + order + 1)
         loads[members] += shares * (nodes[members[-1]] - nodes[members[0]])
     return loads
+
+
+def mortar_projection(lower: np.ndarray, upper: np.ndarray, order: int) -> np.ndarray:
+    """What takes values of a flat upper side to the lower one: the same for either component."""
+    coupled = mortar(Side(lower, 0 * lower, order), Side(upper, 0 * upper, order))
+    np.testing.assert_array_equal(coupled.upper[0, :, 1], coupled.upper[1, :, 0])
+    return coupled.upper[0, :, 1]
 
 
 @st.composite
