@@ -45,7 +45,8 @@ class Record:
     message : the same, as a sentence
     iterations : (n_steps,) contact iterations of each step
     certificates : name -> (n_steps,), dimensionless residuals and violations of each step (0 is perfect)
-    energy : name -> (n_steps,), energies per unit thickness, in the scene's units
+    energy : name -> (n_steps,), energies of each step alone (increments, not running totals) per unit thickness, in the scene's
+        units
     notes : everything that a reader must not miss: fallbacks, neglected coupling, clipped values
     """
 

@@ -6,7 +6,6 @@ from semi_analytic.letters import Event, event, events
 from semi_analytic.question import FIELDS
 from semi_analytic.solution import solve
 from semi_analytic.sweeps import DissipationBatch, PeakBatch, dissipation, peak_dissipation
-from semi_analytic.time_series import SeriesSolution, solve_series
 
 __all__ = [
     "FIELDS",
@@ -15,7 +14,6 @@ __all__ = [
     "Hysteresis",
     "PeakBatch",
     "Reason",
-    "SeriesSolution",
     "compliance",
     "dissipation",
     "event",
@@ -23,5 +21,4 @@ __all__ = [
     "hysteresis",
     "peak_dissipation",
     "solve",
-    "solve_series",
 ]

@@ -58,7 +58,7 @@ def record_of(
     elif steady is None:
         message, termination = f"no steady cycle among the first {len(question.route.history.cycles)}", "end of path"
     else:
-        message, termination = f"cycle {steady} ends in the state it started from", "steady"
+        message, termination = f"cycle {steady + 1} ends in the state it started from", "steady"
     return Record(
         converged=True,
         termination=termination,
@@ -96,7 +96,7 @@ def work_of(scene: Scene, question: Question, work_done: Dissipations, seconds: 
     if history.steady_from is not None:
         copies = max(scene.cycles, len(question.route.covered)) - len(history.cycles)
         if copies > 0 and not question.route.straight:
-            skipped["cycles"] = (copies, f"copies of cycle {history.steady_from}, which is steady")
+            skipped["cycles"] = (copies, f"copies of cycle {history.steady_from + 1}, which is steady")
     if work_done.stick_spans:
         skipped["quadratures"] = (work_done.stick_spans, "full stick: nothing slips")
     counts = {

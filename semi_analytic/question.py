@@ -61,12 +61,20 @@ class Question:
         return replace(taken, **{name: getattr(taken, name)[back] for name in columns})
 
 
-def _checked(fields: Iterable[str]) -> frozenset[str]:
+def checked(fields: Iterable[str]) -> frozenset[str]:
+    """The names that are asked for; InputError for one that is not among `FIELDS`."""
     wanted = frozenset(fields)
     unknown = sorted(wanted - set(FIELDS))
     if unknown:
         raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")
     return wanted
+
+
+def arrays_of(x: ArrayLike | None, time: ArrayLike | None, cycles: Cycles) -> tuple[Array | None, Array | None]:
+    """Points and instants as arrays (m,) and (n,), None where not given; InputError for anything else."""
+    if cycles not in ("all", "steady"):
+        raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
+    return (None if x is None else vector(x, "x")), (None if time is None else vector(time, "time"))
 
 
 def ask(
@@ -78,13 +86,11 @@ def ask(
     ------
     InputError, InadmissibleLoadError
     """
-    wanted = _checked(fields)
-    if cycles not in ("all", "steady"):
-        raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
-    if straight and time is None:
+    wanted = checked(fields)
+    given, asked = arrays_of(x, time, cycles)
+    if straight and asked is None:
         raise InputError("straight_steps: give the times between which the steps are straight")
     contact, path, friction = contact_of(scene.profile, scene.material), scene.load.path(), scene.friction.coefficient
-    asked = None if time is None else _vector(time, "time")
     if straight and asked is not None:
         route = straight_route(path, friction, asked)
     else:
@@ -95,19 +101,20 @@ def ask(
     span, local = locate(route, instants)
     largest = max(max(s.begin.normal, s.end.normal) for s in route.history.spans)
     edge = 1.05 * float(contact.half_width(largest))
-    points = _spread(edge) if x is None else _vector(x, "x")
+    points = spread(edge) if given is None else given
     distance, fold = np.unique(np.abs(points), return_inverse=True)
     modulus = composite_modulus(scene.material)
     return Question(contact, modulus, friction, route, instants, span, local, points, distance, fold, wanted)
 
 
-def _spread(edge: float) -> Array:
+def spread(edge: float) -> Array:
     """Points from -edge to edge, mirrored to the last digit."""
     right = np.linspace(edge / (_POINTS - 1), edge, _POINTS // 2)
     return np.concatenate([-right[::-1], right])
 
 
-def _vector(values: ArrayLike, name: str) -> Array:
+def vector(values: ArrayLike, name: str) -> Array:
+    """Finite numbers (n,); InputError with their `name` for anything else."""
     array = np.array(values, dtype=float)
     if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)):
         raise InputError(f"{name}: a list of finite numbers is needed, not an array of shape {array.shape}")

@@ -5,23 +5,22 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import ContactSolution, Scene, SurfaceState, freeze
+from scenes import ContactSolution, Scene, freeze
 from semi_analytic.batch import Ellipses, dissipation_of, ellipses_of
 from semi_analytic.batch_density import density_of
 from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
-from semi_analytic.contact import Contact
 from semi_analytic.corners import has_corners
-from semi_analytic.fields import Integrals
+from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
-from semi_analytic.question import FIELDS, Question, ask
+from semi_analytic.question import FIELDS, Question, arrays_of, ask, checked
 from semi_analytic.route import Cycles
-from semi_analytic.snapshot import Snapshot
+from semi_analytic.row_solution import solve_rows
+from semi_analytic.time_series import is_long
 
 Array = NDArray[np.float64]
 
@@ -48,9 +47,12 @@ def solve(
     straight_steps : follow straight lines between the given times (ascending) instead of the scene's path: the polygon that a
         step-by-step solver saw, so that its step error can be told apart
 
-    Returns ------- ContactSolution. Its dissipations are those of the last whole cycle within `time`; where `time` holds
-    none, or is not given, those of the steady cycle (of cycle number `scene.cycles` if none is steady before). Cycles after
-    the steady one are looked up, not solved.
+    Returns
+    -------
+    ContactSolution. Its dissipations are those of the last whole cycle within `time`; where `time` holds none, or is not given,
+    those of the steady cycle (of cycle number `scene.cycles` if none is steady before). Cycles after the steady one are looked
+    up, not solved. A time series of more than 1,000 rows is followed row by row: without `time` the answer is given at every
+    row, at about 400 of them with pointwise fields; a million rows take some seconds and memory for the rows asked for.
 
     Raises
     ------
@@ -64,11 +66,14 @@ def solve(
     >>> round(solution.pressure.item() / (2 * 90.62286500739786 / math.pi), 12)  # 2 P/(pi a) with a = 1
     1.0
     """
+    if is_long(scene) and not straight_steps:
+        return solve_rows(scene, *arrays_of(x, time, cycles), cycles, checked(fields))
     started = clock.perf_counter()
     question = ask(scene, x, time, cycles, fields, straight_steps)
     marched = clock.perf_counter()
     snapshot = question.snapshot()
-    series, grids = _series(question, snapshot), _grids(question, snapshot)
+    series = series_of(question, snapshot)
+    grids = grids_of(question, snapshot, series["contact_half_width"], series["stick_half_width"])
     evaluated = clock.perf_counter()
     work_done = _dissipations(question)
     seconds = {
@@ -76,7 +81,7 @@ def solve(
         "fields": evaluated - marched,
         "dissipation": clock.perf_counter() - evaluated,
     }
-    everything: dict[str, NDArray[Any]] = {**series, **grids, **work_done.arrays}
+    lines: dict[str, Array] = {**series, **work_done.arrays}
     return ContactSolution(
         engine="semi_analytic",
         scene=scene,
@@ -86,58 +91,13 @@ def solve(
         loop_work=work_done.second_route,
         permanent_stick_half_width=_permanent_stick(question),
         steady_from=question.route.history.steady_from,
-        record=record_of(scene, question, snapshot, everything, work_done),
+        record=record_of(scene, question, snapshot, grids, work_done),
         work=work_of(scene, question, work_done, seconds),
         settings={"cycles": cycles, "fields": sorted(question.fields), "straight_steps": straight_steps},
         versions=versions(),
-        **{name: freeze(values, np.int8 if name == "state" else float) for name, values in everything.items()},
+        **{name: freeze(values) for name, values in lines.items()},
+        **grids,
     )
-
-
-def _series(question: Question, snapshot: Snapshot) -> dict[str, Array]:
-    """Loads, half-widths, edges and rigid movements: (n,) or (n, 2)."""
-    contact, fields = question.contact, question.fields
-    factor, nothing = 2 / (math.pi * question.modulus), np.full(len(question.time), np.nan)
-    front = snapshot.load - snapshot.slipped
-    half, stick = contact.half_width(snapshot.load), contact.half_width(front)
-    stick = np.where((front <= 0) & (stick == 0), np.nan, stick)
-    shift = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0] if "rigid_shift" in fields else nothing
-    return {
-        "normal_load": snapshot.load,
-        "tangential_load": snapshot.force,
-        "rigid_shift": factor * shift,
-        "rigid_approach": factor * contact.log_distance(snapshot.load) if "rigid_approach" in fields else nothing,
-        "contact_half_width": half,
-        "stick_half_width": stick,
-        "contact_edges": half[:, None] * np.array([-1.0, 1.0]),
-        "stick_edges": stick[:, None] * np.array([-1.0, 1.0]),
-    }
-
-
-def _grids(question: Question, snapshot: Snapshot) -> dict[str, NDArray[Any]]:
-    """pressure, shear, slip, state: (n, m)."""
-    contact, x = question.contact, question.distance
-    nothing = np.full((len(question.time), len(x)), np.nan)
-    grids: dict[str, NDArray[Any]] = dict.fromkeys(("pressure", "shear", "slip"), nothing)
-    grids["state"] = np.full(nothing.shape, SurfaceState.OPEN, dtype=np.int8)
-    if "pressure" in question.fields:
-        grids["pressure"] = contact.pressure(x, snapshot.load[:, None])
-    if "shear" in question.fields:
-        grids["shear"] = Integrals(contact, x, "shear").over(snapshot)
-    if "slip" in question.fields:
-        grids["slip"] = 2 / (math.pi * question.modulus) * Integrals(contact, x, "slip").over(snapshot)
-    if "state" in question.fields:
-        grids["state"] = _states(contact, x, snapshot)
-    return {name: values[:, question.fold] for name, values in grids.items()}
-
-
-def _states(contact: Contact, x: Array, snapshot: Snapshot) -> NDArray[np.int8]:
-    half = contact.half_width(snapshot.load)[:, None]
-    stick = contact.half_width(snapshot.load - snapshot.slipped)[:, None]
-    names = (SurfaceState.SLIP_REVERSE, SurfaceState.STICK, SurfaceState.SLIP_FORWARD)
-    sliding = np.array(names, dtype=np.int8)[snapshot.direction + 1][:, None]
-    inner = np.where(x > stick, sliding, np.int8(SurfaceState.STICK))
-    return np.where((x <= half) & (snapshot.load[:, None] > 0), inner, np.int8(SurfaceState.OPEN))
 
 
 def _dissipations(question: Question) -> Dissipations:

@@ -44,6 +44,11 @@ class Stack:
     records: array[float] = field(default_factory=lambda: array("d"))
     dropped: int = 0
     front: float = 0.0
+    held: float = 0.0
+
+    def copy(self) -> Stack:
+        """The same curve, to try a step on."""
+        return Stack(self.friction, self.loads.copy(), self.forces.copy())
 
     def step(self, normal: float, tangential: float) -> int:
         """Go straight to (P, Q): the direction of slip at the end of the step, 0 if none."""
@@ -104,7 +109,7 @@ class Stack:
             self.records.extend((s, p, normal, e1, front, end - level))
         else:
             front, held = e1, m1
-        self.front = min(front, normal)
+        self.front, self.held = min(front, normal), held
         if loads[-1] < front < normal:
             loads.append(front)
             forces.append(held)
@@ -159,11 +164,12 @@ class Stack:
 
 
 class Followed(NamedTuple):
-    """What a series of rows leaves: records, per row the direction and P_c, the most knots ever alive, knots taken off."""
+    """What a series of rows leaves: records, per row the direction, P_c and M(P_c), the most knots ever alive, knots taken off."""
 
     records: Records
     direction: NDArray[np.int8]
     front: Array
+    held: Array
     alive: int
     dropped: int
 
@@ -176,7 +182,7 @@ def follow_rows(stack: Stack, normal: Array, tangential: Array) -> Followed:
     ([2.0, 1.0, 1.0], 3)
     """
     count = len(normal)
-    direction, front = array("b", bytes(count)), array("d", bytes(8 * count))
+    direction, front, held = array("b", bytes(count)), array("d", bytes(8 * count)), array("d", bytes(8 * count))
     ends = array("q", bytes(8 * count))
     stack.records = array("d")
     alive, before = 1, stack.dropped
@@ -184,13 +190,15 @@ def follow_rows(stack: Stack, normal: Array, tangential: Array) -> Followed:
     for k, (p, q) in enumerate(zip(normal.tolist(), tangential.tolist(), strict=True)):
         s = step(p, q)
         direction[k] = s
-        front[k] = stack.front if s else p
+        if s:
+            front[k], held[k] = stack.front, stack.held
+        else:
+            front[k], held[k] = p, q
         ends[k] = len(records)
         alive = max(alive, len(loads))
     table = np.frombuffer(records, dtype=float).reshape(-1, 6) if len(records) else np.empty((0, 6))
     counts = np.diff(np.concatenate([[0], np.frombuffer(ends, dtype=np.int64)])) // 6
     sense, load, load_after, at, at_after, rise = (table[:, k].copy() for k in range(6))
     found = Records(sense, load, load_after, at, at_after, rise, np.repeat(np.arange(count), counts))
-    return Followed(
-        found, np.frombuffer(direction, dtype=np.int8).copy(), np.frombuffer(front).copy(), alive, stack.dropped - before
-    )
+    rows = (np.frombuffer(direction, dtype=np.int8), np.frombuffer(front), np.frombuffer(held))
+    return Followed(found, *rows, alive, stack.dropped - before)

@@ -1,186 +1,199 @@
-"""Long measured histories: friction work, stick and direction of slip row by row, without an object for each step.
+"""The answer to a scene whose load is a long time series: rows through the stack, fields at chosen instants alone.
 
-# notation: A = 2/E*; P_c load at the front of slip, c = a(P_c); w level +-Q - f P
-
-W = (f A/pi) int Lam(P, P_c) dw; along a record of the stack P and P_c are linear in w.
+# notation: A = 2/E*; P_c load at the front of slip, c = a(P_c)
 """
 
 from __future__ import annotations
 
-import itertools
-import time as clock
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InadmissibleLoadError, InputError, Scene, StraightLeg, TimeSeriesLoad, Work, freeze
-from semi_analytic.contact import Contact, contact_of
-from semi_analytic.elasticity import composite_modulus
-from semi_analytic.history import check
-from semi_analytic.pile import ROOTS
-from semi_analytic.stack import Followed, Records, Stack, follow_rows
+from scenes import InputError, Scene, TimeSeriesLoad
+from semi_analytic.contact import Contact
+from semi_analytic.route import Cycles
+from semi_analytic.rows import Instants, Pass, Wanted, check_rows, run
+from semi_analytic.snapshot import Snapshot
+from semi_analytic.stack import Stack, follow_rows
 
 Array = NDArray[np.float64]
 
-_ROUNDING = 1e-14
+LONG = 1000
+"""Rows from which on a series is followed through the stack: below, leg by leg."""
+
 _REPEATS = 1e-12
-_CHUNK = 200_000
-# Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the singularity. Above, graded.
-_RULES = ((0.05, 4), (0.3, 6), (0.6, 12), (0.9, 24))
+_SLACK = 1e-9
+_NEAR = 1e-12
+_INSTANTS = 400
 
 
 @dataclass(frozen=True, eq=False)
-class SeriesSolution:
-    """What a time series does to the contact; one entry a row, the first row being the unloaded state.
+class Calendar:
+    """The rows in the order in which they are followed.
 
     Attributes
     ----------
-    time, normal_load, tangential_load : (n,) the rows; for a series that repeats, those of the last cycle
-    contact_half_width, stick_half_width : (n,) a and c; c = a where nothing slips
-    direction : (n,) +1 forward slip, -1 reverse slip, 0 none, in the step that ends at the row
-    dissipation_so_far : (n,) friction work up to the row [energy per unit thickness]
-    dissipation, forward, reverse : all of it, and its two parts
-    cycle_dissipation : (n_cycles,) of each solved cycle; one for a series that does not repeat
-    steady_from : index of the first cycle that ended as it began, None if none did
-    work : rows, slips, pieces_alive, pieces_dropped; seconds
+    tables : (m, 3) rows of the way in and of each solved cycle, or all rows as one table where they do not repeat
+    covered : for each whole cycle that the answer covers, the table that it is or is a copy of
+    period : duration of a cycle, None where the rows do not repeat
+    steady_from : index of the first cycle that ends as it began
     """
 
-    time: Array
-    normal_load: Array
-    tangential_load: Array
-    contact_half_width: Array
-    stick_half_width: Array
-    direction: NDArray[np.int8]
-    dissipation_so_far: Array
-    dissipation: float
-    forward: float
-    reverse: float
-    cycle_dissipation: Array
+    tables: tuple[Array, ...]
+    covered: tuple[int, ...]
+    period: float | None
     steady_from: int | None
-    work: Work
+
+    @property
+    def rows(self) -> Array:
+        """All of them, (m, 3)."""
+        return np.concatenate(self.tables)
+
+    @property
+    def starts(self) -> NDArray[np.int64]:
+        """Number of the first row of each table, and of rows in all."""
+        return np.concatenate([[0], np.cumsum([len(table) for table in self.tables])])
 
 
-def solve_series(scene: Scene) -> SeriesSolution:
-    """The history of a scene whose load is a time series, of a million rows too.
+@dataclass(frozen=True, eq=False)
+class Series:
+    """A series that has been followed.
+
+    Attributes
+    ----------
+    calendar : its rows
+    passes : what the stack left of each table
+    snapshot : memory curves at the instants; without their pieces where no field needs them
+    held : (n,) M(P_c) at the instants
+    increments : (n,) friction work over f A/pi since the instant before; empty where instants lie between rows
+    """
+
+    calendar: Calendar
+    passes: tuple[Pass, ...]
+    snapshot: Snapshot
+    held: Array
+    increments: Array
+
+
+def is_long(scene: Scene) -> bool:
+    """Whether a scene is followed row by row."""
+    return isinstance(scene.load, TimeSeriesLoad) and len(scene.load.rows) > LONG
+
+
+def calendar_of(scene: Scene, time: Array | None, cycles: Cycles) -> Calendar:
+    """The rows that have to be followed for these instants; a series that repeats is followed here once, until it is steady.
+
+    Raises
+    ------
+    InadmissibleLoadError
+        For gross sliding or separation, with the instant and the loads.
+    """
+    assert isinstance(scene.load, TimeSeriesLoad)
+    rows, friction = scene.load.series(), scene.friction.coefficient
+    check_rows(rows, friction)
+    if not scene.load.repeats:
+        return Calendar((rows,), (0,), None, None)
+    period, whole, most = float(rows[-1, 0] - rows[1, 0]), 0, scene.cycles
+    if time is not None:
+        revolutions = (float(np.max(time)) - rows[1, 0]) / period
+        whole = max(math.floor(revolutions + _SLACK), 0)
+        most = max(math.ceil(revolutions - _SLACK), 1 if whole else most)
+    steady, solved = _steady_cycle(rows, friction, most)
+    tables = (rows[:2], *(rows[2:] + np.array([k * period, 0.0, 0.0]) for k in range(solved)))
+    covered = tuple(min(number, solved - 1) + 1 for number in range(whole or solved))
+    if cycles == "steady" and time is None:
+        covered = covered[-1:]
+    return Calendar(tables, covered, period, steady)
+
+
+def _steady_cycle(rows: Array, friction: float, most: int) -> tuple[int | None, int]:
+    """Index of the first cycle that ends as it began, None if none of `most` does; how many were followed."""
+    stack = Stack(friction)
+    follow_rows(stack, rows[:2, 1], rows[:2, 2])
+    for number in range(most):
+        before = stack.copy()
+        follow_rows(stack, rows[2:, 1], rows[2:, 2])
+        if _alike(before, stack):
+            return number, number + 1
+    return None, most
+
+
+def _alike(one: Stack, other: Stack) -> bool:
+    """Whether two curves agree to rounding at the knots of both."""
+    top = max(one.loads[-1], other.loads[-1])
+    knots = np.union1d(one.loads, other.loads)
+    first, second = (np.interp(knots, curve.loads, curve.forces) for curve in (one, other))
+    return bool(np.all(np.abs(first - second) <= _REPEATS * one.friction * top))
+
+
+def instants_of(calendar: Calendar, cycles: Cycles, few: bool) -> Array:
+    """The times of the rows, of the last table with "steady"; about 400 of them where only a `few` can be afforded."""
+    times, start = calendar.rows[:, 0], 0
+    if cycles == "steady" and calendar.period is not None:
+        start = int(calendar.starts[-2]) - 1
+    chosen = times[start :: max((len(times) - start) // _INSTANTS, 1) if few else 1]
+    return chosen if chosen[-1] == times[-1] else np.append(chosen, times[-1])
+
+
+def follow(calendar: Calendar, friction: float, contact: Contact, time: Array, fields: frozenset[str], x: Array) -> Series:
+    """The rows followed once more, with what `fields` need at the instants `time` (n,) and at |x| = `x` (k,).
 
     Raises
     ------
     InputError
-        For a scene with another load.
-    InadmissibleLoadError
-        For gross sliding or separation, with the instant and the loads.
-
-    >>> from scenes import load_scene
-    >>> rows = [[0, 2, 0], [1, 2, 0.5], [2, 2, -0.5], [3, 2, 0.5]]
-    >>> scene = load_scene("cattaneo-mindlin").model_copy(update={"load": TimeSeriesLoad(rows=rows)})
-    >>> solution = solve_series(scene)
-    >>> solution.direction.tolist(), solution.work.counts["pieces_alive"]
-    ([0, 0, 1, -1, 1], 3)
+        For a time outside the series.
     """
-    if not isinstance(scene.load, TimeSeriesLoad):
-        raise InputError(f"load.kind = {scene.load.kind!r}: a time series is needed; `solve` does the others")
-    started = clock.perf_counter()
-    rows, friction = scene.load.series(), scene.friction.coefficient
-    _check_rows(rows, friction)
-    contact, modulus = contact_of(scene.profile, scene.material), composite_modulus(scene.material)
-    stack = Stack(friction)
-    if not scene.load.repeats:
-        runs = [follow_rows(stack, rows[1:, 1], rows[1:, 2])]
-        steady, rows_shown = None, rows
-    else:
-        follow_rows(stack, rows[1:2, 1], rows[1:2, 2])
-        runs, steady = _cycles(stack, rows[2:], scene.cycles)
-        rows_shown = rows[1:]
-    followed = clock.perf_counter()
-    factor = 2 * friction / (np.pi * modulus)
-    works = [factor * slip_work(contact, run.records) for run in runs]
-    evaluated = clock.perf_counter()
-    seconds = {"history": followed - started, "dissipation": evaluated - followed}
-    return _solution(contact, rows_shown, runs, works, steady, seconds)
+    rows, starts = calendar.rows, calendar.starts
+    step, share = _located(calendar, rows[:, 0], time)
+    order = np.lexsort((share, step))
+    step, share = step[order], share[order]
+    curves = not fields.isdisjoint(("shear", "slip", "rigid_shift"))
+    stack, passes = Stack(friction), []
+    for number, table in enumerate(calendar.tables):
+        here = slice(*np.searchsorted(step, starts[number : number + 2]).tolist())
+        points = x if "dissipation_density" in fields and number == calendar.covered[-1] else x[:0]
+        wanted = Wanted("dissipation" in fields, curves, points)
+        passes.append(run(stack, table[:, 1:], Instants(step[here] - starts[number], share[here]), wanted, contact))
+    back = np.argsort(order)
+    before = np.maximum(step - 1, 0)
+    load, force = ((rows[before, k] + share * (rows[step, k] - rows[before, k])) for k in (1, 2))
+    load, force = (np.where(share == 1, rows[step, k], v)[back] for k, v in ((1, load), (2, force)))
+    increments = np.empty(0)
+    if "dissipation" in fields and np.all(share == 1):
+        so_far = np.cumsum(np.concatenate([part for each in passes for part in each.each]))[step[back]]
+        increments = np.diff(so_far, prepend=so_far[0])
+    snapshot, held = _snapshot(passes, time, load, force, back, friction)
+    return Series(calendar, tuple(passes), snapshot, held, increments)
 
 
-def _check_rows(rows: Array, friction: float) -> None:
-    """Between admissible points a straight line is admissible: the rows are enough."""
-    normal, tangential = rows[:, 1], rows[:, 2]
-    slack = _ROUNDING * float(np.max(np.abs(normal)))
-    bad = np.flatnonzero((normal < -slack) | (np.abs(tangential) > friction * normal + slack * max(friction, 1e-3)))
-    if len(bad):
-        before, after = rows[max(int(bad[0]) - 1, 0)].tolist(), rows[bad[0]].tolist()
-        leg = StraightLeg(before[0], after[0], (before[1], before[2]), (after[1], after[2]))
-        check([leg], friction)
-        raise InadmissibleLoadError("gross sliding or separation", after[0], after[1], after[2])
+def _located(calendar: Calendar, times: Array, asked: Array) -> tuple[NDArray[np.int64], Array]:
+    """The row that ends each instant's step, and how much of the step is over: 1 at a row."""
+    slack = _SLACK * (times[-1] - times[0])
+    inside = asked
+    if calendar.period is not None:
+        inside = asked - calendar.period * np.maximum(np.ceil((asked - times[-1] - slack) / calendar.period), 0.0)
+    if np.any(inside < times[0] - slack) or np.any(inside > times[-1] + slack):
+        raise InputError(f"time: outside the load path, which runs from {times[0]:.6g} to {times[-1]:.6g}")
+    step = np.minimum(np.searchsorted(times, inside, side="left"), len(times) - 1)
+    before = np.maximum(step - 1, 0)
+    # A row that somebody else found to rounding is still the row.
+    near = before[inside - times[before] <= _NEAR * (times[step] - times[before])]
+    step[inside - times[before] <= _NEAR * (times[step] - times[before])] = near
+    before = np.maximum(step - 1, 0)
+    share = (inside - times[before]) / np.where(step > 0, times[step] - times[before], 1.0)
+    return step, np.where((step == 0) | (share > 1 - _NEAR), 1.0, share)
 
 
-def _cycles(stack: Stack, rows: Array, most: int) -> tuple[list[Followed], int | None]:
-    runs: list[Followed] = []
-    for number in range(most):
-        before = list(stack.loads), list(stack.forces)
-        runs.append(follow_rows(stack, rows[:, 1], rows[:, 2]))
-        if _alike(before, (stack.loads, stack.forces), stack.friction):
-            return runs, number
-    return runs, None
-
-
-def _alike(one: tuple[list[float], list[float]], other: tuple[list[float], list[float]], friction: float) -> bool:
-    """Whether two curves agree to rounding at the knots of both."""
-    top = max(one[0][-1], other[0][-1])
-    knots = np.union1d(one[0], other[0])
-    first, second = (np.interp(knots, *curve) for curve in (one, other))
-    return bool(np.all(np.abs(first - second) <= _REPEATS * friction * top))
-
-
-def slip_work(contact: Contact, records: Records) -> Array:
-    """int Lam dw of each record (m,) [force^2 per thickness^2]."""
-    slip = np.maximum(records.load - records.front, 0.0)
-    slip_after = np.maximum(records.load_after - records.front_after, 0.0)
-    # Along a record P and P_c are linear; the integrand is singular where either would be 0, beyond an end, if they went on.
-    ends = ((records.load, records.load_after), (records.front, records.front_after))
-    share = np.maximum(*(1 - np.minimum(a, b) / np.maximum(np.maximum(a, b), np.finfo(float).tiny) for a, b in ends))
-    result = np.zeros(len(slip))
-    below = -1.0
-    for limit, count in (*_RULES, (np.inf, 0)):
-        here = np.flatnonzero((share > below) & (share <= limit))
-        below = limit
-        node, weight = np.polynomial.legendre.leggauss(count) if count else (2 * ROOTS.up - 1, 2 * ROOTS.share)
-        part = (1 + node) / 2
-        for k in range(0, len(here), _CHUNK // len(node) + 1):
-            some = here[k : k + _CHUNK // len(node) + 1]
-            load = records.load[some, None] + (records.load_after - records.load)[some, None] * part
-            slipped = slip[some, None] + (slip_after - slip)[some, None] * part
-            area = contact.log_area(load, np.minimum(slipped, load))
-            result[some] = records.rise[some] * np.sum(weight / 2 * area, axis=1)
-    return result
-
-
-def _solution(
-    contact: Contact, rows: Array, runs: list[Followed], works: list[Array], steady: int | None, seconds: dict[str, float]
-) -> SeriesSolution:
-    last, work = runs[-1], works[-1]
-    each = np.zeros(len(rows))
-    np.add.at(each, last.records.row + 1, work)
-    forward = float(np.sum(work[last.records.direction > 0]))
-    front = np.concatenate([rows[:1, 1], last.front])
-    half = contact.half_width(rows[:, 1])
-    stick = np.where(front < rows[:, 1], contact.half_width(np.minimum(front, rows[:, 1])), half)
-    counts = {
-        "rows": sum(len(run.front) for run in runs),
-        "slips": sum(len(run.records.row) for run in runs),
-        "pieces_alive": max(run.alive for run in runs),
-        "pieces_dropped": sum(run.dropped for run in runs),
-    }
-    return SeriesSolution(
-        time=freeze(rows[:, 0]),
-        normal_load=freeze(rows[:, 1]),
-        tangential_load=freeze(rows[:, 2]),
-        contact_half_width=freeze(half),
-        stick_half_width=freeze(stick),
-        direction=freeze(np.concatenate([[0], last.direction]), np.int8),
-        dissipation_so_far=freeze(np.fromiter(itertools.accumulate(each.tolist()), float, len(each))),
-        dissipation=float(np.sum(work)),
-        forward=forward,
-        reverse=float(np.sum(work)) - forward,
-        cycle_dissipation=freeze(np.array([float(np.sum(part)) for part in works])),
-        steady_from=steady,
-        work=Work(counts, {}, seconds),
+def _snapshot(
+    passes: list[Pass], time: Array, load: Array, force: Array, back: NDArray[np.intp], friction: float
+) -> tuple[Snapshot, Array]:
+    front, held, direction = (
+        np.concatenate([part for each in passes for part in getattr(each, name)])[back] for name in ("front", "held", "direction")
     )
+    curves = tuple(curve for each in passes for curve in each.curves)
+    load = np.maximum(load, 0.0)
+    which = back if curves else np.zeros(len(time), dtype=np.intp)
+    slipped = np.maximum(load - front, 0.0)
+    return Snapshot(time, load, force, slipped, direction.astype(np.int64), which, curves or (None,), friction), held

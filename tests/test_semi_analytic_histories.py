@@ -18,12 +18,21 @@ from scenes import (
     TimeSeriesLoad,
     load_scene,
 )
-from semi_analytic import solve, solve_series
+from semi_analytic import FIELDS, solve, time_series
 from semi_analytic.legs import NORMAL_LOAD, Combination, stationary
 from semi_analytic.stack import Stack, follow_rows
 from semi_analytic_cases import ellipse, make_scene, polygon
 
 X = np.linspace(0, 2.3, 12)
+
+
+def by_rows(scene, **options):
+    """The answer through the stack."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(time_series, "LONG", 0)
+        return solve(scene, **options)
+
+
 THREE = HarmonicLoad(
     mean_normal_load=3,
     mean_tangential_load=0.3,
@@ -80,7 +89,7 @@ def test_harmonics_by_two_routes_and_by_many_rows(load):
     exact = solve(scene, x=X)
     assert exact.loop_work == pytest.approx(exact.dissipation, rel=1e-11)
     assert max(float(np.max(values)) for values in exact.record.certificates.values()) < 1e-13
-    coarse, fine = (solve_series(make_scene(series_of(load.path(), n), friction=0.8)).dissipation for n in (1001, 4001))
+    coarse, fine = (by_rows(make_scene(series_of(load.path(), n), friction=0.8)).dissipation for n in (1001, 4001))
     assert abs(coarse / exact.dissipation - 1) > 8 * abs(fine / exact.dissipation - 1)
     assert fine == pytest.approx(exact.dissipation, rel=1e-5)
 
@@ -140,22 +149,71 @@ def test_constant_q_dissipates_nothing_and_constant_p_what_mindlin_says():
 
 
 @pytest.mark.parametrize("flat", [0.0, 0.5])
+@pytest.mark.parametrize("repeats", [False, True])
 @given(data=st.data())
 @settings(max_examples=15)
-def test_rows_through_the_stack_are_rows_through_the_engine(flat, data):
-    """The lean way and the general one: work, stick edge, direction."""
+def test_rows_through_the_stack_are_rows_through_the_engine(flat, repeats, data):
+    """The lean way and the general one: every field, at rows and between them."""
     size = st.floats(0.05, 1.0)
     corners = data.draw(st.lists(st.tuples(size, st.floats(-0.97, 0.97)), min_size=2, max_size=25, unique=True))
     friction = 0.7
     rows = [[k + 1.0, p, friction * p * use] for k, (p, use) in enumerate(corners)]
-    scene = make_scene(TimeSeriesLoad(rows=rows), friction=friction, flat=flat)
-    lean, full = solve_series(scene), solve(scene, time=np.arange(1.0, len(rows) + 1), x=[0.1], fields=("dissipation",))
-    scale = (friction * max(p for p, _ in corners)) ** 2
-    assert lean.dissipation == pytest.approx(full.dissipation, rel=1e-11, abs=1e-15 * scale)
-    assert lean.dissipation_so_far[-1] == pytest.approx(lean.forward + lean.reverse, rel=1e-12)
-    stick = np.where(np.isnan(full.stick_half_width), flat, full.stick_half_width)
+    rows += [[len(rows) + 1.0, *rows[0][1:]]] * repeats
+    scene = make_scene(TimeSeriesLoad(rows=rows, repeats=repeats), friction=friction, flat=flat)
+    # Not at the middle of a step: that may be where nothing slips for an instant, which both may call as they like.
+    time = np.arange(1.0, len(rows) + 1.9 * repeats, 0.37)
+    lean, full = by_rows(scene, time=time, x=X[:5]), solve(scene, time=time, x=X[:5])
+    top = max(p for p, _ in corners)
+    scale = {"dissipation": (friction * top) ** 2, "cycle_dissipation": (friction * top) ** 2, "dissipation_density": top}
+    for name in ("pressure", "shear", "slip", "rigid_shift", "rigid_approach", *scale):
+        one, two = getattr(lean, name), getattr(full, name)
+        np.testing.assert_allclose(one, two, rtol=1e-10, atol=1e-11 * scale.get(name, max(top, 1.0)), err_msg=name)
     # c is the root of P_c: a last digit of P counts for 1e-8 there.
-    np.testing.assert_allclose(lean.stick_half_width[1:], stick, atol=1e-7)
+    np.testing.assert_allclose(*(np.nan_to_num(each.stick_half_width, nan=flat) for each in (lean, full)), atol=1e-7)
+    assert lean.steady_from == full.steady_from
+    assert np.max(lean.record.certificates["tangential_balance"]) < 1e-13
+
+
+def test_a_long_series_answers_what_is_asked_and_nothing_else(monkeypatch):
+    """Counts of the work: no curve without a field, no quadrature without the dissipation, no field off the instants asked for."""
+    t = np.arange(1.0, 1202)
+    rows = np.stack([t, 2 + np.cos(0.31 * t), 0.5 * np.sin(0.57 * t)], axis=1)
+    scene = make_scene(TimeSeriesLoad(rows=rows))
+    assert time_series.is_long(scene)
+    bare = solve(scene, fields=())
+    assert (bare.work.counts["curves"], bare.work.counts["slip_quadratures"]) == (0, 0)
+    assert len(bare.time) == 1202
+    assert math.isnan(bare.dissipation)
+    assert set(bare.work.skipped) == set(FIELDS)
+    work = solve(scene, fields=("dissipation",))
+    assert work.work.counts["curves"] == 0
+    assert work.work.counts["slip_quadratures"] == work.work.counts["slips"] > 1000
+    np.testing.assert_allclose(np.sum(work.record.energy["dissipation"]), work.dissipation, rtol=1e-12)
+    assert np.all(work.record.energy["dissipation"] >= 0)
+    two = solve(scene, x=X, time=[600.5, 3.0], fields=("shear",))
+    assert (two.work.counts["curves"], two.work.counts["slip_quadratures"]) == (2, 0)
+    monkeypatch.setattr(time_series, "LONG", 10_000)
+    np.testing.assert_allclose(two.shear, solve(scene, x=X, time=[600.5, 3.0], fields=("shear",)).shear, atol=1e-13)
+
+
+def test_a_long_series_with_all_fields_says_what_it_left_out():
+    t = np.arange(1.0, 1702)
+    rows = np.stack([t, 2 + np.cos(0.31 * t), 0.5 * np.sin(0.57 * t)], axis=1)
+    solution = solve(make_scene(TimeSeriesLoad(rows=rows)), x=X[:2], fields=("pressure",))
+    assert solution.pressure.shape[0] == len(solution.time) == 427
+    assert solution.time[-1] == 1701
+    assert any("1275 were left out" in note for note in solution.record.notes)
+
+
+def test_pieces_alive_stay_few_in_a_random_history():
+    """Memory follows the pieces, not the steps: a larger swing erases the smaller ones."""
+    rng = np.random.default_rng(3)
+    for count in (2_000, 32_000):
+        normal = rng.uniform(1.0, 3.0, count)
+        rows = np.stack([np.arange(1.0, count + 1), normal, rng.uniform(-0.9, 0.9, count) * normal], axis=1)
+        counts = solve(make_scene(TimeSeriesLoad(rows=rows)), fields=()).work.counts
+        assert counts["pieces_alive"] < 30
+        assert counts["pieces_dropped"] > count / 2
 
 
 def test_steps_cost_the_same_however_many_went_before():
@@ -180,18 +238,19 @@ def test_dying_swings_stay_alive_until_a_larger_one_erases_them():
 
 def test_a_series_that_repeats_is_followed_until_it_is_steady():
     load = series_of(ellipse(3.0, 1.0, 1.1, 1.0, 90.0).path(), 2001)
-    solution = solve_series(make_scene(load))
+    solution = by_rows(make_scene(load), fields=("dissipation",))
     assert solution.steady_from == 1
+    assert solution.record.message == "cycle 2 ends in the state it started from"
     assert solution.cycle_dissipation[0] > solution.cycle_dissipation[1]
     exact = solve(make_scene(ellipse(3.0, 1.0, 1.1, 1.0, 90.0)))
     assert solution.dissipation == pytest.approx(exact.dissipation, rel=1e-5)
-    assert solution.stick_half_width.min() == pytest.approx(exact.permanent_stick_half_width, rel=1e-5)
+    assert solution.permanent_stick_half_width == pytest.approx(exact.permanent_stick_half_width, rel=1e-5)
 
 
 def test_shakedown_of_a_series_is_told():
     """Slip on the way in, none ever after."""
     load = TimeSeriesLoad(rows=[[0, 2, 1.0], [1, 3, 1.2], [2, 2, 1.0]], repeats=True)
-    solution = solve_series(make_scene(load, friction=0.8))
+    solution = by_rows(make_scene(load, friction=0.8))
     assert solution.dissipation == 0
     assert solution.steady_from is not None
 
@@ -223,18 +282,23 @@ def test_the_start_is_forgotten(ratio, use, phase, detours):
 )
 def test_inadmissible_rows_are_refused_with_the_instant(rows, why):
     with pytest.raises(InadmissibleLoadError, match=why):
-        solve_series(make_scene(TimeSeriesLoad(rows=rows), friction=1.0))
+        by_rows(make_scene(TimeSeriesLoad(rows=rows), friction=1.0))
 
 
-def test_only_a_time_series_goes_through_the_stack():
-    with pytest.raises(InputError, match="a time series is needed"):
-        solve_series(load_scene("hertz-paper"))
+@pytest.mark.parametrize("repeats", [False, True])
+def test_an_instant_outside_the_rows_is_refused(repeats):
+    load = TimeSeriesLoad(rows=[[1, 2, 0.5], [2, 1, 0], [3, 2, 0.5]], repeats=repeats)
+    with pytest.raises(InputError, match="time: outside the load path, which runs from"):
+        by_rows(make_scene(load), time=[-3.0, 1.0])
+    if not repeats:
+        with pytest.raises(InputError, match="outside the load path"):
+            by_rows(make_scene(load), time=[3.5])
 
 
 def test_full_unloading_and_loading_again():
     rows = [[0, 1, 0.6], [1, 0, 0], [2, 1, 0.1]]
     scene = make_scene(TimeSeriesLoad(rows=rows), friction=0.7)
-    assert solve_series(scene).dissipation == pytest.approx(solve(scene, fields=("dissipation",)).dissipation, rel=1e-11)
+    assert by_rows(scene).dissipation == pytest.approx(solve(scene, fields=("dissipation",)).dissipation, rel=1e-11)
 
 
 # Dissipation over A f^2 P_ref^2 of the steady cycle, P_ref the mean load (the largest for the record): two routes agree to 1e-11.

@@ -1,0 +1,110 @@
+"""Friction work of the records that a stack leaves: along each of them P, P_c and the level w are linear in one another.
+
+# notation: A = 2/E*; P_c load at the front of slip, c = a(P_c); w level +-Q - f P; P_x load at which a = |x|
+
+W = (f A/pi) int Lam(P, P_c) dw,  W(x) = (f A/pi) int p(x, P) arccosh(|x|/c) dw over c < |x| < a(P).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semi_analytic.contact import Contact
+from semi_analytic.pile import ROOTS
+from semi_analytic.quadrature import NODES, graded
+from semi_analytic.stack import Records
+
+Array = NDArray[np.float64]
+
+_CHUNK = 200_000
+# Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the singularity. Above, graded.
+_RULES = ((0.05, 4), (0.3, 6), (0.6, 12), (0.9, 24))
+
+
+def slip_work(contact: Contact, records: Records) -> Array:
+    """int Lam dw of each record (m,) [force^2 per thickness^2]."""
+    parts = _cut_at_corners(contact, records)
+    found = _smooth_work(contact, parts)
+    return found if parts is records else np.bincount(parts.row, found, len(records.row)).astype(float)
+
+
+def _cut_at_corners(contact: Contact, records: Records) -> Records:
+    """The records, each cut where P or P_c is the load of a corner of the profile; `row` is then the number of the record."""
+    breaks = getattr(contact, "breaks", ())
+    if not breaks:
+        return records
+    parts = records._replace(row=np.arange(len(records.row)))
+    for load in contact.load(np.array(breaks)).tolist():
+        for begin_name, end_name in (("load", "load_after"), ("front", "front_after")):
+            begin, end = getattr(parts, begin_name), getattr(parts, end_name)
+            through = np.flatnonzero((begin - load) * (end - load) < 0)
+            if len(through):
+                parts = _cut(parts, through, ((load - begin[through]) / (end - begin)[through]))
+    return parts
+
+
+def _cut(records: Records, which: NDArray[np.intp], share: Array) -> Records:
+    """The records with some of them in two, at shares (k,) of their length."""
+    load = records.load[which] + share * (records.load_after - records.load)[which]
+    front = records.front[which] + share * (records.front_after - records.front)[which]
+    second = Records._make(values[which] for values in records)._replace(load=load, front=front)
+    second = second._replace(rise=(1 - share) * second.rise)
+    first = Records._make(values.copy() for values in records)
+    first.load_after[which], first.front_after[which] = load, front
+    first.rise[which] *= share
+    return Records._make(np.concatenate(pair) for pair in zip(first, second, strict=True))
+
+
+def _smooth_work(contact: Contact, records: Records) -> Array:
+    slip = np.maximum(records.load - records.front, 0.0)
+    slip_after = np.maximum(records.load_after - records.front_after, 0.0)
+    # Along a record P and P_c are linear; the integrand is singular where either would be 0, beyond an end, if they went on.
+    ends = ((records.load, records.load_after), (records.front, records.front_after))
+    share = np.maximum(*(1 - np.minimum(a, b) / np.maximum(np.maximum(a, b), np.finfo(float).tiny) for a, b in ends))
+    result = np.zeros(len(slip))
+    below = -1.0
+    for limit, count in (*_RULES, (np.inf, 0)):
+        here = np.flatnonzero((share > below) & (share <= limit))
+        below = limit
+        node, weight = np.polynomial.legendre.leggauss(count) if count else (2 * ROOTS.up - 1, 2 * ROOTS.share)
+        part = (1 + node) / 2
+        for k in range(0, len(here), _CHUNK // len(node) + 1):
+            some = here[k : k + _CHUNK // len(node) + 1]
+            load = records.load[some, None] + (records.load_after - records.load)[some, None] * part
+            slipped = slip[some, None] + (slip_after - slip)[some, None] * part
+            area = contact.log_area(load, np.minimum(slipped, load))
+            result[some] = records.rise[some] * np.sum(weight / 2 * area, axis=1)
+    return result
+
+
+def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
+    """int p arccosh(|x|/c) dw of all records at |x| = `x` (k,): shape (k,) [stress * force per thickness]."""
+    edge = contact.load(x)
+    total = np.zeros(len(x))
+    size = max(_CHUNK // len(x), 1)
+    for k in range(0, len(records.row), size):
+        some = Records._make(values[k : k + size] for values in records)
+        begin, end = _slip_shares(some, edge)
+        which, point = np.nonzero(end > begin)
+        for j in range(0, len(which), _CHUNK // NODES):
+            pair = slice(j, j + _CHUNK // NODES)
+            w, i = which[pair], point[pair]
+            part, weight = graded(begin[w, i], end[w, i])
+            load, front = (some[a][w, None] * (1 - part) + some[b][w, None] * part for a, b in ((1, 2), (3, 4)))
+            reach = contact.reach(x[i, None], np.maximum(edge[i, None] - front, 0.0), front)
+            work = some.rise[w] * np.sum(weight * contact.pressure(x[i, None], load) * reach, axis=1)
+            total += np.bincount(i, work, len(x))
+    return total
+
+
+def _slip_shares(records: Records, edge: Array) -> tuple[Array, Array]:
+    """Between which parts of each record (m, k) points of edge load (k,) are in contact and outside the front."""
+    front, drop = records.front[:, None], (records.front - records.front_after)[:, None]
+    begin = np.clip((front - edge) / np.where(drop > 0, drop, 1.0), 0.0, 1.0)
+    begin = np.where(edge >= front, 0.0, np.where(drop > 0, begin, 1.0))
+    load, growth = records.load[:, None], (records.load_after - records.load)[:, None]
+    meets = np.clip((edge - load) / np.where(growth != 0, growth, 1.0), 0.0, 1.0)
+    inside = edge < np.maximum(load, load + growth)
+    end = np.where(inside, np.where(growth < 0, meets, 1.0), 0.0)
+    return np.where(growth > 0, np.maximum(begin, meets), begin), end
