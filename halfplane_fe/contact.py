@@ -149,12 +149,13 @@ class ContactProblem:
         """
         self.work["alternating solves"] += 1
         coupling = np.zeros_like(self._systems.normal) if self.interface.coupling is None else self.interface.coupling
-        shear, closed, changing = history.shear, history.closed, 0
+        n_x = self.interface.normals[0]
+        shear, shift, closed, changing = history.shear, history.shift, history.closed, 0
         for turn in range(1, self.max_iterations + 1):
-            height, systems = self.height - coupling.T @ shear, self._systems
-            pressure, closed = pressure_at_known_shear(systems, height, loads[0], closed, ROUNDING)
-            known_slip = history.slip - coupling @ pressure
-            shear, states = shear_at_known_pressure(systems, np.maximum(pressure, 0.0), known_slip, loads[1], ROUNDING)
+            systems, height = self._systems, self.height - coupling.T @ shear + n_x * shift
+            pressure, approach, closed = pressure_at_known_shear(systems, height, loads[0] - float(n_x @ shear), closed, ROUNDING)
+            known_slip, load = history.slip - coupling @ pressure - n_x * approach, loads[1] + float(n_x @ pressure)
+            shear, shift, states = shear_at_known_pressure(systems, np.maximum(pressure, 0.0), known_slip, load, ROUNDING)
             if not np.any(states == SurfaceState.STICK):
                 continue
             answer = self._with_states(states, history, time, loads)

@@ -51,10 +51,11 @@ class IncrementEnergy:
 
 
 def elastic_energy(problem: ContactProblem, state: InterfaceState) -> float:
-    """Elastic energy of both half-planes and of the layer between them."""
+    """Elastic energy of both bodies and of the layer between them."""
     p, q = state.pressure, state.shear
-    gap_part = state.gap - problem.height + state.approach  # N p - K^T q
-    slip_part = state.shift - state.slip  # T q - K p
+    gap_moved, slip_moved = problem.interface.moved(state.approach, state.shift)
+    gap_part = state.gap - problem.height - gap_moved  # N p - K^T q
+    slip_part = slip_moved - state.slip  # T q - K p
     return float(p @ gap_part + q @ slip_part) / 2
 
 
@@ -93,7 +94,8 @@ def certificates(problem: ContactProblem, before: InterfaceState, after: Interfa
     """
     force = max(float(after.pressure.max(initial=0.0)), 0.1 / len(after.pressure))
     found = violations(after.gap, after.pressure, after.shear, after.slip - before.slip, problem.friction)
-    equilibrium = max(abs(float(after.pressure.sum()) - after.normal_load), abs(float(after.shear.sum()) - after.tangential_load))
+    normal_load, tangential_load = problem.interface.carried(after.pressure, after.shear)
+    equilibrium = max(abs(normal_load - after.normal_load), abs(tangential_load - after.tangential_load))
     return {
         "equilibrium": equilibrium / max(after.normal_load, 1e-300),
         "tension": found["tension"] / force,

@@ -63,6 +63,11 @@ class Interface:
             None if self.coupling is None else freeze(self.coupling / compliance),
         )
 
+    def moved(self, approach: float, shift: float) -> tuple[Array, Array]:
+        """What rigid approach and shift of the upper body add to gap and slip, each (n,)."""
+        n_x, n_y = self.normals
+        return n_x * shift - n_y * approach, n_y * shift + n_x * approach
+
     def carried(self, pressure: Array, shear: Array) -> tuple[float, float]:
         """P and Q that nodal forces p and q carry."""
         n_x, n_y = self.normals

@@ -44,7 +44,7 @@ class _Correction:
     solved: Array  # (size, m)
     coupling: Array  # (size, |E|), M_PE
     factors: tuple[Array, Array] | None
-    by_ones: Array | None = None
+    by_border: Array | None = None
 
     @property
     def nbytes(self) -> int:
@@ -59,6 +59,7 @@ class NestedFactor:
     ----------
     matrix : (n, n)
     x : (n,) places of the nodes, contact and stick zone lying about 0
+    border : (n,) a right-hand side that every set is solved for
     work : counts "factorisations" (of n^3) and "factor updates" (of m n^2)
 
     Raises
@@ -66,14 +67,14 @@ class NestedFactor:
     ConvergenceError
         If the matrix is not positive definite.
 
-    >>> factor = NestedFactor(np.array([[2.0, 1.0], [1.0, 4.0]]), np.array([0.0, 1.0]), Counter())
+    >>> factor = NestedFactor(np.array([[2.0, 1.0], [1.0, 4.0]]), np.array([0.0, 1.0]), np.ones(2), Counter())
     >>> factor.solve(np.array([False, True]), np.array([8.0]))
     array([2.])
     """
 
-    def __init__(self, matrix: Array, x: Array, work: Counter[str]) -> None:
+    def __init__(self, matrix: Array, x: Array, border: Array, work: Counter[str]) -> None:
         self._order = np.argsort(np.abs(x), kind="stable")
-        self._matrix = matrix
+        self._matrix, self._border = matrix, border
         self._work = work
         try:
             lower = cholesky(matrix[np.ix_(self._order, self._order)], lower=True, check_finite=False)
@@ -91,12 +92,12 @@ class NestedFactor:
         right[active] = known
         return self._solve(self._correction(active), right[self._order])[active]
 
-    def by_ones(self, active: Mask) -> Array:
-        """f (n_active,) with M_AA f = 1; kept, since every load on a set needs it."""
+    def by_border(self, active: Mask) -> Array:
+        """f (n_active,) with M_AA f = border; kept, since every load on a set needs it."""
         correction = self._correction(active)
-        if correction.by_ones is None:
-            correction.by_ones = self._solve(correction, active[self._order].astype(float))[active]
-        return correction.by_ones
+        if correction.by_border is None:
+            correction.by_border = self._solve(correction, np.where(active, self._border, 0.0)[self._order])[active]
+        return correction.by_border
 
     def _solve(self, correction: _Correction, right: Array) -> Array:
         """The solution (n,) by node number, zero off the set; `right` (n,) in the order of elimination, zero off the set."""

@@ -62,21 +62,21 @@ class Systems:
         self._bytes = 0
 
     def gap(self, height: Array, forces: Forces) -> Array:
-        """Gap of the law, h - delta + N p - K^T q."""
-        gap = height - forces.approach + self.normal @ forces.pressure
+        """Gap of the law, h - n_y delta + n_x U + N p - K^T q."""
+        gap = height + self.interface.moved(forces.approach, forces.shift)[0] + self.normal @ forces.pressure
         return gap if self.interface.coupling is None else gap - self.interface.coupling.T @ forces.shear
 
     def slip(self, forces: Forces) -> Array:
-        """Slip of the law, U + K p - T q."""
-        slip = forces.shift - self.tangential @ forces.shear
+        """Slip of the law, n_y U + n_x delta + K p - T q."""
+        slip = self.interface.moved(forces.approach, forces.shift)[1] - self.tangential @ forces.shear
         return slip if self.interface.coupling is None else slip + self.interface.coupling @ forces.pressure
 
     def pressure_alone(self, closed: Mask, height: Array, load: float) -> tuple[Array, float]:
-        """Pressure and approach that close the given nodes over `height`, shear known or none."""
+        """Pressure with n_y p = load, and approach, that close the given nodes over `height`, in which a known shift is."""
         return self._bordered("normal", closed, -height, load)
 
     def shear_alone(self, states: States, pressure: Array, known_slip: Array, load: float) -> tuple[Array, float]:
-        """Shear and shift at known pressure: sticking nodes keep slip `known_slip`, sliding ones carry f p."""
+        """Shear and shift of flat faces at known pressure: sticking nodes keep slip `known_slip`, sliding ones carry f p."""
         sliding = slip_sign(states) * self.friction * pressure
         stick = states == SurfaceState.STICK
         known = -known_slip - self.tangential @ sliding
@@ -104,16 +104,16 @@ class Systems:
         by_pressure = self.normal - coupling.T * traction  # gap by p, sliding nodes taking their q along
         slip_by_pressure = coupling - self.tangential * traction
         n, m = int(closed.sum()), int(stick.sum())
+        n_x, n_y = self.interface.normals
         matrix = np.zeros((n + m + 2, n + m + 2))
         matrix[:n, :n] = by_pressure[np.ix_(closed, closed)]
         matrix[:n, n : n + m] = -coupling.T[np.ix_(closed, stick)]
-        matrix[:n, n + m] = -1.0
+        matrix[:n, n + m], matrix[:n, n + m + 1] = -n_y[closed], n_x[closed]
         matrix[n : n + m, :n] = slip_by_pressure[np.ix_(stick, closed)]
         matrix[n : n + m, n : n + m] = -self.tangential[np.ix_(stick, stick)]
-        matrix[n : n + m, n + m + 1] = 1.0
-        matrix[n + m, :n] = 1.0
-        matrix[n + m + 1, :n] = traction[closed]
-        matrix[n + m + 1, n : n + m] = 1.0
+        matrix[n : n + m, n + m], matrix[n : n + m, n + m + 1] = n_x[stick], n_y[stick]
+        matrix[n + m, :n], matrix[n + m, n : n + m] = (n_y + traction * n_x)[closed], n_x[stick]
+        matrix[n + m + 1, :n], matrix[n + m + 1, n : n + m] = (traction * n_y - n_x)[closed], n_y[stick]
         return matrix
 
     def held(self, stick: Mask, known: Array) -> Array:
@@ -121,19 +121,19 @@ class Systems:
         return self._nested("tangential").solve(stick, known)
 
     def _bordered(self, name: str, active: Mask, known: Array, total: float) -> tuple[Array, float]:
-        """Forces f on the active nodes and rigid displacement d with matrix f - d = known there, sum f = total."""
+        """Forces f on the active nodes and rigid displacement d with matrix f - n_y d = known there, n_y f = total."""
         if not active.any():
             raise SingularSet(f"no node holds the {name} load")
-        nested = self._nested(name)
-        by_known, by_one = nested.solve(active, known[active]), nested.by_ones(active)
-        displacement = (total - float(by_known.sum())) / float(by_one.sum())
+        nested, border = self._nested(name), self.interface.normals[1][active]
+        by_known, by_border = nested.solve(active, known[active]), nested.by_border(active)
+        displacement = (total - float(border @ by_known)) / float(border @ by_border)
         forces = np.zeros(len(active))
-        forces[active] = by_known + displacement * by_one
+        forces[active] = by_known + displacement * by_border
         return forces, displacement
 
     def _nested(self, name: str) -> NestedFactor:
         if name not in self._nests:
-            self._nests[name] = NestedFactor(getattr(self, name), self.interface.x, self.work)
+            self._nests[name] = NestedFactor(getattr(self, name), self.interface.x, self.interface.normals[1], self.work)
         return self._nests[name]
 
     def _factors(self, key: tuple[str, bytes], make: Callable[[], tuple[Array, Array]]) -> tuple[Array, Array]:

@@ -21,43 +21,48 @@ States = NDArray[np.int8]
 _ITERATIONS = 200
 
 
-def pressure_at_known_shear(systems: Systems, height: Array, load: float, closed: Mask, rounding: float) -> tuple[Array, Mask]:
-    """Pressure (n,) and closed nodes of g = height - delta + N p >= 0, p >= 0, g p = 0, sum p = load.
+def pressure_at_known_shear(
+    systems: Systems, height: Array, load: float, closed: Mask, rounding: float
+) -> tuple[Array, float, Mask]:
+    """Pressure (n,), approach and closed nodes of g = height - n_y delta + N p >= 0, p >= 0, g p = 0, n_y p = load.
 
     Parameters
     ----------
-    height : (n,) initial gap with the known shear's part in it
+    height : (n,) initial gap with the parts of the known shear and shift in it
     closed : where to start
     """
 
     def step(closed: Mask) -> tuple[Array, Array, Mask]:
         pressure, approach = systems.pressure_alone(closed, height, load)
-        gap = height - approach + systems.normal @ pressure
+        gap = height - n_y * approach + systems.normal @ pressure
         wrong = np.where(closed, -pressure, -gap)
         return pressure, wrong, np.where(wrong > rounding, ~closed, closed)
 
-    return _settled(step, closed)
+    n_y = systems.interface.normals[1]
+    pressure, closed = _settled(step, closed)
+    return pressure, systems.pressure_alone(closed, height, load)[1], closed
 
 
 def shear_at_known_pressure(
     systems: Systems, pressure: Array, known_slip: Array, load: float, rounding: float
-) -> tuple[Array, States]:
-    """Shear (n,) and states of |q| <= f p, slip U - T q - known_slip only where |q| = f p and along q, sum q = load.
+) -> tuple[Array, float, States]:
+    """Shear (n,), shift and states of |q| <= f p, slip n_y U - T q - known_slip only where |q| = f p and along q, n_y q = load.
 
-    The sum of q grows with the shift U from -f P to f P, so U is found by bracketing.
+    The sum of n_y q grows with the shift U from -f P to f P, so U is found by bracketing.
     """
+    n_y = systems.interface.normals[1]
     limit = systems.friction * pressure
     closed = pressure > 0
     states = np.where(closed, SurfaceState.STICK, SurfaceState.OPEN).astype(np.int8)
-    most = np.abs(known_slip[closed]).max() + np.abs(systems.tangential @ limit)[closed].max()
+    most = (np.abs(known_slip[closed]).max() + np.abs(systems.tangential @ limit)[closed].max()) / n_y.min()
 
     def shear(shift: float) -> Array:
         nonlocal states
-        found, states = _bounded(systems, limit, known_slip - shift, states, rounding)
+        found, states = _bounded(systems, limit, known_slip - n_y * shift, states, rounding)
         return found
 
-    shift = float(brentq(lambda u: float(shear(u).sum()) - load, -most, most, xtol=1e-13 * max(most, 1e-300), rtol=8.9e-16))
-    return shear(shift), states
+    shift = float(brentq(lambda u: float(n_y @ shear(u)) - load, -most, most, xtol=1e-13 * max(most, 1e-300), rtol=8.9e-16))
+    return shear(shift), shift, states
 
 
 def _bounded(systems: Systems, limit: Array, known: Array, states: States, rounding: float) -> tuple[Array, States]:

@@ -27,9 +27,9 @@ SETS = {
 @pytest.mark.parametrize("active", SETS.values(), ids=SETS.keys())
 def test_any_set_is_solved_as_if_it_had_its_own_factor(active):
     work = Counter()
-    factor = NestedFactor(MATRIX, X, work)
+    factor = NestedFactor(MATRIX, X, np.ones(len(X)), work)
     known = np.sin(3 * X[active]) + 2
-    for right, found in ((known, factor.solve(active, known)), (1.0, factor.by_ones(active))):
+    for right, found in ((known, factor.solve(active, known)), (1.0, factor.by_border(active))):
         exact = np.linalg.solve(MATRIX[np.ix_(active, active)], np.broadcast_to(right, known.shape))
         np.testing.assert_allclose(found, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
     assert work["factorisations"] == 1
@@ -37,7 +37,7 @@ def test_any_set_is_solved_as_if_it_had_its_own_factor(active):
 
 def test_a_symmetric_set_needs_no_update_and_another_one_needs_it_once():
     work = Counter()
-    factor = NestedFactor(MATRIX, X, work)
+    factor = NestedFactor(MATRIX, X, np.ones(len(X)), work)
     for _ in range(3):
         factor.solve(SETS["about the middle"], np.ones(SETS["about the middle"].sum()))
         assert work["factor updates"] == 0
@@ -48,7 +48,7 @@ def test_a_symmetric_set_needs_no_update_and_another_one_needs_it_once():
 
 def test_a_matrix_that_is_not_positive_definite_is_refused():
     with pytest.raises(ConvergenceError, match="not positive definite"):
-        NestedFactor(-MATRIX, X, Counter())
+        NestedFactor(-MATRIX, X, np.ones(len(X)), Counter())
 
 
 def test_a_cycle_of_like_bodies_takes_two_dense_factorisations():
