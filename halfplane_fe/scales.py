@@ -40,7 +40,8 @@ class Scales:
     Attributes
     ----------
     half_width : contact half-width at the largest load of the path [length]
-    inner : least half-width that a contact or stick edge has in a revolution [length]; 0 where the path does not repeat
+    inner : where the surface is to be fine from [length]: the least half-width that a contact or stick edge has in a revolution,
+        or the first kink of the profile, whichever is less; 0 where the path does not repeat
     reach : largest distance from x = 0 at which the faces touch [length]
     load : largest normal load of the path [force per thickness]
     modulus : E* [stress]
@@ -103,7 +104,8 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
         seen = visible_states(run.states, run.cycle_starts)[cycles]
         inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[cycles], seen, strict=True))
-    return Scales(size * half_width, size * inner, size * max(reach, half_width), load, modulus)
+    first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off
+    return Scales(size * half_width, min(size * inner, first_kink), size * max(reach, half_width), load, modulus)
 
 
 def _coarse_run(scene: Scene, interface: Interface, size: float, load: float, modulus: float) -> tuple[ContactProblem, PathRun]:

@@ -146,6 +146,11 @@ class CallableProfile(BaseModel):
             raise ValueError(f"the profile has no derivative at x = {where:.6g}: its slope jumps there")
 
     @property
+    def kinks(self) -> tuple[float, ...]:
+        """Distances from the middle at which the curvature jumps [length]: the breaks declared."""
+        return tuple(self.breaks)
+
+    @property
     def datum_length(self) -> float:
         """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
         return self.extent

@@ -61,6 +61,11 @@ class Tabulated(BaseModel):
         return self
 
     @property
+    def kinks(self) -> tuple[float, ...]:
+        """Distances from the middle at which the curvature jumps [length]: none told; it does a little at every row."""
+        return ()
+
+    @property
     def datum_length(self) -> float:
         """Distance from the load at which a half-plane's surface counts as unmoved: the last x of the table."""
         return float(np.max(self.points.values[:, 0]))

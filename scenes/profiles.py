@@ -27,6 +27,11 @@ class Hertz(BaseModel):
     radius: Positive = Field(description="relative radius of curvature R, length units (library: mm)")
 
     @property
+    def kinks(self) -> tuple[float, ...]:
+        """Distances from the middle at which the curvature jumps [length]: pressure is steep there."""
+        return ()
+
+    @property
     def datum_length(self) -> float:
         """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
         return self.radius
@@ -48,6 +53,11 @@ class FlatRounded(BaseModel):
     kind: Literal["flat_rounded"] = "flat_rounded"
     radius: Positive = Field(description="edge radius R, length units (library: mm)")
     flat_half_length: Positive = Field(description="half-length b of the flat face, length units (library: mm)")
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Distances from the middle at which the curvature jumps [length]: pressure is steep there."""
+        return (self.flat_half_length,)
 
     @property
     def datum_length(self) -> float:
@@ -73,6 +83,11 @@ class PowerLaw(BaseModel):
     exponent: float = Field(ge=1, description="exponent n >= 1, any real number")
     length: Positive = Field(description="distance at which the gap is `rise`, length units (library: mm)")
     rise: Positive = Field(description="gap at `length`, length units (library: mm)")
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Distances from the middle at which the curvature jumps [length]: pressure is steep there."""
+        return ()
 
     @property
     def datum_length(self) -> float:
@@ -101,6 +116,11 @@ class Compound(BaseModel):
     inner_radius: Positive = Field(description="relative radius R1 of the middle, length units (library: mm)")
     outer_radius: Positive = Field(description="relative radius R2 of the rest, length units (library: mm)")
     inner_half_length: Positive = Field(description="half-length b of the middle, length units (library: mm)")
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Distances from the middle at which the curvature jumps [length]: pressure is steep there."""
+        return (self.inner_half_length,)
 
     @property
     def datum_length(self) -> float:
@@ -134,6 +154,11 @@ class Wedge(BaseModel):
     kind: Literal["wedge"] = "wedge"
     tip_radius: Positive = Field(description="relative radius R of the tip, length units (library: mm)")
     tip_half_length: Positive = Field(description="half-length b of the tip, length units (library: mm)")
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Distances from the middle at which the curvature jumps [length]: pressure is steep there."""
+        return (self.tip_half_length,)
 
     @property
     def datum_length(self) -> float:
@@ -181,6 +206,11 @@ class EvenPolynomial(BaseModel):
         if len(falls):
             raise ValueError(f"the profile falls at x = {self.length * np.sqrt(falls[0]):.6g}: it must rise for all x > 0")
         return self
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Distances from the middle at which the curvature jumps [length]: pressure is steep there."""
+        return ()
 
     @property
     def datum_length(self) -> float:
