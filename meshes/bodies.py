@@ -50,6 +50,16 @@ class MeshSettings:
         if self.order not in (1, 2):
             raise InputError(f"mesh: order = {self.order!r} is refused: it is 1 or 2")
 
+    @classmethod
+    def swift(cls) -> MeshSettings:
+        """For a first look: a fifth of a second; shear of partial slip to about 1 % in L2 (benchmarks/fe_peers.py)."""
+        return cls(element_size=1 / 8, edge_element_size=1 / 32, far_radius=6.0, growth=0.5)
+
+    @classmethod
+    def fine(cls) -> MeshSettings:
+        """For a figure to rely on: half a minute; dissipation of the paper's cycle to 1e-4 (benchmarks/fe_precision.py)."""
+        return cls(edge_element_size=1 / 640)
+
 
 @dataclass(frozen=True)
 class SurfaceGrading:
