@@ -1,6 +1,7 @@
 """The FE side's own coarse run: how large the contact gets and where its edges travel. No formula for any profile.
 
-One coarse half-disc serves every size: the compliance of a plane body has no length in it but the datum of the rigid approach.
+One coarse half-disc serves every size: the compliance of a half-plane has no length in it but the datum of the rigid approach.
+Bodies with a size of their own are cut anew for each.
 """
 
 from __future__ import annotations
@@ -14,19 +15,20 @@ from numpy.typing import NDArray
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.interface import Interface, couple
+from halfplane_fe.pair import condensed_pair, face_room, finite, initial_gap, meshed_pair, shapes_alike
 from halfplane_fe.run import Pace, PathRun, run_path
-from halfplane_fe.store import condensed
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
-from meshes import SurfaceGrading, half_disc
-from scenes import Elastic, InputError, Scene, SurfaceState
+from meshes import MeshSettings, SurfaceGrading
+from scenes import Bodies, Elastic, InputError, Scene, SurfaceState
 
 Array = NDArray[np.float64]
 
-# The coarse body: unit half-width of meshed surface, of which the contact shall take between the two fractions.
-_GRADING = SurfaceGrading(inner=0.0, outer=1.0, size=1 / 24, edge_size=1 / 24, radius=5.0)
-_GROWTH = 0.4  # a scale good to 1e-3 is asked for, and most of the coarse run is the making of its body
+# The coarse bodies: a scale good to 1e-3 is asked for, and most of the coarse run is the making of them.
+_MESH = MeshSettings(growth=0.4)
+# Of the side that may touch the contact shall take between the two fractions; and that side at most a share of the face.
 _FRACTION = (0.6, 0.85)
+_OF_THE_FACE = 0.97
 _COARSE_STEPS = 48
 # By how much and how often the coarse body grows where the contact reaches its end; `solve` finds out if that was not enough.
 _ENLARGED = 1.3
@@ -71,11 +73,14 @@ def largest_load(scene: Scene) -> float:
     return float(np.max(path.at(times)[0]))
 
 
+def sheared(scene: Scene) -> bool:
+    """Whether there is a tangential load."""
+    return any(np.any(leg.loads(np.linspace(leg.start, leg.end, 25))[1] != 0) for leg in scene.load.path().legs(1))
+
+
 def needs_shear(scene: Scene) -> bool:
     """Whether any shear can arise: friction, and a tangential load or unlike bodies."""
-    path = scene.load.path()
-    loaded = any(np.any(leg.loads(np.linspace(leg.start, leg.end, 25))[1] != 0) for leg in path.legs(1))
-    return scene.friction.coefficient > 0 and (loaded or not scene.material.alike)
+    return scene.friction.coefficient > 0 and (sheared(scene) or not shapes_alike(scene))
 
 
 def find_scales(scene: Scene, work: Counter[str]) -> Scales:
@@ -88,15 +93,15 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     """
     load = largest_load(scene)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    interface = _coarse_interface(scene, modulus, work)
-    size = _fitting_size(scene, interface, load, modulus)
-    problem, run = _coarse_run(scene, interface, size, load, modulus)
+    pair = _CoarsePair(scene, load, modulus, work)
+    size = _fitting_size(pair)
+    problem, run = _coarse_run(pair, size)
     for _ in range(_ENLARGEMENTS):
         if not any(state.closed[0] or state.closed[-1] for state in run.states):
             break
         # Shear moves the contact of unlike bodies sideways; the coarse body has to hold that too.
         size *= _ENLARGED
-        problem, run = _coarse_run(scene, interface, size, load, modulus)
+        problem, run = _coarse_run(pair, size)
     half_width = _half_width(problem, max(run.states, key=lambda state: state.normal_load))
     reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
     inner = 0.0
@@ -108,43 +113,72 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     return Scales(size * half_width, min(size * inner, first_kink), size * max(reach, half_width), load, modulus)
 
 
-def _coarse_run(scene: Scene, interface: Interface, size: float, load: float, modulus: float) -> tuple[ContactProblem, PathRun]:
-    problem = _problem(scene, interface, size, load, modulus, needs_shear(scene))
-    run = run_path(problem, scene.load.path(), Pace(load, _COARSE_STEPS, np.inf), 2, lambda _done, _total, _text: None)
+@dataclass(eq=False)
+class _CoarsePair:
+    """The bodies cut coarsely, for any half-width of the side that may touch; half-planes are cut once for all sizes."""
+
+    scene: Scene
+    load: float
+    modulus: float
+    work: Counter[str]
+
+    def __post_init__(self) -> None:
+        self.room = face_room(self.scene) * _OF_THE_FACE
+        self._made: tuple[float, Interface] | None = None
+
+    def problem(self, size: float, tangential: bool) -> ContactProblem:
+        """The contact problem at a half-width `size` of the side that may touch, lengths over `size`."""
+        unscaled = self._interface(size)
+        interface, zero = unscaled.scaled(size, 1 / self.modulus), np.zeros_like(unscaled.x)
+        height = initial_gap(self.scene, unscaled) * self.modulus / self.load
+        return ContactProblem(interface, height, self.scene.friction.coefficient, Layer(zero, zero), tangential)
+
+    def _interface(self, size: float) -> Interface:
+        """In the scene's units of length."""
+        if self._made is None or (self._made[0] != size and finite(self.scene)):
+            made_at = size if finite(self.scene) else 1.0
+            bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(made_at, ratio))
+            self._made = made_at, couple(*condensed_pair(self.scene, bodies, made_at, self.work))
+        made_at, interface = self._made
+        return interface if made_at == size else interface.scaled(made_at / size, 1.0)
+
+
+def _grading(size: float, ratio: float) -> SurfaceGrading:
+    return SurfaceGrading(inner=0.0, outer=size, size=ratio * size / 24, edge_size=ratio * size / 24, radius=5 * size)
+
+
+def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:
+    problem = pair.problem(min(size, pair.room), needs_shear(pair.scene))
+    run = run_path(problem, pair.scene.load.path(), Pace(pair.load, _COARSE_STEPS, np.inf), 2, lambda _done, _total, _text: None)
     if run.failure is not None:
         raise run.failure
     return problem, run
 
 
-def _coarse_interface(scene: Scene, modulus: float, work: Counter[str]) -> Interface:
-    body = half_disc("coarse", _GRADING, _GROWTH)
-    lower = condensed(body, scene.material.lower, 1.0, work)
-    upper = lower if scene.material.alike else condensed(body, scene.material.upper, 1.0, work)
-    return couple(lower, upper).scaled(1.0, 1 / modulus)
-
-
-def _problem(scene: Scene, interface: Interface, size: float, load: float, modulus: float, tangential: bool) -> ContactProblem:
-    zero = np.zeros_like(interface.x)
-    height = scene.profile.height(interface.x * size) * modulus / load
-    return ContactProblem(interface, height, scene.friction.coefficient, Layer(zero, zero), tangential)
-
-
-def _fitting_size(scene: Scene, interface: Interface, load: float, modulus: float) -> float:
-    """Half-width of meshed surface of which the contact at the largest load takes a good part."""
-    size, too_small, too_large = scene.profile.datum_length, 0.0, np.inf
+def _fitting_size(pair: _CoarsePair) -> float:
+    """Half-width of the side that may touch of which the contact at the largest load takes a good part."""
+    start, too_small, too_large = pair.scene.profile.datum_length, 0.0, np.inf
+    if finite(pair.scene):  # where half-planes would have it is near, and cheap to find
+        start = _fitting_size(_CoarsePair(pair.scene.model_copy(update={"bodies": Bodies()}), pair.load, pair.modulus, pair.work))
+    size = min(start, pair.room)
     for _ in range(400):
-        problem = _problem(scene, interface, size, load, modulus, tangential=False)
+        problem = pair.problem(size, tangential=False)
         pressed, _ = problem.equilibrium(untouched(problem.height, 0.0), 0.0, (1.0, 0.0))
-        fraction = 1.0 if pressed.closed.all() else float(np.abs(interface.x[pressed.closed]).max())
-        if _FRACTION[0] <= fraction <= _FRACTION[1]:
+        fraction = 1.0 if pressed.closed.all() else float(np.abs(problem.interface.x[pressed.closed]).max())
+        if _FRACTION[0] <= fraction <= _FRACTION[1] or (size == pair.room and _FRACTION[1] < fraction < 1):
             return size
+        if fraction > _FRACTION[1] and size == pair.room:
+            raise InputError(
+                "bodies: the contact at the largest load reaches past the end of the narrower face, at |x| = "
+                f"{face_room(pair.scene):.6g}: make the bodies wider, or the load less"
+            )
         if fraction > _FRACTION[1]:
             too_small = size
-            size = size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large)
+            size = min(size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large), pair.room)
         else:
             too_large = size
             size = size / 3 if too_small == 0 else np.sqrt(too_small * too_large)
-    raise InputError(f"{scene.name}: no size of the bodies was found that holds the contact; check profile and loads")
+    raise InputError(f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile and loads")
 
 
 def _half_width(problem: ContactProblem, state: InterfaceState) -> float:

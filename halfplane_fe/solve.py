@@ -7,6 +7,7 @@ import time as clock
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from importlib.metadata import version
 from typing import Any
 
@@ -18,14 +19,14 @@ from halfplane_fe.answer import answer_arrays, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import couple
+from halfplane_fe.pair import check_supports, condensed_pair, initial_gap, meshed_pair
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
-from halfplane_fe.scales import Scales, find_scales, needs_shear
+from halfplane_fe.scales import Scales, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
-from halfplane_fe.store import condensed as condensed_body
 from halfplane_fe.systems import Layer
-from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc
+from meshes import BodyMesh, MeshSettings, SurfaceGrading
 from scenes import ContactSolution, ConvergenceError, Scene, Work
 
 Array = NDArray[np.float64]
@@ -80,13 +81,17 @@ def solve(
 def _solve(scene: Scene, mesh: MeshSettings, settings: SolverSettings, report: Progress) -> FiniteElementSolution:
     watch = _Watch()
     check_admissible(scene.load.path(), scene.friction.coefficient)
+    check_supports(scene, sheared(scene))
     report(0, None, "coarse run")
     coarse_work: Counter[str] = Counter()
     scales = find_scales(scene, coarse_work)
     watch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
-    condensed = _condensed_bodies(scene, mesh, scales, watch, work)
+    bodies = meshed_pair(scene, mesh, partial(surface_grading, mesh, scales))
+    watch.lap("mesh")
+    condensed = condensed_pair(scene, bodies, scene.profile.datum_length, work)
+    watch.lap("condensation")
     problem = _contact_problem(scene, mesh, settings, scales, condensed, work)
     path = scene.load.path()
     pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)
@@ -109,21 +114,6 @@ class _Watch:
     def lap(self, stage: str) -> None:
         now = clock.perf_counter()
         self.seconds[stage], self._last = now - self._last, now
-
-
-def _condensed_bodies(
-    scene: Scene, mesh: MeshSettings, scales: Scales, watch: _Watch, work: Counter[str]
-) -> tuple[CondensedBody, CondensedBody]:
-    body = half_disc("lower", surface_grading(mesh, scales), mesh.growth, mesh.order)
-    above = body
-    if mesh.upper_ratio != 1:
-        above = half_disc("upper", surface_grading(mesh, scales, mesh.upper_ratio), mesh.growth, mesh.order)
-    watch.lap("mesh")
-    lower = condensed_body(body, scene.material.lower, scene.profile.datum_length, work)
-    same = scene.material.alike and above is body
-    upper = lower if same else condensed_body(above, scene.material.upper, scene.profile.datum_length, work)
-    watch.lap("condensation")
-    return lower, upper
 
 
 def surface_grading(mesh: MeshSettings, scales: Scales, ratio: float = 1.0) -> SurfaceGrading:
@@ -149,13 +139,14 @@ def _contact_problem(
     condensed: tuple[CondensedBody, CondensedBody],
     work: Counter[str],
 ) -> ContactProblem:
-    interface = couple(*condensed).scaled(scales.half_width, 1 / scales.modulus)
+    unscaled = couple(*condensed)
+    interface = unscaled.scaled(scales.half_width, 1 / scales.modulus)
     # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, or the weight of the trial tractions.
     stiffness = settings.normal_stiffness, settings.tangential_stiffness
     nodal = [k * interface.weights / mesh.edge_element_size for k in stiffness]
     penalty = settings.method == "penalty"
     layer = Layer(*((1 / k if penalty else np.zeros_like(k)) for k in nodal))
-    height = scene.profile.height(interface.x * scales.half_width) * scales.modulus / scales.load
+    height = initial_gap(scene, unscaled) * scales.modulus / scales.load
     return ContactProblem(
         interface,
         height,

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import skfem
 
 from scenes import InputError
+
+Cells = Literal["triangles", "quadrilaterals"]
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,7 @@ class MeshSettings:
     far_radius : radius L of the half-disc that stands for a half-plane
     growth : growth of the element size with the distance from the contact
     order : 1 or 2, of elements and geometry
+    cells : "triangles" or "quadrilaterals"
     """
 
     element_size: float = 1 / 24
@@ -31,6 +35,7 @@ class MeshSettings:
     far_radius: float = 10.0
     growth: float = 0.2
     order: int = 2
+    cells: Cells = "triangles"
 
     def __post_init__(self) -> None:
         for name in ("element_size", "edge_element_size"):
@@ -49,6 +54,8 @@ class MeshSettings:
             raise InputError(f"mesh: growth = {self.growth!r} is refused: it lies in [0.02, 1]")
         if self.order not in (1, 2):
             raise InputError(f"mesh: order = {self.order!r} is refused: it is 1 or 2")
+        if self.cells not in ("triangles", "quadrilaterals"):
+            raise InputError(f"mesh: cells = {self.cells!r} is refused: they are triangles or quadrilaterals")
 
     @classmethod
     def swift(cls) -> MeshSettings:
@@ -73,6 +80,10 @@ class SurfaceGrading:
     size: float
     edge_size: float
     radius: float = math.inf
+
+    def drawn_for(self, cells: Cells) -> SurfaceGrading:
+        """What is drawn before elements are cut: for quadrilaterals twice the size, which cutting in four halves again."""
+        return self if cells == "triangles" else replace(self, size=2 * self.size, edge_size=2 * self.edge_size)
 
 
 @dataclass(frozen=True, eq=False)

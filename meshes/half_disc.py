@@ -7,13 +7,13 @@ import itertools
 import gmsh
 import numpy as np
 
-from meshes.bodies import BodyMesh, SurfaceGrading
+from meshes.bodies import BodyMesh, Cells, SurfaceGrading
 from meshes.grading import scaled_grading, size_field, surface_points
 from meshes.mirrored import mirrored_mesh
 from meshes.quality import mesh_quality
 
 
-def half_disc(name: str, grading: SurfaceGrading, growth: float = 0.2, order: int = 2) -> BodyMesh:
+def half_disc(name: str, grading: SurfaceGrading, growth: float = 0.2, order: int = 2, cells: Cells = "triangles") -> BodyMesh:
     """A half-disc y <= 0 of radius `grading.radius`, meshed by gmsh.
 
     One quarter is meshed and reflected in x = 0, so that a symmetric contact stays symmetric in rounding too.
@@ -22,10 +22,11 @@ def half_disc(name: str, grading: SurfaceGrading, growth: float = 0.2, order: in
     Returns
     -------
     BodyMesh
-        MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for order 1.
+        MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for order 1; MeshQuad2 of nine-node
+        quadrilaterals, MeshQuad.
     """
-    unit = scaled_grading(grading, 1 / grading.outer)
-    mesh = mirrored_mesh(lambda: _quarter(unit), size_field(unit, growth), order).scaled(float(grading.outer))
+    unit = scaled_grading(grading, 1 / grading.outer).drawn_for(cells)
+    mesh = mirrored_mesh(lambda: _quarter(unit), size_field(unit, growth), order, cells).scaled(float(grading.outer))
     exact_area = np.pi * grading.radius**2 / 2
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, exact_area))
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Literal
 
 import gmsh
 import numpy as np
 import skfem
 from numpy.typing import NDArray
 
+from meshes.bodies import Cells
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Cells = Literal["triangles", "quadrilaterals"]
 
 # gmsh's node order of an element after a reflection, by number of nodes: triangles of order 1 and 2, quadrilaterals likewise.
 _REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}

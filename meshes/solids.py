@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.bodies import BodyMesh, SurfaceGrading
+from meshes.bodies import BodyMesh, Cells, SurfaceGrading
 from meshes.faces import Face, face_of
 from meshes.grading import scaled_grading, size_field, surface_points
-from meshes.mirrored import Cells, mirrored_mesh
+from meshes.mirrored import mirrored_mesh
 from meshes.quality import mesh_quality
 from scenes import Block, Cylinder, InputError, Pad, Profile
 
@@ -49,10 +48,8 @@ def solid(
         )
     if isinstance(shape, Pad) and not float(face.depth(np.array(half_width))) < height:
         raise InputError(f"bodies.{name}.height = {height:g} is refused: the pad's face goes as deep at its sides; make it higher")
-    unit, length = scaled_grading(grading, 1 / grading.outer), grading.outer
+    unit, length = scaled_grading(grading, 1 / grading.outer).drawn_for(cells), grading.outer
     outline = _Outline(face, half_width / length, height / length, length)
-    if cells == "quadrilaterals":
-        unit = replace(unit, size=2 * unit.size, edge_size=2 * unit.edge_size)
     size = size_field(unit, growth)
     mesh = mirrored_mesh(lambda: outline.draw(unit, size), size, order, cells, outline.settle)
     mesh = mesh.scaled(float(length))
