@@ -93,15 +93,17 @@ class ContactProblem:
         self._systems = Systems(self.interface, self.layer, self.friction, self.work)
         self._coupled = self.tangential and self.interface.coupling is not None
 
-    def equilibrium(self, history: InterfaceState, time: float, loads: tuple[float, float]) -> tuple[InterfaceState, int]:
-        """The state at `loads` that follows `history` in one increment, and the iterations it took.
+    def equilibrium(
+        self, history: InterfaceState, time: float, loads: tuple[float, float], start: States | None = None
+    ) -> tuple[InterfaceState, int]:
+        """The state at `loads` that follows `history` in one increment, and the iterations it took, from the states `start`.
 
         Raises
         ------
         ConvergenceError
             With instant, loads and the number of nodes still changing.
         """
-        answer, iterations, changing = self._active_set(history.state, history, time, loads)
+        answer, iterations, changing = self._active_set(history.state if start is None else start, history, time, loads)
         if answer is None and self.tangential:
             answer, more, changing = self._alternating(history, time, loads)
             iterations += more
