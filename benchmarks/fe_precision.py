@@ -1,0 +1,177 @@
+"""Work and precision of the FE model: what mesh size, order, grading, increments and method cost and what they buy.
+
+    python benchmarks/fe_precision.py
+
+The truth is the half-plane engine. The error of the dissipation is split in two by a third figure, the exact dissipation of the
+polygon that the FE model's own increments are: FE against it is the mesh's part, it against the ellipse the increments' part. Times
+are CPU times, and hold everything from the coarse run to the answer; no condensation is read from the store. The sweep is printed and
+drawn, into out/fe_precision.png; the rows hold the figures that were promised.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from claim import Row, table
+
+import halfplane_fe
+import semi_analytic
+from halfplane_fe import SolverSettings
+from meshes import MeshSettings
+from reports.drawing import COLOURS, canvas, label_axes
+from scenes import Scene, load_scene
+
+FIGURE = Path(__file__).parent.parent / "out" / "fe_precision.png"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One point of the sweep: how the bodies are cut and the path is followed."""
+
+    text: str
+    mesh: MeshSettings
+    solver: SolverSettings = SolverSettings()
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What one run cost and how far it is off, dissipations relative.
+
+    Attributes
+    ----------
+    seconds : CPU time
+    error, mesh_part, increment_part : of the dissipation; the first is the sum of the others to first order
+    shear : rms over the instants of the last cycle of the L2 error of q over f ||p||
+    """
+
+    seconds: float
+    error: float
+    mesh_part: float
+    increment_part: float
+    shear: float
+    nodes: int
+    increments: int
+
+
+def measure(scene: Scene, setting: Setting) -> Measured:
+    """Run the FE model once and compare."""
+    start = time.process_time()
+    answer = halfplane_fe.solve(scene, setting.mesh, setting.solver)
+    seconds = time.process_time() - start
+    truth = semi_analytic.solve(scene).dissipation
+    polygon = semi_analytic.solve(scene, x=[0.0], time=answer.time, straight_steps=True, fields=("dissipation",)).dissipation
+    cycle = answer.last_cycle[:: max(1, len(answer.last_cycle) // 60)]
+    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time[: cycle[-1] + 1], fields=("pressure", "shear"))
+    off = np.trapezoid((answer.shear[cycle] - exact.shear[cycle]) ** 2, answer.x, axis=1)
+    size = np.trapezoid(exact.pressure[cycle] ** 2, answer.x, axis=1) * scene.friction.coefficient**2
+    return Measured(
+        seconds,
+        answer.dissipation / truth - 1,
+        answer.dissipation / polygon - 1,
+        polygon / truth - 1,
+        float(np.sqrt(np.mean(off / size))),
+        len(answer.x),
+        answer.work.counts["steps solved"],
+    )
+
+
+def sizes(order: int, cut: tuple[int, ...], coarser: int | None, growth: float = MeshSettings().growth) -> list[Setting]:
+    """Meshes of a/n at the edges for n in `cut`; of a/`coarser` in the middle, or as fine there as at the edges."""
+    found = []
+    for n in cut:
+        middle = 1 / n if coarser is None else max(1 / coarser, 1 / n)
+        mesh = MeshSettings(element_size=middle, edge_element_size=1 / n, order=order, growth=growth)
+        found.append(Setting(f"a/{n}", mesh))
+    return found
+
+
+def sweep() -> dict[str, list[Setting]]:
+    """Every series of the table and of the figure."""
+    free = float("inf")
+    return {
+        "quadratic, graded": sizes(2, (10, 20, 40, 80, 160, 320), 24),
+        "quadratic, uniform": sizes(2, (10, 20, 40, 80, 160), None),
+        "linear, graded": sizes(1, (20, 40, 80, 160, 320), 24),
+        "linear, slow growth": sizes(1, (20, 40, 80, 160, 320), 24, growth=0.05),
+        "increments, a/160": [
+            Setting(f"{n} a turn", MeshSettings(), SolverSettings(steps_per_cycle=n, step_tolerance=free)) for n in (8, 24, 96, 384)
+        ],
+        "penalty, a/160": [
+            Setting(
+                f"{k:g} E*/h",
+                MeshSettings(),
+                SolverSettings(method="penalty", normal_stiffness=k, tangential_stiffness=k),
+            )
+            for k in (1.0, 10.0, 1e2, 1e3)
+        ],
+    }
+
+
+@functools.cache
+def measured_sweep() -> dict[str, list[tuple[Setting, Measured]]]:
+    """The sweep on the paper's cycle of Hertz contact; about a minute."""
+    scene = load_scene("hertz-paper")
+    return {name: [(setting, measure(scene, setting)) for setting in series] for name, series in sweep().items()}
+
+
+def precision() -> Iterator[Row]:
+    """The promised figures of error against time, and the error in its two parts."""
+    for name, mesh, steps, within, seconds in (
+        ("hertz-paper", MeshSettings(), 96, 5e-4, 5.0),
+        ("flat-rounded-paper", MeshSettings(), 96, 1e-3, 10.0),
+        ("hertz-paper", MeshSettings.fine(), 192, 1e-4, 60.0),
+    ):
+        size = f"a/{1 / mesh.edge_element_size:.0f}"
+        found = measure(load_scene(name), Setting(size, mesh, SolverSettings(steps_per_cycle=steps)))
+        how = f"h = {size} at the edges, {found.nodes} contact nodes, {found.increments} increments"
+        what = f"{name}, FE, {size}"
+        yield Row(f"{what}: dissipation", found.error, within, how)
+        yield Row(f"{what}: ... of that by the mesh", found.mesh_part, None, "against the exact polygon of its own increments")
+        yield Row(f"{what}: ... of that by the increments", found.increment_part, None, "that polygon against the ellipse")
+        yield Row(f"{what}: CPU time, set-up included", found.seconds, seconds, "mesh, condensation, revolutions", "s")
+
+
+def sweep_table() -> str:
+    """The sweep in columns."""
+    lines = [f"{'':12s}{'CPU s':>8s}{'W':>10s}{'by mesh':>10s}{'by steps':>10s}{'q, L2':>10s}{'nodes':>7s}{'steps':>7s}"]
+    for name, series in measured_sweep().items():
+        lines.append(name)
+        for setting, m in series:
+            errors = "".join(f"{value:10.1e}" for value in (m.error, m.mesh_part, m.increment_part, m.shear))
+            lines.append(f"{setting.text:>12s}{m.seconds:8.2f}{errors}{m.nodes:7d}{m.increments:7d}")
+    return "\n".join(lines)
+
+
+def draw(path: Path) -> None:
+    """Error over CPU time, log-log: dissipation on the left, shear on the right."""
+    marks = ("o", "s", "^", "P", "D", "v")
+    with canvas(9.6, 4.6) as figure:
+        axes = figure.subplots(1, 2, sharex=True)
+        for (name, series), colour, mark in zip(measured_sweep().items(), COLOURS, marks, strict=False):
+            seconds = [m.seconds for _, m in series]
+            for one, values in zip(axes, ([abs(m.error) for _, m in series], [m.shear for _, m in series]), strict=True):
+                one.loglog(seconds, values, color=colour, marker=mark, ms=4.5, mec="white", mew=0.5, label=name)
+        label_axes(axes[0], "CPU time, set-up included [s]", "|W / W exact - 1|", "Dissipation of a cycle")
+        label_axes(axes[1], "CPU time, set-up included [s]", "L2 of q over f ||p||, rms of the cycle", "Shear traction")
+        handles, names = axes[0].get_legend_handles_labels()
+        figure.legend(handles, names, loc="lower center", ncols=6, frameon=False)
+        figure.tight_layout(rect=(0, 0.07, 1, 1))
+        path.parent.mkdir(exist_ok=True)
+        figure.savefig(path, dpi=150)
+
+
+def main() -> None:
+    os.environ["HALFPLANE_CACHE"] = "off"  # every run condenses its bodies itself
+    print(sweep_table(), flush=True)
+    draw(FIGURE)
+    print(table(list(precision())))
+
+
+if __name__ == "__main__":
+    main()
