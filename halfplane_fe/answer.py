@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
-from halfplane_fe.edges import contact_edges, stick_edges
+from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
 from halfplane_fe.penalty import PenaltyAudit
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
@@ -20,7 +20,7 @@ States = NDArray[np.int8]
 
 
 def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales) -> dict[str, Any]:
-    """Fields of ContactSolution that are numbers, by name."""
+    """Fields of FiniteElementSolution that are numbers, by name."""
     states = run.states
     displacement = scales.load / scales.modulus
     work = scales.load * displacement
@@ -47,6 +47,8 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "state": freeze(seen, np.int8),
         "contact_edges": freeze(edges[:, 0]),
         "stick_edges": freeze(edges[:, 1]),
+        "contact_edge_uncertainty": freeze(edges[:, 2]),
+        "stick_edge_uncertainty": freeze(edges[:, 3]),
         "contact_half_width": freeze(np.diff(edges[:, 0])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges[:, 1])[:, 0] / 2),
         "dissipation_density": freeze(densities[-1] / weights if len(densities) else np.zeros_like(weights)),
@@ -68,14 +70,23 @@ def _loop_work(scene: Scene, run: PathRun) -> float:
 
 
 def _edges(problem: ContactProblem, state: InterfaceState, visible: States) -> tuple[tuple[float, float], ...]:
+    """Contact edges, stick edges, and the uncertainty of either."""
     x, closed = problem.interface.x, state.closed
     if not state.normal_load > 0:
         touching = (float(x[closed].min()), float(x[closed].max())) if closed.any() else (0.0, 0.0)
-        return touching, touching
+        return touching, touching, (0.0, 0.0), (0.0, 0.0)
     gap = state.gap  # open nodes carry nothing, so the layer does not count there
     pressure, shear = state.pressure / problem.interface.weights, state.shear / problem.interface.weights
     contact = contact_edges(x, pressure, gap, closed, 1.0)
-    return contact, stick_edges(x, visible == SurfaceState.STICK, closed, contact, problem.friction * pressure, shear)
+    stick = visible == SurfaceState.STICK
+    edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear)
+    of_contact = contact_uncertainty(x, pressure, closed, contact)
+    return (
+        contact,
+        edges,
+        of_contact,
+        stick_uncertainty(x, (stick, state.state == SurfaceState.STICK), closed, contact, edges, of_contact),
+    )
 
 
 def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States) -> float:

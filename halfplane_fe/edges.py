@@ -50,6 +50,29 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     return edges[0], edges[1]
 
 
+def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: tuple[float, float]) -> tuple[float, float]:
+    """How far each contact edge may be from the true one, by the mesh.
+
+    A share of the distance of the nodes around it, and how far the edge is from another estimate: the zero of a straight line
+    through the squares of the pressure at the five nodes before the last. With fewer nodes than that, the whole contact.
+
+    Parameters
+    ----------
+    x, pressure, closed : (n,) nodes in ascending order
+    contact : left and right end of the contact
+    """
+    inside = np.flatnonzero(closed)
+    if len(inside) <= len(_EXTRAPOLATED):
+        return (contact[1] - contact[0],) * 2
+    found = []
+    for last, step, edge in ((int(inside[0]), -1, contact[0]), (int(inside[-1]), 1, contact[1])):
+        nodes = last - step * _EXTRAPOLATED
+        slope, value = np.polyfit(step * (x[nodes] - x[last]), pressure[nodes] ** 2, 1)
+        other = x[last] - step * value / slope if slope < 0 else x[nodes[-1]]
+        found.append(_SHARE * _spacing(x, last) + min(abs(float(other) - edge), abs(x[nodes[-1]] - edge)))
+    return found[0], found[1]
+
+
 def stick_edges(
     x: Array, stick: Mask, closed: Mask, contact: tuple[float, float], limit: Array | None = None, shear: Array | None = None
 ) -> tuple[float, float]:
@@ -66,10 +89,8 @@ def stick_edges(
     contact : left and right end of the contact
     limit, shear : (n,) f p and q [stress]
     """
-    nodes = np.flatnonzero(closed)
-    middle = int(np.searchsorted(x[nodes], (x[nodes[0]] + x[nodes[-1]]) / 2))
     edges = []
-    for side, step, end in ((nodes[:middle][::-1], -1, contact[0]), (nodes[middle:], 1, contact[1])):
+    for side, step, end in _halves(x, closed, contact):
         n_stick = _fewest_wrong(stick[side])
         if n_stick == 0 and len(side):
             return float("nan"), float("nan")
@@ -86,6 +107,66 @@ def stick_edges(
     return edges[0], edges[1]
 
 
+def stick_uncertainty(
+    x: Array,
+    seen: tuple[Mask, Mask],
+    closed: Mask,
+    contact: tuple[float, float],
+    edges: tuple[float, float],
+    of_contact: tuple[float, float],
+) -> tuple[float, float]:
+    """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
+
+    Where the whole contact sticks, a slip zone narrower than a node may be there unseen, and the contact edge itself is uncertain.
+    Else the distance of the nodes around the edge (a share of it where the edge is fitted), and how far the edge is from where it
+    would be by another reading of the states: node status for a fitted one, and creeping nodes counted as sliding. A slip zone of
+    a few nodes may be none at all: there, at least the distance to the contact edge.
+
+    Parameters
+    ----------
+    seen : (n,) nodes that stick, as the reader sees them and by the law alone
+    contact, edges : contact and stick edges as answered
+    of_contact : uncertainty of the contact edges
+    """
+    if np.isnan(edges[0]):
+        return float("nan"), float("nan")
+    by_status, by_law = (stick_edges(x, sticking, closed, contact) for sticking in seen)
+    found = []
+    for side, (nodes, step, end) in enumerate(_halves(x, closed, contact)):
+        edge = edges[side]
+        apart = [abs(other[side] - edge) for other in (by_status, by_law) if np.isfinite(other[side])]
+        beyond = int(np.count_nonzero(step * (x[nodes] - edge) > 0))
+        spacing = _spacing(x, int(np.argmin(np.abs(x - edge))))
+        if edge == end:
+            found.append(max(spacing, of_contact[side], *apart))
+            continue
+        narrow = abs(end - edge) + of_contact[side] if beyond <= _UNRESOLVED else 0.0
+        share = 1.0 if edge == by_status[side] else _FITTED_SHARE
+        found.append(max(share * spacing + max(apart), narrow))
+    return found[0], found[1]
+
+
+def _halves(x: Array, closed: Mask, contact: tuple[float, float]) -> tuple[tuple[NDArray[np.intp], int, float], ...]:
+    """Closed nodes left and right of the middle of the contact, from there outwards, with the direction and the contact edge."""
+    nodes = np.flatnonzero(closed)
+    middle = int(np.searchsorted(x[nodes], (x[nodes[0]] + x[nodes[-1]]) / 2))
+    return (nodes[:middle][::-1], -1, contact[0]), (nodes[middle:], 1, contact[1])
+
+
+def _spacing(x: Array, node: int) -> float:
+    """The larger distance of a node from its neighbours."""
+    return float(np.max(np.abs(x[[max(node - 1, 0), min(node + 1, len(x) - 1)]] - x[node])))
+
+
+# Share of the distance of two nodes by which an edge between them is uncertain whatever the fit says: the shape functions of
+# quadratic elements know no square root. Measured on hertz-paper, cattaneo-mindlin and flat-rounded-paper: 0.26 at most.
+_SHARE = 0.3
+# The same of a fitted stick edge, whose straight line is a chord: on elements of a/60 that costs flat-rounded-paper so much.
+_FITTED_SHARE = 0.5
+# Nodes that the second estimate of the contact edge takes, counted from the last closed one.
+_EXTRAPOLATED = np.arange(1, 6)
+# Nodes of a slip zone below which it may be none at all.
+_UNRESOLVED = 4
 # Nodes inside the stick zone that the fit takes, counted from its last one, which the singularity spoils.
 _FITTED = np.arange(1, 8)
 # Elements by which two fits of a stick edge may differ.

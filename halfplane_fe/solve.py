@@ -43,6 +43,8 @@ class FiniteElementSolution(ContactSolution):
     states : one InterfaceState per step, scaled
     scales : what the coarse run found; with E* the units of `states`
     penalty : what the layer of the penalty method costs
+    contact_edge_uncertainty, stick_edge_uncertainty : (n_steps, 2) how far each edge may be from the true one, by the mesh alone
+        [length]; see `edges`
     """
 
     bodies: tuple[BodyMesh, BodyMesh]
@@ -50,6 +52,8 @@ class FiniteElementSolution(ContactSolution):
     states: tuple[InterfaceState, ...]
     scales: Scales
     penalty: PenaltyAudit
+    contact_edge_uncertainty: Array
+    stick_edge_uncertainty: Array
 
 
 def solve(

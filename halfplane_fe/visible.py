@@ -19,6 +19,9 @@ States = NDArray[np.int8]
 _MOVED = 1e-3
 # The same of a node whose slip per change of load is less than this share of the largest of the revolution: at turning points.
 _CREEP = 5e-5
+# The same of the outermost nodes of the contact, where they alone slide: a slip zone of width w slides at its rim about
+# sqrt(2 w/a) times as fast as the largest ever does, a tenth to a fifth for these; a twentieth of that is the mesh's error.
+_RIM, _RIM_CREEP = 5, 5e-3
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
 
@@ -46,4 +49,18 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
     for part in np.split(np.arange(len(states)), np.asarray(cycle_starts, dtype=int) + 1):
         fastest = pace[part].max(initial=0.0)
         moved[part] &= pace[part] > _CREEP * fastest
+        for step in part:
+            moved[step, _slow_rim(law[step], moved[step], pace[step] > _RIM_CREEP * fastest)] = False
     return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)
+
+
+def _slow_rim(law: States, moved: NDArray[np.bool_], fast: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Sliding nodes of each half of the contact, where all of them are among its outermost and none is fast."""
+    closed = np.flatnonzero(law != SurfaceState.OPEN)
+    half = len(closed) // 2
+    slow = []
+    for side in (closed[:half], closed[half:][::-1]):  # from the rim inwards
+        sliding = side[(slip_sign(law[side]) != 0) & moved[side]]
+        if len(sliding) and not fast[sliding].any() and np.isin(sliding, side[:_RIM]).all():
+            slow.append(sliding)
+    return np.concatenate(slow) if slow else np.zeros(0, dtype=np.int64)
