@@ -4,8 +4,8 @@
 
 The truth is the half-plane engine. The error of the dissipation is split in two by a third figure, the exact dissipation of the
 polygon that the FE model's own increments are: FE against it is the mesh's part, it against the ellipse the increments' part. Times
-are CPU times, and hold everything from the coarse run to the answer; no condensation is read from the store. The sweep is printed and
-drawn, into out/fe_precision.png; the rows hold the figures that were promised.
+are CPU times and hold everything from the coarse run to the answer; no condensation is read from the store. The sweep is printed,
+and drawn into out/fe_precision.png; the rows hold the figures that were promised.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import functools
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +36,7 @@ class Setting:
 
     text: str
     mesh: MeshSettings
-    solver: SolverSettings = SolverSettings()
+    solver: SolverSettings = field(default_factory=SolverSettings)
 
 
 @dataclass(frozen=True)
