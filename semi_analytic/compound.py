@@ -9,15 +9,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scenes.chebyshev import Pieces, halved
 from semi_analytic.flat_rounded import FlatRoundedContact, load_function, log_function
 from semi_analytic.pile import Pile, rising_root
-from semi_analytic.tip import tip_load, tip_log, tip_pressure, tip_spread, tip_stiffness
+from semi_analytic.tip import tip_load, tip_log, tip_stiffness
 
 Array = NDArray[np.float64]
+
+_ROOTS = 2.0 ** np.arange(-2, 12)
 
 
 @dataclass(frozen=True)
@@ -50,24 +54,48 @@ class CompoundContact(Pile):
             return None
         return FlatRoundedContact(self.modulus, self.outer_radius, self.inner_half_length, self.datum_length)
 
+    @property
+    def _units(self) -> tuple[float, float]:
+        """E* b^2/(2 R) of the tip and of the edge."""
+        half = self.modulus * self.inner_half_length**2 / 2
+        return half / self.inner_radius, half / self.outer_radius
+
+    def _excess(self, square: Array) -> Array:
+        """P - P(b) as a function of tau^2: the tip's share is pi/2 tau^2 - F, or by its closed form where that is large."""
+        inner, outer = self._units
+        t = np.sqrt(square)
+        edge = load_function(t)
+        tip = np.where(t < 1, np.pi / 2 * square - edge, (1 + square) * np.arctan2(1, t) + t - np.pi / 2)
+        return inner * tip + outer * edge
+
+    def _slope(self, square: Array) -> Array:
+        inner, outer = self._units
+        angle = np.arctan(np.sqrt(square))
+        return inner * (np.pi / 2 - angle) + outer * angle
+
+    @cached_property
+    def _first_guess(self) -> Pieces:
+        """Tau^2 over the rough value, by series of the root of the load's share."""
+        inner, outer = self._units
+
+        def quotient(root: Array) -> Array:
+            share = root**2
+            return rising_root(self._excess, self._slope, (inner + outer) * share, self._rough(share)) / self._rough(share)
+
+        return halved(quotient, np.concatenate([[0.0], _ROOTS]), 1e6)
+
+    def _rough(self, share: Array) -> Array:
+        """Tau^2 for small and for large loads."""
+        return share if math.isfinite(self.outer_radius) else share + np.square(share / 2)
+
     def tau(self, load: ArrayLike) -> Array:
         """sqrt(a^2 - b^2)/b from the load, 0 up to a = b."""
-        b = self.inner_half_length
-        inner, outer = self.tip * b * b / 2, self.edge.unit if self.edge is not None else 0.0
+        inner, outer = self._units
         rest = np.maximum(np.asarray(load, dtype=float) - inner * np.pi / 2, 0.0)
-
-        def above(square: Array) -> Array:
-            # P - P(b) as a function of tau^2: the tip's share is pi/2 tau^2 - F, or by its closed form where that is large.
-            t = np.sqrt(square)
-            tip = np.where(t < 1, np.pi / 2 * square - load_function(t), (1 + square) * np.arctan2(1, t) + t - np.pi / 2)
-            return inner * tip + outer * load_function(t)
-
-        def slope(square: Array) -> Array:
-            t = np.sqrt(square)
-            return inner * np.arctan2(1, t) + outer * np.arctan(t)
-
-        guess = rest / (inner + outer) + np.where(outer > 0, 0.0, np.square(rest / (2 * inner)))
-        return np.sqrt(rising_root(above, slope, rest, guess))
+        share = rest / (inner + outer)
+        root = np.sqrt(share)
+        guess = self._rough(share) * np.where(root < _ROOTS[-1], self._first_guess(np.minimum(root, _ROOTS[-1])), 1.0)
+        return np.sqrt(rising_root(self._excess, self._slope, rest, guess))
 
     def half_width(self, load: ArrayLike) -> Array:
         """a(P) [length]."""
@@ -87,23 +115,8 @@ class CompoundContact(Pile):
         tau = np.sqrt(np.maximum((half - b) * (half + b), 0.0))
         return self.tip * tip_stiffness(half, b) + self.modulus / self.outer_radius * half * np.arctan2(tau, b)
 
-    def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) >= 0 [stress], 0 outside the contact."""
-        total = self.tip * tip_pressure(np.abs(x), self.half_width(load), self.inner_half_length)
-        return total if self.edge is None else total + self.edge.pressure(x, self._edge_load(load))
-
-    def spread(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness]."""
-        total = self.tip * tip_spread(np.abs(x), self.half_width(load), self.inner_half_length)
-        return total if self.edge is None else total + self.edge.spread(x, self._edge_load(load))
-
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per thickness]."""
         p = np.asarray(load, dtype=float)
         total = p * self.log_ratio(p) + self.tip * tip_log(self.half_width(p), self.inner_half_length)
         return total if self.edge is None else total + self.edge.unit * log_function(self.tau(p))
-
-    def _edge_load(self, load: ArrayLike) -> Array:
-        """What the flat with rounded edges carries of P."""
-        assert self.edge is not None
-        return self.edge.unit * load_function(self.tau(load))

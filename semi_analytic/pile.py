@@ -12,18 +12,26 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semi_analytic.sheets import OCTAVES, Kind, Sheet, sheet_of
+
 Array = NDArray[np.float64]
 
 _EPS = float(np.finfo(float).eps)
+_ROOT_OF_ROUNDING = 3e-9
 _CLOSE = 0.01
 _NEARBY = 0.3
 _STEP = 0.375
+_APART = 0.02
 _CHUNK = 4_000_000
+_REMEMBERED = 8
+_GAUSS6 = np.polynomial.legendre.leggauss(6)
+_GAUSS12 = np.polynomial.legendre.leggauss(12)
 
 
 class Rule(NamedTuple):
@@ -69,24 +77,6 @@ def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = (), r
     return Nodes(np.where(rule.up < 0.5, low + up, high - down), above, below, length * rule.share)
 
 
-class Terms(NamedTuple):
-    """Summands of a quadrature, (..., panels, nodes)."""
-
-    parts: Array
-
-    def total(self) -> Array:
-        """The integral."""
-        return np.sum(self.parts, axis=(-2, -1))
-
-    def error(self) -> Array:
-        """An estimate from above: the rule with half the nodes, whose error is about the root of the full rule's, and rounding."""
-        fine = self.total()
-        coarse = 2 * np.sum(self.parts[..., ::2], axis=(-2, -1))
-        size = np.sum(np.abs(self.parts), axis=(-2, -1))
-        safe = np.where(size > 0, size, 1.0)
-        return size * (np.minimum(np.abs(fine - coarse) / safe, 1.0) ** 1.5 + 50 * _EPS)
-
-
 def in_chunks(function: Callable[[Array, Array], Array], one: ArrayLike, other: ArrayLike, nodes: int) -> Array:
     """The function over broadcast arguments, a bounded number of nodes at a time."""
     first, second = np.broadcast_arrays(np.asarray(one, dtype=float), np.asarray(other, dtype=float))
@@ -111,11 +101,11 @@ def rising_root(function: Callable[[Array], Array], slope: Callable[[Array], Arr
         steepness = x * slope(x) / np.where(now > 0, now, 1.0)
         step = np.log(wanted / np.where(now > 0, now, wanted)) / np.where(steepness > 0, steepness, 1.0)
         x = x * np.exp(np.clip(step, -3.0, 3.0))
-        if np.all(np.abs(step) < 4 * _EPS):
+        # The next step would be about the square of this one.
+        if np.all(np.abs(step) < _ROOT_OF_ROUNDING):
             break
     else:
-        # The last digit may go back and forth for ever: that is rounding. More is not.
-        x = np.where(np.abs(step) < 1e-11, x, np.nan)
+        x = np.where(np.abs(step) < _ROOT_OF_ROUNDING, x, np.nan)
     return np.where(value > 0, x, 0.0)
 
 
@@ -149,110 +139,119 @@ class Pile:
         return ()
 
     @property
+    def seams(self) -> Array:
+        """Half-widths from a(0) up between which P and dP/da are one smooth function each; the breaks are among them."""
+        return np.array([self.least, *self.breaks])
+
+    @property
     def noise(self) -> float:
         """Relative error of P and dP/da themselves."""
         return 2 * _EPS
 
-    def _weight(self, at: Array, order: int) -> Array:
-        return self.stiffness(at) * self.load(at) if order else self.stiffness(at)
+    @cached_property
+    def _begins(self) -> Array:
+        return np.array([self.least, *self.breaks])
 
-    def _pressure_terms(self, x: Array, load: Array, order: int = 0) -> Terms:
-        distance, half = np.abs(x), self.half_width(load)
-        first = np.maximum(distance, self.least)
-        node = panels(first, np.maximum(half, first), self.breaks, INVERSE_ROOT)
-        beyond = (first - distance)[..., None, None] + node.above
-        root = np.sqrt(beyond * (node.at + distance[..., None, None]))
-        return Terms(node.weight * self._weight(node.at, order) / np.where(root > 0, root, np.inf) / np.pi)
+    @cached_property
+    def _break_loads(self) -> Array:
+        return np.asarray(self.load(self._begins))
 
-    def _spread_terms(self, x: Array, load: Array, order: int = 0) -> Terms:
-        distance, half = np.abs(x), self.half_width(load)
-        last = np.maximum(np.minimum(half, distance), self.least)
-        node = panels(self.least, last, self.breaks)
-        gap = np.maximum((distance - last)[..., None, None] + node.below, 0.0) * (distance[..., None, None] + node.at)
-        reach = np.arcsinh(np.sqrt(gap) / np.where(node.at > 0, node.at, np.inf))
-        return Terms(node.weight * self._weight(node.at, order) * reach)
+    @cached_property
+    def _sheets(self) -> dict[tuple[Kind, int], list[Sheet]]:
+        """What was integrated for earlier questions: nothing but a memory of answers."""
+        return {}
 
-    def _log_terms(self, load: Array, order: int = 0) -> Terms:
-        """int_0^a P^(order + 1)/alpha d alpha: what is left of the logarithm after integrating by parts."""
-        node = panels(self.least, self.half_width(load), self.breaks)
-        return Terms(node.weight * self.load(node.at) ** (order + 1) / np.where(node.at > 0, node.at, np.inf))
+    def _sheet(self, kind: Kind, order: int, x: Array, top: float) -> tuple[Sheet, NDArray[np.intp]]:
+        """A sheet that reaches `top` and holds the points `x`, and their numbers on it."""
+        known = self._sheets.setdefault((kind, order), [])
+        for sheet in known:
+            number = np.minimum(np.searchsorted(sheet.x, x), len(sheet.x) - 1)
+            if top <= sheet.top < top * 2.0 ** (OCTAVES // 2) and np.array_equal(sheet.x[number], x):
+                return sheet, number
+        sheet = sheet_of(kind, x, top, self.seams, self._begins, (self.load, self.stiffness), order)
+        known[:] = [sheet, *known[: _REMEMBERED - 1]]
+        return sheet, np.arange(len(x))
 
-    def _area_terms(self, load: Array, slipped: Array, order: int = 0) -> Terms:
-        del order
-        half = self.half_width(load)
-        drop = self._drop(half, load, slipped)
-        front = np.maximum(half - drop, 0.0)
-        node = panels(0.0, drop, [b - front for b in self.breaks])
-        at = front[..., None, None] + node.at
-        safe = np.where(front > 0, front, np.finfo(float).tiny)[..., None, None]
-        near = node.at < safe
-        growth = np.where(near, np.log1p(np.where(near, node.at, 0.0) / safe), np.log(np.maximum(at, safe)) - np.log(safe))
-        return Terms(node.weight * self.stiffness(at) * growth)
+    def _integral(self, kind: Kind, order: int, x: Array, half: Array) -> tuple[Array, Array]:
+        """The integral of a kind at `x` up to `half`, arrays that broadcast, and its error."""
+        different, fold = np.unique(np.ravel(x), return_inverse=True)
+        top = float(np.max(half, initial=self.least))
+        top = top if top > self.least else self.least + 1e-3 * max(self.least, np.finfo(float).tiny)
+        sheet, number = self._sheet(kind, order, different, top)
+        point, upto = np.broadcast_arrays(number[fold].reshape(np.shape(x)), half)
+        return sheet(point, upto)
 
-    def _drop(self, half: Array, load: Array, slipped: Array) -> Array:
-        """a(P) - a(P - slipped), free of cancellation: Newton's method on the load between the two where they are close."""
-        direct = half - self.half_width(np.maximum(load - slipped, 0.0))
-        close = (slipped < _NEARBY * load) & (slipped > 0)
-        if not np.any(close):
-            return direct
-        a, wanted = half[close], slipped[close]
-        drop = np.maximum(direct[close], wanted / self.stiffness(a) * 0.5)
-        for _ in range(4):
-            node = panels(0.0, drop, [a - b for b in self.breaks[::-1]])
-            fault = np.sum(node.weight * self.stiffness(a[..., None, None] - node.at), axis=(-2, -1)) - wanted
-            drop = np.maximum(drop - fault / self.stiffness(a - drop), 0.1 * drop)
-        result = np.array(direct)
-        result[close] = drop
-        return result
+    def _of_points(self, kind: Kind, order: int, x: ArrayLike, load: ArrayLike) -> tuple[Array, Array]:
+        """Pressure or spread, and the error of the series."""
+        distance, p = np.abs(np.asarray(x, dtype=float)), np.asarray(load, dtype=float)
+        half = self.half_width(p)
+        value, error = self._integral(kind, order, distance, half)
+        if kind == "spread":
+            inner = np.minimum(half, distance)
+            force = np.minimum(p, self.load(distance))
+            root = np.sqrt((distance - inner) * (distance + inner))
+            reach = np.arcsinh(root / np.where(inner > 0, inner, np.inf))
+            value = value + (force * force / 2 if order else force) * reach
+        return np.maximum(value, 0.0), error
+
+    def _logarithm(self, order: int, half: Array) -> tuple[Array, Array]:
+        """int_0^a P/alpha d alpha, of order 1 int_0^a P^2/(2 alpha) d alpha, and the error."""
+        value, error = self._integral("logarithm", order, np.zeros(1), half.reshape(-1, 1))
+        return value.reshape(half.shape), error.reshape(half.shape)
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
         """Estimated error of the method `name` for these arguments, where it is done by quadrature; not below the true one."""
-        terms, order = {
-            "pressure": (self._pressure_terms, 0),
-            "spread": (self._spread_terms, 0),
-            "log_distance": (self._log_terms, 0),
-            "log_area": (self._area_terms, 0),
-            "pressure_moment": (self._pressure_terms, 1),
-            "spread_moment": (self._spread_terms, 1),
-            "log_moment": (self._log_terms, 1),
-        }[name]
         values = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in arguments))
-        found = terms(*values, order)  # type: ignore[operator]
-        half = self.half_width(values[-1] if name != "log_area" else values[0])
+        order, kind = int(name.endswith("_moment")), name.removesuffix("_moment")
+        half = self.half_width(values[0] if name == "log_area" else values[-1])
+        if kind in ("pressure", "spread"):
+            value, left = self._of_points("pressure" if kind == "pressure" else "spread", order, *values)
+            near = np.abs(half - np.abs(values[0]))
+        elif name == "log_area":
+            load, slipped = values
+            value, left = Pile.log_area(self, load, slipped), self._logarithm(0, half)[1]
+            # Far apart it is a difference of larger numbers; close together the last digit of P counts.
+            left = left + 8 * _EPS * load * (1 + np.abs(np.log(np.maximum(half, _EPS))))
+            near = np.abs(half - self.half_width(load - slipped))
+        else:
+            value, left = self._logarithm(order, half)
+            value, near = value + np.abs(values[0]) ** (1 + order) * np.abs(self.log_ratio(values[0])), half
         # What the last digit of a half-width does to the result, and errors of P(a).
-        near = {"pressure": half - np.abs(values[0]), "spread": np.abs(values[0]) - half}.get(name.removesuffix("_moment"), half)
-        if name == "log_area":
-            near = self._drop(half, *values)
-        last_digit = 8 * _EPS * half / np.maximum(np.abs(near), _EPS * np.maximum(half, np.finfo(float).tiny))
-        return found.error() + (last_digit + self.noise) * np.sum(np.abs(found.parts), axis=(-2, -1))
+        last_digit = 8 * _EPS * half / np.maximum(near, _EPS * np.maximum(half, np.finfo(float).tiny))
+        return left + (last_digit + self.noise + 50 * _EPS) * np.abs(value)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x, P) >= 0 [stress], 0 outside the contact."""
-        return in_chunks(lambda at, p: self._pressure_terms(at, p).total(), x, load, self._nodes)
+        return self._of_points("pressure", 0, x, load)[0]
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^P eta dp(x, eta) [stress * load]."""
-        return in_chunks(lambda at, p: self._pressure_terms(at, p, 1).total(), x, load, self._nodes)
+        return self._of_points("pressure", 1, x, load)[0]
 
     def spread(self, x: ArrayLike, load: ArrayLike) -> Array:
         """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness]."""
-        return in_chunks(lambda at, p: self._spread_terms(at, p).total(), x, load, self._nodes)
+        return self._of_points("spread", 0, x, load)[0]
 
     def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int eta arccosh(|x|/a(eta)) d eta over eta < min(P, P_x)."""
-        return in_chunks(lambda at, p: self._spread_terms(at, p, 1).total(), x, load, self._nodes)
-
-    @property
-    def _nodes(self) -> int:
-        return len(INVERSE_ROOT.up) * (len(self.breaks) + 1)
+        return self._of_points("spread", 1, x, load)[0]
 
     def _mean_rate(self, low: Array, high: Array) -> Array:
-        """(P(high) - P(low))/(high^2 - low^2) for low, high as close as may be."""
+        """(P(high) - P(low))/(high^2 - low^2) for low, high as close as may be: in two parts if there is a corner in between."""
         start = np.maximum(low, self.least)
-        width = np.maximum(high - start, 4 * _EPS * high)
-        node = panels(0.0, width, [b - start for b in self.breaks])
-        at = start[..., None, None] + node.at
-        return np.sum(node.weight * self.stiffness(at), axis=(-2, -1)) / np.sum(node.weight * 2 * at, axis=(-2, -1))
+        end = np.maximum(high, start * (1 + 4 * _EPS))
+        number = np.searchsorted(self._begins, start, side="right") - 1
+        corner = np.append(self._begins, np.inf)[number + 1]
+        above, below = np.zeros(start.shape), np.zeros(start.shape)
+        for first, last, behind in ((start, np.minimum(corner, end), number), (np.minimum(corner, end), end, number + 1)):
+            b = self._begins[np.minimum(behind, len(self._begins) - 1)]
+            inner, outer = np.sqrt(np.maximum(first - b, 0.0)), np.sqrt(np.maximum(last - b, 0.0))
+            root = inner[..., None] + (outer - inner)[..., None] * (1 + _GAUSS6[0]) / 2
+            at = b[..., None] + root * root
+            weight = (outer - inner)[..., None] * _GAUSS6[1] * root
+            above = above + np.sum(weight * self.stiffness(at), axis=-1)
+            below = below + np.sum(weight * 2 * at, axis=-1)
+        return above / np.where(below > 0, below, 1.0)
 
     def _square_gap(self, low: Array, high: Array, rise: Array) -> Array:
         """high^2 - low^2 from the rise of P between them where they are close."""
@@ -288,13 +287,51 @@ class Pile:
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per thickness]."""
         p = np.asarray(load, dtype=float)
-        return p * self.log_ratio(p) + self._log_terms(p).total()
+        return p * self.log_ratio(p) + self._logarithm(0, self.half_width(p))[0]
 
     def log_moment(self, load: ArrayLike) -> Array:
-        """int_0^P eta ln(2 L/a(eta)) d eta = (P^2 ln(2 L/a) + int_0^a P^2/alpha d alpha)/2."""
+        """int_0^P eta ln(2 L/a(eta)) d eta = P^2 ln(2 L/a)/2 + int_0^a P^2/(2 alpha) d alpha."""
         p = np.asarray(load, dtype=float)
-        return (p * p * self.log_ratio(p) + self._log_terms(p, 1).total()) / 2
+        return p * p * self.log_ratio(p) / 2 + self._logarithm(1, self.half_width(p))[0]
 
     def log_area(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta from P and P - P_c."""
-        return in_chunks(lambda p, d: self._area_terms(p, d).total(), load, slipped, self._nodes)
+        """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta from P and P - P_c.
+
+        Far apart P ln(a/c) less the rise of int P/alpha; close together int (P - eta) d ln(a), by Gauss' rule where that is smooth.
+        """
+        p, d = np.broadcast_arrays(np.asarray(load, dtype=float), np.asarray(slipped, dtype=float))
+        front = np.maximum(p - d, 0.0)
+        number = np.maximum(np.searchsorted(self._break_loads, front, side="right") - 1, 0)
+        smooth = (d < _NEARBY * (front - self._break_loads[number])) & (p <= np.append(self._break_loads, np.inf)[number + 1])
+        far = ~smooth & (d > _APART * p)
+        between = ~smooth & ~far & (d > 0)
+        result = np.zeros(p.shape)
+        for here, function in ((smooth, self._area_nearby), (far, self._area_apart), (between, self._area_across)):
+            if np.any(here):
+                result[here] = function(p[here], d[here])
+        return result
+
+    def _area_nearby(self, load: Array, slipped: Array) -> Array:
+        node, weight = (1 + _GAUSS12[0]) / 2, _GAUSS12[1] / 2
+        eta = (load - slipped)[:, None] + slipped[:, None] * node
+        half = self.half_width(eta)
+        return np.square(slipped) * np.sum(weight * (1 - node) / (half * self.stiffness(half)), axis=-1)
+
+    def _area_apart(self, load: Array, slipped: Array) -> Array:
+        half, front = self.half_width(load), self.half_width(np.maximum(load - slipped, 0.0))
+        ratio = np.log(half / np.where(front > 0, front, np.finfo(float).tiny))
+        return load * ratio - (self._logarithm(0, half)[0] - self._logarithm(0, front)[0])
+
+    def _area_across(self, load: Array, slipped: Array) -> Array:
+        """Across corners, or close behind one: in parts, by the rule for singular ends."""
+        front = load - slipped
+        inside = self._break_loads[(self._break_loads > np.min(front)) & (self._break_loads < np.max(load))]
+        total = np.zeros(load.shape)
+        for k in range(0, len(load), max(_CHUNK // (len(ROOTS.up) * (len(inside) + 1)), 1)):
+            here = slice(k, k + max(_CHUNK // (len(ROOTS.up) * (len(inside) + 1)), 1))
+            node = panels(0.0, slipped[here], [at - front[here] for at in inside])
+            half = self.half_width(front[here, None, None] + node.at)
+            rate = half * self.stiffness(half)
+            terms = node.weight * node.below / np.where(rate > 0, rate, np.inf)
+            total[here] = np.sum(terms, axis=(-2, -1))
+        return total
