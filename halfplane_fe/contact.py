@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from halfplane_fe.coupled import SingularSet
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
-from halfplane_fe.systems import Forces, Layer, SingularSet, Systems
+from halfplane_fe.systems import Forces, Layer, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
 from scenes import ConvergenceError, SurfaceState, freeze
 

@@ -13,7 +13,7 @@ which is m = |D| + |E| columns of triangular solves, C = [I_D, -M_PE], and one m
 
 from __future__ import annotations
 
-from collections import Counter, OrderedDict
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, lu_factor, lu_solve
 from scipy.linalg.lapack import dtrtrs
 
+from halfplane_fe.kept import Kept
 from scenes import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -82,8 +83,7 @@ class NestedFactor:
             raise ConvergenceError(f"contact: the compliance of the contact nodes is not positive definite: {reason}") from reason
         self._lower = np.asfortranarray(lower)  # so that its leading columns go to LAPACK without a copy
         self._work["factorisations"] += 1
-        self._kept: OrderedDict[bytes, _Correction] = OrderedDict()
-        self._bytes = 0
+        self._kept: Kept[_Correction] = Kept(_KEPT_BYTES)
 
     def solve(self, active: Mask, known: Array) -> Array:
         """f (n_active,) with M_AA f = known, rows by ascending node number."""
@@ -123,15 +123,10 @@ class NestedFactor:
 
     def _correction(self, active: Mask) -> _Correction:
         key = active.tobytes()
-        if key in self._kept:
-            self._kept.move_to_end(key)
-            return self._kept[key]
+        if (known := self._kept.get(key)) is not None:
+            return known
         made = self._make(active[self._order])
-        self._kept[key] = made
-        self._bytes += made.nbytes
-        while self._bytes > _KEPT_BYTES and len(self._kept) > 1:
-            self._bytes -= self._kept.popitem(last=False)[1].nbytes
-        return made
+        return self._kept.put(key, made, made.nbytes)
 
     def _make(self, wanted: Mask) -> _Correction:
         """The correction of the prefix that differs least from the set; `wanted` is in the order of elimination."""

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
-from collections import Counter, OrderedDict
-from collections.abc import Callable
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 
+from halfplane_fe.coupled import CoupledFactor, SingularSet
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
 from halfplane_fe.nested import NestedFactor
@@ -20,9 +18,6 @@ from scenes import SurfaceState
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 States = NDArray[np.int8]
-
-# Bytes of factorised matrices of unlike bodies kept: a cycle meets the same sets of nodes again and again.
-_KEPT_BYTES = 400_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +42,7 @@ class Forces(NamedTuple):
 
 @dataclass(eq=False)
 class Systems:
-    """Compliance of interface and layer, with their factors: nested for like bodies, else those of the sets met so far."""
+    """Compliance of interface and layer, with the factors that serve every set of nodes."""
 
     interface: Interface
     layer: Layer
@@ -58,8 +53,8 @@ class Systems:
         self.normal = self.interface.normal + np.diag(self.layer.normal)
         self.tangential = self.interface.tangential + np.diag(self.layer.tangential)
         self._nests: dict[str, NestedFactor] = {}
-        self._kept: OrderedDict[tuple[str, bytes], tuple[Array, Array]] = OrderedDict()
-        self._bytes = 0
+        coupling, parts = self.interface.coupling, (self.interface, self.normal, self.tangential)
+        self._coupled = None if coupling is None else CoupledFactor(*parts, coupling, self.friction, self.work)
 
     def gap(self, height: Array, forces: Forces) -> Array:
         """Gap of the law, h - n_y delta + n_x U + N p - K^T q."""
@@ -85,36 +80,9 @@ class Systems:
 
     def both(self, states: States, height: Array, slip_before: Array, loads: tuple[float, float]) -> Forces:
         """Normal and tangential problem of unlike bodies in one system: p of closed nodes, q of sticking ones, approach, shift."""
-        closed, stick = states != SurfaceState.OPEN, states == SurfaceState.STICK
-        traction: Array = np.asarray(slip_sign(states) * self.friction, dtype=np.float64)  # q = traction * p where a node slides
-        n, m = int(closed.sum()), int(stick.sum())
-        factors = self._factors(("both", states.tobytes()), lambda: _lu(self._matrix(closed, stick, traction)))
-        right = np.concatenate([-height[closed], slip_before[stick], loads])
-        found = lu_solve(factors, right, check_finite=False)
-        pressure, shear = np.zeros(len(states)), np.zeros(len(states))
-        pressure[closed] = found[:n]
-        shear[stick] = found[n : n + m]
-        return Forces(pressure, shear + traction * pressure, float(found[n + m]), float(found[n + m + 1]))
-
-    def _matrix(self, closed: Mask, stick: Mask, traction: Array) -> Array:
-        """Rows: gap of closed nodes, slip of sticking ones, the two loads; columns: p, q, approach, shift."""
-        coupling = self.interface.coupling
-        if coupling is None:
+        if self._coupled is None:
             raise ValueError("like bodies have no coupled system")
-        by_pressure = self.normal - coupling.T * traction  # gap by p, sliding nodes taking their q along
-        slip_by_pressure = coupling - self.tangential * traction
-        n, m = int(closed.sum()), int(stick.sum())
-        n_x, n_y = self.interface.normals
-        matrix = np.zeros((n + m + 2, n + m + 2))
-        matrix[:n, :n] = by_pressure[np.ix_(closed, closed)]
-        matrix[:n, n : n + m] = -coupling.T[np.ix_(closed, stick)]
-        matrix[:n, n + m], matrix[:n, n + m + 1] = -n_y[closed], n_x[closed]
-        matrix[n : n + m, :n] = slip_by_pressure[np.ix_(stick, closed)]
-        matrix[n : n + m, n : n + m] = -self.tangential[np.ix_(stick, stick)]
-        matrix[n : n + m, n + m], matrix[n : n + m, n + m + 1] = n_x[stick], n_y[stick]
-        matrix[n + m, :n], matrix[n + m, n : n + m] = (n_y + traction * n_x)[closed], n_x[stick]
-        matrix[n + m + 1, :n], matrix[n + m + 1, n : n + m] = (traction * n_y - n_x)[closed], n_y[stick]
-        return matrix
+        return Forces(*self._coupled.solve(states, -height, slip_before, loads))
 
     def held(self, stick: Mask, known: Array) -> Array:
         """Shear (n_stick,) of the sticking nodes with T_SS q = known there."""
@@ -135,30 +103,3 @@ class Systems:
         if name not in self._nests:
             self._nests[name] = NestedFactor(getattr(self, name), self.interface.x, self.interface.normals[1], self.work)
         return self._nests[name]
-
-    def _factors(self, key: tuple[str, bytes], make: Callable[[], tuple[Array, Array]]) -> tuple[Array, Array]:
-        """The factors of a set of nodes: from store, or made now; the longest unused give way."""
-        self.work["linear solves"] += 1
-        if key in self._kept:
-            self._kept.move_to_end(key)
-            return self._kept[key]
-        factors = make()
-        self.work["factorisations"] += 1
-        self._kept[key] = factors
-        self._bytes += factors[0].nbytes
-        while self._bytes > _KEPT_BYTES and len(self._kept) > 1:
-            self._bytes -= self._kept.popitem(last=False)[1][0].nbytes
-        return factors
-
-
-def _lu(matrix: Array) -> tuple[Array, Array]:
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", LinAlgWarning)
-            return lu_factor(matrix, check_finite=False)
-    except LinAlgWarning as reason:
-        raise SingularSet(str(reason)) from reason
-
-
-class SingularSet(ArithmeticError):
-    """A set of node states that leaves the bodies free to move: no answer, try another set."""

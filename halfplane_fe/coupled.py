@@ -1,0 +1,217 @@
+r"""Normal and tangential problem of unlike bodies in one system, for many sets of node states from a few factorisations.
+
+Unknowns z = (p, q, delta, U); each node has two rows, by its state:
+
+    open    p = 0,             q = 0
+    stick   gap = 0,           slip = known
+    slip    gap = 0,           q - (+-f) p = 0
+
+and two rows for the loads. A state of a node is a choice of rows, so that the matrix A of a set differs from that of a base set,
+A_0, in a few rows R alone. With E the unit columns of those rows and R_1 the rows as the set has them,
+
+    z = A_0^-1 (b - E E^T b) + A_0^-1 E y,    (R_1 A_0^-1 E) y = b_R - R_1 A_0^-1 (b - E E^T b),
+
+which is a column A_0^-1 e of the base for each changed row, kept with it, and one small system.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
+
+from halfplane_fe.interface import Interface
+from halfplane_fe.kept import Kept
+from halfplane_fe.law import slip_sign
+from scenes import SurfaceState
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+States = NDArray[np.int8]
+Factors = tuple[Array, Array]
+
+# Rows in which a set may differ from its base: beyond that the set becomes a base itself.
+_MOST_ROWS = 48
+# Bytes kept, of bases and of what sets add to them: a cycle meets the same sets of nodes again and again.
+_KEPT_BYTES = 300_000_000
+
+
+class SingularSet(ArithmeticError):
+    """A set of node states that leaves the bodies free to move: no answer, try another set."""
+
+
+class Rows(NamedTuple):
+    """What the rows of a set of states say: which nodes are closed, which stick, and q over p of the others."""
+
+    closed: Mask
+    stick: Mask
+    traction: Array
+
+    def differing(self, other: Rows) -> Mask:
+        """(2 n,) rows in which two sets differ."""
+        tangential = (self.stick != other.stick) | (self.traction != other.traction)
+        return np.concatenate([self.closed != other.closed, tangential])
+
+
+@dataclass(eq=False)
+class _Base:
+    rows: Rows
+    factors: Factors
+    columns: dict[int, Array] = field(default_factory=dict)  # A_0^-1 e of a row, (2 n + 2,)
+
+
+@dataclass(frozen=True, eq=False)
+class _Change:
+    """From a base to a set: the changed rows, A_0^-1 E and the factors of the small system."""
+
+    base: _Base
+    changed: Indices
+    columns: Array
+    factors: Factors | None
+
+
+@dataclass(eq=False)
+class CoupledFactor:
+    """Solves the coupled system of any set of states.
+
+    Attributes
+    ----------
+    interface : normals and coupling
+    normal, tangential : (n, n) compliance of interface and layer
+    friction : coefficient f
+    work : counts "linear solves", "factorisations" (of n^3) and "factor updates" (of m n^2)
+    """
+
+    interface: Interface
+    normal: Array
+    tangential: Array
+    coupling: Array
+    friction: float
+    work: Counter[str]
+
+    def __post_init__(self) -> None:
+        self._bases: Kept[_Base] = Kept(_KEPT_BYTES)
+        self._changes: Kept[_Change] = Kept(_KEPT_BYTES)
+
+    def solve(self, states: States, gap: Array, slip: Array, loads: tuple[float, float]) -> tuple[Array, Array, float, float]:
+        """p, q, approach and shift with the given gap at closed nodes and the given slip at sticking ones, each (n,).
+
+        Raises
+        ------
+        SingularSet
+            If the states leave the bodies free to move.
+        """
+        self.work["linear solves"] += 1
+        rows, change = self._rows(states), self._change(states)
+        right = np.concatenate([np.where(rows.closed, gap, 0.0), np.where(rows.stick, slip, 0.0), loads])
+        wanted = right[change.changed]
+        right[change.changed] = 0.0
+        found = self._solve(change.base, right)
+        if change.factors is not None:
+            lacking = wanted - self._values(rows, change.changed, found[:, None])[:, 0]
+            found += change.columns @ lu_solve(change.factors, lacking, check_finite=False)
+        n = len(states)
+        pressure = np.where(rows.closed, found[:n], 0.0)
+        shear = np.where(rows.stick, found[n : 2 * n], rows.traction * pressure)
+        return pressure, shear, float(found[-2]), float(found[-1])
+
+    def _rows(self, states: States) -> Rows:
+        return Rows(
+            states != SurfaceState.OPEN,
+            states == SurfaceState.STICK,
+            np.asarray(slip_sign(states) * self.friction, dtype=np.float64),
+        )
+
+    def _change(self, states: States) -> _Change:
+        """How to get to a set of states: kept, from the base nearest to it, or by making it a base."""
+        key = states.tobytes()
+        if (known := self._changes.get(key)) is not None:
+            return known
+        rows = self._rows(states)
+        made = self._from(self._nearest(rows) or self._new_base(key, rows), rows)
+        return self._changes.put(key, made, made.columns.nbytes)
+
+    def _nearest(self, rows: Rows) -> _Base | None:
+        """The base that differs in the fewest rows, if they are few enough."""
+        distance = {key: int(base.rows.differing(rows).sum()) for key, base in self._bases.items()}
+        near = min(distance, key=distance.__getitem__, default=b"")
+        return self._bases.get(near) if distance.get(near, _MOST_ROWS + 1) <= _MOST_ROWS else None
+
+    def _new_base(self, key: bytes, rows: Rows) -> _Base:
+        factors = _lu(self._matrix(rows))
+        self.work["factorisations"] += 1
+        return self._bases.put(key, _Base(rows, factors), factors[0].nbytes)
+
+    def _from(self, base: _Base, rows: Rows) -> _Change:
+        changed = np.flatnonzero(base.rows.differing(rows))
+        n = len(rows.closed)
+        if not len(changed):
+            return _Change(base, changed, np.empty((2 * n + 2, 0)), None)
+        self.work["factor updates"] += 1
+        for row in set(changed.tolist()) - base.columns.keys():
+            unit = np.zeros(2 * n + 2)
+            unit[row] = 1.0
+            base.columns[row] = self._solve(base, unit)
+        columns = np.stack([base.columns[int(row)] for row in changed], axis=1)
+        return _Change(base, changed, columns, _lu(self._values(rows, changed, columns)))
+
+    def _matrix(self, rows: Rows) -> Array:
+        """Rows: gap of closed nodes, slip of sticking ones, the two loads; columns: p, q of the same, approach, shift."""
+        closed, stick, traction = rows
+        n_x, n_y = self.interface.normals
+        by_pressure = self.normal - self.coupling.T * traction  # gap by p, sliding nodes taking their q along
+        slip_by_pressure = self.coupling - self.tangential * traction
+        n, m = int(closed.sum()), int(stick.sum())
+        matrix = np.zeros((n + m + 2, n + m + 2))
+        matrix[:n, :n] = by_pressure[np.ix_(closed, closed)]
+        matrix[:n, n : n + m] = -self.coupling.T[np.ix_(closed, stick)]
+        matrix[:n, n + m], matrix[:n, n + m + 1] = -n_y[closed], n_x[closed]
+        matrix[n : n + m, :n] = slip_by_pressure[np.ix_(stick, closed)]
+        matrix[n : n + m, n : n + m] = -self.tangential[np.ix_(stick, stick)]
+        matrix[n : n + m, n + m], matrix[n : n + m, n + m + 1] = n_x[stick], n_y[stick]
+        matrix[n + m, :n], matrix[n + m, n : n + m] = (n_y + traction * n_x)[closed], n_x[stick]
+        matrix[n + m + 1, :n], matrix[n + m + 1, n : n + m] = (traction * n_y - n_x)[closed], n_y[stick]
+        return matrix
+
+    def _solve(self, base: _Base, right: Array) -> Array:
+        """A_0^-1 right, both (2 n + 2,)."""
+        closed, stick, traction = base.rows
+        n = len(closed)
+        pressure, shear = np.where(closed, 0.0, right[:n]), np.where(stick, 0.0, right[n : 2 * n])
+        gap, slip, loads = right[:n], right[n : 2 * n], right[2 * n :]
+        if pressure.any() or shear.any():
+            gap = gap - self.normal @ pressure + self.coupling.T @ shear
+            slip = slip - self.coupling @ pressure + self.tangential @ shear
+            loads = loads - self.interface.carried(pressure, shear)
+        found = lu_solve(base.factors, np.concatenate([gap[closed], slip[stick], loads]), check_finite=False)
+        n_closed = int(closed.sum())
+        pressure[closed] = found[:n_closed]
+        shear[stick] = found[n_closed:-2]
+        return np.concatenate([pressure, shear + traction * pressure, found[-2:]])
+
+    def _values(self, rows: Rows, changed: Indices, found: Array) -> Array:
+        """The changed rows of a set times `found` (2 n + 2, k)."""
+        n = len(rows.closed)
+        pressure, shear, rigid = found[:n], found[n : 2 * n], found[2 * n :]
+        n_x, n_y = self.interface.normals
+        i, j = changed[changed < n], changed[changed >= n] - n
+        gap = self.normal[i] @ pressure - self.coupling.T[i] @ shear + np.stack([-n_y[i], n_x[i]], axis=1) @ rigid
+        slip = self.coupling[j] @ pressure - self.tangential[j] @ shear + np.stack([n_x[j], n_y[j]], axis=1) @ rigid
+        normal = np.where(rows.closed[i, None], gap, pressure[i])
+        tangential = np.where(rows.stick[j, None], slip, shear[j] - rows.traction[j, None] * pressure[j])
+        return np.vstack([normal, tangential])
+
+
+def _lu(matrix: Array) -> Factors:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", LinAlgWarning)
+            return lu_factor(matrix, check_finite=False)
+    except LinAlgWarning as reason:
+        raise SingularSet(str(reason)) from reason

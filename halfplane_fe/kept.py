@@ -1,0 +1,43 @@
+"""What was worked out for sets of nodes, kept within a bound of bytes: the longest unused gives way."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterable
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class Kept(Generic[T]):
+    """Values by key; what was asked for last is forgotten last.
+
+    >>> kept = Kept(bound=10)
+    >>> for key in (b"a", b"b"):
+    ...     _ = kept.put(key, key.decode(), 6)
+    >>> kept.get(b"a"), kept.get(b"b")
+    (None, 'b')
+    """
+
+    def __init__(self, bound: int) -> None:
+        self._bound, self._bytes = bound, 0
+        self._values: OrderedDict[bytes, tuple[T, int]] = OrderedDict()
+
+    def get(self, key: bytes) -> T | None:
+        """The value, which thereby counts as used; None where there is none."""
+        if key not in self._values:
+            return None
+        self._values.move_to_end(key)
+        return self._values[key][0]
+
+    def put(self, key: bytes, value: T, nbytes: int) -> T:
+        """Keep a new value of so many bytes, and give it back."""
+        self._values[key] = value, nbytes
+        self._bytes += nbytes
+        while self._bytes > self._bound and len(self._values) > 1:
+            self._bytes -= self._values.popitem(last=False)[1][1]
+        return value
+
+    def items(self) -> Iterable[tuple[bytes, T]]:
+        """All there is."""
+        return ((key, value) for key, (value, _) in self._values.items())
