@@ -173,7 +173,8 @@ class ContactProblem:
         r_normal, r_tangential = self.augmentation
         trial_pressure = answer.pressure - r_normal * gap
         # Within rounding of touching or of the cone a node keeps the state it has.
-        closed = np.where(np.abs(trial_pressure) <= ROUNDING, states != SurfaceState.OPEN, trial_pressure > 0)
+        touching = (np.abs(answer.pressure) <= ROUNDING) & (gap == 0)
+        closed = np.where(touching, states != SurfaceState.OPEN, trial_pressure > 0)
         pressure, _, wanted = project(np.maximum(trial_pressure, ROUNDING), answer.shear + r_tangential * slip, self.friction)
         at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= ROUNDING) & (slip == 0)
         wanted = np.where(at_cone & (states != SurfaceState.OPEN), states, wanted)
