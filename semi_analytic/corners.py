@@ -14,9 +14,6 @@ from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, change_from, instant, level, time_of
 from semi_analytic.memory import level_on
 
-MOST = 8
-"""Corners that are cut at; of more than that, as in a table, each is small."""
-
 
 def has_corners(contact: Contact) -> bool:
     """Whether P(a) of the profile is smooth only in parts."""
@@ -26,7 +23,7 @@ def has_corners(contact: Contact) -> bool:
 def smooth_spans(contact: Contact, spans: Sequence[Span]) -> Sequence[Span]:
     """The spans, each cut at the times at which P or P_c is the load of a corner."""
     breaks = getattr(contact, "breaks", ())
-    if not breaks or len(breaks) > MOST:
+    if not breaks:
         return spans
     loads = contact.load(np.array(breaks))
     return [part for span in spans for part in _parts(span, loads)]

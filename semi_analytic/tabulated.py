@@ -1,30 +1,46 @@
-"""Normal contact of a tabulated profile: its curvature is constant between knots, so that every kernel is a sum of rounded tips.
+"""Normal contact of a tabulated profile: its curvature is constant between knots, so that P and dP/da are sums of rounded tips.
 
-# notation: b_j knots, kappa_j = h'' between b_j and b_(j+1), T(b) the kernel of a rounded tip of half-length b
+# notation: b_j knots, kappa_j = h'' between b_j and b_(j+1), u = sqrt(a - b_j)
 
-kernel = E* sum kappa_j [T(b_(j+1)) - T(b_j)]
+    dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
+
+The sums are taken once, at the nodes of Chebyshev series in u behind each knot; up to the second knot all is in closed form.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
-from semi_analytic.pile import Pile, in_chunks, rising_root
-from semi_analytic.tip import tip_load, tip_log, tip_pressure, tip_spread, tip_stiffness
+from scenes.chebyshev import NODES, clenshaw, series
+from semi_analytic.flat_rounded import inverse_load_function, load_function
+from semi_analytic.pile import Pile
 
 Array = NDArray[np.float64]
 
-_BREAKS = 24
-_FEW = 16
-_MANY = 300
-_NEAR = 0.02
-_GAUSS = np.polynomial.legendre.leggauss(24)
-_SQUARE, _STEP = np.square((1 + _GAUSS[0]) / 2), (1 + _GAUSS[0]) / 2 * _GAUSS[1]
+_CHUNK = 2_000_000
+_STEPS = 50
+_ROOT_OF_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Laws:
+    """P and dP/da on pieces [low, high] (n,) of u behind the knots `begin` (n,): coefficients (DEGREE + 1, n).
+
+    `edges` (n,) are the half-widths and `loads` (n,) the normal loads at which the pieces begin.
+    """
+
+    begin: Array
+    low: Array
+    high: Array
+    edges: Array
+    loads: Array
+    load: Array
+    rate: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,40 +65,107 @@ class TabulatedContact(Pile):
                 f"profile: the contact would split near a half-width of {half[falls][0]:.6g}; smooth the rows until it does not"
             )
 
-    def _sum(self, kernel: Callable[..., Array], *arguments: ArrayLike) -> Array:
-        """E* sum over the knots of kappa_j [T(b_(j+1)) - T(b_j)]."""
-        # Knots that nothing has reached are all alike to a kernel.
-        reached = int(np.searchsorted(self.knots, float(np.max(arguments[-1], initial=0.0)))) + 1
-        ends, bend = self.knots[1:reached], self.curvature[: reached - 1]
-        values = kernel(*(np.asarray(v, dtype=float)[..., None] for v in arguments), ends)
-        return self.modulus * np.sum(np.diff(values, axis=-1, prepend=0.0) * bend, axis=-1)
-
     @property
     def least(self) -> float:
         """Half-length of the flat, if the profile starts with one."""
-        bent = np.flatnonzero(self.curvature > 0)
-        return float(self.knots[bent[0]])
+        return float(self._bent[0][0])
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """The knots; of very many, those where the curvature changes most: quadrature steps over the others."""
-        if len(self.knots) < _MANY:
-            return tuple(self.knots[1:-1].tolist())
-        jump = np.abs(np.diff(self.curvature))
-        most = np.argsort(jump)[::-1][:_BREAKS]
-        most = most[jump[most] > 1e-9 * np.max(np.abs(self.curvature))]
-        return tuple(sorted(self.knots[1:-1][most].tolist()))
+        """The knots at which the curvature changes."""
+        return tuple(self._bent[0][1:-1].tolist())
+
+    @cached_property
+    def _bent(self) -> tuple[Array, Array]:
+        """Knots from the least half-width on, and the curvature between them, times E*."""
+        first = int(np.flatnonzero(self.curvature > 0)[0])
+        return self.knots[first:], self.modulus * self.curvature[first:]
+
+    def _first_rate(self, half: Array) -> Array:
+        """dP/da up to the second knot: Hertz, or beside a flat."""
+        b, bend = self._bent[0][0], self._bent[1][0]
+        tau = np.sqrt(np.maximum((half - b) * (half + b), 0.0))
+        return bend * half * (np.arctan2(tau, b) if b > 0 else np.pi / 2)
+
+    def _first_load(self, half: Array) -> Array:
+        b, bend = self._bent[0][0], self._bent[1][0]
+        if b == 0:
+            return bend * np.pi / 4 * half * half
+        return bend * b * b / 2 * load_function(np.sqrt(np.maximum((half - b) * (half + b), 0.0)) / b)
+
+    def _first_half(self, load: Array) -> Array:
+        b, bend = self._bent[0][0], self._bent[1][0]
+        if b == 0:
+            return np.sqrt(4 * load / (np.pi * bend))
+        return b * np.sqrt(1 + np.square(inverse_load_function(2 * load / (bend * b * b))))
+
+    def _sums(self, begin: Array, u: Array) -> tuple[Array, Array]:
+        """P and dP/da at begin + u^2, (n, nodes), by the sums over the knots."""
+        knots, bend = self._bent
+        half = begin[:, None] + u * u
+        load, rate = np.zeros(half.shape), np.zeros(half.shape)
+        jumps = np.diff(bend, prepend=0.0)
+        for k in range(0, len(begin), max(_CHUNK // (half.shape[1] * len(jumps)), 1)):
+            here = slice(k, k + max(_CHUNK // (half.shape[1] * len(jumps)), 1))
+            reached = int(np.searchsorted(knots[:-1], half[here].max()))
+            a, b = half[here, :, None], knots[:reached]
+            # a - b is known without cancellation.
+            above = np.maximum((begin[here, None, None] - b) + np.square(u[here, :, None]), 0.0)
+            tau = np.sqrt(above * (a + b))
+            angle = np.arctan2(tau, b)
+            inside = above > 0
+            # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
+            rate[here] = np.sum(np.where(inside, jumps[:reached] * angle, 0.0), axis=-1) * half[here]
+            load[here] = np.sum(np.where(inside, jumps[:reached] * (a * a * angle - b * tau), 0.0), axis=-1) / 2
+        return load, rate
+
+    @cached_property
+    def _laws(self) -> Laws:
+        """Series behind every knot from the second on; none where there are no more than two."""
+        knots, _ = self._bent
+        pieces: list[tuple[float, float, float]] = []
+        for before, begin, end in zip(knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True):
+            # Behind a short interval the series is in octaves: what the knot before leaves is singular at u^2 = before - begin.
+            whole, step, done = (end - begin) ** 0.5, (begin - before) ** 0.5, 0.0
+            while done < whole:
+                upto = min(max(2 * done, step), whole)
+                upto = whole if whole - upto < 0.1 * (upto - done) else upto
+                pieces.append((begin, done, upto))
+                done = upto
+        at, low, high = (np.array([piece[k] for piece in pieces]) for k in range(3))
+        load, rate = self._sums(at, low[:, None] + (high - low)[:, None] * (1 + NODES) / 2)
+        loads, _ = self._sums(at, low[:, None])
+        return Laws(at, low, high, at + low * low, loads[:, 0], series(load).T.copy(), series(rate).T.copy())
+
+    def _by_series(self, half: Array, rate: bool) -> Array:
+        laws = self._laws
+        first = self._first_rate(half) if rate else self._first_load(half)
+        if not len(laws.begin):
+            return first
+        number = np.maximum(np.searchsorted(laws.edges, half, side="right") - 1, 0)
+        u = np.sqrt(np.maximum(half - laws.begin[number], 0.0))
+        return np.where(half < laws.edges[0], first, self._on(number, u, rate))
+
+    def _on(self, number: NDArray[np.intp], u: Array, rate: bool) -> Array:
+        laws = self._laws
+        low, high = laws.low[number], laws.high[number]
+        t = np.minimum((2 * u - low - high) / (high - low), 1.0)
+        return clenshaw(laws.rate if rate else laws.load, number, t)
 
     def load(self, half_width: ArrayLike) -> Array:
         """P(a) [force per thickness]."""
-        return in_chunks(lambda a, _: self._sum(tip_load, a), np.abs(half_width), 0.0, len(self.knots))
+        return self._by_series(np.abs(np.asarray(half_width, dtype=float)), False)
 
     def stiffness(self, half_width: ArrayLike) -> Array:
         """dP/da [stress]."""
-        return in_chunks(lambda a, _: self._sum(tip_stiffness, a), np.abs(half_width), 0.0, len(self.knots))
+        return self._by_series(np.abs(np.asarray(half_width, dtype=float)), True)
+
+    @cached_property
+    def _most(self) -> float:
+        return float(self.load(self.knots[-1]))
 
     def half_width(self, load: ArrayLike) -> Array:
-        """a(P) [length], by Newton's method.
+        """a(P) [length]; behind the second knot by Newton's method.
 
         Raises
         ------
@@ -90,86 +173,33 @@ class TabulatedContact(Pile):
             For a load that needs a contact wider than the table.
         """
         p = np.asarray(load, dtype=float)
-        marks = self._marks
         most = float(np.max(p, initial=0.0))
-        if most > marks[1][-1]:
+        if most > self._most:
             raise InputError(
                 f"profile: the normal load {most:.6g} needs a contact wider than the table, whose last x = {self.knots[-1]:.6g} "
-                f"carries {marks[1][-1]:.6g}"
+                f"carries {self._most:.6g}"
             )
-        least, flat = self.least, p.ravel()
-        different, fold = np.unique(flat, return_inverse=True)
-        guess = np.interp(different, marks[1], marks[0]) - least
-        first = self._first_guess(different)
-        guess = np.where(different < marks[1][1], first, guess)
-        above = rising_root(lambda t: self.load(least + t), lambda t: self.stiffness(least + t), different, guess)
-        return (least + above)[fold].reshape(p.shape)
+        laws = self._laws
+        half = np.asarray(self._first_half(np.minimum(p, laws.loads[0]) if len(laws.loads) else p))
+        later = np.flatnonzero(p.ravel() >= laws.loads[0]) if len(laws.loads) else np.empty(0, dtype=int)
+        if len(later):
+            result = half.ravel()
+            result[later] = self._later_half(p.ravel()[later])
+            half = result.reshape(p.shape)
+        return half
 
-    @property
-    def _marks(self) -> tuple[Array, Array]:
-        knots = self.knots[self.knots >= self.least]
-        return knots, np.maximum.accumulate(self.load(knots))
-
-    def _first_guess(self, load: Array) -> Array:
-        """Within the first curved piece: Hertz, or P = (2/3) E* kappa sqrt(2 b) t^(3/2) beside a flat."""
-        least = self.least
-        bend = self.modulus * float(self.curvature[self.curvature > 0][0])
-        if least == 0:
-            return np.sqrt(4 * load / (np.pi * bend))
-        return np.power(load / (2 / 3 * bend * np.sqrt(2 * least)), 2 / 3)
-
-    def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) >= 0 [stress], 0 outside the contact."""
-        half = self.half_width(load)
-        return np.maximum(in_chunks(lambda at, a: self._sum(tip_pressure, at, a), np.abs(x), half, len(self.knots)), 0.0)
-
-    def spread(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness]."""
-        distance, half = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), self.half_width(load))
-        inner = np.minimum(half, distance)
-        return in_chunks(lambda at, a: self._sum(tip_spread, at, a), distance, inner, len(self.knots))
-
-    def log_distance(self, load: ArrayLike) -> Array:
-        """int_0^P ln(2 L/a(eta)) d eta [force per thickness]."""
-        p = np.asarray(load, dtype=float)
-        return p * self.log_ratio(p) + self._sum(tip_log, self.half_width(p))
-
-    def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int_0^P eta dp(x, eta) = P p - int p d eta, by quadrature; over many knots it steps: 1e-3 for forty rows."""
-        if len(self.knots) < _FEW:
-            return super().pressure_moment(x, load)
-        distance, half = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), self.half_width(load))
-        first = np.minimum(np.maximum(distance, self.least), half)
-        # p starts like the root of the distance from x.
-        width = (half - first)[..., None]
-        inside = self._integral(tip_pressure, distance, first[..., None] + width * _SQUARE, width * _STEP)
-        return np.asarray(load, dtype=float) * self.pressure(distance, load) - inside
-
-    def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int eta arccosh(|x|/a(eta)) d eta, likewise from S."""
-        if len(self.knots) < _FEW:
-            return super().spread_moment(x, load)
-        distance, half = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), self.half_width(load))
-        last = np.maximum(np.minimum(half, distance), self.least)
-        width = (last - self.least)[..., None]
-        inside = self._integral(tip_spread, distance, last[..., None] - width * _SQUARE, width * _STEP)
-        whole = in_chunks(lambda at, a: self._sum(tip_spread, at, a), distance, np.minimum(last, distance), len(self.knots))
-        return np.asarray(self.load(last) * whole - inside)
-
-    def _integral(self, kernel: Callable[..., Array], x: Array, half: Array, weight: Array) -> Array:
-        """int kernel dP over half-widths (..., nodes)."""
-        beyond = np.minimum(half, x[..., None]) if kernel is tip_spread else half
-        values = in_chunks(lambda at, a: self._sum(kernel, at, a), x[..., None], beyond, len(self.knots))
-        return np.asarray(np.sum(weight * values * self.stiffness(half), axis=-1))
-
-    def log_area(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam(P, P_c) from P and P - P_c: P ln(a/c) less the difference of int P/alpha, by quadrature where the two are close."""
-        p, d = np.broadcast_arrays(np.asarray(load, dtype=float), np.asarray(slipped, dtype=float))
-        half, front = self.half_width(p), self.half_width(np.maximum(p - d, 0.0))
-        safe = np.where(front > 0, front, np.finfo(float).tiny)
-        far = p * np.log(half / safe) - (self._sum(tip_log, half) - self._sum(tip_log, front))
-        near = d < _NEAR * p
-        result = np.array(far)
-        if np.any(near):
-            result[near] = super().log_area(p[near], d[near])
-        return result
+    def _later_half(self, load: Array) -> Array:
+        laws = self._laws
+        number = np.searchsorted(laws.loads, load, side="right") - 1
+        ends = np.append(laws.loads[1:], self._most)
+        low, high = laws.low[number] ** 2, laws.high[number] ** 2
+        square = low + (high - low) * (load - laws.loads[number]) / (ends - laws.loads)[number]
+        begin = laws.begin[number]
+        # P is nearly linear in a - b = u^2, whose last digit counts from a.
+        for _ in range(_STEPS):
+            root = np.sqrt(square)
+            step = (load - self._on(number, root, False)) / self._on(number, root, True)
+            square = np.clip(square + step, low, high)
+            if np.all(np.abs(step) <= _ROOT_OF_ROUNDING * (begin + square)):
+                return begin + square
+        raise ArithmeticError(f"no half-width was found for the normal load {float(load[np.argmax(np.abs(step))]):.17g}")
