@@ -123,6 +123,11 @@ def mechanics(flat: float) -> tuple[Callable, Callable, Callable, Callable]:
     return (lambda a: flat_load(b, a) if a > b else mp.mpf(0)), (lambda p: flat_half_width(b, p)), pressure, area
 
 
+def half_width_of(case: Case, load: float) -> mp.mpf:
+    """a(P) of a case."""
+    return mechanics(case.flat)[1](mp.mpf(load))
+
+
 class Phase(NamedTuple):
     """A phase of slip: times of begin and end, rate of u or v, load at the front, and when a load P_x is passed by the front."""
 
