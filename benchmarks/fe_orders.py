@@ -1,0 +1,115 @@
+"""Observed orders of convergence of p, q, c and W over the paper's cycle, under uniform refinement, with their class.
+
+    python benchmarks/fe_orders.py
+
+Refined together: every element of the surface and the growth into the depth. Where in an element an edge stands is chance, moves
+an error by a factor of up to two and W from one sign to the other; each rung of the ladder is therefore the root-mean-square over
+three meshes of nearly its size (and, for p, q, a and c, over the instants of the last cycle). The dissipation is compared with that
+of the polygon of the run's own increments, so that increments do not count.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+import numpy as np
+from claim import Row, table
+from numpy.typing import NDArray
+
+import halfplane_fe
+import semi_analytic
+from halfplane_fe import SolverSettings
+from meshes import MeshSettings
+from scenes import load_scene
+
+QUANTITIES = ("p", "q", "a", "c", "W")
+# Elements of a rung's meshes over its own number.
+SPREAD = (1.0, 1.1, 1.22)
+# What to expect: a square root inside an element costs quadratic ones all but one order, linear ones, whose p is smoother, less;
+# W gains by errors of either sign, on the finest meshes less (a/160 to a/640: 1, since a node touches as a whole).
+EXPECTED = {2: {"p": 1.0, "q": 1.0, "a": 0.8, "c": 1.1, "W": 1.4}, 1: {"p": 1.4, "q": 1.0, "a": 1.2, "c": 1.1, "W": 1.4}}
+ROOM = 0.5
+
+
+@functools.cache
+def errors(elements: float, order: int) -> dict[str, float]:
+    """Errors on one mesh of `elements` a half-width: relative L2 of p, q over f p, half-widths a and c over a, W."""
+    scene = load_scene("hertz-paper")
+    mesh = MeshSettings(
+        element_size=1 / elements, edge_element_size=1 / elements, growth=min(1.0, 3.2 / elements), far_radius=6.0, order=order
+    )
+    answer = halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=48, step_tolerance=float("inf")))
+    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
+    polygon = semi_analytic.solve(scene, x=[0.0], time=answer.time, straight_steps=True, fields=("dissipation",))
+    cycle = answer.last_cycle
+
+    def norm(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.sqrt(np.trapezoid(values[cycle] ** 2, answer.x, axis=1))
+
+    pressure, a = norm(exact.pressure), answer.scales.half_width
+    return {
+        "p": rms(norm(answer.pressure - exact.pressure) / pressure),
+        "q": rms(norm(answer.shear - exact.shear) / pressure) / scene.friction.coefficient,
+        "a": rms((answer.contact_half_width - exact.contact_half_width)[cycle]) / a,
+        "c": rms((answer.stick_half_width - exact.stick_half_width)[cycle]) / a,
+        "W": answer.dissipation / polygon.dissipation - 1,
+    }
+
+
+def rms(values: Sequence[float] | NDArray[np.float64]) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def rung(elements: int, order: int) -> dict[str, float]:
+    """Errors of meshes of about `elements` a half-width, root-mean-square."""
+    found = [errors(elements * share, order) for share in SPREAD]
+    return {name: rms([one[name] for one in found]) for name in QUANTITIES}
+
+
+def convergence_class(sequence: Sequence[float]) -> Literal["monotone", "oscillating", "diverging"]:
+    """Of errors, signed or not, from coarse to fine: each smaller than the one before and of its sign; smaller in the end; not so.
+
+    >>> convergence_class([4.0, 2.0, 1.0]), convergence_class([4.0, -2.0, 1.0]), convergence_class([1.0, 0.5, 2.0])
+    ('monotone', 'oscillating', 'diverging')
+    """
+    given = np.asarray(sequence, dtype=float)
+    size = np.abs(given)
+    if not size[-1] < size[0]:
+        return "diverging"
+    steady = np.all(np.diff(size) < 0) and np.all(np.sign(given) == np.sign(given[0]))
+    return "monotone" if steady else "oscillating"
+
+
+def observed_order(cuts: Sequence[float], sequence: Sequence[float]) -> float:
+    """Slope of log(error) over log(element size), least squares."""
+    return float(-np.polyfit(np.log(cuts), np.log(np.abs(sequence)), 1)[0])
+
+
+def orders(cuts: Sequence[int] = (12, 24, 48), kinds: Sequence[int] = (2, 1)) -> Iterator[Row]:
+    """Observed order of each quantity less the expected one."""
+    for order in kinds:
+        rungs = [rung(n, order) for n in cuts]
+        for name in QUANTITIES:
+            sequence = [one[name] for one in rungs]
+            found, expected = observed_order(cuts, sequence), EXPECTED[order][name]
+            kind = {1: "linear", 2: "quadratic"}[order]
+            how = f"order {found:.2f}, {convergence_class(sequence)}: " + ", ".join(
+                f"a/{n} {error:.1e}" for n, error in zip(cuts, sequence, strict=True)
+            )
+            yield Row(f"hertz-paper, {kind} elements: observed order of {name}, less {expected:g}", found - expected, ROOM, how)
+        single = [errors(float(n), order)["W"] for n in cuts]
+        figures = ", ".join(f"{value:+.1e}" for value in single)
+        yield Row(f"... W on one mesh each: {convergence_class(single)}", single[-1], None, figures)
+
+
+def main() -> None:
+    os.environ["HALFPLANE_CACHE"] = "off"
+    print(table(list(orders())))
+
+
+if __name__ == "__main__":
+    main()
