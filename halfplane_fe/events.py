@@ -118,7 +118,9 @@ def arrive(
         if not points[-1].behind and better - time <= landing.within:
             return Arrival(_up_to_event(history, solved), _kind(history, points[-1]), iterations)
         time = max(better - landing.within / 2, (history.time + better) / 2) if better < end else end
-        solved, more = problem.equilibrium(history, time, loads_at(time), solved.state)
+        # Within rounding a node keeps the side that it starts on: here the one that it is on up to its event.
+        start = np.where(solved.closed == history.closed, solved.state, history.state)
+        solved, more = problem.equilibrium(history, time, loads_at(time), start)
         iterations += more
         problem.work["landing solves"] += 1
     problem.work["events not landed on"] += 1
