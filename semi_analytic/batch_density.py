@@ -1,4 +1,4 @@
-"""Pointwise dissipation of steady ellipses, and its peak: the letters and angles of `batch`.
+"""Pointwise dissipation of steady ellipses, and its peak: the letters and angles of `batch_ellipses`.
 
 # notation: P_x load at which a = |x|; h half-angle about the least load within which x is open, 2 P1 sin^2(h/2) = P_x - P_min
 
@@ -13,8 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from semi_analytic.batch import Ellipses, contact_for
-from semi_analytic.contact import Contact
+from semi_analytic.batch_cuts import angles, corner_loads
+from semi_analytic.batch_ellipses import Ellipses, phase_of
+from semi_analytic.batch_profiles import BatchContact, Profiles
 from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
@@ -26,19 +27,19 @@ _ZOOMS = 7
 _STILL = 1e-200
 
 
-def density_of(e: Ellipses, contact: Contact, x: Array) -> tuple[Array, Array]:
+def density_of(e: Ellipses, contact: BatchContact | Profiles, x: Array) -> tuple[Array, Array]:
     """Forward and reverse part of W(x) pi E*/(2 f^2), arrays (m,): member k at |x| = x[k], in chunks."""
-    count = len(x)
-    forward, reverse = np.zeros(count), np.zeros(count)
-    for first in range(0, count, _CHUNK):
-        here = np.arange(first, min(first + _CHUNK, count))
-        some = contact_for(contact, here, count)
-        forward[here], reverse[here] = _densities(e.take(here), some, x[here, None])
+    profiles = contact if isinstance(contact, Profiles) else Profiles.of_one(contact)
+    forward, reverse = np.zeros(len(x)), np.zeros(len(x))
+    for first in range(0, len(x), _CHUNK):
+        here = np.arange(first, min(first + _CHUNK, len(x)))
+        forward[here], reverse[here] = _densities(e.take(here[:, None]), profiles.take(here), x[here, None])
     return forward, reverse
 
 
-def _densities(e: Ellipses, contact: Contact, x: Array) -> tuple[Array, Array]:
+def _densities(e: Ellipses, profiles: Profiles, x: Array) -> tuple[Array, Array]:
     """The same for x (m, 1), all at once."""
+    contact = profiles.of((slice(None), None))
     edge = contact.load(x)
     span = 2 * e.amplitude
     moving = span > _STILL * e.mean
@@ -52,44 +53,55 @@ def _densities(e: Ellipses, contact: Contact, x: Array) -> tuple[Array, Array]:
         "I-J": [(np.abs(start - away), np.minimum(math.pi - turn, 2 * math.pi - away - start))],
         "J-M": [(np.maximum(0.0, start - math.pi + away), np.minimum(np.minimum(turn, passed[1]), start + math.pi - away))],
     }
+    marks = _marks(e, profiles)
     total = {name: np.zeros(len(x)) for name in ranges}
     for name, parts in ranges.items():
         for begin, end in parts:
-            here = np.flatnonzero(end > begin)
-            if len(here):
-                some = contact_for(contact, here, len(x))
-                total[name][here] += _integral(name, e.take(here), some, x[here], edge[here], begin[here, 0], end[here, 0])
+            cuts = np.concatenate([begin, np.clip(marks[name].T, begin, np.maximum(begin, end)), end], axis=1)
+            member, number = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
+            if len(member):
+                some, low, high = profiles.of(member[:, None]), cuts[member, number], cuts[member, number + 1]
+                parts_of_work = _integral(name, e.take(member), some, x[member], edge[member], low, high)
+                np.add.at(total[name], member, parts_of_work)
     return total["I-J"] + total["J-M"], total["E-G"]
 
 
-def _integral(name: str, e: Ellipses, contact: Contact, x: Array, edge: Array, begin: Array, end: Array) -> Array:
+def _marks(e: Ellipses, profiles: Profiles) -> dict[str, Array]:
+    """Where a corner of the profile cuts the phases, (marks, m)."""
+    corners = corner_loads(profiles.of(slice(None)))
+    if not len(corners):
+        return dict.fromkeys(("E-G", "I-J", "J-M"), np.empty((0, len(e.mean))))
+    return angles(e.take((slice(None), 0)), np.broadcast_to(corners, (len(corners), len(e.mean))))
+
+
+def _integral(name: str, e: Ellipses, contact: BatchContact, x: Array, edge: Array, begin: Array, end: Array) -> Array:
     """int p |rate| arccosh(|x|/c) ds over one range of one phase, (m,)."""
     s, weight = graded(begin, end)
-    growth, slipped, load = _phase(name, e, s)
-    front = load - slipped
+    growth, slipped, load = phase_of(name, e, s)
+    front = np.maximum(load - slipped, 0.0)
     reach = contact.reach(x, np.maximum(edge - front, 0.0), front)
     return np.sum(weight * growth * contact.pressure(x, load) * reach, axis=1)
 
 
-def _phase(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
-    """Rate over f, P - P_c and P at angles s (m, n) of a phase."""
-    forth, back = np.cos(e.start + s), np.cos(e.start - s)
-    if name == "E-G":
-        return e.v * np.sin(e.turn - s), e.u * np.sin(s / 2) ** 2, e.load(forth)
-    if name == "I-J":
-        return e.u * np.sin(s), 2 * e.amplitude * e.sine * np.sin(s), e.load(-forth)
-    return e.u * np.sin(s), e.v * np.sin((e.turn + s) / 2) ** 2, e.load(back)
+def peak_of(e: Ellipses, contact: BatchContact | Profiles) -> tuple[Array, Array, Array]:
+    """Largest W(x) pi E*/(2 f^2), its |x|, and that from permanent stick edge (0) to largest contact (1); arrays (m,)."""
+    profiles = contact if isinstance(contact, Profiles) else Profiles.of_one(contact)
+    found = np.empty((3, len(e.mean)))
+    for members, some in profiles.groups(len(e.mean), (*profiles.alike, "exponent")):
+        found[:, members] = _peaks(e.take(members), some)
+    return found[0], found[1], found[2]
 
 
-def peak_of(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
-    """Largest W(x) pi E*/(2 f^2) and its |x|, arrays (m,): the best of a grid, then halving about it, then a parabola."""
+def _peaks(e: Ellipses, profiles: Profiles) -> tuple[Array, Array, Array]:
+    """The best of a grid, then halving about it, then a parabola."""
     count = len(e.mean)
-    inner, outer = contact.half_width(e.permanent)[:, 0], contact.half_width(e.mean + e.amplitude)[:, 0]
+    contact = profiles.of(slice(None))
+    inner, outer = contact.half_width(e.permanent), contact.half_width(e.mean + e.amplitude)
 
     def values(part: Array) -> Array:
         total = np.empty(part.shape)
         for column in range(part.shape[1]):
-            total[:, column] = sum(density_of(e, contact, inner + (outer - inner) * part[:, column]))
+            total[:, column] = sum(density_of(e, profiles, inner + (outer - inner) * part[:, column]))
         return total
 
     grid = np.broadcast_to(_GRID, (count, len(_GRID)))
@@ -109,4 +121,5 @@ def peak_of(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     curved = (bend < 0) & (top >= lower) & (top >= upper)
     bend = np.where(curved, bend, -1.0)
     lean = np.where(curved, lower - upper, 0.0)
-    return top - lean**2 / (8 * bend), inner + (outer - inner) * (middle + step * lean / (2 * bend))
+    place = middle + step * lean / (2 * bend)
+    return top - lean**2 / (8 * bend), inner + (outer - inner) * place, place

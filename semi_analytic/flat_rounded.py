@@ -210,14 +210,6 @@ class FlatRoundedContact:
         apart = load_function(upper) * ratio - (log_function(upper) - log_function(lower))
         return self.unit * np.where((d < _NEARBY * p) | (upper < 1), _log_area_nearby(upper, drop), apart)
 
-    def log_area_in_sums(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """The same to some 1e-16 of P, not of itself: enough, and much faster, in a sum in which slip is not small everywhere."""
-        p, d = np.asarray(load, dtype=float) / self.unit, np.asarray(slipped, dtype=float) / self.unit
-        upper, lower = inverse_load_function(p), inverse_load_function(np.maximum(p - d, 0.0))
-        drop, below = upper - lower, 1 + lower * lower
-        ratio = np.log1p(drop * (upper + lower) / below) / 2
-        return self.unit * (p * ratio - d / 2 + drop - np.arctan(drop / (1 + upper * lower)))
-
 
 def _pressure_in_closed_form(inner: Array, tau: Array) -> Array:
     """k arctan tau - artanh(tau/k) + x^ artanh(x^ tau/k) for x^ < 1, inverse arguments for x^ > 1, logarithms near 1."""

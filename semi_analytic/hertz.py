@@ -11,11 +11,13 @@ Array = NDArray[np.float64]
 
 _TAIL = (2 / np.arange(3.0, 25.0, 2.0)).tolist()
 _SERIES_UP_TO = 0.3
+_BELOW_ONE = 1 - 2.0**-53
 
 
 def log_excess(ratio: ArrayLike) -> Array:
     """-ln(1 - r) - r = r^2/2 + r^3/3 + ... for 0 <= r <= 1 to full relative accuracy, however small r is.
 
+    An r of 1 is known to its last digit only, and taken for one less in that: the logarithm of 0 would spoil an integral over r.
     With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r = r^2/(2 - r), so that nothing cancels.
 
     >>> float(log_excess(1e-9)) * 2e18, round(float(log_excess(0.5)), 12)
@@ -24,8 +26,7 @@ def log_excess(ratio: ArrayLike) -> Array:
     r = np.asarray(ratio, dtype=float)
     if not np.any(r > _SERIES_UP_TO):
         return _log_series(r)
-    with np.errstate(divide="ignore"):
-        result = np.asarray(-np.log1p(-r) - r)
+    result = np.asarray(-np.log1p(-np.minimum(r, _BELOW_ONE)) - r)
     small = r <= _SERIES_UP_TO
     result[small] = _log_series(r[small])
     return result

@@ -1,0 +1,129 @@
+"""What a batch is asked, block by block: arguments broadcast, bad members told apart by a reason, contacts and loops of the others.
+
+Memory beyond arguments and results is that of one block, however many members there are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import InputError, Materials, Profile
+from semi_analytic.batch import Reason
+from semi_analytic.batch_ellipses import Ellipses, ellipses_of
+from semi_analytic.batch_profiles import Profiles, invalid_parameters, largest_load, parameters_of, profiles_of
+from semi_analytic.elasticity import composite_modulus
+
+Array = NDArray[np.float64]
+
+_BLOCK = 16384
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Members from number `first` on.
+
+    Attributes
+    ----------
+    first : number of the first, all counted in the order of memory of the broadcast shape
+    reason : (n,) `Reason` of each
+    good : (m,) numbers, counted from `first`, of those without one
+    ellipses, profiles : of the good ones
+    scale : (m,) 2 f^2/(pi E*)
+    mirrored : (m,) whether Q goes round the other way
+    """
+
+    first: int
+    reason: NDArray[np.int8]
+    good: NDArray[np.intp]
+    ellipses: Ellipses
+    profiles: Profiles
+    scale: Array
+    mirrored: NDArray[np.bool_]
+
+    @property
+    def places(self) -> NDArray[np.intp]:
+        """Numbers of the good ones."""
+        return self.first + self.good
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """The whole question; `loads` are P0, P1, Q0, Q1, phase and f, and `parameters` those of the profile."""
+
+    profile: Profile | Mapping[str, Any]
+    material: Materials
+    shape: tuple[int, ...]
+    loads: tuple[Array, ...]
+    parameters: Mapping[str, Array]
+
+    def blocks(self) -> Iterator[Block]:
+        """All of them, in order."""
+        whole = None if isinstance(self.profile, Mapping) else profiles_of(self.profile, self.material, {})
+        most = math.inf if whole is None else largest_load(whole.of(slice(None)))
+        count = math.prod(self.shape)
+        for first in range(0, count, _BLOCK):
+            yield self._block(first, min(first + _BLOCK, count), whole, most)
+
+    def _block(self, first: int, last: int, whole: Profiles | None, most: float) -> Block:
+        mean, amplitude, force, tangential, phase, friction = (_piece(v, self.shape, first, last) for v in self.loads)
+        parameters = {name: _piece(v, self.shape, first, last) for name, v in self.parameters.items()}
+        code = reasons(mean, amplitude, force, tangential, phase, friction)
+        code[invalid_parameters(self.profile, parameters, last - first)] = Reason.INVALID
+        code[(code == Reason.NONE) & (mean + amplitude > most * (1 - 1e-12))] = Reason.EXTENT
+        good = np.flatnonzero(code == Reason.NONE)
+        # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive coefficient gives that.
+        friction = np.where(friction > 0, friction, 1.0)[good]
+        loops = ellipses_of(mean[good], amplitude[good], tangential[good], phase[good], friction)
+        some = whole or profiles_of(self.profile, self.material, {name: v[good] for name, v in parameters.items()})
+        scale = 2 / (math.pi * composite_modulus(self.material)) * friction**2
+        return Block(first, code, good, loops, some, scale, np.tan(phase[good] / 2) < 0)
+
+
+def batch_of(profile: Profile | Mapping[str, Any], material: Materials, loads: tuple[ArrayLike, ...]) -> Batch:
+    """The question, checked as a whole: its keys, and that its arrays broadcast.
+
+    Raises
+    ------
+    InputError
+        For keys that are no profile's, for what is no number, and for shapes that do not broadcast.
+    """
+    given = parameters_of(profile)
+    try:
+        arrays = [np.asarray(value, dtype=float) for value in (*loads, *given.values())]
+        shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    except (TypeError, ValueError) as reason:
+        raise InputError(f"the arrays of a batch must broadcast, and be of numbers: {reason}") from reason
+    columns = tuple(arrays[: len(loads)])
+    return Batch(profile, material, shape, columns, dict(zip(given, arrays[len(loads) :], strict=True)))
+
+
+def _piece(array: Array, shape: tuple[int, ...], first: int, last: int) -> Array:
+    """Members `first` to `last` of the array broadcast to `shape`, without the others."""
+    if array.size == 1:
+        return np.full(last - first, array.item())
+    if array.shape == shape and array.flags.c_contiguous:
+        return array.reshape(-1)[first:last]
+    return np.broadcast_to(array, shape).flat[first:last]
+
+
+def reasons(mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array, friction: Array) -> NDArray[np.int8]:
+    """Reason of each member (m,): negative or not finite values, separation, gross sliding. |Q| = f P is admitted, to rounding."""
+    values = (mean, amplitude, force, tangential, phase, friction)
+    finite = np.logical_and.reduce([np.isfinite(part) for part in values])
+    invalid = ~finite | (mean <= 0) | (amplitude < 0) | (tangential < 0) | (friction < 0)
+    if np.any(invalid):
+        mean, amplitude, force, tangential, phase, friction = (np.where(invalid, 0.0, part) for part in values)
+    half = np.tan(phase / 2)
+    share = tangential / (1 + half * half)
+    along, across, limit, step = share * (1 - half) * (1 + half), 2 * share * half, friction * mean, friction * amplitude
+    slack = 4e-16 * (np.abs(force) + tangential + limit + step)
+    forward = force + np.hypot(along - step, across) > limit + slack
+    reverse = np.hypot(along + step, across) - force > limit + slack
+    code = np.where(amplitude > mean, Reason.SEPARATION, np.where(forward | reverse, Reason.SLIDING, Reason.NONE))
+    return np.where(invalid, Reason.INVALID, code).astype(np.int8)
