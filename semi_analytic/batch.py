@@ -81,7 +81,9 @@ def _ways(e: Ellipses, contact: BatchContact) -> NDArray[np.uint8]:
     """How to find Lam: quickly where P - P_c gets beyond a share of P0 at the ends of the phases or in the middle of I-J."""
     ends = np.maximum(e.u, e.v) * np.square(_less_than_sine(e.turn / 2))
     middle = 2 * e.amplitude * e.sine * _less_than_sine(np.minimum(math.pi - e.turn, math.pi / 2))
-    shallow = np.maximum(ends, middle) <= _DEEP * e.mean
+    # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add rounding times v.
+    unlike = np.minimum(e.u, e.v) <= _DEEP * np.maximum(e.u, e.v)
+    shallow = (np.maximum(ends, middle) <= _DEEP * e.mean) | unlike
     low = isinstance(contact, FlatRoundedContact) and e.mean + e.amplitude <= LOW * contact.unit
     return (_LOW * low + _CAREFUL * shallow).astype(np.uint8)
 

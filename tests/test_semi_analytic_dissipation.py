@@ -46,8 +46,10 @@ def over_x(contact, modulus, spans):
     "row", REFERENCE, ids=lambda row: f"b{row['flat']}-{row['phase']:.0f}-f{row['friction']:g}-{row['tangential']:.2g}"
 )
 def test_global_dissipation_is_that_of_thirty_digits(row):
-    """Worst measured 2e-14 relative."""
-    assert solve(reference_scene(row), x=[0.0], fields=ONLY).dissipation == pytest.approx(float(row["dissipation"]), rel=1e-12)
+    """Worst measured 7e-13 relative."""
+    assert solve(reference_scene(row), x=[0.0], fields=ONLY).dissipation == pytest.approx(
+        float(row["dissipation"]), rel=1e-12, abs=0
+    )
 
 
 @pytest.mark.parametrize(
@@ -71,7 +73,7 @@ def test_paper_scene_against_thirty_digits():
     paper = next(row for row in REFERENCE if row["mean"] == 3.0)
     scene = load_scene("hertz-paper")
     scale = 2 / composite_modulus(scene.material) * scene.load.mean_normal_load**2
-    assert solve(scene, fields=ONLY).dissipation / scale == pytest.approx(float(paper["dissipation"]) / 2 / 9, rel=1e-12)
+    assert solve(scene, fields=ONLY).dissipation / scale == pytest.approx(float(paper["dissipation"]) / 2 / 9, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("use", [1e-9, 1e-4, 0.3, 0.6, 0.99, 1 - 1e-9])
@@ -83,7 +85,7 @@ def test_constant_normal_load_has_its_closed_form(use):
     bracket = (1 - use) * math.log1p(-use) + use - use**2 / 2 if use > 1e-3 else use**3 / 6 * (1 + use / 2 + 0.3 * use**2)
     solution = solve(scene, fields=ONLY)
     assert solution.dissipation == pytest.approx(
-        4 * friction**2 * load**2 / (math.pi * 7.0) * bracket, rel=1e-10 if use < 1e-3 else 1e-12
+        4 * friction**2 * load**2 / (math.pi * 7.0) * bracket, rel=1e-10 if use < 1e-3 else 1e-12, abs=0
     )
     assert solution.steady_from == 1
 
