@@ -47,9 +47,14 @@ class Block:
     mirrored: NDArray[np.bool_]
 
     @property
-    def places(self) -> NDArray[np.intp]:
-        """Numbers of the good ones."""
-        return self.first + self.good
+    def all(self) -> slice:
+        """Places of all members."""
+        return slice(self.first, self.first + len(self.reason))
+
+    @property
+    def places(self) -> NDArray[np.intp] | slice:
+        """Places of the good ones."""
+        return self.all if len(self.good) == len(self.reason) else self.first + self.good
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,17 +76,24 @@ class Batch:
             yield self._block(first, min(first + _BLOCK, count), whole, most)
 
     def _block(self, first: int, last: int, whole: Profiles | None, most: float) -> Block:
-        mean, amplitude, force, tangential, phase, friction = (_piece(v, self.shape, first, last) for v in self.loads)
-        parameters = {name: _piece(v, self.shape, first, last) for name, v in self.parameters.items()}
-        code = reasons(mean, amplitude, force, tangential, phase, friction)
-        code[invalid_parameters(self.profile, parameters, last - first)] = Reason.INVALID
-        code[(code == Reason.NONE) & (mean + amplitude > most * (1 - 1e-12))] = Reason.EXTENT
-        good = np.flatnonzero(code == Reason.NONE)
+        loads = [_piece(values, self.shape, first, last) for values in self.loads]
+        parameters = {name: _piece(values, self.shape, first, last) for name, values in self.parameters.items()}
+        invalid = _invalid(*loads) | invalid_parameters(self.profile, parameters, last - first)
+        if np.any(invalid):
+            loads = [np.where(invalid, 1.0, values) for values in loads]
+        mean, amplitude, force, tangential, phase, friction = loads
         # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive coefficient gives that.
-        friction = np.where(friction > 0, friction, 1.0)[good]
-        loops = ellipses_of(mean[good], amplitude[good], tangential[good], phase[good], friction)
-        some = whole or profiles_of(self.profile, self.material, {name: v[good] for name, v in parameters.items()})
-        scale = 2 / (math.pi * composite_modulus(self.material)) * friction**2
+        some_friction = np.where(friction > 0, friction, 1.0)
+        with np.errstate(over="ignore", invalid="ignore"):
+            # Q1/f beyond all bounds slides.
+            loops = ellipses_of(mean, amplitude, tangential, phase, some_friction)
+        code = _reasons(loops, force, tangential, friction)
+        code[(code == Reason.NONE) & (mean + amplitude > most * (1 - 1e-12))] = Reason.EXTENT
+        code[invalid] = Reason.INVALID
+        good = np.flatnonzero(code == Reason.NONE)
+        some = whole or profiles_of(self.profile, self.material, {name: values[good] for name, values in parameters.items()})
+        scale = 2 / (math.pi * composite_modulus(self.material)) * some_friction[good] ** 2
+        loops = loops if len(good) == len(code) else loops.take(good)
         return Block(first, code, good, loops, some, scale, np.tan(phase[good] / 2) < 0)
 
 
@@ -112,18 +124,17 @@ def _piece(array: Array, shape: tuple[int, ...], first: int, last: int) -> Array
     return np.broadcast_to(array, shape).flat[first:last]
 
 
-def reasons(mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array, friction: Array) -> NDArray[np.int8]:
-    """Reason of each member (m,): negative or not finite values, separation, gross sliding. |Q| = f P is admitted, to rounding."""
-    values = (mean, amplitude, force, tangential, phase, friction)
-    finite = np.logical_and.reduce([np.isfinite(part) for part in values])
-    invalid = ~finite | (mean <= 0) | (amplitude < 0) | (tangential < 0) | (friction < 0)
-    if np.any(invalid):
-        mean, amplitude, force, tangential, phase, friction = (np.where(invalid, 0.0, part) for part in values)
-    half = np.tan(phase / 2)
-    share = tangential / (1 + half * half)
-    along, across, limit, step = share * (1 - half) * (1 + half), 2 * share * half, friction * mean, friction * amplitude
-    slack = 4e-16 * (np.abs(force) + tangential + limit + step)
-    forward = force + np.hypot(along - step, across) > limit + slack
-    reverse = np.hypot(along + step, across) - force > limit + slack
-    code = np.where(amplitude > mean, Reason.SEPARATION, np.where(forward | reverse, Reason.SLIDING, Reason.NONE))
-    return np.where(invalid, Reason.INVALID, code).astype(np.int8)
+def _invalid(mean: Array, amplitude: Array, force: Array, tangential: Array, phase: Array, friction: Array) -> NDArray[np.bool_]:
+    """Members (m,) with values that are not finite, or negative where they must not be."""
+    finite = np.logical_and.reduce([np.isfinite(values) for values in (mean, amplitude, force, tangential, phase, friction)])
+    return np.asarray(~finite | (mean <= 0) | (amplitude < 0) | (tangential < 0) | (friction < 0))
+
+
+def _reasons(e: Ellipses, force: Array, tangential: Array, friction: Array) -> NDArray[np.int8]:
+    """Reason of each valid member (m,): separation, gross sliding. |Q| = f P is admitted, to rounding."""
+    limit = friction * e.mean
+    slack = 8e-16 * (np.abs(force) + tangential + limit + friction * e.amplitude)
+    # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.
+    slides = np.maximum(friction * e.u + force, friction * e.v - force) > limit + slack
+    slides |= (friction == 0) & (tangential > 0)
+    return np.where(e.amplitude > e.mean, Reason.SEPARATION, np.where(slides, Reason.SLIDING, Reason.NONE)).astype(np.int8)

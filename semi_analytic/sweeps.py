@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import Materials, Profile
 from semi_analytic.batch import Reason, dissipation_of
 from semi_analytic.batch_density import peak_of
-from semi_analytic.batch_members import batch_of
+from semi_analytic.batch_members import Batch, Block, batch_of
 
 Array = NDArray[np.float64]
 
@@ -107,19 +107,18 @@ def dissipation(
     """
     loads = (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase, friction_coefficient)
     batch = batch_of(profile, material, loads)
-    value, forward, reverse, stick = (np.full(batch.shape, np.nan) for _ in range(4))
-    reason = np.empty(batch.shape, dtype=np.int8)
+    value, forward, reverse, stick, reason = _columns(batch, 4)
     for block in batch.blocks():
-        reason.flat[block.first : block.first + len(block.reason)] = block.reason
+        reason[block.all] = block.reason
         if not len(block.good):
             continue
-        parts = [block.scale * part for part in dissipation_of(block.ellipses, block.profiles)]
-        forward.flat[block.places] = np.where(block.mirrored, *parts[::-1])
-        reverse.flat[block.places] = np.where(block.mirrored, *parts)
-        value.flat[block.places] = parts[0] + parts[1]
-        stick.flat[block.places] = block.ellipses.permanent
-        reason.flat[block.places[~np.isfinite(parts[0] + parts[1])]] = Reason.UNSETTLED
-    return DissipationBatch(_frozen(value), _frozen(forward), _frozen(reverse), _frozen(stick), _frozen(reason))
+        ahead, back = (block.scale * part for part in dissipation_of(block.ellipses, block.profiles))
+        forward[block.places] = np.where(block.mirrored, back, ahead)
+        reverse[block.places] = np.where(block.mirrored, ahead, back)
+        value[block.places] = ahead + back
+        stick[block.places] = block.ellipses.permanent
+        _unsettled(value, reason, block)
+    return DissipationBatch(*(_frozen(part, batch) for part in (value, forward, reverse, stick, reason)))
 
 
 def peak_dissipation(
@@ -150,21 +149,33 @@ def peak_dissipation(
     """
     loads = (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase, friction_coefficient)
     batch = batch_of(profile, material, loads)
-    value, place, fraction = (np.full(batch.shape, np.nan) for _ in range(3))
-    reason = np.empty(batch.shape, dtype=np.int8)
+    value, place, fraction, reason = _columns(batch, 3)
     for block in batch.blocks():
-        reason.flat[block.first : block.first + len(block.reason)] = block.reason
+        reason[block.all] = block.reason
         if not len(block.good):
             continue
         top, x, part = peak_of(block.ellipses, block.profiles)
-        value.flat[block.places] = block.scale * top
-        reason.flat[block.places[~np.isfinite(top)]] = Reason.UNSETTLED
-        place.flat[block.places] = np.where(top > 0, x, np.nan)
-        fraction.flat[block.places] = np.where(top > 0, part, np.nan)
-    return PeakBatch(_frozen(value), _frozen(place), _frozen(fraction), _frozen(reason))
+        value[block.places] = block.scale * top
+        place[block.places] = np.where(top > 0, x, np.nan)
+        fraction[block.places] = np.where(top > 0, part, np.nan)
+        _unsettled(value, reason, block)
+    return PeakBatch(*(_frozen(part, batch) for part in (value, place, fraction, reason)))
 
 
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """The array itself, read-only from now on."""
+def _columns(batch: Batch, count: int) -> list[NDArray[Any]]:
+    """Room for results, NaN so far, and for reasons: (m,) each."""
+    members = math.prod(batch.shape)
+    return [*(np.full(members, np.nan) for _ in range(count)), np.zeros(members, dtype=np.int8)]
+
+
+def _unsettled(value: Array, reason: NDArray[np.int8], block: Block) -> None:
+    """A reason for those that should have a value and have none."""
+    here = block.first + block.good
+    reason[here[~np.isfinite(value[here])]] = Reason.UNSETTLED
+
+
+def _frozen(column: NDArray[Any], batch: Batch) -> NDArray[Any]:
+    """The results in their shape, read-only from now on."""
+    array = column.reshape(batch.shape)
     array.flags.writeable = False
     return array
