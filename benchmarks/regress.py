@@ -4,6 +4,8 @@
     make regress ACCEPT="hertz-paper ..."    take the new values of the named scenes for frozen ones
     make regress REFERENCES=1                evaluate the 30-digit references anew (some minutes)
 
+Dissipation has a reference in every scene, W(x) at three places of the slip zone in the Hertz scenes POINTWISE.
+
 Two columns, kept apart: *accurate* is the difference from a closed form or a stored 30-digit value, of somebody else's making;
 *frozen* is the difference from our own value of last time. A change of either is shown as old, new and difference, and is accepted
 by name only. Exit code 1 where something changed or is not accurate.
@@ -15,11 +17,15 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
+import exact_history as history
 import mpmath as mp
+from exact_legs import Leg, Straight, legs_of
+from exact_memory import steady_runs
 from semi_analytic_reference import Case, Phase, flat_load, phases
 
 import semi_analytic
@@ -29,32 +35,43 @@ FILE = Path(__file__).with_suffix(".json")
 DIGITS = 30
 # Relative; the frozen values were made by this very code, so only rounding may differ (another order of sums, another library).
 ACCURATE, SAME = 1e-12, 1e-13
+DENSE = 1e-11  # of the largest of W(x)
+POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series", "tiny-slip")
+PLACES = (0.25, 0.6, 0.9)
 QUANTITIES = ("dissipation", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "stroke")
 
 
 @dataclass(frozen=True)
 class Line:
-    """One quantity of one scene: value now, frozen value, and the reference where there is one."""
+    """One quantity of one scene: value now, frozen value, and the reference where there is one.
+
+    `scale` is what the error is relative to, None for the value itself.
+    """
 
     scene: str
     quantity: str
     value: float
     frozen: float | None
     reference: str | None
+    scale: float | None = None
 
     @property
     def drift(self) -> float | None:
         """Relative difference from the frozen value."""
-        return None if self.frozen is None else _apart(self.value, self.frozen)
+        return None if self.frozen is None else self._off(self.frozen)
 
     @property
     def error(self) -> float | None:
         """Relative difference from the reference."""
-        return None if self.reference is None else _apart(self.value, mp.mpf(self.reference))
+        return None if self.reference is None else self._off(mp.mpf(self.reference))
+
+    def _off(self, other: float | mp.mpf) -> float:
+        return float(abs(self.value - other)) / self.scale if self.scale else _apart(self.value, other)
 
     @property
     def good(self) -> bool:
-        return (self.error is None or self.error <= ACCURATE) and self.drift is not None and self.drift <= SAME
+        limit = DENSE if self.scale else ACCURATE
+        return (self.error is None or self.error <= limit) and self.drift is not None and self.drift <= SAME
 
 
 def _apart(value: float, other: float | mp.mpf) -> float:
@@ -77,15 +94,48 @@ def measure(scene: Scene) -> dict[str, float]:
 
 
 def truth(scene: Scene) -> mp.mpf | None:
-    """Dissipation of the last cycle with 30 digits, by closed form or one-dimensional integrals; None where there is no way yet."""
+    """Dissipation of the last cycle with 30 digits: a closed form, else integrals over time; None where there is no way yet."""
     load, f = scene.load, mp.mpf(scene.friction.coefficient)
-    if load.kind == "polygon":
-        return _constant_load(scene, f)
-    if load.kind != "ellipse" or scene.profile.kind not in PILES:
-        return None
-    if load.phase_degrees in (0.0, 180.0, -180.0):
+    if (closed := _constant_load(scene, f)) is not None:
+        return closed
+    if load.kind == "ellipse" and load.phase_degrees in (0.0, 180.0, -180.0):
         return mp.mpf(0) if _in_proportion(scene) else None
-    return _steady_ellipse(scene, f)
+    if load.kind == "ellipse" and scene.profile.kind in PILES:
+        return _steady_ellipse(scene, f)
+    if scene.profile.kind != "hertz" or load.kind not in LEGS:
+        return None
+    contact = history.hertz(modulus(scene), mp.mpf(scene.profile.radius))
+    return history.dissipation(steady_runs(*LEGS[load.kind](load), f), contact, f, modulus(scene))
+
+
+def pointwise_truth(scene: Scene) -> dict[str, list]:
+    """W(x) at three places of the slip zone of a Hertz scene, 30 digits, by the memory curve in mpmath."""
+    f = mp.mpf(scene.friction.coefficient)
+    contact = history.hertz(modulus(scene), mp.mpf(scene.profile.radius))
+    runs = steady_runs(*LEGS[scene.load.kind](scene.load), f)
+    inner = contact.half_width(min(run.front(f, run.end) for run in runs))
+    outer = contact.half_width(max(run.leg.loads(t)[0] for run in runs for t in (run.begin, run.end)))
+    places = [float(inner + (outer - inner) * mp.mpf(part)) for part in PLACES]
+    values = [history.density(runs, contact, f, modulus(scene), mp.mpf(x)) for x in places]
+    return {"x": places, "density": [mp.nstr(value, DIGITS) for value in values]}
+
+
+def _straight(points: list[tuple[float, float]], closed: bool = False) -> list[Straight]:
+    exact = [(mp.mpf(p), mp.mpf(q)) for p, q in points]
+    return [Straight(a, b) for a, b in pairwise([*exact, *exact[:closed]]) if a != b]
+
+
+def _waves(load: object, normal: list, tangential: list) -> tuple[list[Leg], list[Leg]]:
+    return legs_of((load.mean_normal_load, load.mean_tangential_load), normal, tangential)
+
+
+LEGS: dict[str, Callable] = {
+    "harmonics": lambda load: _waves(load, load.normal_harmonics, load.tangential_harmonics),
+    "ellipse": lambda load: _waves(load, [(load.normal_amplitude, 0.0)], [(load.tangential_amplitude, load.phase_degrees)]),
+    "polygon": lambda load: (_straight([(0.0, 0.0), *load.way_in, *load.cycle[:1]]), _straight(list(load.cycle), closed=True)),
+    "time_series": lambda load: (_straight(load.series()[:, 1:].tolist()), []),
+}
+"""Way in and cycle of each kind of load, in mpmath."""
 
 
 def _in_proportion(scene: Scene) -> bool:
@@ -97,14 +147,20 @@ def _in_proportion(scene: Scene) -> bool:
 
 def _constant_load(scene: Scene, f: mp.mpf) -> mp.mpf | None:
     """Hertz, constant P, Q between +-k f P: W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2]; nothing where Q stays 0."""
-    points = [*scene.load.way_in, *scene.load.cycle]
-    if all(q == 0 for _, q in points):
-        return mp.mpf(0)
-    loads = {p for p, _ in points}
+    load = scene.load
+    if load.kind == "polygon":
+        points = [*load.way_in, *load.cycle]
+        if all(q == 0 for _, q in points):
+            return mp.mpf(0)
+        loads, swing = {p for p, _ in points}, max(abs(mp.mpf(q)) for _, q in points)
+    elif load.kind == "ellipse" and load.normal_amplitude == 0:
+        loads, swing = {load.mean_normal_load}, mp.mpf(load.tangential_amplitude)
+    else:
+        return None
     if scene.profile.kind != "hertz" or len(loads) != 1:
         return None
     p = mp.mpf(loads.pop())
-    k = max(abs(mp.mpf(q)) for _, q in points) / (f * p)
+    k = swing / (f * p)
     return 4 * f**2 * p**2 / (mp.pi * modulus(scene)) * ((1 - k) * mp.log(1 - k) + k - k**2 / 2)
 
 
@@ -175,26 +231,39 @@ def _steady_ellipse(scene: Scene, f: mp.mpf) -> mp.mpf:
     return f * 2 / (mp.pi * e_star) * total
 
 
-def references() -> dict[str, str]:
-    """The 30-digit references, evaluated now."""
+def references(names: Sequence[str], stored: dict[str, dict]) -> None:
+    """Evaluate the 30-digit references of the named scenes and store each."""
     mp.mp.dps = DIGITS + 10
-    found = {}
-    for name in scene_names():
-        value = truth(load_scene(name))
+    for name in names:
+        scene = load_scene(name)
+        value = truth(scene)
         print(f"{name}: {'none' if value is None else mp.nstr(value, 15)}", flush=True)
-        if value is not None:
-            found[name] = mp.nstr(value, DIGITS)
-    return found
+        kept = stored.setdefault(name, {})
+        kept.update({} if value is None else {"reference": mp.nstr(value, DIGITS)})
+        kept.update(pointwise_truth(scene) if name in POINTWISE else {})
+        write(stored)
+
+
+def write(stored: dict[str, dict]) -> None:
+    """The table, sorted by scene."""
+    FILE.write_text(json.dumps(dict(sorted(stored.items())), indent=1) + "\n", encoding="utf-8")
 
 
 def lines(stored: dict[str, dict]) -> list[Line]:
     """Every quantity of every scene, beside what is stored."""
     found = []
     for name in scene_names():
-        values, kept = measure(load_scene(name)), stored.get(name, {})
+        scene, kept = load_scene(name), stored.get(name, {})
+        values, frozen = measure(scene), kept.get("frozen", {})
         for quantity in QUANTITIES:
             reference = kept.get("reference") if quantity == "dissipation" else None
-            found.append(Line(name, quantity, values[quantity], kept.get("frozen", {}).get(quantity), reference))
+            found.append(Line(name, quantity, values[quantity], frozen.get(quantity), reference))
+        if "x" in kept:
+            density = semi_analytic.solve(scene, x=kept["x"], fields=("dissipation_density",)).dissipation_density.tolist()
+            largest = max(float(value) for value in kept["density"])
+            for part, value, reference in zip(PLACES, density, kept["density"], strict=True):
+                quantity = f"density at {part}"
+                found.append(Line(name, quantity, value, frozen.get(quantity), reference, largest))
     return found
 
 
@@ -214,21 +283,22 @@ def main() -> int:
     arguments.add_argument(
         "--accept", nargs="*", default=[], metavar="SCENE", help="scenes whose new values become the frozen ones"
     )
-    arguments.add_argument("--references", action="store_true", help="evaluate the 30-digit references anew")
+    arguments.add_argument(
+        "--references", nargs="*", metavar="SCENE", help="evaluate the 30-digit references anew, of all scenes or of those named"
+    )
     asked = arguments.parse_args()
-    if unknown := set(asked.accept) - set(scene_names()):
+    if unknown := {*asked.accept, *(asked.references or ())} - set(scene_names()):
         print(f"regress: no such scene: {', '.join(sorted(unknown))}", file=sys.stderr)
         return 2
     stored = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
-    if asked.references:
-        for name, value in references().items():
-            stored.setdefault(name, {})["reference"] = value
+    if asked.references is not None:
+        references(asked.references or scene_names(), stored)
     mp.mp.dps = DIGITS + 10
     found = lines(stored)
     for name in asked.accept:
         stored.setdefault(name, {})["frozen"] = {line.quantity: line.value for line in found if line.scene == name}
-    if asked.accept or asked.references:
-        FILE.write_text(json.dumps(dict(sorted(stored.items())), indent=1) + "\n", encoding="utf-8")
+    if asked.accept:
+        write(stored)
         found = lines(stored)
     show(found)
     bad = [line for line in found if not line.good]

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from scenes import scene_names
+from scenes import Friction, TimeSeriesLoad, load_scene, scene_names
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 
@@ -27,6 +27,9 @@ def stored() -> dict[str, dict]:
 def test_every_scene_of_the_library_is_in_the_table_and_good(regress: ModuleType) -> None:
     lines = regress.lines(stored())
     assert {line.scene for line in lines} == set(scene_names())
+    # Each scene's dissipation has a 30-digit reference, of somebody else's making; W(x) where the table says so.
+    assert {line.scene for line in lines if line.quantity == "dissipation" and line.reference is not None} == set(scene_names())
+    assert {line.scene for line in lines if line.quantity.startswith("density")} == set(regress.POINTWISE)
     # Other processors round otherwise: the table itself asks for less than this test.
     assert not [line for line in lines if line.drift is None or line.drift > 1e-11 or (line.error or 0.0) > 1e-12]
 
@@ -48,6 +51,21 @@ def test_each_column_sees_its_own_fault_only(regress: ModuleType, monkeypatch: p
     assert wrong.drift == pytest.approx(0.0, abs=1e-11)
     assert wrong.error is not None
     assert wrong.error > 1e-11
+
+
+@pytest.mark.parametrize("fault", ["friction", "load"])
+def test_the_reference_of_a_time_series_sees_the_physics(regress: ModuleType, fault: str) -> None:
+    """The memory curve in mpmath, from the same scene and from one that is 1e-9 beside it."""
+    regress.mp.mp.dps = 20
+    scene = load_scene("time-series")
+    exact = regress.mp.mpf(stored()["time-series"]["reference"])
+    assert abs(regress.truth(scene) / exact - 1) < 1e-15
+    if fault == "friction":
+        scene = scene.model_copy(update={"friction": Friction(coefficient=scene.friction.coefficient * (1 + 1e-9))})
+    else:
+        rows = [(t, p, q * (1 + 1e-9)) for t, p, q in scene.load.series().tolist()]
+        scene = scene.model_copy(update={"load": TimeSeriesLoad(rows=rows)})
+    assert abs(regress.truth(scene) / exact - 1) > 1e-10
 
 
 def test_a_scene_that_is_new_is_not_good_until_it_is_accepted(regress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
