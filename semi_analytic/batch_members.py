@@ -87,14 +87,15 @@ class Batch:
         with np.errstate(over="ignore", invalid="ignore"):
             # Q1/f beyond all bounds slides.
             loops = ellipses_of(mean, amplitude, tangential, phase, some_friction)
-        code = _reasons(loops, force, tangential, friction)
+        mirrored = np.tan(phase / 2) < 0
+        code = _reasons(loops, np.where(mirrored, -force, force), tangential, friction)
         code[(code == Reason.NONE) & (mean + amplitude > most * (1 - 1e-12))] = Reason.EXTENT
         code[invalid] = Reason.INVALID
         good = np.flatnonzero(code == Reason.NONE)
         some = whole or profiles_of(self.profile, self.material, {name: values[good] for name, values in parameters.items()})
         scale = 2 / (math.pi * composite_modulus(self.material)) * some_friction[good] ** 2
         loops = loops if len(good) == len(code) else loops.take(good)
-        return Block(first, code, good, loops, some, scale, np.tan(phase[good] / 2) < 0)
+        return Block(first, code, good, loops, some, scale, mirrored[good])
 
 
 def batch_of(profile: Profile | Mapping[str, Any], material: Materials, loads: tuple[ArrayLike, ...]) -> Batch:
@@ -131,9 +132,9 @@ def _invalid(mean: Array, amplitude: Array, force: Array, tangential: Array, pha
 
 
 def _reasons(e: Ellipses, force: Array, tangential: Array, friction: Array) -> NDArray[np.int8]:
-    """Reason of each valid member (m,): separation, gross sliding. |Q| = f P is admitted, to rounding."""
+    """Reason of each valid member (m,), `force` being Q0 of the loop as turned: separation, gross sliding. |Q| = f P is admitted, to rounding."""
     limit = friction * e.mean
-    slack = 8e-16 * (np.abs(force) + tangential + limit + friction * e.amplitude)
+    slack = 4e-16 * (np.abs(force) + tangential + limit + friction * e.amplitude)
     # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.
     slides = np.maximum(friction * e.u + force, friction * e.v - force) > limit + slack
     slides |= (friction == 0) & (tangential > 0)
