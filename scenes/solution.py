@@ -48,6 +48,9 @@ class Record:
     energy : name -> (n_steps,), energies of each step alone (increments, not running totals) per unit thickness, in the scene's
         units
     notes : everything that a reader must not miss: fallbacks, neglected coupling, clipped values
+    errors : field -> estimate, from above, of the largest error that quadratures and series left in it, over the largest value
+        of the field (of f p for the shear), 1 % of a away from edges, where tractions are roots; "... at the edge" for the points
+        asked for, however near. Fields in closed form, and engines that estimate none, have no entry
     """
 
     converged: bool
@@ -57,6 +60,7 @@ class Record:
     certificates: Mapping[str, Array] = field(default_factory=dict)
     energy: Mapping[str, Array] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    errors: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -147,6 +151,7 @@ class ContactSolution:
 
     def _attributes(self) -> dict[str, Any]:
         record = {name: getattr(self.record, name) for name in ("converged", "termination", "message", "notes")}
+        record["errors"] = dict(self.record.errors)
         return {
             "engine": self.engine,
             "scene": self.scene.model_dump_json(),

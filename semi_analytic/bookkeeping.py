@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import platform
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -42,7 +41,7 @@ class Dissipations:
 
 
 def record_of(
-    scene: Scene, question: Question, snapshot: Snapshot, arrays: Mapping[str, NDArray[Any]], work_done: Dissipations
+    scene: Scene, question: Question, snapshot: Snapshot, arrays: Mapping[str, NDArray[Any]], errors: Mapping[str, float]
 ) -> Record:
     """How the answer came about: M(P) = Q and the friction cone at every instant, the end of the path, what a reader must know."""
     tiny = np.finfo(float).tiny
@@ -65,7 +64,8 @@ def record_of(
         message=message,
         iterations=freeze(np.zeros(len(question.time)), np.int64),
         certificates=certificates,
-        notes=tuple(_notes(scene, question, work_done)),
+        notes=tuple(_notes(scene, question, errors)),
+        errors=errors,
     )
 
 
@@ -77,15 +77,17 @@ def _mismatch(snapshot: Snapshot) -> Array:
     return held - snapshot.force
 
 
-def _notes(scene: Scene, question: Question, work_done: Dissipations) -> Iterator[str]:
+def _notes(scene: Scene, question: Question, errors: Mapping[str, float]) -> Iterator[str]:
     beta = coupling_constant(scene.material)
     if beta != 0:
         yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
-    if not math.isfinite(work_done.second_route) and "dissipation" in question.fields and question.route.period is not None:
+    steady = question.route.history.steady_from
+    unsteady = steady is None or question.route.covered[-1] < steady
+    if unsteady and "dissipation" in question.fields and question.route.period is not None:
         yield "the last cycle is not steady: no closed integral of Q dU to compare the dissipation with"
-    for name, doubt in work_done.doubts.items():
-        if doubt > _DOUBTFUL:
-            yield f"{name}: its quadrature over time did not settle; an error of up to {doubt:.1e} of the largest value is left"
+    for name, error in errors.items():
+        if error > _DOUBTFUL and "edge" not in name:
+            yield f"{name}: its quadratures may have left an error of {error:.1e} of the largest value"
 
 
 def work_of(scene: Scene, question: Question, work_done: Dissipations, seconds: Mapping[str, float]) -> Work:

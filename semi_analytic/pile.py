@@ -176,7 +176,9 @@ class Pile:
         """The integral of a kind at `x` up to `half`, arrays that broadcast, and its error."""
         different, fold = np.unique(np.ravel(x), return_inverse=True)
         top = float(np.max(half, initial=self.least))
-        top = top if top > self.least else self.least + 1e-3 * max(self.least, np.finfo(float).tiny)
+        if top <= self.least:
+            nothing = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(half)))
+            return nothing, nothing
         sheet, number = self._sheet(kind, order, different, top)
         point, upto = np.broadcast_arrays(number[fold].reshape(np.shape(x)), half)
         return sheet(point, upto)
@@ -192,6 +194,8 @@ class Pile:
             root = np.sqrt((distance - inner) * (distance + inner))
             reach = np.arcsinh(root / np.where(inner > 0, inner, np.inf))
             value = value + (force * force / 2 if order else force) * reach
+        else:
+            value = np.where(distance < half, value, 0.0)
         return np.maximum(value, 0.0), error
 
     def _logarithm(self, order: int, half: Array) -> tuple[Array, Array]:
@@ -206,7 +210,7 @@ class Pile:
         half = self.half_width(values[0] if name == "log_area" else values[-1])
         if kind in ("pressure", "spread"):
             value, left = self._of_points("pressure" if kind == "pressure" else "spread", order, *values)
-            near = np.abs(half - np.abs(values[0]))
+            near = np.abs(half - np.abs(values[0])) if kind == "pressure" else np.minimum(half, np.abs(values[0])) - self.least
         elif name == "log_area":
             load, slipped = values
             value, left = Pile.log_area(self, load, slipped), self._logarithm(0, half)[1]

@@ -30,6 +30,7 @@ _LONGEST = {"pressure": 1.2, "spread": 0.8, "logarithm": np.inf}
 _CLOSEST = 1e-24
 _RESOLVED = 4e-15
 _HALVINGS = 12
+_NOISE = 0.9
 _CHUNK = 20_000
 
 OCTAVES = 24
@@ -105,15 +106,18 @@ def sheet_of(kind: Kind, x: Array, top: float, seams: Array, begins: Array, laws
     marks = np.append(np.union1d(seams[seams < top], octaves), top)
     panels = _panels(kind, x, marks, begins)
     found, coefficients, tails = [], [], []
+    coarse = np.full(len(panels.point), np.inf)
     for turn in range(_HALVINGS + 1):
         parts = _coefficients(kind, panels, laws, order)
         length = (panels.end - panels.begin) / 2
-        worth = tail(parts) * length
-        good = (worth <= _RESOLVED * _size(kind, panels, parts, laws, order)) | (turn == _HALVINGS)
+        rest = tail(parts)
+        worth = rest * length
+        # What halving does not make smaller is noise of the laws themselves: it stays, and counts as error.
+        good = (worth <= _RESOLVED * _size(kind, panels, parts, laws, order)) | (rest > _NOISE * coarse) | (turn == _HALVINGS)
         found.append(panels.take(np.flatnonzero(good)))
         coefficients.append(parts[good])
         tails.append(worth[good])
-        panels = _halves(panels.take(np.flatnonzero(~good)))
+        panels, coarse = _halves(panels.take(np.flatnonzero(~good))), np.tile(rest[~good], 2)
         if not len(panels.point):
             break
     whole = Panels(*(np.concatenate(part) for part in zip(*(vars(each).values() for each in found), strict=True)))
@@ -138,7 +142,7 @@ def _panels(kind: Kind, x: Array, marks: Array, begins: Array) -> Panels:
     at = x[:, None]
     if kind == "pressure":
         origin = np.maximum(at, start)
-        scale = np.sqrt(np.maximum(np.where(start > 0, np.abs(at - start), 2 * at), _CLOSEST * marks[-1]))
+        scale = np.sqrt(np.maximum(np.where(start > 0, np.abs(at - start), 2 * at), max(_CLOSEST * marks[-1], 1e-300)))
         first, last = np.maximum(low, origin), high + 0 * at
     elif kind == "spread":
         origin, scale = start + 0 * at, np.sqrt(np.maximum(at - start, 0.0))

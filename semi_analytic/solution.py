@@ -14,6 +14,7 @@ from semi_analytic.batch import Ellipses, dissipation_of, ellipses_of
 from semi_analytic.batch_density import density_of
 from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
 from semi_analytic.corners import has_corners
+from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
@@ -76,6 +77,8 @@ def solve(
     grids = grids_of(question, snapshot, series["contact_half_width"], series["stick_half_width"])
     evaluated = clock.perf_counter()
     work_done = _dissipations(question)
+    errors = field_errors(question, snapshot, series, grids)
+    errors |= {name: doubt for name, doubt in work_done.doubts.items() if doubt and name in question.fields}
     seconds = {
         "history": marched - started,
         "fields": evaluated - marched,
@@ -91,7 +94,7 @@ def solve(
         loop_work=work_done.second_route,
         permanent_stick_half_width=_permanent_stick(question),
         steady_from=question.route.history.steady_from,
-        record=record_of(scene, question, snapshot, grids, work_done),
+        record=record_of(scene, question, snapshot, grids, errors),
         work=work_of(scene, question, work_done, seconds),
         settings={"cycles": cycles, "fields": sorted(question.fields), "straight_steps": straight_steps},
         versions=versions(),
@@ -117,6 +120,8 @@ def _dissipations(question: Question) -> Dissipations:
         steady = route.history.steady_from
         if steady is not None and last >= steady:
             second = closed_integral(contact, modulus, cycles[last]) if works[last][0] else 0.0
+        doubts["dissipation"] += dissipation_error(contact, cycles[last], modulus, float(each[-1]), second)
+        doubts["dissipation_density"] = doubts.get("dissipation_density", 0.0) + doubts["dissipation"]
     slipping = sum(span.direction != 0 for span in used)
     arrays = {"dissipation_density": density[question.fold], "cycle_dissipation": each}
     return Dissipations(float(each[-1]), second, arrays, slipping, len(used) - slipping, doubts)
