@@ -18,7 +18,8 @@ from threadpoolctl import threadpool_limits
 from halfplane_fe.answer import answer_arrays, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody
-from halfplane_fe.interface import couple
+from halfplane_fe.interface import Interface, couple
+from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.pair import check_supports, condensed_pair, initial_gap, meshed_pair
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
@@ -96,10 +97,13 @@ def _solve(scene: Scene, mesh: MeshSettings, settings: SolverSettings, report: P
     watch.lap("mesh")
     condensed = condensed_pair(scene, bodies, scene.profile.datum_length, work)
     watch.lap("condensation")
-    problem = _contact_problem(scene, mesh, settings, scales, condensed, work)
-    path = scene.load.path()
+    faces = couple(*condensed)
+    problem = _contact_problem(scene, mesh, settings, scales, faces, work)
+    solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if mirrored(faces) else problem
     pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)
-    run = run_path(problem, path, pace, scene.cycles, report)
+    run = run_path(solved, scene.load.path(), pace, scene.cycles, report)
+    if solved is not problem:
+        run = whole(run, len(faces.x))
     watch.lap("load path")
     answer = _solution(scene, mesh, settings, scales, condensed, problem, run, watch)
     if run.failure is not None:
@@ -140,17 +144,16 @@ def _contact_problem(
     mesh: MeshSettings,
     settings: SolverSettings,
     scales: Scales,
-    condensed: tuple[CondensedBody, CondensedBody],
+    faces: Interface,
     work: Counter[str],
 ) -> ContactProblem:
-    unscaled = couple(*condensed)
-    interface = unscaled.scaled(scales.half_width, 1 / scales.modulus)
+    interface = faces.scaled(scales.half_width, 1 / scales.modulus)
     # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, or the weight of the trial tractions.
     stiffness = settings.normal_stiffness, settings.tangential_stiffness
     nodal = [k * interface.weights / mesh.edge_element_size for k in stiffness]
     penalty = settings.method == "penalty"
     layer = Layer(*((1 / k if penalty else np.zeros_like(k)) for k in nodal))
-    height = initial_gap(scene, unscaled) * scales.modulus / scales.load
+    height = initial_gap(scene, faces) * scales.modulus / scales.load
     return ContactProblem(
         interface,
         height,
@@ -236,6 +239,8 @@ def _work(
         skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
     if stored := problem.work["condensations from the store"]:
         skipped["condensations, stored"] = (stored, "this body of this material was condensed before: read from the store")
+    if mirrored(problem.interface):
+        skipped["contact nodes"] = (len(problem.interface.x) // 2, "p and q are even in x: solved on one half")
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.increments), "no shear can arise")
     if problem.tangential and not problem.work["slip iterations"]:

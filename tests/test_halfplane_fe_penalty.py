@@ -48,7 +48,7 @@ def test_the_weights_are_those_of_the_settings_and_set_the_trial_tractions(monke
     monkeypatch.setattr(solve, "ContactProblem", lambda *given: made.append(make(*given)) or made[-1])
     for weight in (1.0, 1e6):
         halfplane_fe.solve(load_scene("hertz-normal"), COARSE, SolverSettings(normal_stiffness=weight, tangential_stiffness=weight))
-    low, high = (problem.augmentation for problem in made)
+    low, high = (problem.augmentation for problem in made[::2])  # each is followed by its half
     for one, other in zip(low, high, strict=True):
         np.testing.assert_allclose(np.asarray(other), 1e6 * np.asarray(one))
     gap = np.full_like(made[0].height, 1e-9)
