@@ -34,6 +34,16 @@ def test_every_scene_of_the_library_is_in_the_table_and_good(regress: ModuleType
     assert not [line for line in lines if line.drift is None or line.drift > 1e-11 or (line.error or 0.0) > 1e-12]
 
 
+def test_the_page_of_scenes_shows_every_scene_with_its_purpose_source_and_number() -> None:
+    page = (BENCHMARKS.parent / "docs" / "scenes.md").read_text(encoding="utf-8")
+    for name in scene_names():
+        scene, number = load_scene(name), float(stored()[name]["reference"])
+        assert scene.purpose
+        assert scene.source
+        purpose, source = (text.replace("|", "\\|") for text in (scene.purpose, scene.source))
+        assert f"| `{name}` | {purpose} | {source} | {number:.9g} |" in page
+
+
 def test_each_column_sees_its_own_fault_only(regress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(regress, "scene_names", lambda: ("hertz-paper",))
     table = stored()

@@ -177,3 +177,13 @@ def test_costly_parts_are_done_once() -> None:
     examples: Paper = paper.paper()
     assert examples.sweeps is examples.sweeps
     assert examples.peaks is examples.peaks
+
+
+def test_interactive_panels_of_figure_3_are_equal(described: dict[str, Sheet]) -> None:
+    layout = paper_interactive.figure(described["figure_03"])["layout"]
+    for axis in ("xaxis", "yaxis"):
+        domains = [value["domain"] for key, value in layout.items() if key.startswith(axis)]
+        assert len(domains) == 13
+        assert {round(high - low, 9) for low, high in domains} == {round(domains[0][1] - domains[0][0], 9)}
+    # Room that an axis takes for its own labels would come off its panel.
+    assert not [key for key, value in layout.items() if "axis" in key and value.get("automargin")]

@@ -1,0 +1,198 @@
+"""The worst figures of the half-plane engine over everything that is hard: stored 30-digit tables, scales, routes, inverses.
+
+python benchmarks/semi_analytic_extremes.py        (a quarter of a minute)
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from claim import Row, table
+
+import semi_analytic
+from scenes import (
+    Compound,
+    Elastic,
+    EllipseLoad,
+    EvenPolynomial,
+    FlatRounded,
+    Friction,
+    Hertz,
+    Materials,
+    PowerLaw,
+    Profile,
+    Scene,
+    Wedge,
+    load_scene,
+    scene_names,
+)
+from semi_analytic.contact import contact_of
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
+from semi_analytic.quadrature import graded
+from semi_analytic.route import own_route
+
+TABLE = Path(__file__).with_name("semi_analytic_reference.json")
+
+
+def profile_of(flat: float, size: float = 1.0) -> Profile:
+    """Hertz or flat and rounded with R = `size`."""
+    return FlatRounded(radius=size, flat_half_length=flat * size) if flat else Hertz(radius=size)
+
+
+def like(modulus: float) -> Materials:
+    """Like bodies with that E*."""
+    body = Elastic(young_modulus=2 * modulus, poisson_ratio=0.0)
+    return Materials(upper=body, lower=body)
+
+
+def batch(row: dict[str, Any], load: float = 1.0, length: float = 1.0, modulus: float = 1.0) -> float:
+    """Dissipation of a row of the table in other units; W E*/load^2 must not know them."""
+    phase = row["phase"] if row["radians"] else math.radians(row["phase"])
+    radius = length**2 * modulus / load  # b/a stays
+    profile = FlatRounded(radius=radius, flat_half_length=row["flat"] * length) if row["flat"] else Hertz(radius=radius)
+    return float(
+        semi_analytic.dissipation(
+            profile=profile,
+            material=like(modulus),
+            friction_coefficient=row["friction"],
+            mean_normal_load=row["mean"] * load,
+            normal_amplitude=row["amplitude"] * load,
+            mean_tangential_load=0.0,
+            tangential_amplitude=row["tangential"] * load,
+            phase=phase,
+        ).value
+    )
+
+
+def scene_of(row: dict[str, Any]) -> Scene:
+    """A row of the table as a scene."""
+    load = EllipseLoad(
+        mean_normal_load=row["mean"],
+        normal_amplitude=row["amplitude"],
+        mean_tangential_load=0.0,
+        tangential_amplitude=row["tangential"],
+        phase_degrees=math.degrees(row["phase"]) if row["radians"] else row["phase"],
+        way_in="straight",
+    )
+    friction = Friction(coefficient=row["friction"])
+    return Scene(name="row", material=like(1.0), profile=profile_of(row["flat"]), friction=friction, load=load)
+
+
+def table_rows() -> Iterator[Row]:
+    """The 41 scenes of the table and its extremes."""
+    rows = json.loads(TABLE.read_text(encoding="utf-8"))
+    plain = [row for row in rows if not row["radians"]]
+    works, densities = [], []
+    for row in plain:
+        answer = semi_analytic.solve(scene_of(row), x=row["x"], fields=("dissipation", "dissipation_density"))
+        exact = np.array([float(value) for value in row["density"]])
+        works.append(abs(answer.dissipation / float(row["dissipation"]) - 1))
+        densities.append(np.max(np.abs(answer.dissipation_density - exact)) / np.max(exact))
+    how = f"{len(plain)} ellipses, Hertz and flat face, five phases, f from 1e-3 to 10; solve against 30 digits"
+    yield Row("worst relative error of W", max(works), 1e-12, how)
+    yield Row("worst error of W(x) over max W", float(max(densities)), 1e-9, how)
+    extremes = [row for row in rows if row["radians"]]
+    for name, chosen in classes(extremes).items():
+        errors = [abs(batch(row) / float(row["dissipation"]) - 1) for row in chosen]
+        yield Row(f"worst relative error of W, {name}", max(errors), 1e-10, f"{len(chosen)} ellipses, batch against 30 digits")
+
+
+def classes(rows: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """The extremes by what makes them hard."""
+
+    def chosen(test: Any) -> list[dict[str, Any]]:
+        return [row for row in rows if test(row, row["tangential"] / row["friction"], row["amplitude"])]
+
+    return {
+        "slip of 1e-9 to 1e-6 of f P": chosen(lambda row, q, p: q <= 1e-6 and p < 0.9),
+        "1 - 1e-12 of gross sliding": chosen(lambda row, q, p: p == 0.4),
+        "P1/P0 = 1 - 1e-9": chosen(lambda row, q, p: p > 0.9),
+        "within 1e-9 of phase 0 or pi": chosen(lambda row, q, p: abs(math.sin(row["phase"])) < 1e-8 and q != p),
+        "the same at tangency, dQ/dP = +-f": chosen(lambda row, q, p: abs(math.sin(row["phase"])) < 1e-8 and q == p),
+    }
+
+
+def scale_rows() -> Iterator[Row]:
+    """Loads by 1e+-12, lengths by 1e+-9, E by 1e+-12, all together."""
+    rows = json.loads(TABLE.read_text(encoding="utf-8"))[:41:5]
+    worst = 0.0
+    for row, load, length, modulus in product(rows, (1e-12, 1e12), (1e-9, 1e9), (1e-12, 1e12)):
+        worst = max(worst, abs(batch(row, load, length, modulus) * modulus / load**2 / batch(row) - 1))
+    how = f"{len(rows)} ellipses, loads by 1e+-12, lengths by 1e+-9, E by 1e+-12"
+    yield Row("worst change of W E*/P^2 with the units", worst, 1e-12, how)
+
+
+def over_x(contact: Any, modulus: float, spans: Any) -> float:
+    """int W(x) dx by graded nodes between the edges of contact and of stick."""
+    edges = set(getattr(contact, "breaks", ()))
+    for span in spans:
+        times = np.array([span.begin.time, span.end.time])
+        load = span.leg.loads(times)[0]
+        edges |= {*contact.half_width(load).tolist(), *contact.half_width(load - span.slipped(times)).tolist()}
+    total, marks = 0.0, sorted(edges)
+    for low, high in pairwise(marks):
+        if high - low > 1e-12 * marks[-1]:
+            x, weight = graded(low, high)
+            total += 2 * float(np.sum(weight * pointwise_dissipation(contact, modulus, spans, x).total))
+    return total
+
+
+def route_rows() -> Iterator[Row]:
+    """Slip integral, int W(x) dx and, where the cycle is steady, closed-int Q dU, in every scene of the library that slips."""
+    for name in scene_names():
+        scene = load_scene(name)
+        contact, modulus = contact_of(scene.profile, scene.material), composite_modulus(scene.material)
+        history = own_route(scene.load.path(), scene.friction.coefficient, scene.cycles, None).history
+        spans = history.cycles[-1]
+        work = float(global_dissipation(contact, modulus, spans).total)
+        if work == 0:
+            continue
+        values = [over_x(contact, modulus, spans), semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation]
+        if scene.load.path().period is not None:
+            values.append(closed_integral(contact, modulus, spans))
+        worst = max(abs(value / work - 1) for value in values)
+        yield Row(f"{name}: routes to W apart", worst, 1e-10, f"{len(values) + 1} routes")
+
+
+PROFILES: dict[str, Profile] = {
+    "hertz": Hertz(radius=1.0),
+    "power law 1.5": PowerLaw(exponent=1.5, length=1.0, rise=0.5),
+    "power law 4": PowerLaw(exponent=4.0, length=1.0, rise=0.5),
+    "compound": Compound(inner_radius=1.0, outer_radius=0.4, inner_half_length=0.8),
+    "wedge": Wedge(tip_radius=1.0, tip_half_length=1.0),
+    "polynomial": EvenPolynomial(length=1.0, rises=(0.5, 0.1)),
+}
+
+
+def inverse_rows() -> Iterator[Row]:
+    """P(a(P)) over sixteen decades; for the flat face b/a from 1e-8 to 1 - 1e-8."""
+    load = 10.0 ** np.linspace(-8, 8, 161)
+    for name, profile in PROFILES.items():
+        contact = contact_of(profile, like(1.0))
+        worst = float(np.max(np.abs(contact.load(contact.half_width(load)) / load - 1)))
+        yield Row(f"{name}: P(a(P))/P - 1", worst, 1e-13, "P from 1e-8 to 1e8")
+    contact = contact_of(FlatRounded(radius=1.0, flat_half_length=1.0), like(1.0))
+    part = np.concatenate([10.0 ** np.linspace(-8, -1, 50), 1 - 10.0 ** np.linspace(-1, -8, 50)])
+    back = contact.half_width(contact.load(1 / part)) * part
+    yield Row("flat and rounded: a(P(a))/a - 1", float(np.max(np.abs(back - 1))), 1e-13, "b/a from 1e-8 to 1 - 1e-8")
+
+
+def rows() -> Iterator[Row]:
+    """All of them."""
+    for part in (table_rows, scale_rows, route_rows, inverse_rows):
+        yield from part()
+
+
+def main() -> None:
+    print(table(list(rows())))
+
+
+if __name__ == "__main__":
+    main()
