@@ -131,10 +131,13 @@ def _reflect(half: _Cells) -> _Cells:
 
 
 def _corners_first(body: _Cells) -> _Cells:
-    """The same body, corners numbered before mid-side points: then scikit-fem leaves the numbers alone."""
+    """The same body, corners numbered before mid-side points: then scikit-fem leaves the numbers alone.
+
+    Points of no element are dropped: gmsh counts the centre of an arc.
+    """
     corners = np.unique(body.elements[:, : body.corners])
-    order = np.concatenate([corners, np.setdiff1d(np.arange(len(body.points)), corners)])
-    place = np.empty_like(order)
+    order = np.concatenate([corners, np.setdiff1d(body.elements, corners)])
+    place = np.full(len(body.points), -1)
     place[order] = np.arange(len(order))
     named = {name: place[nodes] for name, nodes in body.named.items()}
     return _Cells(body.points[order], place[body.elements], named)
