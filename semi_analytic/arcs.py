@@ -14,6 +14,7 @@ starts next to the least load or ends next to the largest, cost no digits.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -25,8 +26,8 @@ from semi_analytic.contact import Contact
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_NODES = {count: np.polynomial.legendre.leggauss(count) for count in (16, 24, 40, 80)}
-_SPANS = ((1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
+_NODES = {count: np.polynomial.legendre.leggauss(count) for count in (6, 10, 16, 24, 40, 80)}
+_SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
 
 
 class Nodes(NamedTuple):
@@ -64,29 +65,38 @@ def halves(leg: EllipseLeg, first: float, last: Array) -> list[Half]:
     return found
 
 
-def outside(low: Array, high: Array, edge: Array) -> Nodes:
-    """Nodes for low < z < high with z^2 > e^2 = `edge`, which may be negative."""
+def _limits_outside(low: Array, high: Array, edge: Array) -> tuple[Array, Array]:
+    """ln(z + sqrt(z^2 - e^2)) at both ends."""
     floor = np.sqrt(np.maximum(edge, 0.0))
     low, high = np.maximum(low, floor), np.maximum(high, floor)
     beyond = np.maximum(-edge, 0.0)
     # (z - e)(z + e), not z^2 - e^2: at z = e rounding would leave a root of 1e-8 in the latter.
     a = np.log(np.maximum(low + np.sqrt((low - floor) * (low + floor) + beyond), 1e-150))
     b = np.log(np.maximum(high + np.sqrt((high - floor) * (high + floor) + beyond), 1e-150))
-    b = np.maximum(a, b)
-    s, weight = _rule(a, b)
+    return a, np.maximum(a, b)
+
+
+def outside(low: Array, high: Array, edge: Array) -> Nodes:
+    """Nodes for low < z < high with z^2 > e^2 = `edge`, which may be negative."""
+    s, weight = _rule(*_limits_outside(low, high, edge))
     r = np.exp(s)
     other = edge[..., None] / r
     return Nodes((r + other) / 2, weight, (r - other) / 2)
 
 
-def inside(low: Array, high: Array, edge: Array) -> Nodes:
-    """Nodes for low < z < high with z^2 < e^2 = `edge`; weights are 0 where there are none."""
+def _limits_inside(low: Array, high: Array, edge: Array) -> tuple[Array, Array]:
+    """arcsin(z/e) at both ends."""
     e = np.sqrt(np.maximum(edge, 0.0))
     low, high = np.minimum(low, e), np.minimum(high, e)
     a = np.arctan2(low, np.sqrt((e - low) * (e + low)))
     b = np.arctan2(high, np.sqrt((e - high) * (e + high)))
-    b = np.maximum(a, b)
-    s, weight = _rule(a, b)
+    return a, np.maximum(a, b)
+
+
+def inside(low: Array, high: Array, edge: Array) -> Nodes:
+    """Nodes for low < z < high with z^2 < e^2 = `edge`; weights are 0 where there are none."""
+    e = np.sqrt(np.maximum(edge, 0.0))
+    s, weight = _rule(*_limits_inside(low, high, edge))
     return Nodes(e[..., None] * np.sin(s), weight, e[..., None] * np.cos(s))
 
 
@@ -109,11 +119,14 @@ def arc_shear(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: A
     total = np.zeros((len(last), len(x)))
     edge_load = contact.load(x)
     for half in halves(leg, first, last):
-        here, nodes = _touched(half, edge_load, half.curvature > 0)
-        point = here[1][:, None]
-        excess = abs(half.curvature) * nodes.root**2
-        quotient = contact.root_quotient(x[point], excess, edge_load[point] + excess)
-        total[here] += half.sign / math.sqrt(abs(half.curvature)) * np.sum(nodes.weight * density(nodes.z) * quotient, axis=-1)
+        steps, order = _steps(half)
+        rises = np.zeros(total.shape)
+        for here, nodes in _touched(steps, edge_load, half.curvature > 0):
+            point = here[1][:, None]
+            excess = abs(half.curvature) * nodes.root**2
+            quotient = contact.root_quotient(x[point], excess, edge_load[point] + excess)
+            rises[here] = np.sum(nodes.weight * density(nodes.z) * quotient, axis=-1)
+        total[order] += half.sign / math.sqrt(abs(half.curvature)) * np.cumsum(rises, axis=0)
     return total * leg.amplitude[1] * math.sin(leg.phase) / math.pi
 
 
@@ -122,15 +135,27 @@ def arc_slip(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: Ar
     total = np.zeros((len(last), len(x)))
     edge_load = contact.load(x)
     for half in halves(leg, first, last):
-        here, nodes = _touched(half, edge_load, half.curvature < 0)
-        excess = abs(half.curvature) * nodes.root**2
-        reach = contact.reach(x[here[1]][:, None], excess, half.extreme + half.curvature * nodes.z**2)
-        total[here] += half.sign * np.sum(nodes.weight * nodes.root * density(nodes.z) * reach, axis=-1)
+        steps, order = _steps(half)
+        rises = np.zeros(total.shape)
+        for here, nodes in _touched(steps, edge_load, half.curvature < 0):
+            excess = abs(half.curvature) * nodes.root**2
+            reach = contact.reach(x[here[1]][:, None], excess, half.extreme + half.curvature * nodes.z**2)
+            rises[here] = np.sum(nodes.weight * nodes.root * density(nodes.z) * reach, axis=-1)
+        total[order] += half.sign * np.cumsum(rises, axis=0)
     return total * leg.amplitude[1] * math.sin(leg.phase)
 
 
-def _touched(half: Half, edge_load: Array, beyond: bool) -> tuple[tuple[Indices, Indices], Nodes]:
-    """The arcs and points (m,) that have a part of this half on the right side of P_x, and the nodes there (m, nodes).
+def _steps(half: Half) -> tuple[Half, Indices]:
+    """The arcs in order of their length, each less the one before: short pieces, which few nodes serve."""
+    order = np.argsort(half.high - half.low, kind="stable")
+    low, high = half.low[order], half.high[order]
+    if half.curvature > 0:
+        return half._replace(low=np.append(low[:1], high[:-1]), high=high), order
+    return half._replace(low=low, high=np.append(high[:1], low[:-1])), order
+
+
+def _touched(half: Half, edge_load: Array, beyond: bool) -> Iterator[tuple[tuple[Indices, Indices], Nodes]]:
+    """Arcs and points (m,) that have a part of this half on the right side of P_x, and nodes there (m, nodes), by their count.
 
     `beyond` the edge z^2 = e^2 for tractions in the lower half and slips in the upper one, before it otherwise.
     """
@@ -139,8 +164,15 @@ def _touched(half: Half, edge_load: Array, beyond: bool) -> tuple[tuple[Indices,
     low, high = half.low[:, None], half.high[:, None]
     span = high - np.maximum(low, e) if beyond else np.minimum(high, e) - low
     instant, point = np.nonzero(span > 0)
-    choose = outside if beyond else inside
-    return (instant, point), choose(half.low[instant], half.high[instant], edge[point])
+    choose, limits = (outside, _limits_outside) if beyond else (inside, _limits_inside)
+    a, b = limits(half.low[instant], half.high[instant], edge[point])
+    below = -1.0
+    for limit, _ in _SPANS:
+        some = np.flatnonzero((b - a > below) & (b - a <= limit))
+        below = limit
+        if len(some):
+            i, k = instant[some], point[some]
+            yield (i, k), choose(half.low[i], half.high[i], edge[k])
 
 
 def arc_log(contact: Contact, leg: EllipseLeg, first: float, last: Array) -> Array:
