@@ -1,4 +1,6 @@
-"""How fast the half-plane engine is: whole solutions, straight steps, batches against bare numpy. Ratios in one run count.
+"""How fast the half-plane engine is: whole solutions, straight steps, batches. Ratios in one run count.
+
+Batches against bare numpy, their errors and memory: semi_analytic_batch.py.
 
 python benchmarks/semi_analytic_speed.py
 """
@@ -46,14 +48,6 @@ def random_ellipses(count: int, seed: int = 0) -> dict[str, Any]:
     }
 
 
-def bare(count: int, nodes: int = 16) -> None:
-    """Nothing but the transcendental calls: two sines, two cosines and three logarithms a node, in chunks of 1,000."""
-    values = np.full((1000, nodes), 0.5)
-    for _ in range(count // 1000):
-        for function in (np.sin, np.cos, np.sin, np.cos, np.log, np.log, np.log):
-            function(values)
-
-
 def rows() -> Iterator[tuple[str, str]]:
     for name in ("hertz-paper", "cattaneo-mindlin", "motor"):
         scene = load_scene(name)
@@ -63,11 +57,9 @@ def rows() -> Iterator[tuple[str, str]]:
         straight = seconds(lambda s=scene, o=own: solve(s, x=o.x, time=o.time, straight_steps=True), 1)
         yield f"solve({name}), {len(own.time) - 1} straight steps", f"{1e3 * straight:.0f} ms"
     members = random_ellipses(MEMBERS)
-    plain = seconds(lambda: bare(MEMBERS))
     hertz = seconds(lambda: dissipation(profile=Hertz(radius=1.0), **members))
     flat = seconds(lambda: dissipation(profile=FlatRounded(radius=1.0, flat_half_length=0.7), **members))
-    yield "bare transcendental calls of 16 nodes a phase", f"{MEMBERS / plain:,.0f} a second"
-    yield "batch of Hertz ellipses", f"{MEMBERS / hertz:,.0f} a second, {hertz / plain:.1f} x bare"
+    yield "batch of Hertz ellipses", f"{MEMBERS / hertz:,.0f} a second"
     yield "batch of flat-and-rounded ellipses", f"{MEMBERS / flat:,.0f} a second, {flat / hertz:.1f} x Hertz"
     few = random_ellipses(1000)
     yield (

@@ -132,7 +132,7 @@ def _invalid(mean: Array, amplitude: Array, force: Array, tangential: Array, pha
 
 
 def _reasons(e: Ellipses, force: Array, tangential: Array, friction: Array) -> NDArray[np.int8]:
-    """Reason of each valid member (m,), `force` being Q0 of the loop as turned: separation, gross sliding. |Q| = f P is admitted, to rounding."""
+    """Reason of each valid member (m,): separation, gross sliding; |Q| = f P is admitted, to rounding. `force`: Q0 as turned."""
     limit = friction * e.mean
     slack = 4e-16 * (np.abs(force) + tangential + limit + friction * e.amplitude)
     # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.

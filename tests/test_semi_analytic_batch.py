@@ -155,6 +155,28 @@ def test_bad_members_get_a_reason_and_the_rest_their_values():
     assert not batch.value.flags.writeable
 
 
+@given(st.floats(0, 1.1), st.floats(-1, 1), st.floats(0, 1), st.floats(-7, 7), st.sampled_from([0.0, 0.3, 2.0]))
+def test_reasons_are_those_of_the_sampled_loop(ratio, mean, force, phase, friction):
+    """|Q| <= f P at 2,000 instants of the loop, both senses, any Q0."""
+    t = np.linspace(0, 2 * math.pi, 2001)
+    normal, tangential = 1 + ratio * np.cos(t), mean + force * np.cos(t - phase)
+    over = float(np.max(np.abs(tangential) - friction * normal))
+    batch = dissipation(
+        profile=PROFILES[0.0],
+        material=MATERIAL,
+        friction_coefficient=friction,
+        mean_normal_load=1.0,
+        normal_amplitude=ratio,
+        mean_tangential_load=mean,
+        tangential_amplitude=force,
+        phase=phase,
+    )
+    if ratio > 1:
+        assert batch.reason == Reason.SEPARATION
+    elif abs(over) > 1e-5:
+        assert batch.reason == (Reason.SLIDING if over > 0 else Reason.NONE)
+
+
 def test_a_batch_of_nothing_and_shapes_that_do_not_fit():
     empty = dissipation(profile=Hertz(radius=1.0), material=MATERIAL, friction_coefficient=np.empty(0), **PAPER)
     assert empty.value.shape == (0,)
