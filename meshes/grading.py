@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from meshes.bodies import SurfaceGrading
 
 Array = NDArray[np.float64]
 
 
+def rounded(values: ArrayLike) -> Array:
+    """Lengths to twelve digits, any shape: on the last digit gmsh makes another mesh, and the answer would depend on the units."""
+    return np.vectorize(lambda value: float(f"{value:.12g}"), otypes=[float])(values)
+
+
 def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
-    """The grading in other units of length, rounded to twelve digits."""
-    # On the last digit gmsh makes another mesh, and the answer would depend on the scene's units.
-    values = (grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius)
-    return SurfaceGrading(*(float(f"{value * factor:.12g}") for value in values))
+    """The grading in other units of length, rounded."""
+    values = np.array([grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius])
+    return SurfaceGrading(*rounded(values * factor).tolist())
 
 
 def surface_points(grading: SurfaceGrading) -> Array:

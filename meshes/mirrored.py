@@ -81,6 +81,7 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
         if cells == "quadrilaterals":
             gmsh.option.setNumber("Mesh.Algorithm", 8)
             gmsh.option.setNumber("Mesh.RecombineAll", 1)
+            gmsh.option.setNumber("Mesh.RecombineMinimumQuality", 0.1)  # no two sides of one element in line on the face
             gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)  # every element into quadrilaterals of half its size
         gmsh.model.add("half")
         yield

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from meshes.bodies import BodyMesh, Cells, SurfaceGrading
 from meshes.faces import Face, face_of
-from meshes.grading import scaled_grading, size_field, surface_points
+from meshes.grading import rounded, scaled_grading, size_field, surface_points
 from meshes.mirrored import mirrored_mesh
 from meshes.quality import mesh_quality
 from scenes import Block, Cylinder, InputError, Pad, Profile
@@ -78,9 +78,15 @@ class _Outline:
     """The half x >= 0 of a body in units of its contact side's half-width."""
 
     def __init__(self, face: Face, half_width: float, height: float, length: float) -> None:
-        self._face, self._half_width, self._height, self._length = face, half_width, height, length
+        self._face, self._length = face, length
+        # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes with the root of the width.
+        drop = float(self._true_depth(np.array(half_width)))
+        self._half_width, self._height, self._drop = rounded([half_width, height, drop]).tolist()
 
     def _depth(self, x: Array) -> Array:
+        return rounded(self._true_depth(x))
+
+    def _true_depth(self, x: Array) -> Array:
         return np.asarray(self._face.depth(np.asarray(x) * self._length)) / self._length
 
     def draw(self, grading: SurfaceGrading, size: Size) -> dict[str, list[int]]:
@@ -93,7 +99,7 @@ class _Outline:
         free, end = self._rest_of_face(float(places[-1]), surface[-1], size)
         axis_end = geo.addPoint(0, -self._height, 0)
         sides, foot = [], end
-        if self._drop() < self._height * (1 - 1e-9):
+        if self._drop < self._height * (1 - 1e-9):
             foot = geo.addPoint(self._half_width, -self._height, 0)
             sides = [geo.addLine(end, foot)]
         base = geo.addLine(foot, axis_end)
@@ -101,16 +107,13 @@ class _Outline:
         geo.addPlaneSurface([geo.addCurveLoop([*contact, *free, *sides, base, axis])])
         return {"contact": contact, "free": free, "base": [base]} | ({"sides": sides} if sides else {})
 
-    def _drop(self) -> float:
-        return float(self._depth(np.array(self._half_width)))
-
     def _rest_of_face(self, start: float, first: int, size: Size) -> tuple[list[int], int]:
         """Curves from the contact side's end to the face's end, and the point there."""
         geo, end = gmsh.model.geo, self._half_width
         if self._face.arc is not None:
-            begin, radius = (value / self._length for value in self._face.arc)
+            begin, radius = rounded(np.array(self._face.arc) / self._length).tolist()
             if start >= begin:
-                last = geo.addPoint(end, -self._drop(), 0)
+                last = geo.addPoint(end, -self._drop, 0)
                 return [geo.addCircleArc(first, geo.addPoint(begin, -radius, 0), last)], last
         places = np.array([end]) if self._face.flat else self._places(start, end, size)
         points = [first] + [geo.addPoint(float(x), -float(y), 0) for x, y in zip(places, self._depth(places), strict=True)]
@@ -128,5 +131,5 @@ class _Outline:
         settled, nodes = points.copy(), named["contact"]
         if self._face.arc is None or points[nodes, 0].max() < self._face.arc[0] / self._length:
             nodes = np.union1d(nodes, named["free"])
-        settled[nodes, 1] = -self._depth(points[nodes, 0])
+        settled[nodes, 1] = -self._true_depth(points[nodes, 0])
         return settled
