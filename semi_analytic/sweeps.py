@@ -83,8 +83,8 @@ def dissipation(
     -------
     DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their values. Each is exact to 1e-11 of
     A f^2 P0^2 or 1e-10 relative, from slips of 1e-9 to gross sliding itself. Q0 decides on gross sliding only. Hertz and power laws
-    take some 0.4 us a member, flat and rounded 1.5 us; profiles with corners or by quadrature are cut and refined member by member:
-    1 ms for a compound curvature, some 50 ms for polynomials, tables and functions.
+    take some 0.4 us a member, flat and rounded 1.5 us. On the other profiles every phase of slip is cut at the corners and halved
+    until it settles: 1 ms a member for compound curvatures, wedges and polynomials, 15 to 200 ms for functions and tables.
 
     Raises
     ------
@@ -133,6 +133,8 @@ def peak_dissipation(
     mean_tangential_load: ArrayLike = 0.0,
 ) -> PeakBatch:
     """Largest pointwise dissipation of the same ellipses, and where it is; arguments as in `dissipation`.
+
+    To some 1e-9 of itself. It takes 0.5 ms a member for Hertz, 5 to 20 ms for power laws and polynomials, some 100 ms for the others.
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
