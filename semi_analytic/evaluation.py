@@ -72,7 +72,7 @@ def grids_of(asked: Asked, snapshot: Snapshot, half: Array, stick: Array) -> dic
     if "state" in asked.fields:
         found["state"] = _states(x, snapshot, half, stick)
     for name, values in found.items():
-        grid = values[:, asked.fold]
+        grid = values.take(asked.fold, axis=1)
         grid.flags.writeable = False
         grids[name] = grid
     return grids

@@ -49,11 +49,12 @@ class Integrals:
     def over(self, snapshot: Snapshot) -> Array:
         """Over the curves of a snapshot: shape (n, k)."""
         front = snapshot.load - snapshot.slipped
-        at_load = self.moment(0, snapshot.load)
-        at_front = at_load.copy()
+        at_front = self.moment(0, front)
+        total = np.zeros(at_front.shape)
         slid = np.flatnonzero(snapshot.slipped)
-        at_front[slid] = self.moment(0, front[slid])
-        total = (snapshot.direction * snapshot.friction)[:, None] * (at_load - at_front)
+        if len(slid):
+            line = (snapshot.direction[slid] * snapshot.friction)[:, None]
+            total[slid] = line * (self.moment(0, snapshot.load[slid]) - at_front[slid])
         groups = list(snapshot.groups())
         self._remember([piece.below for piece, _ in groups])
         bottoms = self.moment(0, np.array([piece.bottom for piece, _ in groups]))

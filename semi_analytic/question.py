@@ -102,9 +102,20 @@ def ask(
     largest = max(max(s.begin.normal, s.end.normal) for s in route.history.spans)
     edge = 1.05 * float(contact.half_width(largest))
     points = spread(edge) if given is None else given
-    distance, fold = np.unique(np.abs(points), return_inverse=True)
+    distance, fold = folded(points)
     modulus = composite_modulus(scene.material)
     return Question(contact, modulus, friction, route, instants, span, local, points, distance, fold, wanted)
+
+
+def folded(x: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Different |x| (k,), ascending, and where each point (m,) finds its own; sides that differ by a last digit are one.
+
+    >>> folded(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
+    (array([0., 1.]), array([1, 0, 1]))
+    """
+    size, back = np.unique(np.abs(x), return_inverse=True)
+    new = np.diff(size, prepend=-np.inf) > 2 * np.finfo(float).eps * size[-1]
+    return size[new], (np.cumsum(new) - 1)[back]
 
 
 def spread(edge: float) -> Array:

@@ -16,7 +16,7 @@ from semi_analytic.bookkeeping import versions
 from semi_analytic.contact import Contact, contact_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.evaluation import grids_of, series_of
-from semi_analytic.question import FIELDS, spread
+from semi_analytic.question import FIELDS, folded, spread
 from semi_analytic.route import Cycles
 from semi_analytic.time_series import Series, calendar_of, follow, instants_of
 
@@ -52,7 +52,7 @@ def solve_rows(scene: Scene, x: Array | None, time: Array | None, cycles: Cycles
     largest = float(np.max(calendar.rows[:, 1]))
     if x is None:
         x = spread(1.05 * float(contact.half_width(largest))) if few or "dissipation_density" in fields else np.zeros(1)
-    distance, fold = np.unique(np.abs(x), return_inverse=True)
+    distance, fold = folded(x)
     asked = Asked(contact, modulus, instants, x, distance, fold, fields)
     series = follow(calendar, scene.friction.coefficient, contact, instants, fields, distance)
     followed = clock.perf_counter()
