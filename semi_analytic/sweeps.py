@@ -134,7 +134,8 @@ def peak_dissipation(
 ) -> PeakBatch:
     """Largest pointwise dissipation of the same ellipses, and where it is; arguments as in `dissipation`.
 
-    To some 1e-9 of itself. It takes 0.5 ms a member for Hertz, 5 to 20 ms for power laws and polynomials, some 100 ms for the others.
+    To some 1e-9 of itself where W(x) is smooth. It takes 0.5 ms a member for Hertz, 5 to 20 ms for power laws and polynomials, some
+    100 ms for the others.
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
