@@ -7,6 +7,7 @@ import pytest
 
 from scenes import ContactSolution, Elastic, InadmissibleLoadError, InputError, Materials, SurfaceState, load_scene, scene_names
 from semi_analytic import FIELDS, solve
+from semi_analytic.hertz import HertzContact
 from semi_analytic_cases import ellipse, make_scene, polygon
 
 P = 90.62286500739786  # a = 1 in the library's Hertz scenes
@@ -185,6 +186,18 @@ def test_only_what_is_asked_for_is_computed():
     everything = solve(scene)
     assert set(FIELDS).isdisjoint(everything.work.skipped)
     assert solution.dissipation == everything.dissipation
+
+
+def test_full_stick_takes_no_quadrature_and_the_figure_alone_no_field(monkeypatch):
+    """Nothing slips: no slip area is asked of the profile. The global figure alone: no pointwise kernel is."""
+    stuck = load_scene("full-stick")
+    monkeypatch.setattr(HertzContact, "log_area", None)
+    counts = solve(stuck, x=X, fields=("dissipation", "dissipation_density")).work.counts
+    assert counts["slip_quadratures"] == counts["quadrature_nodes"] == 0
+    monkeypatch.undo()
+    for kernel in ("pressure", "spread", "reach", "root_quotient"):
+        monkeypatch.setattr(HertzContact, kernel, None)
+    assert solve(load_scene("hertz-paper"), fields=("dissipation",)).dissipation > 0
 
 
 def test_paper_scene_effort_is_bounded():
