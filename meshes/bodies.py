@@ -64,7 +64,7 @@ class MeshSettings:
 
     @classmethod
     def fine(cls) -> MeshSettings:
-        """For a figure to rely on: half a minute; dissipation of the paper's cycle to 1e-4 (benchmarks/fe_precision.py)."""
+        """For a figure to rely on: some twenty seconds; dissipation of the paper's cycle to 1e-4 (benchmarks/fe_precision.py)."""
         return cls(edge_element_size=1 / 640, growth=0.12)
 
 
