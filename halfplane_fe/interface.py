@@ -36,6 +36,7 @@ class Interface:
     gap : (n,) initial distance of the faces, as they are made [length]
     normal, tangential : (n, n) N and T [length per force per thickness]
     coupling : (n, n) K, or None where it is exactly zero
+    nearest : x and initial distance where the faces are nearest to each other [length]
     """
 
     x: Array
@@ -45,6 +46,7 @@ class Interface:
     normal: Array
     tangential: Array
     coupling: Array | None
+    nearest: tuple[float, float] = (0.0, 0.0)
 
     @property
     def flat(self) -> bool:
@@ -61,6 +63,7 @@ class Interface:
             freeze(self.normal / compliance),
             freeze(self.tangential / compliance),
             None if self.coupling is None else freeze(self.coupling / compliance),
+            (self.nearest[0] / length, self.nearest[1] / length),
         )
 
     def moved(self, approach: float, shift: float) -> tuple[Array, Array]:
@@ -85,17 +88,17 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         flat = np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])
         normal, tangential = (below[i, :, i, :] + above[i, :, i, :] for i in (1, 0))
         coupling = below[0, :, 1, :] - above[0, :, 1, :]
-        weights, normals, gap = lower.weights, flat, np.zeros_like(lower.x)
+        weights, normals, gap, nearest = lower.weights, flat, np.zeros_like(lower.x), (0.0, 0.0)
     else:
         sides = _mortar(lower, upper)
         by_lower, by_upper = _flattened(sides.lower), _flattened(sides.upper)
         total = by_lower @ _square(lower.compliance) @ by_lower.T + by_upper @ _square(_turned(upper.compliance)) @ by_upper.T
         n = len(lower.x)
         normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]
-        weights, normals, gap = sides.weights, sides.normals, sides.gap
+        weights, normals, gap, nearest = sides.weights, sides.normals, sides.gap, sides.nearest
     parts = {"x": lower.x, "weights": weights, "normals": normals, "gap": gap, "normal": normal, "tangential": tangential}
     arrays = {name: freeze(part) for name, part in parts.items()}
-    return Interface(**arrays, coupling=freeze(coupling) if coupling.any() else None)
+    return Interface(**arrays, coupling=freeze(coupling) if coupling.any() else None, nearest=nearest)
 
 
 def body_forces(lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array) -> dict[str, Array]:

@@ -52,6 +52,7 @@ class Mortar:
     weights : (n,) D_j [length]
     normals : (2, n) weighted mean of n; the tangent is (n_y, -n_x)
     gap : (n,) weighted initial distance along n [length]
+    nearest : x and distance where the sides are nearest to each other, of all points of integration [length]
     lower, upper : (2, n, 2, m) along the normal (0) or the tangent (1), multiplier, component (x, y), node of that side: the
         weighted mean of the displacement; transposed, the nodal forces of a multiplier's unit force
     """
@@ -59,6 +60,7 @@ class Mortar:
     weights: Array
     normals: Array
     gap: Array
+    nearest: tuple[float, float]
     lower: Array
     upper: Array
 
@@ -69,6 +71,7 @@ class _Segment:
 
     element: int
     below: Members
+    x: Array
     phi: Array
     above: Members
     chi: Array
@@ -106,7 +109,10 @@ def mortar(lower: Side, upper: Side) -> Mortar:
                 by_lower[direction, :, component][np.ix_(piece.below, piece.below)] += (dual * factor) @ piece.phi.T
                 by_upper[direction, :, component][np.ix_(piece.below, piece.above)] += (dual * factor) @ piece.chi.T
     over = weights[:, None, None]
-    return Mortar(weights, normals / weights, gap / weights, by_lower / over, by_upper / over)
+    x, distance = (np.concatenate([getattr(piece, name) for piece in segments]) for name in ("x", "distance"))
+    least = int(np.argmin(distance))
+    nearest = float(x[least]), float(distance[least])
+    return Mortar(weights, normals / weights, gap / weights, nearest, by_lower / over, by_upper / over)
 
 
 def _segments(lower: Side, upper: Side) -> Iterator[_Segment]:
@@ -124,7 +130,7 @@ def _segments(lower: Side, upper: Side) -> Iterator[_Segment]:
         normal = np.stack([-slope, np.ones_like(x)]) / stretch
         distance = (upper.y[above] @ chi - lower.y[below] @ phi) * normal[1]
         share = (end - begin) / 2 * _WEIGHTS * stretch
-        yield _Segment(int(below[0]), below, phi, above, chi, share, normal, distance)
+        yield _Segment(int(below[0]), below, x, phi, above, chi, share, normal, distance)
 
 
 def _dual_bases(segments: list[_Segment], nodes: int) -> dict[int, Array]:

@@ -16,8 +16,11 @@ from scenes import Block, HalfPlane, InputError, Pad, Scene
 
 Array = NDArray[np.float64]
 
-# Overlap of the faces as they are made, over the half-width of the side that may touch, from which it is no rounding.
-_OVERLAP = 1e-9
+# Overlap of the faces as they are meshed that is admitted, over their largest gap: curved elements sag by a part of (h/a)^2 where
+# the curvature of a face jumps.
+_OVERLAP = 0.01
+# The same over the width of the side that may touch, for faces without a gap: rounding.
+_ROUNDING = 1e-9
 
 
 def meshed_pair(scene: Scene, mesh: MeshSettings, grading: Callable[[float], SurfaceGrading]) -> tuple[BodyMesh, BodyMesh]:
@@ -52,11 +55,12 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     InputError
         If the faces overlap before any load.
     """
-    gap = interface.gap if scene.bodies.faces_are_true else scene.profile.height(interface.x)
-    worst = int(np.argmin(gap))
-    if gap[worst] < -_OVERLAP * np.ptp(interface.x):
-        raise InputError(f"bodies: initial penetration: the faces overlap by {-gap[worst]:.6g} at x = {interface.x[worst]:.6g}")
-    return np.asarray(gap)
+    if not scene.bodies.faces_are_true:
+        return np.asarray(scene.profile.height(interface.x))
+    x, distance = interface.nearest
+    if -distance > max(_OVERLAP * float(interface.gap.max()), _ROUNDING * float(np.ptp(interface.x))):
+        raise InputError(f"bodies: initial penetration: the faces overlap by {-distance:.6g} at x = {x:.6g}")
+    return interface.gap
 
 
 def check_supports(scene: Scene, sheared: bool) -> None:
