@@ -115,13 +115,6 @@ NASTY: dict[str, dict[str, Any]] = {
         "tangential": [(size * _SLIDING, phase) for size, phase in ((0.1, 90.0), (0.05, 20.0), (0.06, 10.0), (0.02, 200.0))],
         "x": [0.2, 0.7, 0.95, 1.1],
     },
-    "ripple": {  # a sixth harmonic of P that hardly turns P round
-        "friction": 0.8,
-        "mean": (1.0, 0.1),
-        "normal": [(0.4, 0.0), *[(0.0, 0.0)] * 4, (0.07, 20.0)],
-        "tangential": [(0.2, 70.0), (0.1, 10.0)],
-        "x": [0.85, 0.95, 1.1, 1.2],
-    },
 }
 """E* = 1, R = 1; [amplitude, phase in degrees] of k = 1, 2, ..."""
 
