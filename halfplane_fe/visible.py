@@ -17,6 +17,8 @@ States = NDArray[np.int8]
 # sticking: at the turning points of the load whole regions come back to the cone at once, and creep there by the mesh's error.
 # Slip grows as the distance from the stick edge to the power 3/2, so the share costs a hundredth of the slip zone at most.
 _MOVED = 1e-3
+# ... unless it is on its way: slip per change of load, over the largest of the revolution, that no creep has.
+_BRISK = 2e-2
 # The same of a node whose slip per change of load is less than this share of the largest of the revolution: at turning points.
 _CREEP = 5e-5
 # The same of the outermost nodes of the contact, where they alone slide: a slip zone of width w slides at its rim about
@@ -48,6 +50,7 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
     pace = np.abs(increments) * (slip_sign(law) != 0) / np.maximum(change, 1e-300)[:, None]
     for part in np.split(np.arange(len(states)), np.asarray(cycle_starts, dtype=int) + 1):
         fastest = pace[part].max(initial=0.0)
+        moved[part] |= pace[part] > _BRISK * fastest
         moved[part] &= pace[part] > _CREEP * fastest
         for step in part:
             moved[step, _slow_rim(law[step], moved[step], pace[step] > _RIM_CREEP * fastest)] = False
