@@ -150,10 +150,11 @@ def _surface_weights(basis: skfem.Basis, contact: Indices) -> Array:
     return np.asarray(along_x.assemble(facets))[contact[0]]
 
 
-def _arc_displacement(system: _System, material: Elastic, datum_length: float) -> Array:
+def _arc_displacement(system: _System, material: Elastic, datum_length: float, moments: int | None = None) -> Array:
     """(2 m, 2 n): displacement of the arc by unit forces on the contact nodes, half-plane theory."""
     places, forces = system.basis.doflocs[:, system.arc[0]], system.basis.doflocs[0, system.contact[0]]
-    kernel = surface_force_displacement(places[0], places[1], forces, material.young_modulus, material.poisson_ratio, datum_length)
+    young, nu = material.young_modulus, material.poisson_ratio
+    kernel = surface_force_displacement(places[0], places[1], forces, young, nu, datum_length, moments)
     return kernel.reshape(2 * places.shape[1], 2 * len(forces))
 
 
@@ -195,6 +196,27 @@ def _elimination_residual(
     return float(np.abs(found @ displacement[kept] - forces).max() / np.abs(forces).max())
 
 
+def _compliance(system: _System, material: Elastic, datum_length: float, moments: int | None = None) -> tuple[Array, float]:
+    """(2 n, 2 n): displacement of the contact nodes by unit forces on them, as it comes; and the residual of the elimination."""
+    stiffness, residual = _interface_stiffness(system)
+    if not residual < 1e-8:
+        raise ConvergenceError(f"condensation: the sparse factorisation left a relative residual of {residual:.1e}")
+    n_dofs = system.contact.size
+    by_contact, by_arc = stiffness[:, :n_dofs], stiffness[:, n_dofs:]
+    # f = S_cc u_c + S_ca u_a with u_a = G f, hence u_c = S_cc^-1 (1 - S_ca G) f.
+    right = np.eye(n_dofs) - by_arc @ _arc_displacement(system, material, datum_length, moments)
+    return cho_solve(cho_factor((by_contact + by_contact.T) / 2, overwrite_a=True), right, overwrite_b=True), residual
+
+
+def truncated_compliance(body: BodyMesh, material: Elastic, datum_length: float, moments: int | None) -> Array:
+    """(2, n, 2, n) compliance as it comes, the arc following only the first `moments` of the nodal forces: for studies.
+
+    It is not made symmetric: the mean with its transpose would carry the error of the rigid shift, (a/L)^2, into the tractions.
+    """
+    flat, _ = _compliance(_assemble(body, material), material, datum_length, moments)
+    return flat.reshape(2, len(flat) // 2, 2, len(flat) // 2)
+
+
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
     """Condense a body to its contact nodes; the arc of a half-disc follows the nodal forces by half-plane theory.
 
@@ -212,14 +234,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         If the sparse solve leaves a residual above 1e-8.
     """
     system = _assemble(body, material)
-    stiffness, residual = _interface_stiffness(system)
-    if not residual < 1e-8:
-        raise ConvergenceError(f"condensation: the sparse factorisation left a relative residual of {residual:.1e}")
-    n_dofs = system.contact.size
-    by_contact, by_arc = stiffness[:, :n_dofs], stiffness[:, n_dofs:]
-    # f = S_cc u_c + S_ca u_a with u_a = G f, hence u_c = S_cc^-1 (1 - S_ca G) f.
-    right = np.eye(n_dofs) - by_arc @ _arc_displacement(system, material, datum_length)
-    compliance = cho_solve(cho_factor((by_contact + by_contact.T) / 2, overwrite_a=True), right, overwrite_b=True)
+    compliance, residual = _compliance(system, material, datum_length)
     # Betti: exact far field and exact elasticity make it symmetric; the discrete one is so up to the arc's mesh error.
     asymmetry = float(np.abs(compliance - compliance.T).max() / np.abs(compliance).max())
     n, places = system.contact.shape[1], system.basis.doflocs[:, system.contact[0]]

@@ -120,3 +120,23 @@ def test_numbers_of_a_known_case():
     # Pressed in by a force along -y the surface is drawn towards the force: (1 - 2 nu)/(4 G) each side.
     side = -displacement(1.0, 0.0, nu, 1)[0, 0]
     assert side == pytest.approx(-(1 - 2 * nu) * (1 + nu) / (2 * YOUNG), rel=1e-14)
+
+
+@EACH_FORCE
+@pytest.mark.parametrize("moments", [0, 1, 2, 3, 4])
+def test_what_a_truncated_series_leaves_out_falls_with_the_next_power_of_the_place(force, moments):
+    """Half the distance of the force from the centre leaves out 2^-(m+1) as much: on both sides of the order."""
+    x, y = 5 * np.sin(np.linspace(-1.5, 1.5, 7)), -5 * np.cos(np.linspace(-1.5, 1.5, 7))
+    places = np.array([0.2, 0.1])
+    exact = surface_force_displacement(x, y, places, YOUNG, 0.3, DATUM)
+    left_out = surface_force_displacement(x, y, places, YOUNG, 0.3, DATUM, moments=moments) - exact
+    large, small = np.sqrt((left_out[:, :, force] ** 2).mean(axis=(0, 1)))
+    assert math.log2(large / small) == pytest.approx(moments + 1, abs=0.1)
+
+
+def test_resultants_alone_do_not_know_where_the_forces_are():
+    at_once = surface_force_displacement(
+        np.array([3.0]), np.array([-4.0]), np.array([-0.7, 0.0, 0.4]), YOUNG, 0.3, DATUM, moments=0
+    )
+    alone = surface_force_displacement(np.array([3.0]), np.array([-4.0]), np.array([0.0]), YOUNG, 0.3, DATUM)
+    np.testing.assert_allclose(at_once, np.broadcast_to(alone, at_once.shape), atol=1e-15)
