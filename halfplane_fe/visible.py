@@ -22,7 +22,8 @@ _BRISK = 2e-2
 # The same of a node whose slip per change of load is less than this share of the largest of the revolution: at turning points.
 _CREEP = 5e-5
 # The same of the outermost nodes of the contact, where they alone slide: a slip zone of width w slides at its rim about
-# sqrt(2 w/a) times as fast as the largest ever does, a tenth to a fifth for these; a twentieth of that is the mesh's error.
+# sqrt(2 w/a) times as fast as the largest ever does, a tenth to a fifth for these; a twentieth of that is the mesh's error. Where
+# they have sticking nodes among them, a single one that has just come to touch may be faster.
 _RIM, _RIM_CREEP = 5, 5e-3
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
@@ -58,12 +59,15 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
 
 
 def _slow_rim(law: States, moved: NDArray[np.bool_], fast: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Sliding nodes of each half of the contact, where all of them are among its outermost and none is fast."""
+    """Sliding nodes of each half of the contact, where all are among its outermost and none is fast, or few with gaps between."""
     closed = np.flatnonzero(law != SurfaceState.OPEN)
     half = len(closed) // 2
     slow = []
     for side in (closed[:half], closed[half:][::-1]):  # from the rim inwards
         sliding = side[(slip_sign(law[side]) != 0) & moved[side]]
-        if len(sliding) and not fast[sliding].any() and np.isin(sliding, side[:_RIM]).all():
+        if not len(sliding) or not np.isin(sliding, side[:_RIM]).all():
+            continue
+        gaps = np.ptp(sliding) >= len(sliding)
+        if not fast[sliding].any() or (gaps and np.mean(fast[sliding]) < 0.5):
             slow.append(sliding)
     return np.concatenate(slow) if slow else np.zeros(0, dtype=np.int64)

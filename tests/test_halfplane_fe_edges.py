@@ -110,8 +110,15 @@ OPEN, STICK, FORWARD = SurfaceState.OPEN, SurfaceState.STICK, SurfaceState.SLIP_
 
 @pytest.mark.parametrize(
     ("sliding", "fast", "sticks"),
-    [([17, 18], [], [17, 18]), ([17, 18], [18], []), ([10, 18], [], []), ([1, 17, 18], [1], [17, 18]), ([13], [], [])],
-    ids=["slow rim", "fast rim", "slow, and not at the rim alone", "fast on the other side", "slow, too far inside"],
+    [
+        pytest.param([17, 18], [], [17, 18], id="slow rim"),
+        pytest.param([17, 18], [18], [], id="fast rim"),
+        pytest.param([14, 15, 17], [17], [14, 15, 17], id="one fast of three, with gaps"),
+        pytest.param([15, 16, 17], [17], [], id="one fast of three, without"),
+        pytest.param([10, 18], [], [], id="slow, and not at the rim alone"),
+        pytest.param([1, 17, 18], [1], [17, 18], id="fast on the other side"),
+        pytest.param([13], [], [], id="slow, too far inside"),
+    ],
 )
 def test_a_slow_rim_sticks(sliding, fast, sticks):
     """Just past the end of forward slip, where theory has no slip, the mesh's error keeps the outermost nodes sliding slowly."""
