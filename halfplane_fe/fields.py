@@ -17,6 +17,9 @@ from scenes import InputError
 
 Array = NDArray[np.float64]
 
+# VTK's order of an element's nodes the other way round, by number of nodes.
+_REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+
 
 @dataclass(frozen=True, eq=False)
 class BodyFields:
@@ -26,7 +29,7 @@ class BodyFields:
     ----------
     name : "lower" or "upper"
     points : (n, 2) undeformed places [length]
-    cells : (n_elements, 3, 6, 4 or 9): corners, mid-side nodes, middle
+    cells : (n_elements, 3, 6, 4 or 9): corners counter-clockwise, mid-side nodes, middle
     displacement : (n, 2) [length]; that of the upper body includes its rigid shift and approach
     stress : (n, 4) xx, yy, xy, zz [stress], averaged over the elements of a node
     von_mises : (n,) [stress]
@@ -92,7 +95,8 @@ def _body_fields(name: str, condensed: CondensedBody, forces: Array, solution: F
     basis, displacements, tensions = displacement_fields(condensed, forces, solution.scene.profile.datum_length)
     flip = np.array([1.0, 1.0 if name == "lower" else -1.0])
     nodes = _node_dofs(basis)
-    points, cells = basis.mesh.p.T * flip, _cells(basis)
+    points = basis.mesh.p.T * flip
+    cells = _counter_clockwise(points, _cells(basis))
     found = []
     for values, tension in zip(displacements.T, tensions.T, strict=True):
         stress = _nodal_stress(basis, values, tension, condensed)
@@ -121,6 +125,14 @@ def _cells(basis: skfem.Basis) -> NDArray[np.int64]:
     if basis.interior_dofs.size:
         parts.append(first + np.arange(corners.shape[1])[None, :])
     return np.vstack(parts).T.astype(np.int64)
+
+
+def _counter_clockwise(points: Array, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """`cells` with those that go round clockwise reversed: readers of VTU would give them negative areas."""
+    corners = points[cells[:, : 3 if cells.shape[1] in (3, 6) else 4]]
+    ahead = np.roll(corners, -1, axis=1)
+    twice_area = (corners[..., 0] * ahead[..., 1] - ahead[..., 0] * corners[..., 1]).sum(axis=1)
+    return np.where(twice_area[:, None] < 0, cells[:, _REFLECTED[cells.shape[1]]], cells)
 
 
 def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody) -> Array:

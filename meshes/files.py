@@ -1,9 +1,11 @@
-"""Field files, by meshio: kept in this one module, since meshio is hardly maintained."""
+"""Field files, VTU by meshio and their collection PVD: meshio is kept in this one module, since it is hardly maintained."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from xml.sax.saxutils import quoteattr
 
 import meshio
 import numpy as np
@@ -28,6 +30,32 @@ def write_vtu(
     kind = {3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
     data = {name: _three_components(values) for name, values in point_data.items()}
     meshio.write_points_cells(path, _three_components(points), [(kind, cells)], point_data=data)
+
+
+@dataclass(frozen=True)
+class PvdEntry:
+    """One file of a collection: when it holds, which part of the whole it is, where it lies beside the collection."""
+
+    time: float
+    part: int
+    name: str
+    file: str
+
+
+def write_pvd(path: str | Path, entries: Sequence[PvdEntry]) -> None:
+    """Write a PVD collection: the field files of all parts and instants as one, with the values of time, for ParaView.
+
+    Parameters
+    ----------
+    path : file to write, in the folder that the entries' files lie in or above it
+    """
+    lines = [
+        f"  <DataSet timestep={quoteattr(repr(entry.time))} part={quoteattr(str(entry.part))} "
+        f"name={quoteattr(entry.name)} file={quoteattr(entry.file)}/>\n"
+        for entry in entries
+    ]
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n <Collection>\n'
+    Path(path).write_text(head + "".join(lines) + " </Collection>\n</VTKFile>\n", encoding="utf-8")
 
 
 def _three_components(values: NDArray[np.float64]) -> NDArray[np.float64]:

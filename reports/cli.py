@@ -33,6 +33,7 @@ Examples:
   halfplane check my.toml                   is it read, is it admissible?
   halfplane exact my.toml                   half-plane theory alone
   halfplane fe my.toml --method penalty     finite elements alone
+  halfplane fields my.toml --at 12.6 14.1   both bodies for ParaView, pictures
   halfplane paper                           the paper's figures and statements
 Exit codes: 0 within tolerance, 1 outside, 2 bad input, 3 not converged,
             130 interrupted.
@@ -118,6 +119,25 @@ def fe(scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elemen
     from reports import commands
 
     return commands.fe(scene, out, quiet, finite_elements)
+
+
+@app.command(sort_key=3, help_epilogue="")
+def fields(
+    scene: SceneName,
+    *,
+    at: Annotated[
+        tuple[str, ...],
+        Parameter(consume_multiple=True, negative="", help='Times of the path, or "events" of the last cycle, the default.'),
+    ] = (),
+    out: Out = None,
+    pictures: Annotated[bool, Parameter(help="Draw the meshes and the von Mises stress as PNG.")] = True,
+    quiet: Quiet = False,
+    finite_elements: FiniteElementOptions = _DEFAULTS,
+) -> int:
+    """Displacement and stress in both bodies: files for ParaView, pictures of stress and mesh."""
+    from reports import commands
+
+    return commands.fields(scene, at, out, pictures, quiet, finite_elements)
 
 
 @app.command(sort_key=3, help_epilogue="")

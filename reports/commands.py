@@ -35,12 +35,10 @@ def run(source: str, out: Path | None, vtu: tuple[str, ...], quiet: bool, option
     stages = Stages(quiet)
     scene = jobs.read(source)
     folder = claim(out or default_folder(scene.name))
-    for word in vtu:
-        if word != "events":
-            jobs.vtu_time(word)
+    _times(vtu, "--vtu", scene)
     jobs.load_engines(stages)
     options.settings()
-    command = options.command(source, folder, vtu)
+    command = options.command("run", source, folder, ("--vtu", *vtu) if vtu else ())
     try:
         with jobs.naming(source):
             report = jobs.run(scene, folder, options, stages, vtu=vtu, command=command)
@@ -60,6 +58,67 @@ def exact(source: str, out: Path | None, quiet: bool) -> int:
 def fe(source: str, out: Path | None, quiet: bool, options: FiniteElementOptions) -> int:
     """Finite elements alone."""
     return _alone(source, out, quiet, lambda scene, stages: jobs.solve_finite_elements(scene, options, stages))
+
+
+def fields(source: str, at: tuple[str, ...], out: Path | None, pictures: bool, quiet: bool, options: FiniteElementOptions) -> int:
+    """Finite elements, and both bodies at chosen instants for ParaView and as pictures."""
+    stages = Stages(quiet)
+    scene = jobs.read(source)
+    folder = claim(out or default_folder(scene.name))
+    at = at or ("events",)
+    _times(at, "--at", scene)
+    if pictures:
+        _can_draw(stages)
+    jobs.load_engines(stages)
+    command = options.command("fields", source, folder, ("--at", *at), () if pictures else ("--no-pictures",))
+    try:
+        with jobs.naming(source):
+            solution = jobs.solve_finite_elements(scene, options, stages)
+            report = jobs.fields(solution, folder, at, stages, pictures=pictures, command=command)
+    except ConvergenceError as failure:
+        return _not_converged(failure, scene, folder)
+    _show_fields(scene, report)
+    say(str(folder / "fields" / "fields.pvd"))
+    return WITHIN
+
+
+def _times(words: tuple[str, ...], option: str, scene: Scene) -> None:
+    """InputError for a word that is neither a time of the path nor "events", before anything is solved."""
+    from reports.fields import instant_of
+
+    legs = list(scene.load.path().legs(scene.cycles))
+    for word in words:
+        if word != "events":
+            instant_of(word, option, float(legs[0].start), float(legs[-1].end))
+
+
+def _can_draw(stages: Stages) -> None:
+    """InputError where nothing can be drawn: found in a process of its own, for some libraries bring theirs down."""
+    from reports.doctor import drawing
+
+    with stages.stage("can pictures be drawn?"):
+        finding = drawing()
+    if not finding.good:
+        raise InputError(f"pictures can't be drawn here: {finding.found}; --no-pictures leaves them out")
+
+
+def _show_fields(scene: Scene, report: jobs.FieldsReport) -> None:
+    """The instants with their largest stress, and what was written."""
+    from reports.fields import peak
+    from reports.wording import load_unit, number, units
+
+    _, length, stress = units(scene)
+    rows = []
+    for instant, snapshot in report.instants:
+        most = peak(snapshot)
+        values = (snapshot.time, snapshot.normal_load, snapshot.tangential_load, most.value)
+        place = f"{most.body} ({most.place[0]:.3g}, {most.place[1]:.3g})"
+        rows.append((instant.label, *map(number, values), place))
+    load = load_unit(scene)
+    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"largest von Mises [{stress}]", f"where (x, y) [{length}]")
+    show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3, 4))
+    counts = {kind: sum(name.endswith(kind) for name in report.files) for kind in (".vtu", ".png")}
+    say(f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures, and what they are in fields/fields.json")
 
 
 def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, Stages], ContactSolution]) -> int:

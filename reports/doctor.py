@@ -49,12 +49,21 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
         ("Python", _python),
         ("packages", _packages),
         ("gmsh", lambda: _alone(_GMSH, "it needs the Debian packages that the README lists")),
-        ("off-screen rendering", lambda: _alone(_SCREEN, "only field pictures need it")),
+        ("off-screen rendering", _screen),
         ("output folder", lambda: _folder(out)),
         ("threads", _threads),
         ("condensation store", _store),
     )
     return tuple(Finding(name, *check()) for name, check in checks)
+
+
+def drawing() -> Finding:
+    """Whether pictures can be drawn without a screen."""
+    return Finding("off-screen rendering", *_screen())
+
+
+def _screen() -> tuple[bool, str]:
+    return _alone(_SCREEN, "only field pictures need it")
 
 
 def _store() -> tuple[bool, str]:

@@ -46,23 +46,23 @@ def claim(out: str | Path) -> Path:
 
 
 @contextmanager
-def filled(out: str | Path, *, fresh: bool = True) -> Generator[Path, None, None]:
+def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path, None, None]:
     """A temporary folder beside `out` to write in; its files move to `out` at the end, or nothing does after an error.
 
     Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an earlier run that this
-    one did not write again are removed where `fresh`, since a page must not stand beside figures of another run; else
-    they stay too. The page and the manifest move last.
+    one did not write again are removed where their names start with one of `fresh` (all do by default), since a page must
+    not stand beside figures of another run; the others stay too. The page and the manifest move last.
     """
     folder = claim(out)
     staging = _staging(folder)
     try:
         yield staging
         _refuse_foreign(folder, _files(staging), out)
-        stale = set(_owned(folder)) - {*_files(staging), MANIFEST}
-        _write_manifest(staging, kept=() if fresh else stale)
+        others = set(_owned(folder)) - {*_files(staging), MANIFEST}
+        stale = {name for name in others if name.startswith(fresh)}
+        _write_manifest(staging, kept=others - stale)
         _move(staging, folder)
-        if fresh:
-            _remove(folder, stale)
+        _remove(folder, stale)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
     finally:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+import json
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -15,7 +16,9 @@ from reports.options import FiniteElementOptions
 from scenes import ContactSolution, InputError, Scene, load_scene
 
 if TYPE_CHECKING:
+    from halfplane_fe import FiniteElementSolution, Snapshot
     from reports.comparison import Comparison
+    from reports.fields import Instant
 
 
 @dataclass(frozen=True)
@@ -95,29 +98,67 @@ def run(
 
         comparison = compare(reference, result, polygon_reference=polygon)
     with stages.stage("report"):
+        from reports.fields import instants_of
         from reports.writing import write
 
-        page = write(comparison, out, vtu_instants=vtu_instants(vtu, comparison), command=command, seconds=dict(stages.seconds))
+        instants = [instant.time for instant in instants_of(vtu, result, "--vtu")]
+        page = write(comparison, out, vtu_instants=instants, command=command, seconds=dict(stages.seconds))
     return Report(comparison, page, stages.seconds)
 
 
-def vtu_instants(asked: tuple[str, ...], comparison: Comparison) -> tuple[float, ...]:
-    """Times meant by --vtu: numbers are times, "events" the instants of the traction figure."""
-    from reports.instants import events
+@dataclass(frozen=True)
+class FieldsReport:
+    """What `fields` leaves: the instants with their snapshots, names of the files, wall times."""
 
-    times: list[float] = []
-    for word in asked:
-        if word == "events":
-            chosen = events(comparison.found, comparison.scene.friction.coefficient)
-            times.extend(float(comparison.found.time[event.index]) for event in chosen)
-        else:
-            times.append(vtu_time(word))
-    return tuple(sorted(set(times)))
+    instants: Sequence[tuple[Instant, Snapshot]]
+    files: Sequence[str]
+    seconds: Mapping[str, float]
 
 
-def vtu_time(word: str) -> float:
-    """A time from the command line; InputError for anything else."""
-    try:
-        return float(word)
-    except ValueError:
-        raise InputError(f"--vtu {word}: give times of the path, or events for the instants of the page") from None
+def fields(
+    solution: ContactSolution,
+    out: Path,
+    at: tuple[str, ...],
+    stages: Stages,
+    *,
+    pictures: bool = True,
+    command: str = "",
+) -> FieldsReport:
+    """Displacement and stress of both bodies on disk, for ParaView and as pictures."""
+    import halfplane_fe
+    from reports import fields as files
+    from reports.folder import filled
+    from reports.summary import strict
+
+    answer = files.with_bodies(solution, "fields")
+    asked = files.instants_of(at, answer, "--at")
+    with stages.stage("fields"):
+        snapshots = halfplane_fe.fields(answer, [instant.time for instant in asked])
+    with filled(out, fresh=("fields/", "pictures/")) as folder:
+        with stages.stage("files for ParaView") as report:
+            written = [f"fields/{name}" for name in files.write_fields(snapshots, folder / "fields", report)]
+        drawn = _draw(answer, asked, snapshots, folder / "pictures", stages) if pictures else []
+        content = files.record(answer, asked, snapshots, written, drawn, command, stages.seconds)
+        (folder / "fields" / "fields.json").write_text(
+            json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8"
+        )
+    return FieldsReport(tuple(zip(asked, snapshots, strict=True)), ("fields/fields.json", *written, *drawn), stages.seconds)
+
+
+def _draw(
+    solution: FiniteElementSolution, asked: Sequence[Instant], snapshots: Sequence[Snapshot], folder: Path, stages: Stages
+) -> list[str]:
+    """Pictures of the mesh and of each snapshot; returns their names."""
+    with stages.stage("pictures") as report:
+        from reports.mesh_pictures import mesh_picture
+        from reports.panels import save
+        from reports.stress_pictures import look, stress_picture
+
+        folder.mkdir()
+        save(mesh_picture(solution, snapshots[0].bodies), folder / "mesh.png")
+        names, shared = ["mesh.png"], look(snapshots)
+        for number, (instant, snapshot) in enumerate(zip(asked, snapshots, strict=True)):
+            report(number + 1, len(snapshots) + 1, f"time {snapshot.time:.6g}")
+            names.append(f"von_mises_{number:03d}.png")
+            save(stress_picture(solution, snapshot, instant.label, shared), folder / names[-1])
+    return [f"pictures/{name}" for name in names]

@@ -53,16 +53,16 @@ class FiniteElementOptions:
         solver = {name: given[name] for name in given if name in SolverSettings.__dataclass_fields__}
         return MeshSettings(**mesh), SolverSettings(**solver)
 
-    def command(self, source: str, out: Path, vtu: tuple[str, ...] = ()) -> str:
-        """The command line that runs `source` with these options.
+    def command(self, name: str, source: str, out: Path, *more: tuple[str, ...]) -> str:
+        """The command line that does `name` to `source` with these options and `more`.
 
-        >>> FiniteElementOptions(order=1).command("hertz-paper", Path("out/first"))
+        >>> FiniteElementOptions(order=1).command("run", "hertz-paper", Path("out/first"))
         'halfplane run hertz-paper --order 1 --out out/first'
         """
-        words = ["halfplane", "run", source]
-        for name, value in self._given().items():
-            words += [f"--{name.replace('_', '-')}", str(value)]
-        return shlex.join([*words, "--out", str(out), *(["--vtu", *vtu] if vtu else [])])
+        words = ["halfplane", name, source]
+        for option, value in self._given().items():
+            words += [f"--{option.replace('_', '-')}", str(value)]
+        return shlex.join([*words, "--out", str(out), *(word for words in more for word in words)])
 
     def _given(self) -> dict[str, Any]:
         return {name: value for name, value in asdict(self).items() if value is not None}

@@ -53,7 +53,7 @@ def _or_none(value: float) -> str:
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
     stem = name or solution.engine
-    with filled(out, fresh=False) as folder:
+    with filled(out, fresh=()) as folder:
         solution.save(folder / f"{stem}.nc")
         content = solution_content(solution, certificates(solution))
         (folder / f"{stem}.json").write_text(json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8")

@@ -8,11 +8,11 @@ from pathlib import Path
 from reports import figures_checks, figures_cycle, figures_fields
 from reports.comparison import Comparison
 from reports.drawing import Drawing
+from reports.fields import with_bodies, write_fields
 from reports.folder import filled
 from reports.instants import events
 from reports.page import render
 from reports.summary import as_json
-from scenes import ContactSolution, InputError
 
 
 def write(
@@ -48,7 +48,9 @@ def write(
         (folder / "scene.json").write_text(comparison.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
         (folder / "comparison.json").write_text(as_json(comparison, command, seconds) + "\n", encoding="utf-8")
         if vtu_instants is not None and len(vtu_instants):
-            _write_fields(comparison.result, folder / "fields", vtu_instants)
+            import halfplane_fe
+
+            write_fields(halfplane_fe.fields(with_bodies(comparison.result, "--vtu"), vtu_instants), folder / "fields")
         page = render(comparison, drawings, command, seconds or {})
         (folder / "report.html").write_text(page, encoding="utf-8")
     return Path(out) / "report.html"
@@ -75,16 +77,3 @@ def draw(comparison: Comparison) -> tuple[Drawing, ...]:
     if bodies := getattr(comparison.result, "bodies", ()):
         drawings.append(figures_fields.mesh(comparison, bodies))
     return tuple(drawing for drawing in drawings if drawing)
-
-
-def _write_fields(result: ContactSolution, folder: Path, instants: Sequence[float]) -> None:
-    import halfplane_fe
-    import meshes
-
-    if not isinstance(result, halfplane_fe.FiniteElementSolution):
-        raise InputError(f"--vtu: {result.engine} has no bodies to write; leave the option out")
-    folder.mkdir()
-    for number, snapshot in enumerate(halfplane_fe.fields(result, instants)):
-        for body in snapshot.bodies:
-            data = {"displacement": body.displacement, "stress": body.stress, "von_mises": body.von_mises}
-            meshes.write_vtu(folder / f"{body.name}_{number:03d}.vtu", body.points, body.cells, data)

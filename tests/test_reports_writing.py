@@ -224,7 +224,7 @@ class TestFolder:
     def test_a_lesser_run_keeps_the_report(self, tmp_path: Path) -> None:
         with filled(tmp_path / "out") as folder:
             (folder / "report.html").write_text("first")
-        with filled(tmp_path / "out", fresh=False) as folder:
+        with filled(tmp_path / "out", fresh=()) as folder:
             (folder / "semi_analytic.nc").write_text("alone")
         assert self.names(tmp_path / "out") == {"report.html", "semi_analytic.nc", MANIFEST}
         with filled(tmp_path / "out") as folder:
