@@ -17,6 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from halfplane_fe.answer import answer_arrays, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
+from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import Interface, couple
 from halfplane_fe.mirror import half, mirrored, whole
@@ -28,7 +29,7 @@ from halfplane_fe.scales import Scales, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading
-from scenes import ContactSolution, ConvergenceError, Scene, Work
+from scenes import ContactSolution, ConvergenceError, Scene, Work, freeze
 
 Array = NDArray[np.float64]
 
@@ -42,6 +43,8 @@ class FiniteElementSolution(ContactSolution):
     bodies : lower and upper BodyMesh, each in its own frame (y out of the body)
     condensed : lower and upper CondensedBody
     states : one InterfaceState per step, scaled
+    weights : (n_points,) share of the surface of each contact point, so that pressure times weight is a nodal force [length]
+    normals : (2, n_points) of the line half-way between the faces, out of the lower body: pressure acts along it
     scales : what the coarse run found; with E* the units of `states`
     penalty : what the layer of the penalty method costs
     contact_edge_uncertainty, stick_edge_uncertainty : (n_steps, 2) how far each edge may be from the true one, by the mesh alone
@@ -51,6 +54,8 @@ class FiniteElementSolution(ContactSolution):
     bodies: tuple[BodyMesh, BodyMesh]
     condensed: tuple[CondensedBody, CondensedBody]
     states: tuple[InterfaceState, ...]
+    weights: Array
+    normals: Array
     scales: Scales
     penalty: PenaltyAudit
     contact_edge_uncertainty: Array
@@ -192,6 +197,8 @@ def _solution(
         "bodies": (condensed[0].body, condensed[1].body),
         "condensed": condensed,
         "states": tuple(run.states),
+        "weights": freeze(problem.interface.weights * scales.half_width),
+        "normals": problem.interface.normals,
         "scales": scales,
         "penalty": audit,
     }
@@ -205,6 +212,7 @@ def _solution(
             "mesh": asdict(mesh),
             "solver": asdict(settings),
             "scales": asdict(scales),
+            "dundurs": dundurs(scene.material)._asdict(),
             "element_size": grading.edge_size,
             "penalty": {} if audit.note() is None else asdict(audit),
             "surface": {f.name: getattr(grading, f.name) for f in fields(grading)},
