@@ -19,7 +19,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem.helpers import div
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from halfplane_fe.far_field import surface_force_displacement
+from halfplane_fe.far_field import arc_work, rigid_motions, surface_force_displacement
 from meshes import BodyMesh
 from scenes import ConvergenceError, Elastic, InputError, freeze
 
@@ -43,7 +43,7 @@ class CondensedBody:
     weights : (n,) integral of each node's shape function over the surface [length]
     compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x, outward) on node j,
         symmetric [length per force per thickness]
-    diagnostics : asymmetry (largest skew part over largest entry; the far field's discretisation), residual (of the
+    diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (of the
         elimination), degrees_of_freedom, sparse_factorisations
     """
 
@@ -68,7 +68,8 @@ class _System:
     basis: skfem.Basis
     stiffness: sparse.csr_matrix
     contact: Indices  # (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
-    arc: Indices  # (2, m) those that follow the half-plane around the body; m = 0 for a body of finite size
+    around: tuple[str, ...]  # boundaries to the half-plane around the body; none for a body of finite size
+    arc: Indices  # (2, m) the degrees of freedom there
     held: Indices  # those that supports keep at zero
     free: Indices  # all that neither follow nor are held
 
@@ -102,12 +103,12 @@ def _assemble(body: BodyMesh, material: Elastic) -> _System:
         )
     basis = skfem.Basis(body.mesh, skfem.ElementVector(scalar_element(body.mesh, order)), intorder=2 * order)
     contact = _boundary_dofs(basis, "contact")
-    around = [_boundary_dofs(basis, name) for name, support in body.supports.items() if support == "half_plane"]
-    arc = np.hstack(around) if around else np.empty((2, 0), dtype=np.int64)
+    around = tuple(name for name, support in body.supports.items() if support == "half_plane")
+    arc = np.hstack([np.empty((2, 0), dtype=np.int64), *(_boundary_dofs(basis, name) for name in around)])
     held = _held(body, basis)
     stiffness = _stiffness(basis, material, order)
     free = np.setdiff1d(np.arange(stiffness.shape[0]), np.concatenate([arc.ravel(), held]))
-    return _System(basis, stiffness, contact, arc, held, free)
+    return _System(basis, stiffness, contact, around, arc, held, free)
 
 
 def _held(body: BodyMesh, basis: skfem.Basis) -> Indices:
@@ -164,7 +165,7 @@ def _factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") ->
 
 
 def _interface_stiffness(system: _System) -> tuple[Array, float]:
-    """Stiffness of the contact and arc nodes, all others eliminated (2 n rows of contact, all columns), and its residual.
+    """Stiffness of the contact and arc nodes (2 n + 2 m), all others eliminated, and its residual.
 
     The kept nodes stand last in the order of elimination, so that their stiffness is the trailing block of the factors: three to
     five times faster than solving for each unit force.
@@ -174,14 +175,16 @@ def _interface_stiffness(system: _System) -> tuple[Array, float]:
     inner = np.setdiff1d(system.free, system.contact.ravel())
     inner_factors = _factorise(stiffness[inner][:, inner].tocsc())
     order = np.concatenate([inner[np.argsort(inner_factors.perm_c)], kept])
-    # A half-disc floats: stiffening the arc, eliminated last of all, keeps its pivots off zero and does not touch the contact rows.
+    # A half-disc floats: stiffening the arc, eliminated last of all, keeps its pivots off zero.
     stiffer = np.zeros(stiffness.shape[0])
     stiffer[system.arc.ravel()] = stiffness.diagonal().max()
     factors = _factorise((stiffness + sparse.diags(stiffer))[order][:, order].tocsc(), "NATURAL")
-    n_contact, last = system.contact.size, slice(len(inner), None)
-    lower, upper = factors.L[last, last].toarray(), factors.U[last, last].toarray()
-    found = lower[:n_contact] @ upper
-    return found, _elimination_residual(stiffness, inner_factors, inner, kept, found)
+    last = slice(len(inner), None)
+    found = factors.L[last, last].toarray() @ factors.U[last, last].toarray() - np.diag(stiffer[kept])
+    residual = _elimination_residual(stiffness, inner_factors, inner, kept, found)
+    if not residual < 1e-8:
+        raise ConvergenceError(f"condensation: the sparse factorisation left a relative residual of {residual:.1e}")
+    return (found + found.T) / 2, residual
 
 
 def _elimination_residual(
@@ -192,33 +195,49 @@ def _elimination_residual(
     displacement = np.zeros(stiffness.shape[0])
     displacement[kept] = rng.standard_normal(len(kept))
     displacement[inner] = inner_factors.solve(-(stiffness[inner] @ displacement))
-    forces = stiffness[kept[: len(found)]] @ displacement
+    forces = stiffness[kept] @ displacement
     return float(np.abs(found @ displacement[kept] - forces).max() / np.abs(forces).max())
 
 
-def _compliance(system: _System, material: Elastic, datum_length: float, moments: int | None = None) -> tuple[Array, float]:
-    """(2 n, 2 n): displacement of the contact nodes by unit forces on them, as it comes; and the residual of the elimination."""
-    stiffness, residual = _interface_stiffness(system)
-    if not residual < 1e-8:
-        raise ConvergenceError(f"condensation: the sparse factorisation left a relative residual of {residual:.1e}")
-    n_dofs = system.contact.size
-    by_contact, by_arc = stiffness[:, :n_dofs], stiffness[:, n_dofs:]
-    # f = S_cc u_c + S_ca u_a with u_a = G f, hence u_c = S_cc^-1 (1 - S_ca G) f.
-    right = np.eye(n_dofs) - by_arc @ _arc_displacement(system, material, datum_length, moments)
-    return cho_solve(cho_factor((by_contact + by_contact.T) / 2, overwrite_a=True), right, overwrite_b=True), residual
+def _compliance(system: _System, stiffness: Array, material: Elastic, datum_length: float) -> Array:
+    """(2 n, 2 n): displacement of the contact nodes by unit forces on them; the arc carries the half-plane's tractions."""
+    if not system.arc.size:
+        return cho_solve(cho_factor(stiffness), np.eye(len(stiffness)))
+    by_nodes, by_half_plane = _arc_work(system, material, datum_length)
+    loads = np.vstack([np.eye(system.contact.size), by_nodes[system.arc.ravel()]])
+    # The loads balance, so that holding the body in its three rigid motions changes nothing.
+    rigid, _ = np.linalg.qr(rigid_motions(system.basis)[np.concatenate([system.contact.ravel(), system.arc.ravel()])])
+    held = stiffness + np.abs(stiffness).max() * rigid @ rigid.T
+    return loads.T @ cho_solve(cho_factor(held, overwrite_a=True), loads) - by_half_plane
+
+
+def _arc_work(system: _System, material: Elastic, datum_length: float) -> tuple[Array, Array]:
+    """See `far_field.arc_work`."""
+    facets = np.concatenate([np.empty(0, dtype=np.int64), *(system.basis.mesh.boundaries[name] for name in system.around)])
+    return arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], material, datum_length)
+
+
+def _rigid_part(system: _System, displacement: Array) -> Array:
+    """(basis.N, k): the rigid motion next to a displacement (2 n, k) of the contact nodes."""
+    motions = rigid_motions(system.basis)
+    return motions @ np.linalg.lstsq(motions[system.contact.ravel()], displacement, rcond=None)[0]
 
 
 def truncated_compliance(body: BodyMesh, material: Elastic, datum_length: float, moments: int | None) -> Array:
-    """(2, n, 2, n) compliance as it comes, the arc following only the first `moments` of the nodal forces: for studies.
+    """(2, n, 2, n) compliance with the displacement of the first `moments` of the nodal forces prescribed on the arc: for studies.
 
     It is not made symmetric: the mean with its transpose would carry the error of the rigid shift, (a/L)^2, into the tractions.
     """
-    flat, _ = _compliance(_assemble(body, material), material, datum_length, moments)
-    return flat.reshape(2, len(flat) // 2, 2, len(flat) // 2)
+    system = _assemble(body, material)
+    stiffness, n = _interface_stiffness(system)[0], system.contact.shape[1]
+    by_contact, by_arc = stiffness[: 2 * n, : 2 * n], stiffness[: 2 * n, 2 * n :]
+    # f = S_cc u_c + S_ca u_a with u_a = G f, hence u_c = S_cc^-1 (1 - S_ca G) f.
+    right = np.eye(2 * n) - by_arc @ _arc_displacement(system, material, datum_length, moments)
+    return cho_solve(cho_factor(by_contact), right).reshape(2, n, 2, n)
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
-    """Condense a body to its contact nodes; the arc of a half-disc follows the nodal forces by half-plane theory.
+    """Condense a body to its contact nodes; the arc of a half-disc carries the tractions of the nodal forces by half-plane theory.
 
     Parameters
     ----------
@@ -234,8 +253,8 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         If the sparse solve leaves a residual above 1e-8.
     """
     system = _assemble(body, material)
-    compliance, residual = _compliance(system, material, datum_length)
-    # Betti: exact far field and exact elasticity make it symmetric; the discrete one is so up to the arc's mesh error.
+    stiffness, residual = _interface_stiffness(system)
+    compliance = _compliance(system, stiffness, material, datum_length)
     asymmetry = float(np.abs(compliance - compliance.T).max() / np.abs(compliance).max())
     n, places = system.contact.shape[1], system.basis.doflocs[:, system.contact[0]]
     return CondensedBody(
@@ -264,13 +283,16 @@ def displacement_fields(condensed: CondensedBody, forces: Array, datum_length: f
     """
     system = _assemble(condensed.body, condensed.material)
     cases = forces.reshape(-1, forces.shape[-1])
-    displacements = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
-    displacements[system.arc.ravel()] = _arc_displacement(system, condensed.material, datum_length) @ cases
-    load = np.zeros_like(displacements)
+    load = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     load[system.contact.ravel()] = cases
-    rows = system.stiffness[system.free]
-    inner = rows[:, system.free].tocsc()
-    displacements[system.free] = _factorise(inner).solve(load[system.free] - rows @ displacements)
+    load[: system.basis.N] += _arc_work(system, condensed.material, datum_length)[0] @ cases
+    # The ends of the arc hold a half-disc without a force, since the loads balance.
+    free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, system.arc[:, :1].ravel(), system.arc[1, -1:]]))
+    displacements = np.zeros_like(load)
+    displacements[free] = _factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
+    if system.arc.size:
+        flat = condensed.compliance.reshape(len(cases), -1)
+        displacements[: system.basis.N] += _rigid_part(system, flat @ cases - displacements[system.contact.ravel()])
     n_u, shear_modulus = system.basis.N, split_lame(condensed.material, condensed.order)[2]
     tension = np.zeros((system.basis.nodal_dofs.shape[1], forces.shape[-1]))
     if len(displacements) > n_u:

@@ -1,16 +1,28 @@
-"""Displacement of a half-plane by point forces on its surface (Flamant): the piece of half-plane theory inside the FE model.
+r"""Half-planes under point forces on their surface (Flamant): the piece of half-plane theory inside the FE model.
 
-The arc of the half-disc follows the displacement of the very nodal forces on the contact, each at its own place. So the
-multipoles of every order are there, and what is left of the far field's error is that of the forces' being points.
+The arc of the half-disc carries the tractions t of the very nodal forces f on the contact, each at its own place. So the multipoles
+of every order are there. With w(f) the displacement of the half-plane, t(f) its tractions on the arc and B the work of these on the
+nodes of the arc, half-disc and surroundings together have the energy
+
+    min over u  { 1/2 u K u - f (u_contact + B^T u_arc) }  +  1/2 int t(f) w(f) ds  =  - 1/2 f C f
+
+whose C is symmetric, and right but for the energy of what the elements cannot follow of w within the half-disc. Prescribing w(f) at
+the nodes of the arc instead leaves a C that is symmetric only up to the mesh of the arc.
 """
 
 from __future__ import annotations
 
 import numpy as np
+import skfem
 from numpy.typing import NDArray
+
+from scenes import Elastic
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+
+# Order to which the arc is integrated: to rounding on elements no longer than their distance from a force.
+_ARC_ORDER = 16
 
 
 def surface_force_displacement(
@@ -71,3 +83,61 @@ def _potentials(x: Array, z: Array, force_at: Array, moments: int | None) -> tup
     powers = (1j * force_at / centre)[..., None] ** np.arange(moments + 1)
     series = (powers[..., 1:] / np.arange(1, moments + 1)).sum(axis=-1)
     return np.log(centre) - series, z[:, None] / centre * powers.sum(axis=-1)
+
+
+def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -> Array:
+    r"""Tractions on cuts through the half-plane y <= 0 under unit forces F on its surface: -(2/pi) (F . e_r)/r along e_r, radially.
+
+    Parameters
+    ----------
+    x, y : (n,) points of the cut, none at a force [length]
+    normal : (2, n) unit normal out of the part that the tractions act on
+    force_at : (m,) places of the forces on the surface [length]
+
+    Returns
+    -------
+    (2, n, 2, m)
+        Traction component (x, y), point, force component (x, y), place [1/length per force per thickness].
+    """
+    radius = np.stack([x[:, None] - force_at, np.broadcast_to(y[:, None], (len(y), len(force_at)))])
+    across = radius[0] * normal[0][:, None] + radius[1] * normal[1][:, None]
+    factor = -2 / np.pi * across / (radius[0] ** 2 + radius[1] ** 2) ** 2
+    return np.einsum("inm,jnm,nm->injm", radius, radius, factor)
+
+
+def arc_work(basis: skfem.Basis, facets: NDArray, force_at: Array, material: Elastic, datum_length: float) -> tuple[Array, Array]:
+    """Work of the half-plane's tractions on the arc by unit forces on the contact nodes.
+
+    Parameters
+    ----------
+    facets : of the mesh, on the arc; none for a body of finite size
+    force_at : (m,) contact nodes [length]
+
+    Returns
+    -------
+    by_nodes : (basis.N, 2 m) per unit displacement of each node of the body
+    by_half_plane : (2 m, 2 m) in the half-plane's own displacement by unit forces [length per force per thickness]
+    """
+    if not len(facets):
+        return np.zeros((basis.N, 2 * len(force_at))), np.zeros((2 * len(force_at), 2 * len(force_at)))
+    edge = skfem.FacetBasis(basis.mesh, basis.elem, facets=facets, intorder=_ARC_ORDER)
+    x, y = np.asarray(edge.global_coordinates()).reshape(2, -1)
+    normal, length = np.asarray(edge.normals).reshape(2, -1), edge.dx.ravel()
+    young, nu = material.young_modulus, material.poisson_ratio
+    forces = surface_force_traction(x, y, normal, force_at).reshape(2, len(x), -1) * length[:, None]
+    displacement = surface_force_displacement(x, y, force_at, young, nu, datum_length).reshape(2, len(x), -1)
+    by_nodes = np.zeros((basis.N, forces.shape[-1]))
+    for function in range(edge.Nbfun):
+        value = np.asarray(edge.basis[function][0])
+        work = np.einsum("ieq,ieqm->em", value, forces.reshape(*value.shape, -1), optimize=True)
+        np.add.at(by_nodes, edge.element_dofs[function], work)
+    by_half_plane = np.tensordot(forces, displacement, axes=([0, 1], [0, 1]))
+    return by_nodes, by_half_plane
+
+
+def rigid_motions(basis: skfem.Basis) -> Array:
+    """(basis.N, 3): two translations and the rotation, over the largest distance."""
+    along_x = np.zeros(basis.N, dtype=bool)
+    along_x[basis.get_dofs(elements=np.arange(basis.mesh.nelements)).all(["u^1"])] = True
+    x, y = basis.doflocs
+    return np.column_stack([along_x, ~along_x, np.where(along_x, -y, x) / np.abs(x).max()]).astype(np.float64)

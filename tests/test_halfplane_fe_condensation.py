@@ -53,7 +53,8 @@ def test_compliance_is_symmetric_and_mirror_symmetric(order):
     np.testing.assert_array_equal(one.x, -one.x[::-1])
 
 
-def test_asymmetry_before_it_is_mended_is_that_of_the_arc():
+def test_compliance_comes_out_symmetric():
+    """Betti's theorem, before the last digits are mended: a wrong traction, displacement or normal on the arc would break it."""
     check("asymmetry", condensed().diagnostics["asymmetry"])
     assert condensed().diagnostics["residual"] < 1e-12
 
@@ -130,7 +131,7 @@ def test_like_bodies_are_condensed_once_and_unlike_ones_twice(monkeypatch):
     calls = []
 
     def counted(body, material, datum_length):
-        calls.extend([material] if body.name != "coarse" else [])
+        calls.extend([material] if len(body.mesh.boundaries["contact"]) < 24 else [])  # not the solver's own coarse run, of 48
         return condense(body, material, datum_length)
 
     monkeypatch.setattr(import_module("halfplane_fe.store"), "condense", counted)
@@ -162,7 +163,7 @@ def test_pressure_does_not_know_how_far_the_body_reaches():
 
 def test_that_test_sees_an_arc_that_knows_only_the_resultant(monkeypatch):
     elasticity = import_module("halfplane_fe.elasticity")
-    exact = elasticity.surface_force_displacement
-    monkeypatch.setattr(elasticity, "surface_force_displacement", lambda x, y, at, *rest: exact(x, y, 0 * at, *rest))
+    exact = elasticity.arc_work
+    monkeypatch.setattr(elasticity, "arc_work", lambda basis, facets, at, *rest: exact(basis, facets, 0 * at, *rest))
     with pytest.raises(AssertionError, match="second moment"):
         check("second moment of p, L = 5a against 20a", second_moment(5.0) - second_moment(20.0))

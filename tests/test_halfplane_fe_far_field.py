@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from halfplane_fe.far_field import surface_force_displacement
+from halfplane_fe.far_field import surface_force_displacement, surface_force_traction
 
 YOUNG, DATUM = 3.0, 5.0
 ratios = st.floats(-0.9, 0.49)
@@ -59,6 +59,15 @@ def test_surface_is_free_of_traction(force, nu, x, right):
     """Just inside the surface, where the differences may still look, no traction but (2/pi) depth/x^2 at most."""
     x = x if right else -x
     assert np.abs(stress(x, -1e-2, nu, force)[:, 1]).max() < 0.7e-2 / x**2
+
+
+@EACH_FORCE
+@given(nu=ratios, angle=angles, cut=st.floats(0, 2 * math.pi))
+def test_traction_is_that_of_the_displacement(force, nu, angle, cut):
+    """On a cut of any direction, whatever Poisson's ratio."""
+    x, y, normal = math.sin(angle), -math.cos(angle), np.array([math.cos(cut), math.sin(cut)])
+    found = surface_force_traction(np.array([x]), np.array([y]), normal[:, None], np.zeros(1))[:, 0, force, 0]
+    np.testing.assert_allclose(found, stress(x, y, nu, force) @ normal, atol=1e-7)
 
 
 @EACH_FORCE
