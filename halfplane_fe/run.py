@@ -104,7 +104,8 @@ def _follow_legs(
     duration = legs[-1].end - legs[0].start
     # What the tolerance refers to: the dissipation of the revolution before; until there is one, a share of f^2 P^2/E*.
     expected = float(run.cycle_density[-1].sum()) if run.cycle_density else 0.0
-    reference = max(expected, _LEAST_DISSIPATION * problem.friction**2)
+    # Rounded down to a power of two: what the way in left in the revolution before shall not choose other increments.
+    reference = max(2.0 ** np.floor(np.log2(max(expected, 1e-300))), _LEAST_DISSIPATION * problem.friction**2)
 
     def allowed(time: float) -> float:
         return pace.step_tolerance * reference * time / duration

@@ -30,6 +30,8 @@ _MESH = MeshSettings(growth=0.4)
 _FRACTION = (0.6, 0.85)
 _OF_THE_FACE = 0.97
 _COARSE_STEPS = 48
+# The innermost edge is rounded down to this share of the half-width: no last digit of the coarse run shall move the mesh.
+_ROUGH = 100
 # By how much and how often the coarse body grows where the contact reaches its end; `solve` finds out if that was not enough.
 _ENLARGED = 1.3
 _ENLARGEMENTS = 10
@@ -109,6 +111,7 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
         seen = visible_states(run.states, run.cycle_starts)[cycles]
         inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[cycles], seen, strict=True))
+    inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off
     return Scales(size * half_width, min(size * inner, first_kink), size * max(reach, half_width), load, modulus)
 

@@ -415,13 +415,8 @@ def law_violations(answer: FiniteElementSolution) -> dict[str, float]:
 
     Over the largest pressure, the largest load, or the work of sliding, whichever applies.
     """
-    f, weights, p, q, state = (
-        answer.scene.friction.coefficient,
-        answer.condensed[0].weights,
-        answer.pressure,
-        answer.shear,
-        answer.state,
-    )
+    f, p, q, state = answer.scene.friction.coefficient, answer.pressure, answer.shear, answer.state
+    across, along = answer.normals * answer.weights
     largest, load = float(p.max()), float(answer.normal_load.max())
     sense = np.select([state == SurfaceState.SLIP_FORWARD, state == SurfaceState.SLIP_REVERSE], [1, -1], 0)
     path_p, path_q = answer.scene.load.path().at(answer.time)
@@ -434,8 +429,8 @@ def law_violations(answer: FiniteElementSolution) -> dict[str, float]:
         "cone": worst(np.abs(q) - f * p) / largest,
         "sliding off the cone": worst(np.abs(q - sense * f * p)[sense != 0]) / largest,
         "slip against friction": worst(-(q[1:] * step)[sense[1:] != 0]) / (largest * travel),
-        "normal equilibrium": worst(np.abs(p @ weights - path_p)) / load,
-        "tangential equilibrium": worst(np.abs(q @ weights - path_q)) / load,
+        "normal equilibrium": worst(np.abs(p @ along + q @ across - path_p)) / load,
+        "tangential equilibrium": worst(np.abs(q @ along - p @ across - path_q)) / load,
         "loads": worst(np.abs([answer.normal_load - path_p, answer.tangential_load - path_q])) / load,
         "stick beyond contact": worst(np.nan_to_num(answer.stick_half_width - answer.contact_half_width)) / answer.x[-1],
         "negative dissipation": worst(-answer.dissipation_density) / (worst(np.abs(answer.dissipation_density)) or 1.0),
