@@ -79,6 +79,45 @@ def test_stress_of_hertz_is_largest_below_the_surface():
         assert body.von_mises.max() == pytest.approx(0.557 * p0, rel=0.03)
 
 
+def test_largest_shear_stress_on_the_axis_is_where_hertz_has_it():
+    """tau = p0 (z - z^2/sqrt(1 + z^2)) on the axis: 0.300 p0 at 0.786 a. Johnson (4.47)."""
+    answer = fe_run(load_scene("hertz-normal"), FINE)
+    (snapshot,) = fields(answer, [1.0])
+    p0, a = PROBLEMS["hertz"].exact["peak_pressure"], PROBLEMS["hertz"].exact["contact_half_width"]
+    for body in snapshot.bodies:
+        points = body.points / a
+        axis = np.flatnonzero((np.abs(points[:, 0]) < 1e-9) & (np.abs(points[:, 1]) < 2) & (points[:, 1] != 0))
+        z = np.abs(points[axis, 1])
+        tau = np.abs(body.stress[axis, 0] - body.stress[axis, 1]) / 2 / p0
+        check("shear stress", float(np.abs(tau - (z - z**2 / np.sqrt(1 + z**2))).max()))
+        assert tau.max() == pytest.approx(0.3003, abs=0.005)
+        assert z[tau.argmax()] == pytest.approx(0.786, abs=0.1)
+
+
+def flamant(points, x, pressure, shear):
+    """Stress (n, 3: xx, yy, xy) at y < 0 of tractions on y = 0, by summing up point forces. Johnson (2.23)."""
+    across, depth = points[:, :1] - x, -points[:, 1:]
+    radial = -2 / np.pi * (pressure * depth + shear * across) / (across**2 + depth**2) ** 2 * np.gradient(x)
+    return np.stack([(radial * across**2).sum(1), (radial * depth**2).sum(1), -(radial * across * depth).sum(1)], axis=1)
+
+
+@pytest.mark.parametrize("name", ["lower", "upper"])
+def test_stress_below_a_sheared_contact(name):
+    """Mindlin's p and q at the largest Q, as point forces on a half-plane; the upper body feels -q, and its xy is turned round."""
+    problem = PROBLEMS["mindlin, Q largest"]
+    answer = fe_run(problem.scene, FINE)
+    (snapshot,) = fields(answer, [problem.time])
+    (body,) = (body for body in snapshot.bodies if body.name == name)
+    a, p0, side = problem.exact["contact_half_width"], problem.exact["peak_pressure"], 1 if name == "lower" else -1
+    places = body.points * [1, side]
+    near = (np.hypot(*places.T) < 2 * a) & (places[:, 1] < -0.2 * a)
+    x = np.linspace(-1.01 * a, 1.01 * a, 2001)
+    exact = flamant(places[near], x, problem.exact["pressure"](x), side * problem.exact["shear"](x)) * [1, 1, side]
+    check("stress below a sheared contact", float(np.abs(body.stress[near][:, :3] - exact).max() / p0))
+    turned = flamant(places[near], x, problem.exact["pressure"](x), -side * problem.exact["shear"](x)) * [1, 1, side]
+    assert np.abs(body.stress[near][:, :3] - turned).max() > 0.1 * p0  # a wrong sense of the shear would be seen
+
+
 def von_mises(stress):
     """sqrt(3/2 s:s), s being the deviator."""
     xx, yy, xy, zz = stress.T

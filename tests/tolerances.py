@@ -50,6 +50,8 @@ TOLERANCES = {
     ),
     "stress": Tolerance(1.3e-2, 2.5e-2, "means over the elements of a node, a/24 and larger below; over p0"),
     "stress on the face": Tolerance(5.2e-3, 2e-2, "means over the elements of a node, all of them below it; over p0"),
+    "shear stress": Tolerance(6e-3, 1.2e-2, "half the difference of two of those; over p0"),
+    "stress below a sheared contact": Tolerance(1.9e-2, 3e-2, "means over the elements of a node, from 0.2 a down to 2 a; over p0"),
     "hysteresis loop": Tolerance(
         1.8e-5, 1e-4, "a cycle repeats to 5e-4 of a nodal force, and what it does not give back is in the loop"
     ),
