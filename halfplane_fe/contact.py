@@ -58,11 +58,6 @@ def untouched(height: Array, time: float) -> InterfaceState:
     return InterfaceState(time, 0.0, 0.0, zero, zero, freeze(gap), zero, freeze(state, np.int8), float(height.min()), 0.0)
 
 
-def _less_rounding(displacement: Array) -> Array:
-    """`displacement` (n,) with zeros where it is rounding: weighted by a large augmentation that would look like a force."""
-    return np.where(np.abs(displacement) <= ROUNDING, 0.0, displacement)
-
-
 @dataclass(eq=False)
 class ContactProblem:
     """What does not change along a load path. Factorisations are kept; history is not.
@@ -169,14 +164,17 @@ class ContactProblem:
 
     def _wanted(self, answer: InterfaceState, history: InterfaceState) -> States:
         """The states that the law gives the answer's nodes."""
-        states, gap, slip = answer.state, _less_rounding(answer.gap), _less_rounding(answer.slip - history.slip)
+        states = answer.state
+        # What the equations of these states set to zero counts as zero: weighted, its rounding would look like a force.
+        gap = np.where(states == SurfaceState.OPEN, answer.gap, 0.0)
+        slip = np.where(states == SurfaceState.STICK, 0.0, answer.slip - history.slip)
         r_normal, r_tangential = self.augmentation
         trial_pressure = answer.pressure - r_normal * gap
         # Within rounding of touching or of the cone a node keeps the state it has.
-        touching = (np.abs(answer.pressure) <= ROUNDING) & (gap == 0)
+        touching = (np.abs(answer.pressure) <= ROUNDING) & (np.abs(gap) <= ROUNDING)
         closed = np.where(touching, states != SurfaceState.OPEN, trial_pressure > 0)
         pressure, _, wanted = project(np.maximum(trial_pressure, ROUNDING), answer.shear + r_tangential * slip, self.friction)
-        at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= ROUNDING) & (slip == 0)
+        at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= ROUNDING) & (np.abs(slip) <= ROUNDING)
         wanted = np.where(at_cone & (states != SurfaceState.OPEN), states, wanted)
         wanted = np.where(closed, wanted, SurfaceState.OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets chase each other.
