@@ -301,6 +301,9 @@ def hydrostatic_contact(line, kind, ratio):
     return problem, start
 
 
+HELD = [case(line, rest, "hydrostatic") for line in LINES for rest in one_line(line)]
+
+
 @pytest.mark.parametrize(("line", "ratio", "order", "cells"), HELD)
 def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells):
     """Pressed by the resultants of a uniform pressure every node is closed, sticks, and bears p w: to 1e-9 of it."""
