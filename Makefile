@@ -68,7 +68,7 @@ bench: $(STAMP) ## benchmarks, one process
 numbers: $(STAMP) ## measure every promised number, print it, write docs/numbers.md
 	@echo "==> numbers"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(PY) benchmarks/claims.py
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/claims.py
 
 regress: $(STAMP) ## the half-plane engine against stored references and its own frozen values (ACCEPT="scene ...", REFERENCES=1)
 	@echo "==> regress"

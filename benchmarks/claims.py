@@ -1,6 +1,6 @@
 """Every number that the project claims, measured now: printed, and written to docs/numbers.md.
 
-    make numbers            (python benchmarks/claims.py)
+    make numbers            (python benchmarks/claims.py, a quarter of an hour)
 
 A row is a claim with its target; a claim that misses its target is printed and written all the same, and the exit code is 1.
 """
@@ -18,8 +18,20 @@ from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 
+import far_field
+import fe_orders
+import fe_peers
+import fe_precision
+import fe_scaling
 import mpmath
+import must_fail
 import numpy as np
+import penalty
+import real_bodies
+import semi_analytic_batch
+import semi_analytic_extremes
+import semi_analytic_histories
+import semi_analytic_precision
 from claim import Row, table
 
 import halfplane_fe
@@ -195,15 +207,31 @@ def times() -> Iterator[Row]:
     )
 
 
+def sections() -> dict[str, Callable[[], Iterator[Row]]]:
+    """Every heading of the page with what measures its rows."""
+    return {
+        "Half-plane engine": half_plane_engine,
+        "Half-plane engine: extremes": semi_analytic_extremes.rows,
+        "Half-plane engine: work and precision": semi_analytic_precision.rows,
+        "Half-plane engine: histories": semi_analytic_histories.claims,
+        "Half-plane engine: batches": semi_analytic_batch.rows,
+        "Finite elements": finite_elements,
+        "Finite elements: Cattaneo-Mindlin and the flat face": cattaneo_mindlin,
+        "Finite elements: far field": far_field.far_field,
+        "Finite elements: orders": fe_orders.orders,
+        "Finite elements: work and precision": fe_precision.precision,
+        "Finite elements: beside peers": fe_peers.peers,
+        "Finite elements: growth of the cost": fe_scaling.scaling,
+        "Finite elements: penalty and exact law": penalty.penalty,
+        "Finite elements: planted faults": must_fail.must_fail,
+        "Real bodies": real_bodies.rows,
+        "Time": times,
+    }
+
+
 def main() -> int:
     mpmath.mp.dps = 30
     os.environ["HALFPLANE_CACHE"] = "off"  # every run condenses its bodies itself
-    sections = {
-        "Half-plane engine": half_plane_engine,
-        "Finite elements": finite_elements,
-        "Finite elements, Cattaneo-Mindlin and the flat face": cattaneo_mindlin,
-        "Time": times,
-    }
     packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-fem", "gmsh"))
     text = [
         "# Numbers",
@@ -214,7 +242,7 @@ def main() -> int:
         f"Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, {platform.machine()}.",
     ]
     missed = 0
-    for title, section in sections.items():
+    for title, section in sections().items():
         print(f"==> {title}", flush=True)
         rows = list(section())
         for row in rows:

@@ -212,9 +212,11 @@ def costs() -> Iterator[Row]:
     for name in BODY_SCENES:
         begun = resource.getrusage(resource.RUSAGE_CHILDREN)
         start = time.perf_counter()
+        # VmHWM is of this very process; ru_maxrss starts from its parent's.
         code = (
-            "import resource, os; os.environ['HALFPLANE_CACHE'] = 'off'; import halfplane_fe; from scenes import load_scene; "
-            f"halfplane_fe.solve(load_scene({name!r})); print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+            "import os; os.environ['HALFPLANE_CACHE'] = 'off'; import halfplane_fe; from scenes import load_scene; "
+            f"halfplane_fe.solve(load_scene({name!r})); "
+            "print(next(line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')))"
         )
         done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
         ended = resource.getrusage(resource.RUSAGE_CHILDREN)
