@@ -105,7 +105,7 @@ def _can_draw(stages: Stages) -> None:
 def _show_fields(scene: Scene, report: jobs.FieldsReport) -> None:
     """The instants with their largest stress, and what was written."""
     from reports.fields import peak
-    from reports.wording import load_unit, number, units
+    from reports.units import load_unit, number, units
 
     _, length, stress = units(scene)
     rows = []
@@ -225,11 +225,15 @@ def _write_new(path: Path, text: str) -> None:
 
 def check(source: str) -> int:
     """Read and check a scene, say how near it comes to gross sliding."""
+    from reports.body_words import bodies_in_words, idealisation, unlike_materials
     from reports.wording import question
 
     scene = jobs.read(source)
     found = checking.check_path(scene)
     say(question(scene))
+    for sentence in (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)):
+        if sentence:
+            say(sentence)
     say(
         f"{source}: the scene is well formed and its load path admissible: |Q|/(f P) is at most {found.ratio:.4g}, "
         f"in the {found.part} at time {found.time:.6g} (P = {found.normal_load:.6g}, Q = {found.tangential_load:.6g}); "

@@ -127,5 +127,10 @@ def _notes(pair: Pair) -> Iterator[str]:
         if solution.steady_from is None and periodic:
             yield f"{name}: no cycle repeats yet, so the last cycle still holds some of the way in."
         yield from (f"{name}: {note}" for note in solution.record.notes)
+    if not pair.result.scene.bodies.half_planes:
+        yield (
+            "Rigid shift and approach of finite bodies are counted from their supports, those of half-planes from a place that "
+            "does not move: their difference is for the most part that of the two, whatever the contact does."
+        )
     if not pair.result.scene.friction.coefficient:
         yield "Frictionless scene: shear and dissipation are over p and A P², without f."

@@ -41,6 +41,13 @@ STATE_NAMES = {
     SurfaceState.SLIP_FORWARD: "forward slip",
     SurfaceState.SLIP_REVERSE: "reverse slip",
 }
+BODY_COLOURS = {"lower": "#cfe3f2", "upper": "#f5dfb8"}
+SUPPORT_WORDS = {
+    "fixed": "fixed",
+    "rollers": "on rollers along x",
+    "guided": "guided along y",
+    "half_plane": "joined to the half-plane around it",
+}
 STYLE: dict[Any, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,

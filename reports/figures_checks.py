@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from reports.certificates import LIMIT, Certificate
 from reports.definitions import name_of
 from reports.drawing import COLOURS, LINES, QUIET, Drawing, canvas, label_axes, legend_above
-from reports.wording import energy_unit
+from reports.units import energy_unit
 from scenes import ContactSolution
 
 

@@ -24,8 +24,8 @@ from reports.drawing import (
 )
 from reports.instants import Event
 from reports.sampling import Cycle
+from reports.units import load_unit, units
 from reports.verdicts import Metric
-from reports.wording import load_unit, units
 from scenes import ContactSolution, StraightLeg
 
 Array = NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -200,20 +200,13 @@ def mesh(comparison: Comparison, bodies: Sequence[Any]) -> Drawing:
     return Drawing(
         "mesh",
         "Mesh",
-        f"Lower body blue, upper body orange; distances in a_ref. {_quality_words(bodies[0].quality)}",
+        "Lower body blue, upper body orange; distances in a_ref.",
         "Finite-element meshes of both bodies, whole and at the contact.",
         figure,
         {"quantity": list(quality), "value": list(quality.values())},
     )
 
 
-def _quality_words(quality: Mapping[str, float]) -> str:
-    """The quality record of a body as a sentence."""
-    return "Lower body: " + ", ".join(f"{name.replace('_', ' ')} {value:.4g}" for name, value in quality.items()) + "."
-
-
 def _sides(mesh: Any) -> Array:
-    """(n_sides, 2, 2) end points of the sides of a triangle mesh, each side once."""
-    corners = mesh.t[:3].T
-    sides = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [0, 2]]]), axis=1)
-    return np.asarray(mesh.p.T[np.unique(sides, axis=0)])
+    """(n_sides, 2, 2) end points of the sides of a mesh's elements, each side once."""
+    return np.asarray(mesh.p.T[mesh.facets.T])

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from reports.drawing import QUIET, canvas
+from reports.drawing import BODY_COLOURS, QUIET, SUPPORT_WORDS, canvas
 from reports.panels import PIXELS, around, at_contact, boundary_lines, panels, show, title_of
 from reports.rendering import Skin, picture
 
@@ -19,13 +19,6 @@ if TYPE_CHECKING:
     from meshes import BodyMesh
 
 BOUNDARY_COLOURS = {"contact": "#D55E00", "free": "#009E73", "sides": "#CC79A7", "base": "#0072B2", "far_field": "#5B2A86"}
-BODY_COLOURS = {"lower": "#cfe3f2", "upper": "#f5dfb8"}
-SUPPORT_WORDS = {
-    "fixed": "fixed",
-    "rollers": "on rollers along x",
-    "guided": "guided along y",
-    "half_plane": "moved as in a half-plane",
-}
 
 
 def mesh_picture(solution: FiniteElementSolution, bodies: tuple[BodyFields, BodyFields]) -> Figure:

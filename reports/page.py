@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
+from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.certificates import Certificate
 from reports.comparison import Comparison
 from reports.definitions import name_of
-from reports.drawing import Drawing
-from reports.wording import CLAIM, accuracy_of, energy_unit, percent, question, tolerance_of, unit_of, units, value_of, verdict
+from reports.drawing import SUPPORT_WORDS, Drawing
+from reports.units import energy_unit, units
+from reports.wording import CLAIM, accuracy_of, lead, percent, question, tolerance_of, unit_of, value_of, verdict
 from scenes import ContactSolution
 
 
@@ -31,6 +33,10 @@ def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, se
         scene=scene,
         claim=CLAIM,
         question=question(scene),
+        bodies=[bodies_in_words(scene), unlike_materials(scene)],
+        idealisation=idealisation(scene),
+        lead=lead(comparison),
+        meshes=_meshes(comparison.result),
         verdict=verdict(comparison),
         comparison=comparison,
         rows=_rows(comparison),
@@ -153,6 +159,25 @@ def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:
     return [
         (name_of(comparison.reference.engine), comparison.reference_certificates),
         (name_of(comparison.result.engine), comparison.result_certificates),
+    ]
+
+
+def _meshes(solution: ContactSolution) -> list[dict[str, str]]:
+    """Quality record of each body's mesh; none where the result has no bodies."""
+    return [
+        {
+            "name": name,
+            "elements": f"{body.quality['elements']:.0f}",
+            "nodes": f"{body.quality['nodes']:.0f}",
+            "least_angle": f"{body.quality['least_angle']:.1f}°",
+            "worst_shape": f"{body.quality['worst_shape']:.3f}",
+            "size_ratio": f"{body.quality['size_ratio']:.3g}",
+            "area_error": f"{body.quality['area_error']:.1e}",
+            "supports": "; ".join(
+                f"{boundary.replace('_', ' ')} {SUPPORT_WORDS[support]}" for boundary, support in body.supports.items()
+            ),
+        }
+        for name, body in zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
     ]
 
 

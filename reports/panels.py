@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reports.rendering import Window
-from reports.wording import number, units
+from reports.units import number, units
 from scenes import Scene
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from reports.drawing import STATE_COLOURS, STATE_NAMES, canvas
 from reports.panels import PIXELS, around, at_contact, boundary_lines, panels, show, title_of
 from reports.rendering import Skin, picture
-from reports.wording import load_unit, number, units
+from reports.units import load_unit, number, units
 from scenes import Scene, SurfaceState
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.certificates import Certificate
 from reports.comparison import Comparison
 from reports.verdicts import Metric
@@ -46,6 +47,9 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
         "format": "halfplane comparison 1",
         "claim": CLAIM,
         "question": question(comparison.scene),
+        "bodies": bodies_in_words(comparison.scene),
+        "unlike_materials": unlike_materials(comparison.scene),
+        "idealisation": idealisation(comparison.scene),
         "verdict": {
             "passed": comparison.passed,
             "accurate": comparison.accurate,
@@ -117,6 +121,9 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "counts": work.counts,
         "skipped": {name: {"count": count, "reason": reason} for name, (count, reason) in work.skipped.items()},
         "seconds": work.seconds,
+        "mesh_quality": {
+            name: dict(body.quality) for name, body in zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
+        },
         "settings": solution.settings,
         "versions": solution.versions,
     }

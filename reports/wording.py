@@ -6,52 +6,11 @@ import math
 
 from reports.comparison import Comparison
 from reports.definitions import name_of
+from reports.units import load_unit, number, units
 from reports.verdicts import Metric
 from scenes import EllipseLoad, FlatRounded, Hertz, PolygonLoad, Scene
 
 CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
-
-
-def units(scene: Scene) -> tuple[str, str, str]:
-    """Names of force, length and stress; general words where the scene's `units` is not a list of three.
-
-    >>> from scenes import load_scene
-    >>> units(load_scene("hertz-paper"))
-    ('N', 'mm', 'MPa')
-    """
-    parts = tuple(part.strip() for part in scene.units.split(","))
-    return (parts[0], parts[1], parts[2]) if len(parts) == 3 else ("force", "length", "stress")
-
-
-def load_unit(scene: Scene) -> str:
-    """Unit of a load per thickness.
-
-    >>> from scenes import load_scene
-    >>> load_unit(load_scene("hertz-paper"))
-    'N/mm'
-    """
-    force, length, _ = units(scene)
-    return f"{force}/{length}"
-
-
-def energy_unit(scene: Scene) -> str:
-    """Unit of an energy per thickness.
-
-    >>> from scenes import load_scene
-    >>> energy_unit(load_scene("hertz-paper"))
-    'N·mm/mm'
-    """
-    force, length, _ = units(scene)
-    return f"{force}·{length}/{length}"
-
-
-def number(value: float) -> str:
-    """Six significant digits.
-
-    >>> number(90.62286500739786), number(210e3)
-    ('90.6229', '210000')
-    """
-    return f"{value:.6g}"
 
 
 def question(scene: Scene) -> str:
@@ -59,7 +18,8 @@ def question(scene: Scene) -> str:
     _, length, stress = units(scene)
     match scene.profile:
         case Hertz(radius=radius):
-            shape = f"a parabolic profile of relative radius {number(radius)} {length}"
+            kind = "circular" if scene.bodies.faces_are_true else "parabolic"
+            shape = f"a {kind} profile of relative radius {number(radius)} {length}"
         case FlatRounded(radius=radius, flat_half_length=half):
             shape = f"a flat face of half-length {number(half)} {length} with edges of radius {number(radius)} {length}"
         case _:
@@ -157,6 +117,15 @@ def verdict(comparison: Comparison) -> str:
         first += f"; dissipation differs by {value_of(comparison.metric('dissipation'))}"
     second = f" A law of contact is violated: {', '.join(broken)}." if broken else " Both answers are admissible."
     return f"{first}.{second}"
+
+
+def lead(comparison: Comparison) -> str:
+    """The verdict in a few words; a tolerance missed by real bodies that obey every law is a finding."""
+    if comparison.passed:
+        return "Within tolerance."
+    if comparison.admissible and not comparison.scene.bodies.half_planes:
+        return "Outside tolerance: a finding about the idealisation."
+    return "Not within tolerance."
 
 
 def _inside(label: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from reports import figures_checks, figures_cycle, figures_fields
+from reports import figures_bodies, figures_checks, figures_cycle, figures_fields
 from reports.comparison import Comparison
 from reports.drawing import Drawing
 from reports.fields import with_bodies, write_fields
@@ -63,6 +63,7 @@ def draw(comparison: Comparison) -> tuple[Drawing, ...]:
     time = comparison.found.fraction if periodic else comparison.found.time
     label = "time, as a fraction of the last cycle" if periodic else "time"
     drawings: list[Drawing | None] = [
+        figures_bodies.sketch(comparison.scene, comparison.scales.half_width),
         figures_fields.tractions(comparison, chosen),
         figures_cycle.load_path(comparison.result, comparison.found, chosen),
         figures_cycle.hysteresis(comparison, chosen),

@@ -18,7 +18,7 @@ from reports.fields import instant_of, instants_of, peak, write_fields
 from reports.mesh_pictures import BOUNDARY_COLOURS
 from reports.rendering import Skin, Window, picture, sides, surface
 from reports.stress_pictures import look
-from scenes import InputError, Scene, load_scene
+from scenes import InputError, Scene, load_scene, scene_text
 from test_cli_commands import refused
 
 SWIFT = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
@@ -154,15 +154,9 @@ class TestPictures:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What `halfplane fields` leaves of a block and a pad."""
     place = tmp_path_factory.mktemp("fields")
-    (place / "pads.toml").write_text(Path(str(_library("cattaneo-mindlin"))).read_text(encoding="utf-8") + TOML, encoding="utf-8")
+    (place / "pads.toml").write_text(scene_text("cattaneo-mindlin") + TOML, encoding="utf-8")
     assert main(["fields", str(place / "pads.toml"), "--at", "1.5", "2", "--out", str(place / "out"), "--quiet", *SWIFT]) == 0
     return place
-
-
-def _library(name: str) -> Path:
-    import scenes
-
-    return Path(str(scenes.__file__)).parent / "library" / f"{name}.toml"
 
 
 class TestCommand:

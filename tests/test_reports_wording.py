@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from reports import compare
-from reports.wording import question, tolerance_of, unit_of, units, value_of, verdict
+from reports.units import units
+from reports.wording import question, tolerance_of, unit_of, value_of, verdict
 from scenes import Scene, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 

@@ -18,6 +18,7 @@ from test_reports_synthetic import cattaneo_mindlin, with_fields
 
 TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
 FIGURES = {
+    "bodies",
     "tractions",
     "load_path",
     "hysteresis",

@@ -1,0 +1,47 @@
+"""Units and numbers as the page and the terminal write them."""
+
+from __future__ import annotations
+
+from scenes import Scene
+
+
+def units(scene: Scene) -> tuple[str, str, str]:
+    """Names of force, length and stress; general words where the scene's `units` is not a list of three.
+
+    >>> from scenes import load_scene
+    >>> units(load_scene("hertz-paper"))
+    ('N', 'mm', 'MPa')
+    """
+    parts = tuple(part.strip() for part in scene.units.split(","))
+    return (parts[0], parts[1], parts[2]) if len(parts) == 3 else ("force", "length", "stress")
+
+
+def load_unit(scene: Scene) -> str:
+    """Unit of a load per thickness.
+
+    >>> from scenes import load_scene
+    >>> load_unit(load_scene("hertz-paper"))
+    'N/mm'
+    """
+    force, length, _ = units(scene)
+    return f"{force}/{length}"
+
+
+def energy_unit(scene: Scene) -> str:
+    """Unit of an energy per thickness.
+
+    >>> from scenes import load_scene
+    >>> energy_unit(load_scene("hertz-paper"))
+    'N·mm/mm'
+    """
+    force, length, _ = units(scene)
+    return f"{force}·{length}/{length}"
+
+
+def number(value: float) -> str:
+    """Six significant digits.
+
+    >>> number(90.62286500739786), number(210e3)
+    ('90.6229', '210000')
+    """
+    return f"{value:.6g}"

@@ -1,0 +1,151 @@
+"""Real bodies on the page and the terminal: in words, in the sketch to scale, in the mesh table; a miss is a finding."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import halfplane_fe
+import semi_analytic
+from problems import COARSE, FEW_STEPS
+from reports import Comparison, compare, write
+from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.cli import main
+from reports.figures_bodies import outline, sketch
+from reports.wording import lead, question
+from scenes import Scene, load_scene, scene_text
+from test_reports_fields import TOML
+
+BLOCK = {"kind": "block", "width": 20.0, "height": 12.0}
+PAD = {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"}
+UNLIKE = {part: {"young_modulus": e, "poisson_ratio": 0.3} for part, e in (("upper", 210e3), ("lower", 70e3))}
+
+
+def scene(**changed: Any) -> Scene:
+    return Scene.model_validate(load_scene("cattaneo-mindlin").model_dump() | changed)
+
+
+class TestWords:
+    def test_half_planes_have_no_idealisation_error(self) -> None:
+        assert bodies_in_words(scene()) == "Both bodies are half-planes, and the profile is the gap between their flat faces."
+        assert idealisation(scene()) == ""
+        assert unlike_materials(scene()) == ""
+
+    def test_block_and_pad(self) -> None:
+        words = bodies_in_words(scene(bodies={"lower": BLOCK, "upper": PAD}))
+        assert "The lower body is a block 20 mm wide and 12 mm high, its base fixed to a rigid plane, its sides free" in words
+        assert "the upper body is a pad 10 mm wide and 8 mm high whose face is the true profile" in words
+        assert "does not tilt" in words
+        assert "faces as they are made" in words
+        assert "half-plane" not in words
+
+    def test_half_plane_carried_by_a_cylinder_is_loaded_without_a_plane(self) -> None:
+        profile = {"kind": "hertz", "radius": 50.0}
+        words = bodies_in_words(scene(profile=profile, bodies={"lower": {"kind": "cylinder", "radius": 50.0}}))
+        assert "half of a solid cylinder of radius 50 mm" in words
+        assert "the upper body is a half-plane" in words
+        assert "tilt" not in words
+
+    def test_a_tolerance_missed_is_a_finding(self) -> None:
+        true_faces, flat_faces = (idealisation(scene(bodies={"lower": BLOCK, "upper": upper})) for upper in (PAD, BLOCK))
+        assert "the true shape of their faces" in true_faces
+        assert "the true shape of their faces" not in flat_faces
+        for words in (true_faces, flat_faces):
+            assert "a finding about the idealisation, not a fault of the engines" in words
+
+    def test_unlike_materials_name_dundurs_parameters(self) -> None:
+        words = unlike_materials(scene(material=UNLIKE))
+        assert "α = 0.5 " in words  # (1/70 - 1/210)/(1/70 + 1/210)
+        assert "β = 0.1429" in words  # (1 - 2 nu)/(2 (1 - nu)) = 2/7 of it
+        assert "neglects the coupling" in words
+        uncoupled = {part: {"young_modulus": e, "poisson_ratio": 0.4999999999999} for part, e in (("upper", 2.0), ("lower", 1.0))}
+        assert "not coupled" in unlike_materials(scene(material=uncoupled))
+
+    def test_question_says_which_curve_the_face_is(self) -> None:
+        assert "a parabolic profile" in question(scene())
+        assert "a circular profile" in question(scene(bodies={"upper": PAD}))
+
+
+class TestSketch:
+    def test_outlines_are_to_scale_and_meet_at_the_origin(self) -> None:
+        both = scene(bodies={"lower": BLOCK, "upper": PAD})
+        lower, upper = (outline(both, name, 1.0) for name in ("lower", "upper"))
+        np.testing.assert_allclose([np.ptp(lower, axis=0), np.ptp(upper, axis=0)], [[20, 12], [10, 8]])
+        assert lower[:, 1].max() == upper[:, 1].min() == 0
+        face = upper[:181]
+        radius = getattr(both.profile, "radius", None)
+        assert radius is not None
+        np.testing.assert_allclose(face[:, 0] ** 2 + (face[:, 1] - radius) ** 2, radius**2, rtol=1e-12)
+
+    def test_half_planes_are_as_wide_as_what_they_face_needs(self) -> None:
+        assert np.ptp(outline(scene(bodies={"upper": PAD}), "lower", 1.0)[:, 0]) > 10
+        assert np.ptp(outline(scene(), "lower", 2.0)[:, 0]) == pytest.approx(2 * np.ptp(outline(scene(), "lower", 1.0)[:, 0]))
+
+    @pytest.mark.parametrize(
+        "bodies",
+        [
+            {},
+            {"lower": BLOCK | {"base": "rollers", "sides": "guided"}, "upper": PAD},
+            {"lower": {"kind": "cylinder", "radius": 50.0}},
+        ],
+    )
+    def test_every_kind_is_drawn_with_its_words_for_who_cannot_see_it(self, bodies: dict[str, Any]) -> None:
+        profile = {"profile": {"kind": "hertz", "radius": 50.0}} if bodies.get("lower", {}).get("kind") == "cylinder" else {}
+        drawn = sketch(scene(bodies=bodies, **profile), 1.0)
+        assert drawn.alt == bodies_in_words(scene(bodies=bodies, **profile))
+        assert drawn.svg().startswith("<?xml")
+        assert set(drawn.table) == {"body", "x [mm]", "y [mm]"}
+
+
+@pytest.fixture(scope="module")
+def found() -> Comparison:
+    """Coarse: far outside of every tolerance."""
+    both = scene(bodies={"lower": BLOCK, "upper": PAD}, material=UNLIKE)
+    fe = halfplane_fe.solve(both, COARSE, FEW_STEPS)
+    return compare(semi_analytic.solve(both, x=fe.x, time=fe.time), fe)
+
+
+class TestPage:
+    def test_first_screen_has_bodies_sketch_and_finding(self, found: Comparison, tmp_path: Path) -> None:
+        page = write(found, tmp_path / "out").read_text(encoding="utf-8")
+        head = page[: page.index("</header>")]
+        for words in ("a block 20 mm wide", "Dundurs&#39; parameters", "not a fault of the engines", 'id="bodies"'):
+            assert words in head
+        assert "<b>Outside tolerance: a finding about the idealisation.</b>" in page
+        assert "counted from their supports" in page
+        stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
+        assert stored["bodies"] == bodies_in_words(found.scene)
+        assert stored["result"]["settings"]["dundurs"]["alpha"] == pytest.approx(0.5)
+        assert stored["result"]["mesh_quality"]["upper"]["least_angle"] > 15
+        assert stored["reference"]["mesh_quality"] == {}
+
+    def test_mesh_table_has_a_row_for_each_body(self, found: Comparison, tmp_path: Path) -> None:
+        page = write(found, tmp_path / "out").read_text(encoding="utf-8")
+        table = page[page.index('id="meshes"') :]
+        for body, name in zip(getattr(found.result, "bodies", ()), ("lower", "upper"), strict=True):
+            row = table[table.index(f"<td>{name}</td>") :]
+            row = row[: row.index("</tr>")]
+            assert f"{body.quality['least_angle']:.1f}°" in row
+            assert f"{body.quality['area_error']:.1e}" in row
+        assert "base fixed; sides guided along y" in table
+
+    def test_lead_is_a_finding_only_for_real_bodies_that_obey_every_law(self, found: Comparison) -> None:
+        assert not found.accurate
+        assert "a finding" in lead(found)
+        violated = replace(found, result_certificates=(replace(found.result_certificates[0], value=1.0),))
+        assert lead(violated) == "Not within tolerance."
+
+
+def test_check_names_the_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "pads.toml").write_text(scene_text("cattaneo-mindlin") + TOML, encoding="utf-8")
+    assert main(["check", str(tmp_path / "pads.toml")]) == 0
+    said = capsys.readouterr().out
+    assert "a block 20 mm wide" in said
+    assert "a finding about the idealisation" in said
+    assert main(["check", "cattaneo-mindlin"]) == 0
+    said = capsys.readouterr().out
+    assert "Both bodies are half-planes" in said
+    assert "finding" not in said
