@@ -242,7 +242,7 @@ def _work(
     }
     skipped = {}
     if condensed[0].body is condensed[1].body:
-        skipped["meshes"] = (1, "both half-discs have one shape: meshed once, reflected")
+        skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
     if like:
         skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
     if stored := problem.work["condensations from the store"]:
