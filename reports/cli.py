@@ -30,6 +30,7 @@ Examples:
   halfplane run hertz-paper                 both engines, verdict and page
   halfplane run hertz-paper --steps-per-cycle 320 --out out/fine
   halfplane init my.toml                    a commented scene to start from
+  halfplane init my.toml --bodies           the same with a block and a pad
   halfplane check my.toml                   is it read, is it admissible?
   halfplane exact my.toml                   half-plane theory alone
   halfplane fe my.toml --method penalty     finite elements alone
@@ -163,11 +164,12 @@ def init(
     file: Annotated[Path, Parameter(help="New file, ending in .toml.")],
     *,
     like: Annotated[str, Parameter(help="Start from this library scene instead of the commented example.")] = "",
+    bodies: Annotated[bool, Parameter(negative="", help="The example with a block and a pad in place of half-planes.")] = False,
 ) -> int:
     """Write a commented scene to start from; never over a file that exists."""
     from reports import commands
 
-    return commands.init(file, like)
+    return commands.init(file, like, bodies)
 
 
 @app.command(sort_key=6, help_epilogue="")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 from collections.abc import Callable
 from importlib import resources
@@ -199,11 +200,13 @@ def scenes() -> int:
     return WITHIN
 
 
-def init(file: Path, like: str) -> int:
+def init(file: Path, like: str, bodies: bool) -> int:
     """Write a scene file."""
+    if like and bodies:
+        raise InputError("--bodies: it goes with the commented example, not with --like; leave one of the two out")
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
-    text = scene_text(like) if like else (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
+    text = scene_text(like) if like else _example(bodies)
     beside = {file.parent / name: content for name, content in (scene_companions(like) if like else {}).items()}
     if taken := next((path for path in beside if path.exists()), None):
         raise InputError(f"{taken}: the file is there already and stays as it is; choose another folder for {file.name}")
@@ -211,6 +214,13 @@ def init(file: Path, like: str) -> int:
         _write_new(path, content)
     say(f"{file}: edit it, then `halfplane check {file}` and `halfplane run {file}`")
     return WITHIN
+
+
+def _example(bodies: bool) -> str:
+    """The commented example; with `bodies`, the comment signs before its tables of bodies are gone."""
+    text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
+    start, end = text.index("# [bodies.lower]"), text.index("[tolerances]")
+    return text[:start] + re.sub(r"(?m)^# ", "", text[start:end]) + text[end:] if bodies else text
 
 
 def _write_new(path: Path, text: str) -> None:

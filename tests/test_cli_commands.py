@@ -20,9 +20,9 @@ COARSE = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25
 
 
 def environment() -> dict[str, str]:
-    """This checkout on the path, whether it is installed or not; tables as wide as a wide terminal."""
+    """This checkout on the path, whether it is installed or not; tables so wide that nothing is broken."""
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    return os.environ | {"PYTHONPATH": path, "COLUMNS": "160", "NO_COLOR": "1"}
+    return os.environ | {"PYTHONPATH": path, "COLUMNS": "400", "NO_COLOR": "1"}
 
 
 def halfplane(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -52,7 +52,7 @@ class TestHelp:
     def test_help_names_every_command_with_examples(self, tmp_path: Path) -> None:
         done = halfplane(tmp_path, "--help")
         assert done.returncode == 0
-        for command in ("run", "exact", "fe", "scenes", "init", "check", "schema", "doctor"):
+        for command in ("run", "exact", "fe", "fields", "scenes", "init", "check", "schema", "doctor"):
             assert f" {command} " in done.stdout
         assert "halfplane run hertz-paper" in done.stdout
         assert "130 interrupted" in done.stdout
@@ -108,6 +108,23 @@ class TestScenes:
         (tmp_path / "other.toml").write_text(text[:start] + tail, encoding="utf-8")
         scene = load_scene(tmp_path / "other.toml")
         assert (scene.profile.kind, scene.load.kind) == ("flat_rounded", "polygon")
+
+    def test_the_example_with_bodies(self, tmp_path: Path) -> None:
+        """--bodies takes the comment signs away before the tables of bodies, and nothing else."""
+        assert halfplane(tmp_path, "init", "plain.toml").returncode == 0
+        assert halfplane(tmp_path, "init", "bodies.toml", "--bodies").returncode == 0
+        plain, real = load_scene(tmp_path / "plain.toml"), load_scene(tmp_path / "bodies.toml")
+        assert plain.bodies.half_planes
+        assert (real.bodies.lower.kind, real.bodies.upper.kind) == ("block", "pad")
+        assert real.model_copy(update={"bodies": plain.bodies, "name": plain.name}) == plain
+        assert "goes with the commented example" in refused(tmp_path, "init", "x.toml", "--bodies", "--like", "hertz-paper")
+
+    def test_schema_explains_the_keys_of_bodies(self, tmp_path: Path) -> None:
+        defined = json.loads(halfplane(tmp_path, "schema").stdout)["$defs"]
+        assert set(defined["Block"]["properties"]) == {"kind", "width", "height", "base", "sides"}
+        for kind in ("Block", "Pad", "Cylinder"):
+            keys = defined[kind]["properties"]
+            assert all(keys[key].get("description") for key in keys if key != "kind")
 
     @pytest.mark.parametrize("name", scene_names())
     def test_library_scenes_can_be_started_from(self, tmp_path: Path, name: str) -> None:
@@ -220,7 +237,7 @@ class TestBadInput:
         (tmp_path / "file").write_text("mine", encoding="utf-8")
         (tmp_path / "taken").mkdir()
         (tmp_path / "taken" / "report.html").write_text("mine", encoding="utf-8")
-        for command in ("run", "exact", "fe"):
+        for command in ("run", "exact", "fe", "fields"):
             assert "--out file: this is a file" in refused(tmp_path, command, "hertz-paper", "--out", "file")
         assert "can't be written to" in refused(tmp_path, "run", "hertz-paper", "--out", "/proc/halfplane")
         assert "can't be written to" in refused(tmp_path, "run", "hertz-paper", "--out", "file/below")
