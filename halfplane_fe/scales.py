@@ -102,7 +102,9 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
         if not any(state.closed[0] or state.closed[-1] for state in run.states):
             break
         # Shear moves the contact of unlike bodies sideways; the coarse body has to hold that too.
-        size *= _ENLARGED
+        if size == pair.room:
+            raise _past_the_end(scene)
+        size = min(size * _ENLARGED, pair.room)
         problem, run = _coarse_run(pair, size)
     half_width = _half_width(problem, max(run.states, key=lambda state: state.normal_load))
     reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
@@ -171,10 +173,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
         if _FRACTION[0] <= fraction <= _FRACTION[1] or (size == pair.room and _FRACTION[1] < fraction < 1):
             return size
         if fraction > _FRACTION[1] and size == pair.room:
-            raise InputError(
-                "bodies: the contact at the largest load reaches past the end of the narrower face, at |x| = "
-                f"{face_room(pair.scene):.6g}: make the bodies wider, or the load less"
-            )
+            raise _past_the_end(pair.scene)
         if fraction > _FRACTION[1]:
             too_small = size
             size = min(size * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large), pair.room)
@@ -182,6 +181,13 @@ def _fitting_size(pair: _CoarsePair) -> float:
             too_large = size
             size = size / 3 if too_small == 0 else np.sqrt(too_small * too_large)
     raise InputError(f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile and loads")
+
+
+def _past_the_end(scene: Scene) -> InputError:
+    return InputError(
+        "bodies: the contact at the largest load reaches past the end of the narrower face, at |x| = "
+        f"{face_room(scene):.6g}: make the bodies wider, or the load less"
+    )
 
 
 def _half_width(problem: ContactProblem, state: InterfaceState) -> float:
