@@ -35,6 +35,7 @@ Examples:
   halfplane exact my.toml                   half-plane theory alone
   halfplane fe my.toml --method penalty     finite elements alone
   halfplane fields my.toml --at 12.6 14.1   both bodies for ParaView, pictures
+  halfplane diff out/a out/b                two runs, or a run and a baseline
   halfplane paper                           the paper's figures and statements
 Exit codes: 0 within tolerance, 1 outside, 2 bad input, 3 not converged,
             130 interrupted.
@@ -149,6 +150,24 @@ def paper(
     from reports import commands
 
     return commands.paper(out, quiet)
+
+
+@app.command(sort_key=3, help_epilogue="")
+def diff(
+    a: Annotated[str, Parameter(help="Folder of a run, its comparison.json, a solution (.nc), or a baseline.")],
+    b: Annotated[str, Parameter(help="The same; with --accept the baseline to write.")],
+    *,
+    tolerance: Annotated[
+        tuple[str, ...],
+        Parameter(consume_multiple=True, negative="", help='KEY=VALUE of one figure, or of many: "metric.*=1e-4".'),
+    ] = (),
+    accept: Annotated[bool, Parameter(negative="", help="Make B a baseline of A; the tolerances given are kept in it.")] = False,
+    json: Annotated[bool, Parameter(negative="", help="The table as JSON.")] = False,
+) -> int:
+    """Two runs, or a run and a baseline, figure by figure: 0 the same within tolerance, 1 not."""
+    from reports import regression
+
+    return regression.diff(a, b, tolerance, accept, json)
 
 
 @app.command(sort_key=4, help_epilogue="")

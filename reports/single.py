@@ -55,7 +55,11 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
     stem = name or solution.engine
     with filled(out, fresh=()) as folder:
         solution.save(folder / f"{stem}.nc")
-        content = solution_content(solution, certificates(solution))
+        content = {
+            "format": "halfplane solution 1",
+            **solution_content(solution, certificates(solution)),
+            "scene": solution.scene.model_dump(mode="json"),
+        }
         (folder / f"{stem}.json").write_text(json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8")
         (folder / f"{stem}.csv").write_text(_instants(solution), encoding="utf-8")
         (folder / "scene.json").write_text(solution.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")

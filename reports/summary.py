@@ -104,6 +104,8 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "loop_work": solution.loop_work,
         "cycle_dissipation": solution.cycle_dissipation,
         "permanent_stick_half_width": solution.permanent_stick_half_width,
+        "largest_half_width": np.nanmax(solution.contact_half_width),
+        "largest_pressure": np.max(solution.pressure),
         "steady_from": solution.steady_from,
         "converged": record.converged,
         "termination": record.termination,
