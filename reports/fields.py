@@ -41,7 +41,7 @@ def instant_of(word: str, option: str, start: float, end: float) -> float:
 
 
 def instants_of(words: Sequence[str], solution: ContactSolution, option: str) -> tuple[Instant, ...]:
-    """Instants meant on the command line: numbers are times, "events" those of the page's traction figure; in order of time.
+    """Instants meant on the command line, in order of time: numbers are times, "events" the loaded ones of the page's figures.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def instants_of(words: Sequence[str], solution: ContactSolution, option: str) ->
     for word in words:
         if word == "events":
             cycle = last_cycle(solution)
-            chosen = events(cycle, solution.scene.friction.coefficient)
+            chosen = [e for e in events(cycle, solution.scene.friction.coefficient) if cycle.normal_load[e.index] > 0]
             found |= {float(cycle.time[event.index]): event.label for event in chosen}
         else:
             time = instant_of(word, option, float(solution.time[0]), float(solution.time[-1]))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reports.sampling import Cycle
 
@@ -39,7 +41,7 @@ def events(cycle: Cycle, friction: float, count: int = 6) -> tuple[Event, ...]:
             found.setdefault(_first_largest(quantity, size), label)
     chosen = dict(list(found.items())[:count])
     while len(chosen) < min(count, len(cycle.time) - 1):
-        chosen.setdefault(_widest_gap(chosen, len(cycle.time)), "between")
+        chosen.setdefault(_widest_gap(chosen, cycle.time), "between")
     return tuple(Event(index, chosen[index]) for index in sorted(chosen))
 
 
@@ -48,8 +50,10 @@ def _first_largest(quantity: np.ndarray, size: float) -> int:
     return int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0])
 
 
-def _widest_gap(chosen: dict[int, str], length: int) -> int:
-    """The middle of the widest gap between the chosen indices, the ends of the cycle counting as chosen."""
-    stops = sorted({-1, *chosen, length})
-    widest = max(range(len(stops) - 1), key=lambda k: stops[k + 1] - stops[k])
-    return (stops[widest] + stops[widest + 1]) // 2
+def _widest_gap(chosen: dict[int, str], time: NDArray[np.float64]) -> int:
+    """The instant nearest to the middle of the longest time between chosen ones, the ends of the cycle counting as such."""
+    last = len(time) - 1
+    stops = sorted({-1, *chosen, last + 1})  # the ends themselves may be chosen too
+    gaps = [(time[max(a, 0)], time[min(b, last)], np.arange(a + 1, b)) for a, b in itertools.pairwise(stops) if b - a > 1]
+    start, end, inside = max(gaps, key=lambda gap: gap[1] - gap[0])
+    return int(inside[np.argmin(np.abs(time[inside] - (start + end) / 2))])

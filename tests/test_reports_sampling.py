@@ -1,5 +1,7 @@
 """Putting one solution on the points and instants of another: exact where it is exact, stated where it is not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -73,6 +75,16 @@ def test_events_of_a_cycle_under_constant_pressure() -> None:
     assert labels["Q least"] == 3.0
     assert not any(label.startswith("P ") for label in labels)
     assert [event.index for event in found] == sorted({event.index for event in found})
+
+
+def test_events_between_others_are_spread_over_time_not_over_increments() -> None:
+    """Nine tenths of the instants in the first hundredth of the cycle, where an engine would land on many touches."""
+    cycle = last_cycle(COARSE)
+    time = np.concatenate([np.linspace(0, 0.01, 9 * len(cycle.time) * 2), np.linspace(0.01, 1, 2 * len(cycle.time) + 1)[1:]])
+    flat = np.ones(len(time))
+    crowded = replace(cycle, time=time, normal_load=flat, tangential_load=0 * flat)
+    found = [time[event.index] for event in events(crowded, 0.5, count=3)]
+    assert found == pytest.approx([0.25, 0.5, 0.75], abs=0.03)
 
 
 def test_events_of_the_papers_ellipse() -> None:
