@@ -1,6 +1,8 @@
 """Real bodies on the page and the terminal: in words, in the sketch to scale, in the mesh table; a miss is a finding."""
 
 import json
+import re
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,11 +18,11 @@ from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.cli import main
 from reports.figures_bodies import outline, sketch
 from reports.wording import lead, question
-from scenes import Scene, load_scene, scene_text
+from scenes import Block, Bodies, Cylinder, Pad, Scene, load_scene, scene_text
 from test_reports_fields import TOML
 
-BLOCK = {"kind": "block", "width": 20.0, "height": 12.0}
-PAD = {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"}
+A_BLOCK = {"kind": "block", "width": 20.0, "height": 12.0}
+A_PAD = {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"}
 UNLIKE = {part: {"young_modulus": e, "poisson_ratio": 0.3} for part, e in (("upper", 210e3), ("lower", 70e3))}
 
 
@@ -35,7 +37,7 @@ class TestWords:
         assert unlike_materials(scene()) == ""
 
     def test_block_and_pad(self) -> None:
-        words = bodies_in_words(scene(bodies={"lower": BLOCK, "upper": PAD}))
+        words = bodies_in_words(scene(bodies={"lower": A_BLOCK, "upper": A_PAD}))
         assert "The lower body is a block 20 mm wide and 12 mm high, its base fixed to a rigid plane, its sides free" in words
         assert "the upper body is a pad 10 mm wide and 8 mm high whose face is the true profile" in words
         assert "does not tilt" in words
@@ -50,7 +52,7 @@ class TestWords:
         assert "tilt" not in words
 
     def test_a_tolerance_missed_is_a_finding(self) -> None:
-        true_faces, flat_faces = (idealisation(scene(bodies={"lower": BLOCK, "upper": upper})) for upper in (PAD, BLOCK))
+        true_faces, flat_faces = (idealisation(scene(bodies={"lower": A_BLOCK, "upper": upper})) for upper in (A_PAD, A_BLOCK))
         assert "the true shape of their faces" in true_faces
         assert "the true shape of their faces" not in flat_faces
         for words in (true_faces, flat_faces):
@@ -66,12 +68,12 @@ class TestWords:
 
     def test_question_says_which_curve_the_face_is(self) -> None:
         assert "a parabolic profile" in question(scene())
-        assert "a circular profile" in question(scene(bodies={"upper": PAD}))
+        assert "a circular profile" in question(scene(bodies={"upper": A_PAD}))
 
 
 class TestSketch:
     def test_outlines_are_to_scale_and_meet_at_the_origin(self) -> None:
-        both = scene(bodies={"lower": BLOCK, "upper": PAD})
+        both = scene(bodies={"lower": A_BLOCK, "upper": A_PAD})
         lower, upper = (outline(both, name, 1.0) for name in ("lower", "upper"))
         np.testing.assert_allclose([np.ptp(lower, axis=0), np.ptp(upper, axis=0)], [[20, 12], [10, 8]])
         assert lower[:, 1].max() == upper[:, 1].min() == 0
@@ -81,14 +83,14 @@ class TestSketch:
         np.testing.assert_allclose(face[:, 0] ** 2 + (face[:, 1] - radius) ** 2, radius**2, rtol=1e-12)
 
     def test_half_planes_are_as_wide_as_what_they_face_needs(self) -> None:
-        assert np.ptp(outline(scene(bodies={"upper": PAD}), "lower", 1.0)[:, 0]) > 10
+        assert np.ptp(outline(scene(bodies={"upper": A_PAD}), "lower", 1.0)[:, 0]) > 10
         assert np.ptp(outline(scene(), "lower", 2.0)[:, 0]) == pytest.approx(2 * np.ptp(outline(scene(), "lower", 1.0)[:, 0]))
 
     @pytest.mark.parametrize(
         "bodies",
         [
             {},
-            {"lower": BLOCK | {"base": "rollers", "sides": "guided"}, "upper": PAD},
+            {"lower": A_BLOCK | {"base": "rollers", "sides": "guided"}, "upper": A_PAD},
             {"lower": {"kind": "cylinder", "radius": 50.0}},
         ],
     )
@@ -103,7 +105,7 @@ class TestSketch:
 @pytest.fixture(scope="module")
 def found() -> Comparison:
     """Coarse: far outside of every tolerance."""
-    both = scene(bodies={"lower": BLOCK, "upper": PAD}, material=UNLIKE)
+    both = scene(bodies={"lower": A_BLOCK, "upper": A_PAD}, material=UNLIKE)
     fe = halfplane_fe.solve(both, COARSE, FEW_STEPS)
     return compare(semi_analytic.solve(both, x=fe.x, time=fe.time), fe)
 
@@ -149,3 +151,11 @@ def test_check_names_the_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[st
     said = capsys.readouterr().out
     assert "Both bodies are half-planes" in said
     assert "finding" not in said
+
+
+def test_the_docs_table_of_bodies_is_a_scene_s_and_names_every_key() -> None:
+    page = (Path(__file__).parent.parent / "docs" / "bodies.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"^```toml\n(.*?)^```", page, flags=re.DOTALL | re.MULTILINE)
+    assert Bodies.model_validate(tomllib.loads(block)["bodies"]).upper.kind == "pad"
+    for kind in (Block, Pad, Cylinder):
+        assert all(f"`{key}`" in page for key in kind.model_fields)
