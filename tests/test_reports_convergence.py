@@ -99,6 +99,26 @@ def test_scattered_ladders_cover_the_truth(order, noise, least):
     assert np.mean(covered) >= least
 
 
+def test_least_squares_come_nearer_to_the_truth_than_the_finest_rung():
+    found = extrapolate(Ladder(DOUBLING, (1.011, 1.018, 1.042, 1.079)))
+    assert "least squares" in found.rule
+    assert found.kind == "monotone"
+    assert found.value == pytest.approx(1.0, abs=2e-3)
+
+
+def test_mixed_orders_are_doubted_by_the_lowest():
+    mixed = ladder(lambda h: 1 + 0.01 * h + 0.001 * h**2)
+    orders = [observed_order(mixed.sizes[i : i + 3], mixed.values[i : i + 3]) for i in (0, 1)]
+    assert orders[0] < orders[1]
+    turned = ladder(lambda h: 1 + 0.01 * h**2 + 0.01 * h - 4e-5 * h**4)
+    orders = [observed_order(turned.sizes[i : i + 3], turned.values[i : i + 3]) for i in (0, 1)]
+    assert orders[0] > orders[1]
+    found = extrapolate(turned)
+    assert "Roache" in found.rule
+    assert found.order == orders[0]
+    assert found.uncertainty == pytest.approx(1.25 * (turned.values[1] - turned.values[0]) / (2 ** orders[1] - 1), rel=1e-12)
+
+
 def test_uncertainty_is_no_blank_cheque():
     """On a curve of order p it is a quarter more than the error of the finest rung, and falls with it."""
     coarse, fine = (extrapolate(ladder(lambda h, k=k: 1 + 0.01 * (h * k) ** 2)) for k in (1.0, 0.5))
