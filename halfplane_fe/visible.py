@@ -20,7 +20,7 @@ _MOVED = 1e-3
 # ... unless it is on its way: slip per change of load, over the largest of the revolution, that no creep has.
 _BRISK = 2e-2
 # The same of a node whose slip per change of load is less than this share of the largest of the revolution: at turning points.
-_CREEP = 5e-5
+_CREEP = 5e-4
 # The same of the outermost nodes of the contact, where they alone slide: a slip zone of width w slides at its rim about
 # sqrt(2 w/a) times as fast as the largest ever does, a tenth to a fifth for these; a twentieth of that is the mesh's error. Where
 # they have sticking nodes among them, a single one that has just come to touch may be faster.

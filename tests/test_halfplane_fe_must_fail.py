@@ -25,7 +25,7 @@ FAULTS = (
         "friction 3 % high",
         "slip recorded 1 % short",
         "pressure of sliding nodes 1 % short",
-        "far-field arc held",
+        "far field by halves",
     ),
 )
 
