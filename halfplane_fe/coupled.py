@@ -146,7 +146,11 @@ class CoupledFactor:
     def _new_base(self, key: bytes, rows: Rows) -> _Base:
         factors = _lu(self._matrix(rows))
         self.work["factorisations"] += 1
-        return self._bases.put(key, _Base(rows, factors), factors[0].nbytes)
+        # With all the columns that it can come to; and a change holds its base, so that it must not outlive it.
+        base = self._bases.put(key, _Base(rows, factors), factors[0].nbytes + 8 * (2 * len(rows.closed) + 2) ** 2)
+        kept = {id(one) for _, one in self._bases.items()}
+        self._changes.keep_only(lambda change: id(change.base) in kept)
+        return base
 
     def _from(self, base: _Base, rows: Rows) -> _Change:
         changed = np.flatnonzero(base.rows.differing(rows))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -31,12 +31,18 @@ class Kept(Generic[T]):
         return self._values[key][0]
 
     def put(self, key: bytes, value: T, nbytes: int) -> T:
-        """Keep a new value of so many bytes, and give it back."""
+        """Keep a value of so many bytes, in place of one that the key may have had, and give it back."""
+        self._bytes -= self._values.pop(key, (None, 0))[1]
         self._values[key] = value, nbytes
         self._bytes += nbytes
         while self._bytes > self._bound and len(self._values) > 1:
             self._bytes -= self._values.popitem(last=False)[1][1]
         return value
+
+    def keep_only(self, wanted: Callable[[T], bool]) -> None:
+        """Forget all other values."""
+        for key in [key for key, (value, _) in self._values.items() if not wanted(value)]:
+            self._bytes -= self._values.pop(key)[1]
 
     def items(self) -> Iterable[tuple[bytes, T]]:
         """All there is."""
