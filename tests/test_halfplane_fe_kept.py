@@ -120,7 +120,8 @@ def bytes_reached(factor: coupled.CoupledFactor) -> tuple[int, int]:
     return by_bases, sum(change.columns.nbytes for change in changes)
 
 
-def test_bytes_kept_stay_within_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("every", "few"), [(40, 3), (8, 2)])
+def test_bytes_kept_stay_within_the_bound(every: int, few: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Room for two bases or three: columns count, and no change keeps a base that was forgotten."""
     factor, rng = unlike_factor(60), np.random.default_rng(3)
     bound = 3 * 8 * 2 * 122**2
@@ -128,7 +129,7 @@ def test_bytes_kept_stay_within_the_bound(monkeypatch: pytest.MonkeyPatch) -> No
     factor.__post_init__()
     reached, states = [], np.full(60, SurfaceState.STICK, dtype=np.int8)
     for number in range(300):
-        changed = rng.choice(60, 60 if number % 8 == 0 else 2, replace=False)
+        changed = rng.choice(60, 60 if number % every == 0 else few, replace=False)
         states = states.copy()
         states[changed] = rng.integers(0, 4, len(changed))
         states[30] = SurfaceState.STICK
@@ -137,4 +138,4 @@ def test_bytes_kept_stay_within_the_bound(monkeypatch: pytest.MonkeyPatch) -> No
     most = np.max(reached, axis=0)
     assert np.all(most <= bound), most / bound
     assert factor.work["factorisations"] > 6
-    assert most[0] > bound / 2  # or the bound was never met
+    assert most[0] > bound / 5  # or the bound was never met
