@@ -77,13 +77,13 @@ def _work_of_curved(contact: Contact, span: Span) -> tuple[float, float]:
 
     begin, end = np.array([span.begin.time]), np.array([span.end.time])
     whole = work(np.zeros(1, dtype=int), begin, end)
-    if not _uneven(span):
+    if not uneven(span):
         return float(whole[0]), 0.0
     value, error = settled(work, begin, end, float(whole[0]))
     return float(value[0]), float(error[0])
 
 
-def _uneven(span: Span) -> bool:
+def uneven(span: Span) -> bool:
     """Whether the load, or the front along an arc, runs by no formula."""
     arc = span.active is not None and span.active.arc is not None
     return not isinstance(span.leg, EllipseLeg) and (arc or not isinstance(span.leg, StraightLeg | ParabolaLeg))
@@ -122,7 +122,7 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
             if len(here):
                 rough = _work_at(contact, span, x[here], edge_load[here], begin[here], end[here])
                 work[span.direction][here] += rough
-                if _uneven(span):
+                if uneven(span):
                     todo.append((span, here, begin[here], end[here], rough))
     error, scale = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
     for span, here, begin, end, rough in todo:
@@ -180,10 +180,10 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
         rates = [rate(span.leg, Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(some, rules, strict=True)]
         return -float(np.sum(shift * np.concatenate(rates)))
 
-    even = [span for span in spans if not _uneven(span)]
+    even = [span for span in spans if not uneven(span)]
     total = loop(even, [graded(span.begin.time, span.end.time) for span in even]) if even else 0.0
     for span in spans:
-        if _uneven(span):
+        if uneven(span):
             total += _settled_loop(lambda low, high, span=span: loop([span], [graded(low, high)]), span)  # type: ignore[misc]
     return 2 / (math.pi * modulus) * total
 
