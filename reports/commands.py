@@ -161,7 +161,7 @@ def _show_verdict(comparison: Comparison) -> None:
     show_table(
         scene.title or scene.name,
         ("metric", "discrepancy", "as a share", "tolerance", "accurate"),
-        [(m.label, value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in comparison.metrics],
+        [(m.label, value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in comparison.headlines],
         right=(1, 3),
     )
     say(verdict(comparison))

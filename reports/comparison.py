@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from reports.certificates import Certificate, certificates
 from reports.definitions import name_of
+from reports.judging import judge
 from reports.metrics import scales
 from reports.sampling import last_cycle, sample
-from reports.verdicts import LIGHT, Metric, Pair, judge
+from reports.verdicts import LIGHT, Metric, Pair
 from scenes import ContactSolution, InputError, Scene
 
 
@@ -54,6 +55,16 @@ class Comparison(Pair):
     def passed(self) -> bool:
         """Accurate and admissible."""
         return self.accurate and self.admissible
+
+    @property
+    def headlines(self) -> tuple[Metric, ...]:
+        """The metrics of the first table."""
+        return tuple(metric for metric in self.metrics if metric.definition.headline)
+
+    @property
+    def others(self) -> tuple[Metric, ...]:
+        """The metrics of the second table."""
+        return tuple(metric for metric in self.metrics if not metric.definition.headline)
 
     def metric(self, key: str) -> Metric:
         """The metric of that key; KeyError for an unknown one."""

@@ -1,8 +1,9 @@
-"""How far two cycles on the same points and instants are apart: one pure function for each metric, all dimensionless.
+"""What the metrics share: scales, norms, places of peaks. The metrics are in `metrics_tractions`, `_zones` and `_work`.
 
-Every function takes the reference first and the result second and returns result less reference, signed wherever a
-sign has a meaning. A NaN in an answer means "no such thing at this instant" only where the docstring says so; any other
-NaN comes from the data and goes on to the verdict, where it fails.
+Every metric is a pure function of two cycles on the same points and instants, dimensionless. It takes the reference first
+and the result second and returns result less reference, signed wherever a sign has a meaning. A NaN in an answer means "no
+such thing at this instant" only where the docstring says so; any other NaN comes from the data and goes on to the verdict,
+where it fails.
 """
 
 from __future__ import annotations
@@ -12,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.sampling import Cycle
-from scenes import ContactSolution, EllipseLoad, Materials, SurfaceState
+from scenes import ContactSolution, EllipseLoad, Materials
 
 Array = NDArray[np.float64]
 
-# Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth is 0.
-NO_DISSIPATION = 1e-12
+# Peaks of the reference within this share of its largest count as equal: a flat and rounded face has one at each edge, and it
+# is the points that decide which of the two comes out higher.
+EQUAL_PEAKS = 0.05
 
 
 @dataclass(frozen=True)
@@ -89,61 +90,10 @@ def norm(x: Array, values: Array) -> Array:
     return np.sqrt(np.trapezoid(np.square(values), x, axis=-1))
 
 
-def _over(numerator: Array, denominator: Array) -> Array:
+def over(numerator: Array, denominator: Array) -> Array:
     """Quotient; 0/0 is NaN ("nothing to compare"), anything else over 0 is infinite."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(numerator / denominator, dtype=float)
-
-
-def peak_pressure(reference: Cycle, result: Cycle) -> Array:
-    """(max p - max p_ref)/max p_ref at each instant, (k,); NaN where neither carries pressure.
-
-    Both maxima are over the same points, so where these lie relative to the true peak cancels: a reference at its own
-    peak would make every result look too low by up to (h/a)^2/8.
-    """
-    expected, found = reference.pressure.max(axis=1), result.pressure.max(axis=1)
-    return _over(found - expected, expected)
-
-
-def pressure(reference: Cycle, result: Cycle) -> Array:
-    """||p - p_ref|| / ||p_ref|| at each instant, (k,) >= 0; NaN where neither carries pressure."""
-    return _over(norm(result.x, result.pressure - reference.pressure), norm(result.x, reference.pressure))
-
-
-def shear(reference: Cycle, result: Cycle, friction: float) -> Array:
-    """||q - q_ref|| / (f ||p_ref||) at each instant, (k,) >= 0; over p, since q changes sign on the way."""
-    return _over(norm(result.x, result.shear - reference.shear), friction * norm(result.x, reference.pressure))
-
-
-def edge(expected: Array, found: Array, length: float) -> Array:
-    """Outward shift of the worse of two edges over `length`, (k,) from (k, 2); positive where it reaches too far.
-
-    NaN where either lacks the edge (a stick edge in full slip).
-
-    >>> edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]]), 1.0).round(12).tolist()
-    [0.02]
-    """
-    outward = (found - expected) * np.array([-1.0, 1.0]) / length
-    worse = np.argmax(np.abs(outward), axis=1)
-    return np.asarray(outward[np.arange(len(outward)), worse])
-
-
-def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
-    """What the whole contact does at each instant, (k,): 0 full slip, 1 partial slip, 2 full stick, -1 out of contact.
-
-    Full stick is told by stick edges that are the contact edges (to 1e-9 `length`), full slip by NaN.
-    """
-    apart = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
-    status = np.where(np.isnan(apart), 0, np.where(apart <= 1e-9 * length, 2, 1))
-    return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
-
-
-def state_disagreement(reference: Cycle, result: Cycle) -> Array:
-    """Share of the length in contact (of either) whose state differs, at each instant, (k,); NaN out of contact."""
-    touching = (reference.state != SurfaceState.OPEN) | (result.state != SurfaceState.OPEN)
-    differs = reference.state != result.state
-    length = np.gradient(result.x)
-    return _over((differs * length).sum(axis=1), (touching * length).sum(axis=1))
 
 
 def mean_over_time(series: Array, applies: NDArray[np.bool_], time: Array) -> float | None:
@@ -154,33 +104,53 @@ def mean_over_time(series: Array, applies: NDArray[np.bool_], time: Array) -> fl
     return float(np.trapezoid(series[applies], t) / (t[-1] - t[0]))
 
 
-def dissipation(expected: float, found: float, scale: float) -> tuple[float, bool]:
-    """(W - W_ref)/W_ref and True; where W_ref is 0 (below 1e-12 of `scale` = A f^2 P_ref^2): W/scale and False.
+def worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
+    """The entry of largest size in each row of (k, n) and its place: (k,), (k,). A NaN is the worst there is.
 
-    >>> dissipation(2.0, 2.02, 1.0)
-    (0.01, True)
-    >>> dissipation(0.0, 1e-3, 2.0)
-    (0.0005, False)
+    >>> values, places = worst_point(np.array([[1.0, -3.0]]), np.array([0.0, 0.5]))
+    >>> values.tolist(), places.tolist()
+    ([-3.0], [0.5])
     """
-    if abs(expected) <= NO_DISSIPATION * scale:
-        return (found - expected) / scale, False
-    return (found - expected) / expected, True
+    column = np.argmax(np.where(np.isnan(difference), np.inf, np.abs(difference)), axis=1)
+    return np.asarray(difference[np.arange(len(difference)), column]), np.asarray(x[column])
 
 
-def dissipation_density(reference: Cycle, result: Cycle, density_scale: float) -> Array:
-    """(w - w_ref)/max w_ref at each point, (n,); over `density_scale` = A f^2 P_ref^2/a_ref where w_ref is 0."""
-    largest = float(np.max(np.abs(reference.dissipation_density)))
-    over = largest if largest > NO_DISSIPATION * density_scale else density_scale
-    return (result.dissipation_density - reference.dissipation_density) / over
+def peak_place(expected: Array, found: Array, x: Array) -> Array:
+    """Place of the largest `found` less that of `expected` in each row of (k, n), to a point: (k,) [length].
+
+    Where several peaks of `expected` lie within `EQUAL_PEAKS` of its largest, the nearest of them counts. NaN where a row
+    holds a NaN or where nothing of `expected` is above 0.
+
+    >>> twin = np.array([[0.0, 1.0, 0.0, 0.99, 0.0]])
+    >>> peak_place(twin, np.array([[0.0, 1.0, 0.0, 0.0, 2.0]]), np.arange(5.0)).tolist()
+    [1.0]
+    """
+    rim = np.full((len(expected), 1), -np.inf)
+    rises, falls = expected >= np.hstack([rim, expected[:, :-1]]), expected >= np.hstack([expected[:, 1:], rim])
+    high = (expected >= (1 - EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
+    apart = x[np.argmax(found, axis=1)][:, None] - x
+    size = np.where(rises & falls & high, np.abs(apart), np.inf)
+    nearest = np.argmin(size, axis=1)
+    rows = np.arange(len(expected))
+    known = np.isfinite(size[rows, nearest]) & ~np.isnan(found).any(axis=1) & ~np.isnan(expected).any(axis=1)
+    return np.where(known, apart[rows, nearest], np.nan)
 
 
-def rigid_shift(reference: Cycle, result: Cycle, shift_scale: float) -> Array:
-    """(U - U_ref) over the range of U_ref in the cycle, (k,); NaN where that is below 1e-12 of `shift_scale`."""
-    stroke = float(np.ptp(reference.rigid_shift))
-    difference = result.rigid_shift - reference.rigid_shift
-    return difference / stroke if stroke > 1e-12 * shift_scale else np.full_like(difference, np.nan)
+def shares(at: Array) -> Array:
+    """Weights of the trapezoidal rule on the points or instants `at`: (n,) -> (n,).
+
+    >>> shares(np.array([0.0, 1.0, 3.0])).tolist()
+    [0.5, 1.5, 1.0]
+    """
+    steps = np.diff(at)
+    return np.asarray(np.concatenate([steps, [0.0]]) + np.concatenate([[0.0], steps])) / 2
 
 
-def loop_work(cycle: Cycle) -> float:
-    """Closed integral of Q dU by the trapezoidal rule over the instants [energy / thickness]: a second way to W."""
-    return float(np.trapezoid(cycle.tangential_load, cycle.rigid_shift))
+def spacing_at(x: Array, place: float) -> float:
+    """Distance of the two points around `place` (at the ends of `x`: of the last two) [length].
+
+    >>> spacing_at(np.array([0.0, 1.0, 3.0]), 2.5)
+    2.0
+    """
+    right = int(np.clip(np.searchsorted(x, place, side="right"), 1, len(x) - 1))
+    return float(x[right] - x[right - 1])

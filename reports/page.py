@@ -14,7 +14,8 @@ from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.drawing import SUPPORT_WORDS, Drawing
 from reports.units import energy_unit, units
-from reports.wording import CLAIM, accuracy_of, lead, percent, question, tolerance_of, unit_of, value_of, verdict
+from reports.verdicts import Metric
+from reports.wording import CLAIM, accuracy_of, lead, percent, question, tolerance_of, uncertainty_of, unit_of, value_of, verdict
 from scenes import ContactSolution
 
 
@@ -39,7 +40,8 @@ def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, se
         meshes=_meshes(comparison.result),
         verdict=verdict(comparison),
         comparison=comparison,
-        rows=_rows(comparison),
+        rows=[_row(metric) for metric in comparison.headlines],
+        others=[_row(metric) for metric in comparison.others],
         claims=_claims(comparison),
         notes=_notes(comparison),
         scales=_scales(comparison),
@@ -54,20 +56,22 @@ def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, se
     )
 
 
-def _rows(comparison: Comparison) -> list[dict[str, str]]:
-    """The verdict table."""
-    return [
-        {
-            "label": metric.label,
-            "value": value_of(metric),
-            "unit": unit_of(metric),
-            "tolerance": tolerance_of(metric),
-            "accurate": accuracy_of(metric),
-            "when": "" if metric.time is None else f"{metric.time:.4g}",
-            "definition": metric.definition.text,
-        }
-        for metric in comparison.metrics
-    ]
+def _row(metric: Metric) -> dict[str, str]:
+    """A line of a verdict table."""
+    return {
+        "label": metric.label,
+        "value": value_of(metric),
+        "unit": unit_of(metric),
+        "tolerance": tolerance_of(metric),
+        "accurate": accuracy_of(metric),
+        "when": "" if metric.time is None else f"{metric.time:.4g}",
+        "where": "" if metric.place is None else f"{metric.place:.4g}",
+        "uncertainty": uncertainty_of(metric),
+        "note": metric.note,
+        "norm": metric.definition.norm,
+        "region": metric.definition.region,
+        "definition": metric.definition.text,
+    }
 
 
 def _claims(comparison: Comparison) -> list[tuple[str, bool | None, str]]:
@@ -87,7 +91,7 @@ def _claims(comparison: Comparison) -> list[tuple[str, bool | None, str]]:
 
 def _notes(comparison: Comparison) -> list[str]:
     """What a reader must not miss: of the metrics, then of the solutions."""
-    return [*(f"{m.label}: {m.note}." for m in comparison.metrics if m.note), *comparison.notes]
+    return [*(f"{m.label}: {m.note}." for m in comparison.headlines if m.note), *comparison.notes]
 
 
 def _scales(comparison: Comparison) -> list[tuple[str, str, str]]:

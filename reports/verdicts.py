@@ -1,16 +1,16 @@
-"""Every metric with its value, its worst instant and its tolerance."""
+"""A metric with its value, its worst instant and its tolerance; and the two cycles that it is taken from."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports import metrics
-from reports.definitions import DEFINITIONS, Definition, name_of
-from reports.metrics import Scales
+from reports.definition import Definition
+from reports.definitions import DEFINITIONS
+from reports.metrics import Scales, spacing_at
 from reports.sampling import Cycle
 from scenes import ContactSolution
 
@@ -58,6 +58,9 @@ class Metric:
     note : what a reader must not miss
     elements : value in local element sizes of the result, where it states one
     absolute : whether the value is in the definition's absolute unit, the reference's own figure being 0
+    place : where on the surface the worst value is, x/a_ref; None for what has no place
+    uncertainty : how far the result's own statement, or the spacing of points or instants, leaves the value open, in its unit
+    spacings : value in local spacings of the result's points
     """
 
     definition: Definition
@@ -68,6 +71,9 @@ class Metric:
     note: str = ""
     elements: float | None = None
     absolute: bool = False
+    place: float | None = None
+    uncertainty: float | None = None
+    spacings: float | None = None
 
     @property
     def key(self) -> str:
@@ -91,10 +97,12 @@ class Metric:
             return None
         return bool(abs(self.value) <= self.tolerance)
 
-
-def judge(pair: Pair) -> tuple[Metric, ...]:
-    """Every metric, in the order of the table."""
-    return (*_through_the_cycle(pair), *_of_the_cycle(pair))
+    def with_spacing(self, pair: Pair) -> Metric:
+        """This metric of a place that is known to a point: the local spacing of the points, in a_ref, as its uncertainty."""
+        if self.place is None:
+            return self
+        length = pair.scales.half_width
+        return replace(self, uncertainty=spacing_at(pair.found.x, self.place * length) / length)
 
 
 def worst(series: Array, applies: NDArray[np.bool_], time: Array) -> tuple[float | None, float | None]:
@@ -110,103 +118,24 @@ def worst(series: Array, applies: NDArray[np.bool_], time: Array) -> tuple[float
     return float(series[place]), float(time[place])
 
 
-def _tolerance(pair: Pair, key: str) -> float | None:
+def tolerance_for(pair: Pair, key: str) -> float | None:
+    """What the scene admits of a metric; None where it says nothing."""
     return getattr(pair.result.scene.tolerances, key, None)
 
 
-def _worst_metric(pair: Pair, key: str, series: Array, applies: NDArray[np.bool_] | None = None) -> Metric:
+def worst_metric(pair: Pair, key: str, series: Array, applies: NDArray[np.bool_] | None = None, **known: Any) -> Metric:
+    """The metric of `series` (k,) at the worst of the instants that are judged, or that `applies` names."""
     value, time = worst(series, pair.judged if applies is None else applies, pair.found.time)
-    return Metric(DEFINITIONS[key], value, time, _tolerance(pair, key), series)
+    return Metric(DEFINITIONS[key], value, time, tolerance_for(pair, key), series, **known)
 
 
-def _through_the_cycle(pair: Pair) -> Iterator[Metric]:
-    """The metrics that have a value at every instant."""
-    expected, found = pair.expected, pair.found
-    yield _worst_metric(pair, "peak_pressure", metrics.peak_pressure(expected, found))
-    yield _worst_metric(pair, "pressure", metrics.pressure(expected, found))
-    yield _worst_metric(pair, "shear", metrics.shear(expected, found, pair.scales.friction))
-    yield _contact_edge(pair)
-    yield _stick_edge(pair)
-    state = metrics.state_disagreement(expected, found)
-    yield Metric(DEFINITIONS["state"], metrics.mean_over_time(state, pair.touching, found.time), series=state)
-    shift = metrics.rigid_shift(expected, found, pair.scales.shift)
-    moves = bool(np.ptp(expected.rigid_shift) > 1e-12 * pair.scales.shift)
-    yield _worst_metric(pair, "rigid_shift", shift, pair.judged & moves)
+def place_of(pair: Pair, metric: Metric, places: Array) -> Metric:
+    """`metric` with the place of its worst value, of `places` (k,) [length], in a_ref."""
+    if metric.time is None:
+        return metric
+    return replace(metric, place=float(places[pair.found.time == metric.time][0]) / pair.scales.half_width)
 
 
-def _elements(pair: Pair, value: float | None) -> float | None:
-    """An edge's shift in local element sizes of the result, which it states as `settings["element_size"]` [length]."""
-    size = pair.result.settings.get("element_size")
-    return value * pair.scales.half_width / float(size) if size and value is not None else None
-
-
-def _contact_edge(pair: Pair) -> Metric:
-    series = metrics.edge(pair.expected.contact_edges, pair.found.contact_edges, pair.scales.half_width)
-    value, time = worst(series, pair.judged, pair.found.time)
-    return Metric(
-        DEFINITIONS["contact_edge"],
-        value,
-        time,
-        _tolerance(pair, "contact_edge"),
-        series,
-        elements=_elements(pair, value),
-    )
-
-
-def _stick_edge(pair: Pair) -> Metric:
-    """Compared where both have stick edges (in full stick: the contact edges); other instants are counted, not hidden."""
-    length = pair.scales.half_width
-    series = metrics.edge(pair.expected.stick_edges, pair.found.stick_edges, length)
-    theirs, ours = (metrics.stick_status(cycle, length) for cycle in (pair.expected, pair.found))
-    value, time = worst(series, pair.judged & (theirs != 0) & (ours != 0), pair.found.time)
-    differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
-    note = f"{differing} of {instants} instants differ in full stick, partial slip or full slip" if differing else ""
-    if value is None and differing:
-        value, note = float("nan"), f"no instant has a stick edge in both: {note}"
-    return Metric(
-        DEFINITIONS["stick_edge"],
-        value,
-        time,
-        _tolerance(pair, "stick_edge"),
-        series,
-        note,
-        _elements(pair, value),
-    )
-
-
-def _of_the_cycle(pair: Pair) -> Iterator[Metric]:
-    """The metrics that are one figure for the whole cycle."""
-    smooth, ours, polygon = pair.reference, pair.result, pair.polygon_reference
-    yield _dissipation(pair, "dissipation", smooth.dissipation, ours.dissipation)
-    if polygon:
-        yield _dissipation(pair, "dissipation_polygon", polygon.dissipation, ours.dissipation)
-        yield _dissipation(pair, "dissipation_step", smooth.dissipation, polygon.dissipation)
-    if pair.result.scene.load.path().period is None:
-        yield Metric(DEFINITIONS["hysteresis"], None, note="the path is not periodic: no loop")
-    else:
-        yield _dissipation(pair, "hysteresis", metrics.loop_work(pair.expected), metrics.loop_work(pair.found))
-    yield _density(pair)
-    yield _permanent_stick(pair)
-
-
-def _dissipation(pair: Pair, key: str, expected: float, found: float) -> Metric:
-    value, relative = metrics.dissipation(expected, found, pair.scales.dissipation)
-    note = "the reference dissipates nothing, so the value is absolute" if key == "dissipation" and not relative else ""
-    return Metric(DEFINITIONS[key], value, tolerance=_tolerance(pair, key), note=note, absolute=not relative)
-
-
-def _density(pair: Pair) -> Metric:
-    scale = pair.scales.dissipation / pair.scales.half_width
-    difference = metrics.dissipation_density(pair.expected, pair.found, scale)
-    nothing = float(np.max(np.abs(pair.expected.dissipation_density))) <= metrics.NO_DISSIPATION * scale
-    value, place = worst(difference, np.ones(len(difference), bool), pair.found.x)
-    note = "" if place is None or not value else f"at x = {place / pair.scales.half_width:.4g} a_ref"
-    return Metric(DEFINITIONS["dissipation_density"], value, note=note, absolute=nothing)
-
-
-def _permanent_stick(pair: Pair) -> Metric:
-    lacking = [s.engine for s in (pair.reference, pair.result) if np.isnan(s.permanent_stick_half_width)]
-    if lacking:
-        return Metric(DEFINITIONS["permanent_stick"], None, note=f"none in {' and '.join(name_of(engine) for engine in lacking)}")
-    difference = pair.result.permanent_stick_half_width - pair.reference.permanent_stick_half_width
-    return Metric(DEFINITIONS["permanent_stick"], difference / pair.scales.half_width)
+def not_applicable(key: str, why: str) -> Metric:
+    """A metric that has nothing to compare, with the reason in words."""
+    return Metric(DEFINITIONS[key], None, note=why)

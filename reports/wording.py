@@ -81,6 +81,11 @@ def unit_of(metric: Metric) -> str:
     return metric.unit + ("" if elements is None else f" ({_number(elements, signed=True)} elements)")
 
 
+def uncertainty_of(metric: Metric) -> str:
+    """How far the value is open, as the result states it or as its points and instants allow; empty where nothing is stated."""
+    return "" if metric.uncertainty is None else f"± {percent(metric.uncertainty, signed=False)}"
+
+
 def tolerance_of(metric: Metric) -> str:
     """The tolerance of a metric, or a dash."""
     if metric.tolerance is None:

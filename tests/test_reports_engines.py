@@ -104,7 +104,11 @@ def test_stored_solutions_give_the_same_verdict(paper: Comparison, tmp_path: Pat
     write(paper, tmp_path / "out")
     reference, result = (ContactSolution.load(tmp_path / "out" / f"{name}.nc") for name in ("reference", "result"))
     again = compare(reference, result, polygon_reference=paper.polygon_reference)
-    assert [m.value for m in again.metrics] == [m.value for m in paper.metrics]
+    # The file holds no nodal weights, so the resultants of what was stored go by another rule, which they say.
+    by_weights = {"resultant_normal", "resultant_tangential"}
+    for stored, fresh in zip(again.metrics, paper.metrics, strict=True):
+        assert stored.value == fresh.value or fresh.key in by_weights, fresh.key
+    assert all("states no weights" in again.metric(key).note for key in by_weights)
 
 
 def test_fields_only_when_asked(paper: Comparison, tmp_path: Path) -> None:
