@@ -8,14 +8,14 @@ from scenes import Materials
 
 
 class Dundurs(NamedTuple):
-    """alpha and beta of two bodies in plane strain, both in [-1, 1] and positive where the lower body is the more compliant one."""
+    """alpha in [-1, 1] and beta in [-1/2, 1/2]; alpha is positive where the upper body is the more compliant one."""
 
     alpha: float
     beta: float
 
 
 def dundurs(material: Materials) -> Dundurs:
-    """Dundurs' parameters in plane strain, the lower body being the first.
+    """Dundurs' parameters in plane strain, the upper body being the first.
 
         alpha = [(1 - nu1)/G1 - (1 - nu2)/G2] / s,   s = (1 - nu1)/G1 + (1 - nu2)/G2
         beta  = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / (2 s)
@@ -27,12 +27,12 @@ def dundurs(material: Materials) -> Dundurs:
 
     >>> from scenes import Elastic
     >>> rigid, rubber = Elastic(young_modulus=1e12, poisson_ratio=0.3), Elastic(young_modulus=1.0, poisson_ratio=0.25)
-    >>> [round(value, 6) for value in dundurs(Materials(upper=rigid, lower=rubber))]  # (1 - 2 nu)/(2 (1 - nu)) = 1/3
+    >>> [round(value, 6) for value in dundurs(Materials(upper=rubber, lower=rigid))]  # (1 - 2 nu)/(2 (1 - nu)) = 1/3
     [1.0, 0.333333]
     """
-    # notation: G, shear modulus; 1 the lower body, 2 the upper one
-    nu1, nu2 = material.lower.poisson_ratio, material.upper.poisson_ratio
-    shear1, shear2 = (body.young_modulus / (2 * (1 + body.poisson_ratio)) for body in (material.lower, material.upper))
+    # notation: G, shear modulus; 1 the upper body, 2 the lower one
+    nu1, nu2 = material.upper.poisson_ratio, material.lower.poisson_ratio
+    shear1, shear2 = (body.young_modulus / (2 * (1 + body.poisson_ratio)) for body in (material.upper, material.lower))
     compliance = (1 - nu1) / shear1 + (1 - nu2) / shear2
     alpha = ((1 - nu1) / shear1 - (1 - nu2) / shear2) / compliance
     beta = ((1 - 2 * nu1) / shear1 - (1 - 2 * nu2) / shear2) / (2 * compliance)

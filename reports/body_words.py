@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from reports.units import number, units
+from reports.units import number, signed, units
 from scenes import Block, Cylinder, HalfPlane, Pad, Scene, Shape
 
 _SIDES = {"free": "its sides free", "guided": "its sides guided by smooth walls"}
@@ -73,6 +73,6 @@ def unlike_materials(scene: Scene) -> str:
         else ", so normal and shear tractions of half-planes are not coupled"
     )
     return (
-        f"Unlike materials: Dundurs' parameters are α = {found.alpha:.4g} (positive where the lower body is the more compliant) "
-        f"and β = {found.beta:.4g}{neglect}."
+        f"Unlike materials: Dundurs' parameters are α = {signed(found.alpha)} (positive where the upper body is the more "
+        f"compliant) and β = {signed(found.beta)}{neglect}."
     )

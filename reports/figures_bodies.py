@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 # Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.
 _SHOWN_OF_CONTACT, _SHOWN_OF_BODY = 6.0, 1.3
+# Share of the sketch that a body takes at least where its label stands inside.
+_WIDE_ENOUGH = 0.45
 
 
 def sketch(scene: Scene, half_width: float) -> Drawing:
@@ -36,13 +38,13 @@ def sketch(scene: Scene, half_width: float) -> Drawing:
             shape = getattr(scene.bodies, name)
             _body(axes, outlines[name], shape, name)
             _supports(axes, shape, outlines[name], side, 0.035 * size)
-            _label(axes, scene, name, outlines[name])
+            _label(axes, scene, name, outlines[name], size)
         axes.plot([-half_width, half_width], [0, 0], color=RESULT, lw=3.0, solid_capstyle="butt", zorder=5)
         _loads(axes, scene, outlines["upper"], size)
         _frame(axes, outlines, size)
         axes.set_xlabel(
             f"to scale; red: contact of width 2 a_ref = {number(2 * half_width)} {length}\n"
-            f"P from {_range(scene, 0)}, Q from {_range(scene, 1)} {load_unit(scene)}",
+            f"P {_range(scene, 0)}, Q {_range(scene, 1)} {load_unit(scene)}",
             fontsize=8.5,
         )
     words = bodies_in_words(scene)
@@ -137,8 +139,8 @@ def _wall(axes: Axes, start: Array, end: Array, outward: Array, size: float, *, 
         )
 
 
-def _label(axes: Axes, scene: Scene, name: str, points: Array) -> None:
-    """Kind, sizes and material in the middle of a body."""
+def _label(axes: Axes, scene: Scene, name: str, points: Array, overall: float) -> None:
+    """Kind, sizes and material in the middle of a body, or beside one that is too narrow for them."""
     shape, material = getattr(scene.bodies, name), getattr(scene.material, name)
     _, length, stress = units(scene)
     size = {
@@ -148,7 +150,14 @@ def _label(axes: Axes, scene: Scene, name: str, points: Array) -> None:
     low, high = float(points[:, 1].min()), float(points[:, 1].max())
     elastic = f"E = {number(material.young_modulus)} {stress}, ν = {number(material.poisson_ratio)}"
     words = f"{name}: {shape.kind.replace('_', '-')}{size}\n{elastic}"
-    axes.text(0, low + (high - low) * (0.42 if name == "lower" else 0.58), words, ha="center", va="center", fontsize=8.5)
+    half = float(points[:, 0].max())
+    height = low + (high - low) * (0.42 if name == "lower" else 0.58)
+    if 2 * half > _WIDE_ENOUGH * overall:
+        axes.text(0, height, words, ha="center", va="center", fontsize=8)
+    else:
+        axes.text(
+            half + 0.04 * overall, height, words.replace(", ν", "\nν").replace(": ", ":\n"), ha="left", va="center", fontsize=8
+        )
 
 
 def _loads(axes: Axes, scene: Scene, upper: Array, size: float) -> None:
@@ -172,7 +181,8 @@ def _samples(scene: Scene) -> tuple[Array, Array]:
 
 def _range(scene: Scene, which: int) -> str:
     loads = _samples(scene)[which]
-    return f"{loads.min():.4g} to {loads.max():.4g}"
+    least, most = (number(float(f"{value:.4g}")) for value in (loads.min(), loads.max()))
+    return f"= {most}" if least == most else f"from {least} to {most}"
 
 
 def _frame(axes: Axes, outlines: dict[str, Array], size: float) -> None:

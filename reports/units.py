@@ -38,6 +38,15 @@ def energy_unit(scene: Scene) -> str:
     return f"{force}·{length}/{length}"
 
 
+def signed(value: float) -> str:
+    """Four significant digits, with a minus sign that is one.
+
+    >>> signed(-0.28273), signed(0.5)
+    ('−0.2827', '0.5')
+    """
+    return f"{value:.4g}".replace("-", "−")
+
+
 def number(value: float) -> str:
     """Six significant digits.
 

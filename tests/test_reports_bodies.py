@@ -60,8 +60,8 @@ class TestWords:
 
     def test_unlike_materials_name_dundurs_parameters(self) -> None:
         words = unlike_materials(scene(material=UNLIKE))
-        assert "α = 0.5 " in words  # (1/70 - 1/210)/(1/70 + 1/210)
-        assert "β = 0.1429" in words  # (1 - 2 nu)/(2 (1 - nu)) = 2/7 of it
+        assert "α = −0.5 " in words  # (1/210 - 1/70)/(1/210 + 1/70)
+        assert "β = −0.1429" in words  # (1 - 2 nu)/(2 (1 - nu)) = 2/7 of it
         assert "neglects the coupling" in words
         uncoupled = {part: {"young_modulus": e, "poisson_ratio": 0.4999999999999} for part, e in (("upper", 2.0), ("lower", 1.0))}
         assert "not coupled" in unlike_materials(scene(material=uncoupled))
@@ -120,7 +120,7 @@ class TestPage:
         assert "counted from their supports" in page
         stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
         assert stored["bodies"] == bodies_in_words(found.scene)
-        assert stored["result"]["settings"]["dundurs"]["alpha"] == pytest.approx(0.5)
+        assert stored["result"]["settings"]["dundurs"]["alpha"] == pytest.approx(-0.5)
         assert stored["result"]["mesh_quality"]["upper"]["least_angle"] > 15
         assert stored["reference"]["mesh_quality"] == {}
 
