@@ -126,10 +126,10 @@ def apart(one: halfplane_fe.FiniteElementSolution, other: halfplane_fe.FiniteEle
 
 def test_swapping_unlike_bodies_on_sides_that_do_not_match_changes_less_than_the_mesh_error() -> None:
     """The picture turned upside down: p(x) -> p(-x), q(x) -> q(-x), W the same. Mesh error: what halving every element changes."""
-    size, ratio = 1 / 16, 1.5
+    size, ratio = 1 / 20, 1.5
     plain, swapped = unlike(STEEL, ALUMINIUM, size, ratio), unlike(ALUMINIUM, STEEL, size * ratio, 1 / ratio)
     mesh_error = apart(plain, unlike(STEEL, ALUMINIUM, size / 2, ratio), False)
     mesh_error += apart(swapped, unlike(ALUMINIUM, STEEL, size * ratio / 2, 1 / ratio), False)
     assert np.all(apart(plain, swapped, True) < mesh_error), (apart(plain, swapped, True), mesh_error)
-    assert np.all(mesh_error < [0.04, 0.08, 0.02])  # an error large enough would hide anything
+    assert np.all(mesh_error < [0.03, 0.06, 0.015])  # an error large enough would hide anything
     assert np.all(apart(plain, swapped, False)[:2] > mesh_error[:2])  # not turned round: the check sees it
