@@ -14,6 +14,16 @@ from reports.metrics_instants import Changes, full_stick, reversals
 from reports.verdicts import Metric, Pair, not_applicable, place_of, tolerance_for, worst, worst_metric
 
 SIDES = ("left", "right")
+OF_FRICTION = (
+    "stick_edge_left",
+    "stick_edge_right",
+    "stick_set",
+    "full_stick_start",
+    "full_stick_end",
+    "slip_reversal",
+    "slip",
+    "slip_maximum",
+)
 
 
 def zones(pair: Pair) -> Iterator[Metric]:
@@ -22,14 +32,14 @@ def zones(pair: Pair) -> Iterator[Metric]:
     yield _stick_edge(pair)
     state = metrics.state_disagreement(pair.expected, pair.found)
     yield Metric(DEFINITIONS["state"], mean_over_time(state, pair.touching, pair.found.time), series=state)
-    yield from (_edge_of_side(pair, kind, side) for kind in ("contact", "stick") for side in SIDES)
+    yield from (_edge_of_side(pair, "contact", side) for side in SIDES)
     yield _permanent_stick(pair)
     if not pair.result.scene.friction.coefficient:
-        keys = ("stick_set", "full_stick_start", "full_stick_end", "slip_reversal")
-        yield from (not_applicable(key, "frictionless: nothing sticks and no slip is resisted") for key in keys)
-    else:
-        yield _stick_set(pair)
-        yield from _instants(pair)
+        yield from (not_applicable(key, "frictionless: nothing sticks and nothing resists slip") for key in OF_FRICTION)
+        return
+    yield from (_edge_of_side(pair, "stick", side) for side in SIDES)
+    yield _stick_set(pair)
+    yield from _instants(pair)
     yield from _slip(pair)
 
 
@@ -111,17 +121,16 @@ def _instants(pair: Pair) -> Iterator[Metric]:
 
 def _change(pair: Pair, key: str, change: Changes, none: str) -> Metric:
     """The worst of the differences of instants; those without a counterpart are counted in the note."""
-    counts = (
-        (change.missing, "of the reference has none in the result"),
-        (change.extra, "of the result has none in the reference"),
-    )
-    notes = [f"{count} {words}" for count, words in counts if count]
+    counts = ((change.missing, "the reference's", "result"), (change.extra, "the result's", "reference"))
+    notes = [f"{count} of {whose} without a counterpart in the {other}" for count, whose, other in counts if count]
     if not len(change.late):
         return not_applicable(key, "; ".join([none, *notes]))
     everywhere = np.ones(len(change.late), dtype=bool)
     value, time = worst(change.late, everywhere, pair.found.time[change.index])
     step = float(np.max(np.diff(pair.found.fraction)))
-    return Metric(DEFINITIONS[key], value, time, note="; ".join(notes), uncertainty=step)
+    return Metric(
+        DEFINITIONS[key], value, time, note="; ".join(notes), uncertainty=step, unmatched=bool(change.missing + change.extra)
+    )
 
 
 def _slip(pair: Pair) -> Iterator[Metric]:

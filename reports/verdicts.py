@@ -61,6 +61,7 @@ class Metric:
     place : where on the surface the worst value is, x/a_ref; None for what has no place
     uncertainty : how far the result's own statement, or the spacing of points or instants, leaves the value open, in its unit
     spacings : value in local spacings of the result's points
+    unmatched : whether a value that is not finite means an event without a counterpart, and not data that is no number
     """
 
     definition: Definition
@@ -74,6 +75,7 @@ class Metric:
     place: float | None = None
     uncertainty: float | None = None
     spacings: float | None = None
+    unmatched: bool = False
 
     @property
     def key(self) -> str:
@@ -92,9 +94,13 @@ class Metric:
 
     @property
     def accurate(self) -> bool | None:
-        """Whether |value| <= tolerance; None without a tolerance or a value. What is not finite is not accurate."""
-        if self.tolerance is None or self.value is None:
+        """Whether |value| <= tolerance; None without a tolerance or a value. What is not finite is not accurate, tolerance or none,
+        unless the only reason is that something has no counterpart.
+        """
+        if self.value is None:
             return None
+        if self.tolerance is None:
+            return None if np.isfinite(self.value) or self.unmatched else False
         return bool(abs(self.value) <= self.tolerance)
 
     def with_spacing(self, pair: Pair) -> Metric:
