@@ -8,7 +8,8 @@ P - P_x = 2 P1 (z^2 - z_x^2) = 2 P1 (y_x^2 - y^2). Q = Q0 + (Q1/P1) cos(phase) (
 term is a straight line in the memory; the last is integrated here, with dQ = -+ Q1 sin(phase) g(z) dz, g(z) = 2 (1 - 2
 z^2)/sqrt(1 - z^2). Where the integrand holds sqrt(z^2 - e^2)^(-+1), the variable ln(z + sqrt(z^2 - e^2)) makes it smooth,
 for e^2 < 0 too; where it holds sqrt(e^2 - z^2)^(-+1), arcsin(z/e). So an edge of contact anywhere, and a stick phase that
-starts next to the least load or ends next to the largest, cost no digits.
+starts next to the least load or ends next to the largest, cost no digits. Corners of the profile cut the arcs; behind one P(a)
+goes like d^(3/2) of the distance from it, and steps near it have their nodes at cubes.
 """
 
 from __future__ import annotations
@@ -21,13 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import EllipseLeg
-from semi_analytic.contact import Contact
+from semi_analytic.contact import Contact, corner_loads
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _NODES = {count: np.polynomial.legendre.leggauss(count) for count in (6, 10, 16, 24, 40, 80)}
 _SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
+_CORNERED = ((0.12, 16), (0.8, 24), (2.5, 40), (math.inf, 80))
 
 
 class Nodes(NamedTuple):
@@ -39,13 +41,17 @@ class Nodes(NamedTuple):
 
 
 class Half(NamedTuple):
-    """The part of arcs (n,) in one half: z in [low, high], P = extreme + curvature z^2, dQ = sign Q1 sin(phase) g dz."""
+    """The part of arcs (n,) in one half: z in [low, high], P = extreme + curvature z^2, dQ = sign Q1 sin(phase) g dz.
+
+    `cubed` says to which end nodes crowd: 1 lower, -1 upper z, where P is least; 0 for profiles without corners.
+    """
 
     low: Array
     high: Array
     sign: float
     extreme: float
     curvature: float
+    cubed: int = 0
 
 
 def halves(leg: EllipseLeg, first: float, last: Array) -> list[Half]:
@@ -76,9 +82,9 @@ def _limits_outside(low: Array, high: Array, edge: Array) -> tuple[Array, Array]
     return a, np.maximum(a, b)
 
 
-def outside(low: Array, high: Array, edge: Array) -> Nodes:
+def outside(low: Array, high: Array, edge: Array, cubed: int) -> Nodes:
     """Nodes for low < z < high with z^2 > e^2 = `edge`, which may be negative."""
-    s, weight = _rule(*_limits_outside(low, high, edge))
+    s, weight = _rule(*_limits_outside(low, high, edge), cubed)
     r = np.exp(s)
     other = edge[..., None] / r
     return Nodes((r + other) / 2, weight, (r - other) / 2)
@@ -93,19 +99,23 @@ def _limits_inside(low: Array, high: Array, edge: Array) -> tuple[Array, Array]:
     return a, np.maximum(a, b)
 
 
-def inside(low: Array, high: Array, edge: Array) -> Nodes:
+def inside(low: Array, high: Array, edge: Array, cubed: int) -> Nodes:
     """Nodes for low < z < high with z^2 < e^2 = `edge`; weights are 0 where there are none."""
     e = np.sqrt(np.maximum(edge, 0.0))
-    s, weight = _rule(*_limits_inside(low, high, edge))
+    s, weight = _rule(*_limits_inside(low, high, edge), cubed)
     return Nodes(e[..., None] * np.sin(s), weight, e[..., None] * np.cos(s))
 
 
-def _rule(a: Array, b: Array) -> tuple[Array, Array]:
+def _rule(a: Array, b: Array, cubed: int) -> tuple[Array, Array]:
     widest = float(np.max(b - a, initial=0.0))
-    count = next(number for limit, number in _SPANS if widest <= limit)
+    count = next(number for limit, number in (_CORNERED if cubed else _SPANS) if widest <= limit)
     node, weight = _NODES[count]
     half = (b - a)[..., None] / 2
-    return (a + b)[..., None] / 2 + half * node, half * weight
+    if not cubed:
+        return (a + b)[..., None] / 2 + half * node, half * weight
+    part = (1 + node) / 2
+    start = (a if cubed > 0 else b)[..., None]
+    return start + cubed * 2 * half * part**3, 3 * half * weight * part**2
 
 
 def density(z: Array) -> Array:
@@ -119,14 +129,14 @@ def arc_shear(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: A
     total = np.zeros((len(last), len(x)))
     edge_load = contact.load(x)
     for half in halves(leg, first, last):
-        steps, order = _steps(half)
-        rises = np.zeros(total.shape)
+        steps, order = _steps(half, corner_loads(contact))
+        rises = np.zeros((len(order), len(x)))
         for here, nodes in _touched(steps, edge_load, half.curvature > 0):
             point = here[1][:, None]
             excess = abs(half.curvature) * nodes.root**2
             quotient = contact.root_quotient(x[point], excess, edge_load[point] + excess)
             rises[here] = np.sum(nodes.weight * density(nodes.z) * quotient, axis=-1)
-        total[order] += half.sign / math.sqrt(abs(half.curvature)) * np.cumsum(rises, axis=0)
+        total += half.sign / math.sqrt(abs(half.curvature)) * _summed(rises, order)[: len(last)]
     return total * leg.amplitude[1] * math.sin(leg.phase) / math.pi
 
 
@@ -135,23 +145,40 @@ def arc_slip(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: Ar
     total = np.zeros((len(last), len(x)))
     edge_load = contact.load(x)
     for half in halves(leg, first, last):
-        steps, order = _steps(half)
-        rises = np.zeros(total.shape)
+        steps, order = _steps(half, corner_loads(contact))
+        rises = np.zeros((len(order), len(x)))
         for here, nodes in _touched(steps, edge_load, half.curvature < 0):
             excess = abs(half.curvature) * nodes.root**2
             reach = contact.reach(x[here[1]][:, None], excess, half.extreme + half.curvature * nodes.z**2)
             rises[here] = np.sum(nodes.weight * nodes.root * density(nodes.z) * reach, axis=-1)
-        total[order] += half.sign * np.cumsum(rises, axis=0)
+        total += half.sign * _summed(rises, order)[: len(last)]
     return total * leg.amplitude[1] * math.sin(leg.phase)
 
 
-def _steps(half: Half) -> tuple[Half, Indices]:
-    """The arcs in order of their length, each less the one before: short pieces, which few nodes serve."""
-    order = np.argsort(half.high - half.low, kind="stable")
-    low, high = half.low[order], half.high[order]
+def _steps(half: Half, corners: Array) -> tuple[Half, Indices]:
+    """The arcs in order of their length, each less the one before: short pieces, which few nodes serve.
+
+    Arcs that end at the loads of `corners` are put in between; their numbers in the order come after those of the others.
+    """
+    low, high, cubed = half.low, half.high, 0
+    if len(corners):
+        z = np.sqrt(np.maximum((corners - half.extreme) / half.curvature, 0.0))
+        z = z[(z > np.min(low)) & (z < np.max(high))]
+        rising, same = half.curvature > 0, np.ones(len(z))
+        low, high = np.append(low, same * low[0] if rising else z), np.append(high, z if rising else same * high[0])
+        cubed = 1 if rising else -1
+    order = np.argsort(high - low, kind="stable")
+    low, high = low[order], high[order]
     if half.curvature > 0:
-        return half._replace(low=np.append(low[:1], high[:-1]), high=high), order
-    return half._replace(low=low, high=np.append(high[:1], low[:-1])), order
+        return half._replace(low=np.append(low[:1], high[:-1]), high=high, cubed=cubed), order
+    return half._replace(low=low, high=np.append(high[:1], low[:-1]), cubed=cubed), order
+
+
+def _summed(rises: Array, order: Indices) -> Array:
+    """Whole arcs from their steps, each back in its place."""
+    whole = np.empty(rises.shape)
+    whole[order] = np.cumsum(rises, axis=0)
+    return whole
 
 
 def _touched(half: Half, edge_load: Array, beyond: bool) -> Iterator[tuple[tuple[Indices, Indices], Nodes]]:
@@ -167,21 +194,23 @@ def _touched(half: Half, edge_load: Array, beyond: bool) -> Iterator[tuple[tuple
     choose, limits = (outside, _limits_outside) if beyond else (inside, _limits_inside)
     a, b = limits(half.low[instant], half.high[instant], edge[point])
     below = -1.0
-    for limit, _ in _SPANS:
+    for limit, _ in _CORNERED if half.cubed else _SPANS:
         some = np.flatnonzero((b - a > below) & (b - a <= limit))
         below = limit
         if len(some):
             i, k = instant[some], point[some]
-            yield (i, k), choose(half.low[i], half.high[i], edge[k])
+            yield (i, k), choose(half.low[i], half.high[i], edge[k], half.cubed)
 
 
 def arc_log(contact: Contact, leg: EllipseLeg, first: float, last: Array) -> Array:
     """int dQ ln(2 L/a) of the sine part: shape (n,) [force per thickness]."""
     total = np.zeros(len(last))
     for half in halves(leg, first, last):
+        steps, order = _steps(half, corner_loads(contact))
         # The logarithm is singular at P = 0, next to the least load perhaps: z^2 = -P_min/(2 P1).
-        edge = np.full(len(last), -half.extreme / half.curvature if half.curvature > 0 else -1.0)
-        nodes = outside(half.low, half.high, edge)
+        edge = np.full(len(order), -half.extreme / half.curvature if half.curvature > 0 else -1.0)
+        nodes = outside(steps.low, steps.high, edge, steps.cubed)
         ratio = contact.log_ratio(half.extreme + half.curvature * nodes.z**2)
-        total += half.sign * np.sum(nodes.weight * nodes.root * density(nodes.z) * ratio, axis=-1)
+        rises = np.sum(nodes.weight * nodes.root * density(nodes.z) * ratio, axis=-1)
+        total += half.sign * _summed(rises, order)[: len(last)]
     return total * leg.amplitude[1] * math.sin(leg.phase)

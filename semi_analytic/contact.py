@@ -76,6 +76,11 @@ class Contact(Protocol):
         """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta from P and P - P_c."""
 
 
+def corner_loads(contact: Contact) -> Array:
+    """Loads at which an edge is at a corner of the profile, (n,) ascending: there P(a) is smooth only in parts."""
+    return np.asarray(contact.load(np.array(getattr(contact, "breaks", ()), dtype=float)))
+
+
 def contact_of(profile: Profile, materials: Materials) -> Contact:
     """The mechanics of a scene's profile.
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from semi_analytic.contact import Contact
+from semi_analytic.contact import Contact, corner_loads
 from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, change_from, instant, level, time_of
 from semi_analytic.memory import level_on
@@ -22,10 +22,9 @@ def has_corners(contact: Contact) -> bool:
 
 def smooth_spans(contact: Contact, spans: Sequence[Span]) -> Sequence[Span]:
     """The spans, each cut at the times at which P or P_c is the load of a corner."""
-    breaks = getattr(contact, "breaks", ())
-    if not breaks:
+    loads = corner_loads(contact)
+    if not len(loads):
         return spans
-    loads = contact.load(np.array(breaks))
     return [part for span in spans for part in _parts(span, loads)]
 
 

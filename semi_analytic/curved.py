@@ -4,23 +4,26 @@
 
 The inverse root of a traction, at t_x or just before the arc, is taken away by t = begin + y^2, and the rule for singular ends does
 the rest. Nodes are used where rounding puts them: y is what the rounded time makes of it, so that y/sqrt(P - P_x) keeps its digits.
+Ranges are cut where the load passes a corner of the profile.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Leg
-from semi_analytic.contact import Contact
+from semi_analytic.contact import Contact, corner_loads
 from semi_analytic.legs import NORMAL_LOAD, change, rate, time_of
 from semi_analytic.memory import Piece
 from semi_analytic.quadrature import NODES, graded
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 _CHUNK = 2_000_000
 _QUARTERS = 4
@@ -29,24 +32,26 @@ _QUARTERS = 4
 def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
     """Traction of a piece's arc up to the times `last` (n,) at |x| (k,): shape (n, k) [stress]."""
     edge = contact.load(x)
+    leg = piece.anchor.leg
     _, meets = _meets(piece, edge)
+    below = np.maximum(piece.bottom - edge, 0.0)
+    start = np.sqrt(np.maximum(rate(leg, NORMAL_LOAD, meets), np.finfo(float).tiny))
 
-    def rows(ends: Array) -> Array:
-        begin = np.broadcast_to(meets, (len(ends), len(x)))
-        span = np.maximum(ends[:, None] - begin, 0.0)
-        y, weight = graded(np.zeros(span.shape), np.sqrt(span))
-        time = begin[..., None] + y * y
-        y = np.sqrt(time - begin[..., None])
-        below = np.maximum(piece.bottom - edge, 0.0)[:, None]
-        excess = below + change(piece.anchor.leg, NORMAL_LOAD, time, begin[..., None])
-        start = np.sqrt(np.maximum(rate(piece.anchor.leg, NORMAL_LOAD, begin), np.finfo(float).tiny))[..., None]
+    def rise(point: Indices, low: Array, high: Array) -> Array:
+        begin, rest, on = meets[point, None], below[point, None], edge[point, None]
+        y, weight = graded(np.sqrt(low - meets[point]), np.sqrt(high - meets[point]))
+        time = begin + y * y
+        y = np.sqrt(time - begin)
+        excess = rest + change(leg, NORMAL_LOAD, time, begin)
         there = (y > 0) & (excess > 0)
         safe = np.where(there, excess, np.finfo(float).eps * piece.anchor.normal)
-        root = np.where(there, y / np.sqrt(safe), np.where(below > 0, 0.0, 1 / start))
-        quotient = contact.root_quotient(x[:, None], safe, edge[:, None] + safe)
-        return np.sum(weight * 2 * root * quotient * _force_rate(piece.anchor.leg, time), axis=-1)
+        root = np.where(there, y / np.sqrt(safe), np.where(rest > 0, 0.0, 1 / start[point, None]))
+        quotient = contact.root_quotient(x[point, None], safe, on + safe)
+        return np.sum(weight * 2 * root * quotient * _force_rate(leg, time), axis=-1)
 
-    return _in_chunks(rows, last, len(x)) / math.pi
+    shape = (len(last), len(x))
+    end = np.broadcast_to(last[:, None], shape)
+    return _in_parts(rise, np.broadcast_to(meets, shape), end, _corner_times(contact, piece)) / math.pi
 
 
 def curved_slip(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
@@ -54,25 +59,31 @@ def curved_slip(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
     edge = contact.load(x)
     leg = piece.anchor.leg
     first, meets = _meets(piece, edge)
-    beyond = np.maximum(edge - piece.anchor.normal, 0.0)[:, None]
+    beyond = np.maximum(edge - piece.anchor.normal, 0.0)
 
-    def rows(ends: Array) -> Array:
-        end = np.minimum(ends[:, None], meets)
-        time, weight = graded(np.full(end.shape, first), end)
-        excess = np.maximum(beyond + change(leg, NORMAL_LOAD, meets[:, None], time), 0.0)
-        return np.sum(weight * contact.reach(x[:, None], excess, leg.loads(time)[0]) * _force_rate(leg, time), axis=-1)
+    def rise(point: Indices, low: Array, high: Array) -> Array:
+        time, weight = graded(low, high)
+        excess = np.maximum(beyond[point, None] + change(leg, NORMAL_LOAD, meets[point, None], time), 0.0)
+        reach = contact.reach(x[point, None], excess, leg.loads(time)[0])
+        return np.sum(weight * reach * _force_rate(leg, time), axis=-1)
 
-    return _in_chunks(rows, last, len(x))
+    end = np.minimum(last[:, None], meets)
+    return _in_parts(rise, np.full(end.shape, first), end, _corner_times(contact, piece))
 
 
 def curved_log(contact: Contact, piece: Piece, last: Array) -> Array:
     """int dQ ln(2 L/a) over a piece's arc up to the times `last` (n,): shape (n,) [force per thickness]."""
     assert piece.arc is not None
     leg = piece.anchor.leg
-    # In quarters: swift harmonics over a long range are not what the rule is best at.
-    marks = piece.arc[0] + (last[:, None] - piece.arc[0]) * np.linspace(0, 1, _QUARTERS + 1)
-    time, weight = graded(marks[:, :-1], marks[:, 1:])
-    return np.sum(weight * contact.log_ratio(leg.loads(time)[0]) * _force_rate(leg, time), axis=(-2, -1))
+
+    def rise(_: Indices, low: Array, high: Array) -> Array:
+        # In quarters: swift harmonics over a long range are not what the rule is best at.
+        marks = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _QUARTERS + 1)
+        time, weight = graded(marks[:, :-1], marks[:, 1:])
+        return np.sum(weight * contact.log_ratio(leg.loads(time)[0]) * _force_rate(leg, time), axis=(-2, -1))
+
+    end = last[:, None]
+    return _in_parts(rise, np.full(end.shape, piece.arc[0]), end, _corner_times(contact, piece))[:, 0]
 
 
 def _meets(piece: Piece, edge: Array) -> tuple[float, Array]:
@@ -86,6 +97,23 @@ def _force_rate(leg: Leg, time: Array) -> Array:
     return leg.rates(time)[1]
 
 
-def _in_chunks(rows: Callable[[Array], Array], last: Array, width: int) -> Array:
-    step = max(_CHUNK // (width * NODES), 1)
-    return np.concatenate([rows(last[k : k + step]) for k in range(0, len(last), step)])
+def _corner_times(contact: Contact, piece: Piece) -> Array:
+    """Times of the arc, as it was appended, at which its load is that of a corner: ascending."""
+    assert piece.arc is not None
+    loads = corner_loads(contact)
+    loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
+    if not len(loads):
+        return loads
+    return time_of(piece.anchor.leg, NORMAL_LOAD, loads - piece.bottom, piece.arc[0], piece.anchor.time)
+
+
+def _in_parts(rise: Callable[[Indices, Array, Array], Array], begin: Array, end: Array, cuts: Array) -> Array:
+    """Integrals from `begin` to `end` (n, k), cut at `cuts`: rise(point (m,), low (m,), high (m,)) gives those of parts, (m,)."""
+    total = np.zeros(begin.shape)
+    for lower, upper in pairwise([-math.inf, *cuts.tolist(), math.inf]):
+        low, high = np.maximum(begin, lower), np.minimum(end, upper)
+        row, point = np.nonzero(high > low)
+        for j in range(0, len(row), _CHUNK // NODES):
+            here = row[j : j + _CHUNK // NODES], point[j : j + _CHUNK // NODES]
+            total[here] += rise(here[1], low[here], high[here])
+    return total
