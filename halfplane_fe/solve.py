@@ -67,6 +67,8 @@ def solve(
     mesh: MeshSettings | None = None,
     settings: SolverSettings | None = None,
     progress: Progress | None = None,
+    *,
+    scales: Scales | None = None,
 ) -> FiniteElementSolution:
     """Solve a scene by finite elements, on the mesh's own points and the stepping's own instants.
 
@@ -75,6 +77,7 @@ def solve(
     scene : the question
     mesh, settings : how it is cut and iterated; defaults serve the paper's scenes
     progress : called with (done, total, text) as work goes on
+    scales : those of an earlier solution of the same scene, on whatever mesh: spares the coarse run, moves no number
 
     Raises
     ------
@@ -85,16 +88,19 @@ def solve(
     """
     # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
-        return _solve(scene, mesh or MeshSettings(), settings or SolverSettings(), progress or (lambda _done, _total, _text: None))
+        report = progress or (lambda _done, _total, _text: None)
+        return _solve(scene, mesh or MeshSettings(), settings or SolverSettings(), report, scales)
 
 
-def _solve(scene: Scene, mesh: MeshSettings, settings: SolverSettings, report: Progress) -> FiniteElementSolution:
+def _solve(
+    scene: Scene, mesh: MeshSettings, settings: SolverSettings, report: Progress, known: Scales | None
+) -> FiniteElementSolution:
     watch = _Watch()
     check_admissible(scene.load.path(), scene.friction.coefficient)
     check_supports(scene, sheared(scene))
     report(0, None, "coarse run")
     coarse_work: Counter[str] = Counter()
-    scales = find_scales(scene, coarse_work)
+    scales = known or find_scales(scene, coarse_work)
     watch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from reports.certificates import Certificate, certificates
 from reports.definitions import name_of
@@ -12,6 +13,9 @@ from reports.metrics import scales
 from reports.sampling import last_cycle, sample
 from reports.verdicts import LIGHT, Metric, Pair
 from scenes import ContactSolution, InputError, Scene
+
+if TYPE_CHECKING:
+    from reports.budget import ErrorBudget
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +31,7 @@ class Comparison(Pair):
     metrics : in the order of the table
     reference_certificates, result_certificates : the laws of contact, needing no reference
     honest : what can be said of the stated uncertainty
+    budget : where the error of every metric comes from, where that was measured
     notes : everything that a reader must not miss
     """
 
@@ -34,7 +39,8 @@ class Comparison(Pair):
     reference_certificates: tuple[Certificate, ...]
     result_certificates: tuple[Certificate, ...]
     notes: tuple[str, ...]
-    honest: str = "not assessed: no error estimate yet"
+    honest: str = "not assessed: the run was made without a budget"
+    budget: ErrorBudget | None = None
 
     @property
     def scene(self) -> Scene:

@@ -1,0 +1,260 @@
+"""Where an error comes from, metric by metric: mesh, penalty, step, far field, solver, half-plane theory's own, idealisation.
+
+They add up to the metric. Every term is measured by itself, everything else fixed; what is left over is the idealisation. For
+half-planes there is none by construction: what is left over must be less than its own uncertainty, which tests the whole budget.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from reports.comparison import Comparison
+from reports.convergence import Extrapolation, Ladder, extrapolate
+from reports.ladders import Ladders, Rung
+from reports.verdicts import Metric
+
+ROUNDING = 1e-12
+# They are the step's part and the rest of another metric: a budget of them would count it twice.
+_PARTS = ("dissipation_polygon", "dissipation_step")
+# What `record.errors` of the reference says of a metric.
+_FIELDS = {
+    "peak_pressure": "pressure",
+    "pressure": "pressure",
+    "shear": "shear",
+    "dissipation": "dissipation",
+    "hysteresis": "dissipation",
+    "dissipation_density": "dissipation_density",
+}
+
+
+@dataclass(frozen=True)
+class Term:
+    """One source of error in one metric.
+
+    Attributes
+    ----------
+    name : "mesh", "step", ...
+    value : its share of the metric, signed; None where nothing stands out of the scatter, or nothing was measured
+    uncertainty : of that share; None where nothing was measured
+    how : by what it was measured, or why not
+    bound : the uncertainty is one that is never exceeded: bounds add up, the others go by the root of the sum of squares
+    order, kind : of the ladder, where it has one
+    """
+
+    name: str
+    value: float | None
+    uncertainty: float | None
+    how: str
+    bound: bool = False
+    order: float | None = None
+    kind: str = ""
+
+    @property
+    def measured(self) -> bool:
+        """Whether anything is known of it."""
+        return self.uncertainty is not None
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The error of one metric and where it comes from.
+
+    Attributes
+    ----------
+    metric : the verdict on the whole error, with its tolerance
+    terms : every source but the idealisation
+    half_planes : whether the bodies are half-planes, so that there is no idealisation
+    """
+
+    metric: Metric
+    terms: tuple[Term, ...]
+    half_planes: bool
+
+    @property
+    def total(self) -> float:
+        """E: what the metric says."""
+        return float("nan") if self.metric.value is None else self.metric.value
+
+    @property
+    def rest(self) -> float:
+        """What no term accounts for: the idealisation error, or of half-planes what is unexplained."""
+        return self.total - sum(term.value or 0.0 for term in self.terms)
+
+    @property
+    def uncertainty(self) -> float | None:
+        """u of the rest; None where a term was not measured."""
+        if not all(term.measured for term in self.terms):
+            return None
+        doubts = [(term.uncertainty or 0.0, term.bound) for term in self.terms]
+        return math.hypot(*(u for u, bound in doubts if not bound)) + sum(u for u, bound in doubts if bound)
+
+    @property
+    def resolved(self) -> bool | None:
+        """Whether an idealisation error stands out, |rest| > u; None where that is not known."""
+        return None if self.uncertainty is None or not math.isfinite(self.rest) else abs(self.rest) > self.uncertainty
+
+    @property
+    def honest(self) -> bool | None:
+        """Whether the stated uncertainty covers the error: known for half-planes only, where the rest must be nothing."""
+        return None if not self.half_planes or self.resolved is None else not self.resolved
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorBudget:
+    """Budgets of all metrics, the rungs they rest on, and CPU seconds of the plain run and of the rungs."""
+
+    budgets: tuple[Budget, ...]
+    ladders: Ladders
+    plain_seconds: float
+
+    @property
+    def cost(self) -> float:
+        """CPU time of the run with its budget over that of the plain run."""
+        return 1 + self.ladders.seconds / self.plain_seconds
+
+    def budget(self, key: str) -> Budget:
+        """The budget of a metric; KeyError where it has none."""
+        return {budget.metric.key: budget for budget in self.budgets}[key]
+
+    @property
+    def honest(self) -> str:
+        """What can be said of the stated uncertainties."""
+        known = [budget.honest for budget in self.budgets if budget.honest is not None]
+        if not known:
+            return "not assessed: the true error is known for half-planes only, and where every term was measured"
+        return f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured terms leave unexplained"
+
+
+def error_budget(comparison: Comparison, ladders: Ladders, plain_seconds: float) -> ErrorBudget:
+    """The budgets of every metric of `comparison` that has a finite value."""
+    budgets = tuple(
+        Budget(metric, tuple(_terms(metric, comparison, ladders)), comparison.scene.bodies.half_planes)
+        for metric in comparison.metrics
+        if metric.key not in _PARTS and metric.value is not None and math.isfinite(metric.value)
+    )
+    return ErrorBudget(budgets, ladders, plain_seconds)
+
+
+def with_budget(comparison: Comparison, budget: ErrorBudget) -> Comparison:
+    """`comparison` with its budget and what that says of honesty."""
+    return replace(comparison, budget=budget, honest=budget.honest)
+
+
+def _terms(metric: Metric, comparison: Comparison, ladders: Ladders) -> Iterator[Term]:
+    yield _mesh(metric, comparison, ladders)
+    yield _penalty(metric, ladders, str(comparison.result.settings.get("solver", {}).get("method", "")))
+    yield _step(metric, ladders)
+    yield _far_field(metric, comparison, ladders)
+    yield _solver(comparison)
+    yield _theory(metric, comparison)
+
+
+def _ladder(name: str, metric: Metric, rungs: tuple[Rung, ...], formal_order: float) -> Ladder | Term:
+    """The ladder of a metric, or a term that says why there is none."""
+    found = [(rung.size, rung.values.get(metric.key)) for rung in rungs if not rung.failure]
+    values = [(size, value) for size, value in found if value is not None and math.isfinite(value)]
+    if len(values) < 3 or values[0][0] != rungs[0].size:
+        why = "; ".join(rung.failure for rung in rungs if rung.failure) or "a rung has no finite value"
+        return _not_measured(name, why)
+    sizes, heights = zip(*values, strict=True)
+    return Ladder(sizes, heights, formal_order, ROUNDING)
+
+
+def _not_measured(name: str, why: str) -> Term:
+    return Term(name, None, None, f"not measured: {why}")
+
+
+def _mesh(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
+    """phi(h) - phi(0); no less doubtful than the run itself says."""
+    if "mesh" in ladders.not_measured:
+        return _not_measured("mesh", ladders.not_measured["mesh"])
+    ladder = _ladder("mesh", metric, ladders.mesh, 2.0)
+    if isinstance(ladder, Term):
+        return ladder
+    found = extrapolate(ladder)
+    how = f"{', '.join(rung.label for rung in ladders.mesh if not rung.failure)}: {found.kind}; {found.rule}"
+    uncertainty, least = found.uncertainty or 0.0, _own_doubt(metric, comparison)
+    if least > uncertainty:
+        uncertainty, how = least, f"{how}; uncertainty that the run itself states"
+    return Term("mesh", _share(ladder.values[0], found), uncertainty, how, order=found.order, kind=found.kind)
+
+
+def _share(value: float, found: Extrapolation) -> float | None:
+    """What a value has over the extrapolated one; None where the ladder only scatters."""
+    if found.kind in ("oscillating", "diverging") or found.value is None:
+        return None
+    return value - found.value
+
+
+def _own_doubt(metric: Metric, comparison: Comparison) -> float:
+    """What the result says of the metric's uncertainty: of the edges at its instant over a_ref, else the metric's own; or 0."""
+    stated = getattr(comparison.result, f"{metric.key}_uncertainty", None)
+    doubt = metric.uncertainty or 0.0
+    if stated is not None and metric.time is not None:
+        step = int(abs(comparison.result.time - metric.time).argmin())
+        doubt = max(doubt, float(max(stated[step])) / comparison.scales.half_width)
+    return doubt if math.isfinite(doubt) else 0.0
+
+
+def _step(metric: Metric, ladders: Ladders) -> Term:
+    """What the metric loses when theory steps through the same polygon as the result: exact, for every metric."""
+    polygon = ladders.mesh[0].values.get(metric.key)
+    if polygon is None or not math.isfinite(polygon) or metric.value is None:
+        return _not_measured("step", "theory on the polygon of the steps has no such value")
+    how = "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
+    return Term("step", metric.value - polygon, ROUNDING, how, bound=True)
+
+
+def _penalty(metric: Metric, ladders: Ladders, method: str) -> Term:
+    """With the layer less without; uncertain by what one coarser mesh makes of that, twice."""
+    if method != "penalty":
+        return Term("penalty", None, 0.0, "none by construction: the law is met exactly", bound=True)
+    if "penalty" in ladders.not_measured:
+        return _not_measured("penalty", ladders.not_measured["penalty"])
+    pairs = [[rung.values.get(metric.key) for rung in pair] for pair in ladders.penalty]
+    shares = [soft - hard for soft, hard in pairs if soft is not None and hard is not None and math.isfinite(soft - hard)]
+    if len(shares) < 2:
+        why = "; ".join(rung.failure for pair in ladders.penalty for rung in pair if rung.failure) or "a rung has no finite value"
+        return _not_measured("penalty", why)
+    how = f"with the layer less without it, at {ladders.coarse}; twice what that changes by at the next coarser mesh"
+    return Term("penalty", shares[0], 2 * abs(shares[0] - shares[1]), how)
+
+
+def _far_field(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
+    """phi(L) - phi(infinity) on the coarse mesh."""
+    bodies = comparison.scene.bodies
+    if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
+        return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
+    if why := ladders.not_measured.get("far field"):
+        return _not_measured("far field", why)
+    ladder = _ladder("far field", metric, ladders.far_field, 4.0)
+    if isinstance(ladder, Term):
+        return ladder
+    found = extrapolate(ladder)
+    how = f"radius 2 L, L, L/2 on the mesh of {ladders.coarse}: {found.kind}"
+    if found.kind == "exact" or ladder.plausible(found.order):
+        return Term("far field", _share(ladder.values[1], found), found.uncertainty, how, order=found.order, kind=found.kind)
+    how += "; lost in the scatter of meshing anew, of that size"
+    return Term("far field", None, ladder.spread, how, order=found.order, kind=found.kind)
+
+
+def _solver(comparison: Comparison) -> Term:
+    """The worst residual of any step: dimensionless, a bound for what rounding and termination may do."""
+    checks = [check for check in comparison.result_certificates if check.source == "record"]
+    if not checks:
+        return _not_measured("solver", "the result states no residuals")
+    worst = max(checks, key=lambda check: check.value)
+    return Term("solver", None, worst.value, f"worst residual of any step: {worst.name}", bound=True)
+
+
+def _theory(metric: Metric, comparison: Comparison) -> Term:
+    """What the reference states of its own quadratures and series."""
+    field = _FIELDS.get(metric.key, metric.key)
+    polygon = comparison.polygon_reference
+    records = [comparison.reference.record, *([polygon.record] if polygon else [])]
+    stated = max((value for record in records for name, value in record.errors.items() if name.startswith(field)), default=None)
+    if stated is None:
+        return Term("half-plane theory", None, ROUNDING, "closed forms: rounding", bound=True)
+    return Term("half-plane theory", None, stated + ROUNDING, "its own estimate of quadratures and series", bound=True)
