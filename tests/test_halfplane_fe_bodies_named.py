@@ -184,7 +184,7 @@ def interface_of(question):
     return couple(*pairs.condensed_pair(question, bodies, 1.0, Counter()))
 
 
-@pytest.mark.parametrize(("profile", "ratio"), [(HERTZ, 0.25), (FLAT, 2 / 3)])
+@pytest.mark.parametrize(("profile", "ratio"), [(HERTZ, 0.25), pytest.param(FLAT, 2 / 3, marks=pytest.mark.slow)])
 def test_linear_sides_that_do_not_match_are_no_penetration(profile, ratio, tmp_path):
     """The weighted gap of a linear side is -h^2/6R at the middle: it was taken for an overlap and refused."""
     question = scene(tmp_path, profile=profile, way_in="[[500.0, 0.0]]")

