@@ -98,13 +98,16 @@ def run(
         tuple[str, ...],
         Parameter(consume_multiple=True, negative="", help='Write both bodies for ParaView at these times, or at "events".'),
     ] = (),
+    budget: Annotated[
+        bool, Parameter(negative="", help="Measure where the discrepancy comes from: coarser meshes, other far fields.")
+    ] = False,
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
 ) -> int:
     """Both engines on one scene: verdict, page and data."""
     from reports import commands
 
-    return commands.run(scene, out, vtu, quiet, finite_elements)
+    return commands.run(scene, out, vtu, quiet, finite_elements, budget=budget)
 
 
 @app.command(sort_key=2, help_epilogue="")

@@ -31,21 +31,25 @@ if TYPE_CHECKING:
     from reports.comparison import Comparison
 
 
-def run(source: str, out: Path | None, vtu: tuple[str, ...], quiet: bool, options: FiniteElementOptions) -> int:
-    """Both engines, the verdict, the page."""
+def run(
+    source: str, out: Path | None, vtu: tuple[str, ...], quiet: bool, options: FiniteElementOptions, *, budget: bool = False
+) -> int:
+    """Both engines, the verdict, the page; with `budget`, where the errors come from."""
     stages = Stages(quiet)
     scene = jobs.read(source)
     folder = claim(out or default_folder(scene.name))
     _times(vtu, "--vtu", scene)
     jobs.load_engines(stages)
     options.settings()
-    command = options.command("run", source, folder, ("--vtu", *vtu) if vtu else ())
+    more = (("--vtu", *vtu) if vtu else (), ("--budget",) if budget else ())
+    command = options.command("run", source, folder, *more)
     try:
         with jobs.naming(source):
-            report = jobs.run(scene, folder, options, stages, vtu=vtu, command=command)
+            report = jobs.run(scene, folder, options, stages, vtu=vtu, budget=budget, command=command)
     except ConvergenceError as failure:
         return _not_converged(failure, scene, folder)
     _show_verdict(report.comparison)
+    _show_budget(report.comparison)
     show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in report.seconds.items()], right=(1,))
     say(str(report.page))
     return WITHIN if report.comparison.passed else OUTSIDE
@@ -165,6 +169,18 @@ def _show_verdict(comparison: Comparison) -> None:
         right=(1, 3),
     )
     say(verdict(comparison))
+
+
+def _show_budget(comparison: Comparison) -> None:
+    """Where the errors come from, if that was measured."""
+    if comparison.budget is None:
+        return
+    from reports.budget_words import cost, heads, rows
+
+    columns = heads(comparison.budget, full=False)
+    show_table("Where the discrepancy comes from", columns, rows(comparison.budget, full=False), right=range(1, len(columns) - 2))
+    say(f"Honest: {comparison.honest}")
+    say(cost(comparison.budget))
 
 
 def paper(out: Path | None, quiet: bool) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -87,9 +88,11 @@ def run(
     stages: Stages,
     *,
     vtu: tuple[str, ...] = (),
+    budget: bool = False,
     command: str = "",
 ) -> Report:
-    """Both engines, the comparison and the report."""
+    """Both engines, the comparison, with `budget` where its errors come from, and the report."""
+    begun = time.process_time()
     result = solve_finite_elements(scene, options, stages)
     reference = solve_half_plane(scene, stages, result)
     polygon = solve_half_plane(scene, stages, result, straight_steps=True)
@@ -97,6 +100,8 @@ def run(
         from reports.comparison import compare
 
         comparison = compare(reference, result, polygon_reference=polygon)
+    if budget:
+        comparison = _with_budget(comparison, options, stages, time.process_time() - begun)
     with stages.stage("report"):
         from reports.fields import instants_of
         from reports.writing import write
@@ -104,6 +109,15 @@ def run(
         instants = [instant.time for instant in instants_of(vtu, result, "--vtu")]
         page = write(comparison, out, vtu_instants=instants, command=command, seconds=dict(stages.seconds))
     return Report(comparison, page, stages.seconds)
+
+
+def _with_budget(comparison: Comparison, options: FiniteElementOptions, stages: Stages, plain_seconds: float) -> Comparison:
+    """The comparison with its error budget: every rung a stage of its own."""
+    from reports.budget import error_budget, with_budget
+    from reports.ladders import climb
+
+    ladders = climb(comparison, *options.settings(), stages.stage)
+    return with_budget(comparison, error_budget(comparison, ladders, plain_seconds))
 
 
 @dataclass(frozen=True)

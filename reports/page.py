@@ -9,6 +9,7 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.budget_words import cost, heads, honest_of, honesty, rows
 from reports.certificates import Certificate
 from reports.comparison import Comparison
 from reports.definitions import name_of
@@ -40,9 +41,10 @@ def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, se
         meshes=_meshes(comparison.result),
         verdict=verdict(comparison),
         comparison=comparison,
-        rows=[_row(metric) for metric in comparison.headlines],
-        others=[_row(metric) for metric in comparison.others],
+        rows=[_row(metric, comparison) for metric in comparison.headlines],
+        others=[_row(metric, comparison) for metric in comparison.others],
         claims=_claims(comparison),
+        budget=_budget(comparison),
         notes=_notes(comparison),
         scales=_scales(comparison),
         dissipations=_dissipations(comparison),
@@ -56,7 +58,7 @@ def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, se
     )
 
 
-def _row(metric: Metric) -> dict[str, str]:
+def _row(metric: Metric, comparison: Comparison) -> dict[str, str]:
     """A line of a verdict table."""
     return {
         "label": metric.label,
@@ -64,6 +66,7 @@ def _row(metric: Metric) -> dict[str, str]:
         "unit": unit_of(metric),
         "tolerance": tolerance_of(metric),
         "accurate": accuracy_of(metric),
+        "honest": honest_of(comparison, metric),
         "when": "" if metric.time is None else f"{metric.time:.4g}",
         "where": "" if metric.place is None else f"{metric.place:.4g}",
         "uncertainty": uncertainty_of(metric),
@@ -71,6 +74,20 @@ def _row(metric: Metric) -> dict[str, str]:
         "norm": metric.definition.norm,
         "region": metric.definition.region,
         "definition": metric.definition.text,
+    }
+
+
+def _budget(comparison: Comparison) -> dict[str, Any] | None:
+    """Where the errors come from: tables of the headlines and of the rest, what each term rests on, and the cost."""
+    if comparison.budget is None:
+        return None
+    found = comparison.budget
+    return {
+        "heads": heads(found),
+        "rows": rows(found),
+        "others": rows(found, headline=False),
+        "how": [(one.metric.label, [(term.name, term.how) for term in one.terms]) for one in found.budgets],
+        "cost": cost(found),
     }
 
 
@@ -85,7 +102,7 @@ def _claims(comparison: Comparison) -> list[tuple[str, bool | None, str]]:
             f"{sum(check.holds for check in checks)} of {len(checks)} checks of the laws of contact hold, which need no reference",
         ),
         ("Accurate", comparison.accurate, f"{sum(judged)} of {len(judged)} metrics lie within the tolerance that the scene states"),
-        ("Honest", None, "whether the stated error is not smaller than the true one: there is no error estimate yet"),
+        ("Honest", honesty(comparison), comparison.honest),
     ]
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.budget_words import content, honest_of
 from reports.certificates import Certificate
 from reports.comparison import Comparison
 from reports.verdicts import Metric
@@ -65,7 +66,8 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
             "A": scales.compliance,
             "A f^2 P_ref^2": scales.dissipation,
         },
-        "metrics": {metric.key: _metric(metric) for metric in comparison.metrics},
+        "metrics": {metric.key: _metric(metric, comparison) for metric in comparison.metrics},
+        "budget": content(comparison.budget) if comparison.budget else None,
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),
@@ -78,7 +80,7 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
     }
 
 
-def _metric(metric: Metric) -> dict[str, Any]:
+def _metric(metric: Metric, comparison: Comparison) -> dict[str, Any]:
     return {
         "label": metric.label,
         "value": metric.value,
@@ -86,7 +88,7 @@ def _metric(metric: Metric) -> dict[str, Any]:
         "unit": metric.unit,
         "tolerance": metric.tolerance,
         "accurate": metric.accurate,
-        "honest": None,
+        "honest": {"yes": True, "no": False}.get(honest_of(comparison, metric)),
         "absolute": metric.absolute,
         "signed": metric.definition.signed,
         "headline": metric.definition.headline,

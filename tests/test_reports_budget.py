@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -12,8 +13,11 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.budget import Budget, Term, error_budget, with_budget
+from reports.budget_words import share
 from reports.comparison import Comparison, compare
 from reports.ladders import Ladders, Rung, climb, coarser, mesh_ratio
+from reports.page import render
+from reports.summary import as_json
 from scenes import load_scene
 
 MESH = MeshSettings(element_size=1 / 12, edge_element_size=1 / 40, growth=0.4)
@@ -110,6 +114,27 @@ def test_honesty_is_written_into_the_comparison(paper):
     assert told.honest.startswith(f"{sum(b.honest for b in budget.budgets)} of {len(budget.budgets)} metrics")
     assert budget.cost == pytest.approx(1.5)
     assert comparison.budget is None
+
+
+def test_page_and_file_show_every_term(paper):
+    comparison, ladders = paper
+    told = with_budget(comparison, error_budget(comparison, ladders, ladders.seconds))
+    page = render(told, (), "", {})
+    assert all(f">{name}</th>" in page for name in ("mesh", "penalty", "step", "far field", "unexplained"))
+    assert "Run and budget took 2.00 times" in page
+    assert "Where the discrepancy comes from" not in render(comparison, (), "", {})
+    found = json.loads(as_json(told))
+    shares = found["budget"]["metrics"]["dissipation"]
+    values = [term["value"] or 0.0 for term in shares["terms"].values()]
+    assert sum(values) + shares["unexplained"] == pytest.approx(shares["E"], abs=1e-14)
+    assert found["metrics"]["dissipation"]["honest"] is shares["honest"]
+    assert json.loads(as_json(comparison))["budget"] is None
+
+
+def test_cells_tell_none_from_not_measured(paper):
+    metric = paper[0].metric("dissipation")
+    words = [share(Term("", *numbers, ""), metric) for numbers in ((None, None), (None, 0.0), (None, 2e-3), (-1e-3, 5e-4))]
+    assert words == ["not measured", "none", "± 0.2 %", "−0.1 % ± 0.05 %"]
 
 
 def test_rungs_need_no_coarse_run_of_their_own_and_answer_the_same():
