@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest slow bench numbers regress docs constraints clean distclean
+.PHONY: help run test lint types contracts pytest slow bench numbers regress publish docs constraints clean distclean
 
 PY := .venv/bin/python
 STAMP := .venv/.installed
@@ -73,6 +73,11 @@ numbers: $(STAMP) ## measure every promised number, print it, write docs/numbers
 regress: $(STAMP) ## the half-plane engine against stored references and its own frozen values (ACCEPT="scene ...", REFERENCES=1)
 	@echo "==> regress"
 	@$(ONE_THREAD) $(PY) benchmarks/regress.py $(if $(ACCEPT),--accept $(ACCEPT)) $(if $(REFERENCES),--references)
+
+publish: $(STAMP) ## both engines on the whole library, into reports/published: pages, figures, frozen values (PAGES=1: pages alone)
+	@echo "==> publish"
+	@mkdir -p "$$TMPDIR" .cache/home
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports.publishing $(if $(PAGES),--pages)
 
 docs: $(DOCS_STAMP) ## the pages, into docs/_build/html
 	@echo "==> docs: sphinx"

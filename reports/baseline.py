@@ -184,6 +184,8 @@ def _of_baseline(content: Mapping[str, Any], source: str) -> Findings:
 
 def _of_comparison(content: Mapping[str, Any], source: str) -> Findings:
     metrics = {f"metric.{key}": _number(metric["value"]) for key, metric in content["metrics"].items()}
+    # JSON has no NaN: without this a value that is none and one that is no number would look alike.
+    metrics |= {f"metric.{key}.finite": 0.0 for key, metric in content["metrics"].items() if not metric["finite"]}
     answers = {role: content[role] for role in ("reference", "result")}
     same = answers["reference"]["engine"] == answers["result"]["engine"]
     parts = [_of_answers({**answer, "scene": content["scene"]}, source, role if same else "") for role, answer in answers.items()]

@@ -88,6 +88,24 @@ def test_metrics_differ_absolutely_and_none_is_no_number(a: baseline.Findings) -
     assert difference(neither, neither).same
 
 
+def test_places_of_mirrored_peaks_are_the_same(a: baseline.Findings) -> None:
+    one, other, apart = (
+        replace(a, figures={**a.figures, "metric.pressure_peak_place": place, "metric.shear": place}) for place in (-0.1, 0.1, 0.11)
+    )
+    assert verdicts(difference(one, other)) == {"metric.shear": DIFFERS}
+    assert verdicts(difference(one, apart)) == {"metric.shear": DIFFERS, "metric.pressure_peak_place": DIFFERS}
+
+
+def test_a_value_that_is_no_number_is_not_one_that_is_none(runs: Path, a: baseline.Findings) -> None:
+    content = json.loads((runs / "a" / "comparison.json").read_text())
+    content["metrics"]["shear"].update(value=None)
+    none = baseline.of_content(content, "none")
+    content["metrics"]["shear"].update(finite=False)
+    nan = baseline.of_content(content, "nan")
+    assert verdicts(difference(none, nan)) == {"metric.shear.finite": ONLY_B}
+    assert difference(nan, nan).same
+
+
 def test_a_dissipation_that_is_rounding_of_zero_is_not_compared_with_itself(a: baseline.Findings) -> None:
     """A f^2 P^2 of the scene is 0.0356: 1e-18 is rounding of it, a thousandth of a thousandth of it is not."""
     nothing = with_figures(a, semi_analytic__dissipation=1e-18)

@@ -1,0 +1,154 @@
+"""The pages of the published reports, in Markdown: every number on them is one of values.json, every word one of the scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from reports.baseline import COUNTS
+from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.definitions import DEFINITIONS
+from reports.publishing import External, error_of
+from reports.units import energy_unit, units
+from reports.verdicts import Metric
+from reports.wording import CLAIM, question, tolerance_of, value_of
+from scenes import Scene, load_scene
+
+_QUANTITIES = {
+    "dissipation": "dissipation of the last cycle",
+    "loop_work": "closed integral of Q dU",
+    "permanent_stick_half_width": "permanent stick half-width",
+    "largest_half_width": "largest contact half-width",
+    "largest_pressure": "largest pressure",
+}
+_HEADS = ("metric", "discrepancy", "as a share", "tolerance", "accurate")
+_ENGINES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
+
+
+def page(name: str, stored: Mapping[str, Any]) -> str:
+    """The page of a scene."""
+    scene = load_scene(name)
+    found = metrics(scene, stored)
+    parts = [
+        f"# {scene.title or name}",
+        "<!-- written by `make publish`: edit the code, not this page -->",
+        _sentence(scene.purpose) + (f" Source: {_sentence(scene.source)}" if scene.source else ""),
+        question(scene),
+        " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)))),
+        f"**{_lead(scene, found, stored)}**",
+        f"![Tractions at the largest load and the loop of the last cycle, both engines]({name}.svg)",
+        f"Largest normal load {stored['largest_normal_load']:.6g}; left, where it acts; right, the last cycle. "
+        "Broad pale lines: half-plane theory, at the points of the finite elements; thin dark ones: finite elements.",
+        "## Finite elements against half-plane theory",
+        _table(_HEADS, _metric_rows([metric for metric in found if metric.tolerance is not None], stored["accurate"])),
+        "<details><summary>Metrics without a tolerance</summary>",
+        _table(_HEADS[:3], [row[:3] for row in _metric_rows([m for m in found if m.tolerance is None], {})]),
+        "</details>",
+        "## Against others: closed forms and published values",
+        _table(("figure", "ours", "theirs", "difference", "tolerance", "verdict", "source"), _external_rows(scene, stored)),
+        "## Our own frozen values",
+        "They say that nothing moved, not that it is right.",
+        _table(("figure", *_ENGINES.values()), _frozen_rows(scene, stored["frozen"])),
+        f"`halfplane run {name}` makes the whole report. {CLAIM}",
+        "[All scenes](README.md)",
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
+    """The page that lists all."""
+    rows = []
+    for name, stored in scenes.items():
+        scene = load_scene(name)
+        found = {metric.key: metric for metric in metrics(scene, stored)}
+        met = [
+            stored["accurate"][key] for key, metric in found.items() if metric.tolerance is not None and key in stored["accurate"]
+        ]
+        cells = [f"{value_of(found[key])}" for key in ("peak_pressure", "shear", "dissipation")]
+        bodies = "half-planes" if scene.bodies.half_planes else "real bodies"
+        missed = [e["key"] for e in stored["external"] if _off(scene, stored, External(**e)) == "outside"]
+        rows.append((f"[{name}]({name}.md)", scene.title, bodies, *cells, f"{sum(met)} of {len(met)}", str(len(missed))))
+    heads = ("scene", "title", "bodies", "peak p", "q, L2", "dissipation", "tolerances met", "external values missed")
+    intro = (
+        "Every scene of the library through both engines, with their default settings. The columns in per cent are finite elements "
+        "against half-plane theory, worst instant of the last cycle; dissipation in A f² P_ref² where the reference has none. With "
+        "real bodies the two answer different questions on purpose, and a tolerance missed is a finding about the idealisation.\n\n"
+        "`make publish` writes this folder anew; [values.json](values.json) holds every number on these pages, and a test fails "
+        "where the code gives another one. What the two columns *external* and *frozen* are is told in "
+        "[regression.md](../../docs/regression.md)."
+    )
+    return f"# Published reports\n\n<!-- written by `make publish` -->\n\n{intro}\n\n{_table(heads, rows)}\n"
+
+
+def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
+    """The metrics with their values; whether each is accurate was judged when it was computed, and is stored beside them."""
+    found = []
+    for key, value in stored["frozen"].items():
+        part, _, name = key.partition(".")
+        if part == "metric" and not name.endswith(".finite"):
+            number = math.nan if f"{key}.finite" in stored["frozen"] else value
+            tolerance = getattr(scene.tolerances, name, None)
+            found.append(Metric(DEFINITIONS[name], number, tolerance=tolerance, absolute=name in stored["absolute"]))
+    return found
+
+
+def _lead(scene: Scene, found: Sequence[Metric], stored: Mapping[str, Any]) -> str:
+    accurate = stored["accurate"]
+    outside = [f"{m.label[:1].lower()}{m.label[1:]} ({value_of(m)} {m.unit})" for m in found if accurate.get(m.key) is False]
+    laws = "both answers obey every law of contact" if stored["admissible"] else "a law of contact is violated"
+    if not outside:
+        return f"Within all tolerances of the scene; {laws}."
+    why = "" if scene.bodies.half_planes else ": a finding about the idealisation"
+    return f"Outside tolerance in {', '.join(outside)}{why}; {laws}."
+
+
+def _metric_rows(found: Sequence[Metric], accurate: Mapping[str, bool]) -> Iterator[tuple[str, ...]]:
+    for metric in found:
+        verdict = {True: "within", False: "outside", None: "–"}[accurate.get(metric.key)]
+        yield metric.label, value_of(metric), metric.unit, tolerance_of(metric), verdict
+
+
+def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
+    for entry in stored["external"]:
+        external = External(**entry)
+        engine, _, quantity = external.key.partition(".")
+        off = error_of(external, stored["frozen"], scene, stored["largest_normal_load"])
+        yield (
+            f"{_QUANTITIES[quantity]}, {_ENGINES[engine]}",
+            _number(stored["frozen"][external.key]),
+            external.value if len(external.value) < 20 else f"{external.value[:20]}…",
+            f"{off:+.1e}",
+            f"{external.tolerance:.3g}",
+            _off(scene, stored, external),
+            external.source,
+        )
+
+
+def _off(scene: Scene, stored: Mapping[str, Any], external: External) -> str:
+    off = error_of(external, stored["frozen"], scene, stored["largest_normal_load"])
+    return "within" if abs(off) <= external.tolerance else "outside"
+
+
+def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[tuple[str, ...]]:
+    _, length, stress = units(scene)
+    unit = {"dissipation": energy_unit(scene), "loop_work": energy_unit(scene), "largest_pressure": stress}
+    for quantity, words in _QUANTITIES.items():
+        yield f"{words} [{unit.get(quantity, length)}]", *(_number(figures[f"{engine}.{quantity}"]) for engine in _ENGINES)
+    for count in COUNTS:
+        keys = [f"{engine}.counts.{count.replace(' ', '_')}" for engine in _ENGINES]
+        if any(key in figures for key in keys):
+            yield count, *(f"{figures[key]:,}" if key in figures else "–" for key in keys)
+
+
+def _number(value: float | None) -> str:
+    return "none" if value is None else f"{value:.10g}"
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
+
+
+def _table(heads: Sequence[str], rows: Iterator[tuple[str, ...]] | Sequence[tuple[str, ...]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)

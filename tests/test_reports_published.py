@@ -1,0 +1,121 @@
+"""reports/published/: its numbers are what the code gives, its pages are what its numbers give, and no wheel holds it."""
+
+import json
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hatchling.builders.wheel import WheelBuilder
+
+from reports import publishing
+from reports.baseline import Findings
+from reports.comparison import Comparison
+from reports.difference import SAME, difference
+from reports.publishing import External, error_of, externals, findings, frozen, half_plane_findings, stored_content
+from reports.publishing_figures import picture
+from reports.publishing_pages import index, page
+from scenes import load_scene, scene_names
+
+ROOT = Path(__file__).parents[1]
+STORED: dict[str, Any] = json.loads((publishing.FOLDER / "values.json").read_text(encoding="utf-8"))["scenes"]
+RENEW = "run `make publish`, look at what moved, and say why in CHANGELOG.md"
+# Half a dozen seconds in all: half-planes without slip and with a little, and real bodies.
+CHEAP = ("full-stick", "tiny-slip", "blocks")
+
+
+def changed(then: Findings, now: Findings) -> list[str]:
+    return [f"{row.key}: {row.a} -> {row.b}, {row.verdict}" for row in difference(then, now).rows if row.verdict != SAME]
+
+
+def half_plane_part(name: str) -> Findings:
+    kept = frozen(name, STORED[name])
+    return replace(kept, figures={key: value for key, value in kept.figures.items() if key.startswith("semi_analytic.")})
+
+
+@pytest.fixture(scope="module")
+def stick() -> Comparison:
+    return publishing.compute("full-stick")
+
+
+def same_as_published(comparison: Comparison) -> None:
+    name = comparison.scene.name
+    assert changed(frozen(name, STORED[name]), findings(comparison)) == [], RENEW
+    now = stored_content(comparison)
+    for key in ("admissible", "absolute", "accurate", "external"):
+        assert json.loads(json.dumps(now[key])) == STORED[name][key], f"{key}: {RENEW}"
+
+
+def test_the_whole_library_is_published_and_nothing_else() -> None:
+    assert list(STORED) == list(scene_names())
+    files = {"values.json", "README.md", *(f"{name}.{kind}" for name in scene_names() for kind in ("md", "svg"))}
+    assert {path.name for path in publishing.FOLDER.iterdir()} == files, RENEW
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_half_plane_figures_are_what_the_code_gives(name: str) -> None:
+    assert changed(half_plane_part(name), half_plane_findings(name)) == [], RENEW
+
+
+def test_a_stale_figure_is_found() -> None:
+    """2e-10 in one figure of half-plane theory, 2e-6 in one of the finite elements."""
+    then = frozen("hertz-paper", STORED["hertz-paper"])
+    for key, shift in (("semi_analytic.dissipation", 2e-10), ("halfplane_fe.dissipation", 2e-6)):
+        value = then.figures[key]
+        assert value
+        stale = replace(then, figures={**then.figures, key: value * (1 + shift)})
+        assert [line.split(":")[0] for line in changed(stale, then)] == [key]
+
+
+def test_finite_elements_in_full_stick_are_what_the_code_gives(stick: Comparison) -> None:
+    same_as_published(stick)
+
+
+@pytest.mark.parametrize("name", [name for name in CHEAP if name != "full-stick"])
+def test_figures_of_cheap_scenes_are_what_the_code_gives(name: str) -> None:
+    same_as_published(publishing.compute(name))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in scene_names() if name not in CHEAP])
+def test_figures_of_the_other_scenes_are_what_the_code_gives(name: str) -> None:
+    same_as_published(publishing.compute(name))
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_figures_agree_with_closed_forms_and_published_values(name: str) -> None:
+    """The external column, within its own tolerances: it is not renewed by what we compute."""
+    scene, stored = load_scene(name), STORED[name]
+    load = stored["largest_normal_load"]
+    known = [External(**entry) for entry in stored["external"]]
+    assert known == list(externals(scene, load))
+    assert "semi_analytic.dissipation" in {external.key for external in known}
+    for external in known:
+        assert abs(error_of(external, stored["frozen"], scene, load)) <= external.tolerance, external
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_pages_say_what_the_numbers_say(name: str) -> None:
+    assert (publishing.FOLDER / f"{name}.md").read_text(encoding="utf-8") == page(name, STORED[name]), RENEW
+
+
+def test_the_index_says_what_the_numbers_say() -> None:
+    assert (publishing.FOLDER / "README.md").read_text(encoding="utf-8") == index(STORED), RENEW
+
+
+def test_pictures_are_small_and_hold_neither_fonts_nor_dates(stick: Comparison) -> None:
+    drawn = picture(stick)
+    assert drawn == picture(stick)
+    for name in scene_names():
+        text = (publishing.FOLDER / f"{name}.svg").read_text(encoding="utf-8")
+        assert len(text) < 60_000
+        assert ET.fromstring(text).tag.endswith("svg")
+        assert not [word for word in ("@font-face", "dc:date", "data:") if word in text]
+
+
+def test_no_wheel_holds_the_published_reports() -> None:
+    packed = {file.distribution_path for file in WheelBuilder(str(ROOT)).recurse_included_files()}
+    assert "reports/publishing.py" in packed
+    assert "reports/templates/report.html" in packed
+    assert not [path for path in packed if "published" in path]
