@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import CallableProfile, InputError
 from scenes.chebyshev import Pieces, halved
-from semi_analytic.pile import Pile, panels, rising_root
+from semi_analytic.panels import panels
+from semi_analytic.pile import Pile, rising_root
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import beta, betainc, gamma, hyp2f1, rgamma
 
 from semi_analytic.hertz import log_excess
-from semi_analytic.pile import INVERSE_ROOT, in_chunks, panels
+from semi_analytic.panels import INVERSE_ROOT, in_chunks, panels
 
 Array = NDArray[np.float64]
 

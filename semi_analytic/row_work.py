@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semi_analytic.contact import Contact
-from semi_analytic.pile import ROOTS
+from semi_analytic.panels import ROOTS
 from semi_analytic.quadrature import NODES, graded
 from semi_analytic.stack import Records
 

@@ -53,32 +53,6 @@ def tip_pressure(x: ArrayLike, a: ArrayLike, b: ArrayLike) -> Array:
     return np.maximum(k * np.arctan2(end, tau) + end * np.arcsinh(one) - at * np.arcsinh(other), 0.0) * (at < half) / np.pi
 
 
-def tip_spread(x: ArrayLike, a: ArrayLike, b: ArrayLike) -> Array:
-    """S = int_0^P arccosh(x/a) dP for a <= x, the whole of it (a = x) beyond.
-
-    P arccosh(x/a) - [x m arcsin(b/a) - x^2 arctan2(m b, x tau) + b^2 arctan2(x tau, m b) - 2 x b arctan2(tau, m)]/2,
-    m^2 = x^2 - a^2.
-
-    >>> round(float(tip_spread(5.0, 5.0, 3.0)) / np.pi, 12)  # pi/2 (b x - b^2/2)
-    5.25
-    """
-    at, half, end = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (x, a, b)))
-    half = np.minimum(half, at)
-    end = np.minimum(end, half)
-    m = np.sqrt((at - half) * (at + half))
-    tau = np.sqrt((half - end) * (half + end))
-    reach = np.arcsinh(m / np.where(half > 0, half, np.inf))
-    # Up to a = b: (x a^2/(x + m)) pi/4, which the general form has as a difference.
-    hertz = at * half * half / np.where(at + m > 0, at + m, 1.0) * (np.pi / 4)
-    rest = (
-        at * at * np.arctan2(m * end, at * tau)
-        - at * m * np.arctan2(end, tau)
-        - end * end * np.arctan2(at * tau, m * end)
-        + 2 * at * end * np.arctan2(tau, m)
-    ) / 2
-    return tip_load(half, end) * reach + np.where(tau > 0, rest, hertz)
-
-
 def tip_log(a: ArrayLike, b: ArrayLike) -> Array:
     """int_0^a P/alpha d alpha = P/2 + b tau/2 - (b^2/2) arctan(tau/b).
 
