@@ -130,6 +130,12 @@ class TestResultants:
         assert found.metric("resultant_tangential").value == pytest.approx(sideways.max(), rel=1e-9)
         assert not found.metric("resultant_normal").note
 
+    def test_shear_on_a_leaning_surface_lifts(self) -> None:
+        """p / 2 along the normal and as much again across it, on a surface that leans by 0.1."""
+        sheared = weighted(0.1, 0.5)
+        found = compare(TRUTH, dataclasses.replace(sheared, shear=sheared.pressure))
+        assert found.metric("resultant_normal").value == pytest.approx(0.5 * (np.cos(0.1) - np.sin(0.1)) - 1, rel=1e-9)
+
     def test_need_no_reference(self) -> None:
         values = [value(other, weighted(0.1), "resultant_normal") for other in (TRUTH, changed(pressure=2 * TRUTH.pressure))]
         assert values[0] == values[1] != 0.0

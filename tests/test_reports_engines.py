@@ -52,6 +52,49 @@ def test_the_papers_cycle_on_a_coarse_mesh(paper: Comparison) -> None:
     assert paper.admissible
 
 
+def test_the_other_metrics_on_a_coarse_mesh(paper: Comparison) -> None:
+    """Limits at about twice the measured value, in parts of a thousand; p and q are worst within an element of an edge."""
+    limits = {
+        "pressure_maximum": 75.0,  # 36
+        "shear_maximum": 300.0,  # 149
+        "peak_shear": 60.0,  # 27
+        "contact_edge_left": 10.0,  # 4.8
+        "contact_edge_right": 10.0,  # 4.8
+        "stick_set": 15.0,  # 6.9
+        "slip_reversal": 90.0,  # 40: a slip zone of less than an element is not seen
+        "slip": 1.5,  # 0.64
+        "slip_maximum": 6.0,  # 2.6
+        "hysteresis_distance": 0.5,  # 0.08
+        "dissipation_absolute": 0.07,  # 0.02, and 0.5 % of W at most
+        "dissipation_density_norm": 15.0,  # 6.1
+        "dissipation_density_peak": 10.0,  # 3.4
+        "resultant_normal": 1e-9,  # 6e-13
+        "resultant_tangential": 1e-9,  # 3e-13
+        "energy_balance": 1e-9,  # 3e-13
+    }
+    for key, limit in limits.items():
+        value = paper.metric(key).value
+        assert value is not None
+        assert 0 < abs(value) < 1e-3 * limit, key
+
+
+def test_what_is_known_to_so_much_is_off_by_no_more(paper: Comparison) -> None:
+    """Edges with the uncertainty of the mesh, places with the spacing of points, instants with the step between them."""
+    for key in (
+        "contact_edge_left",
+        "stick_edge_left",
+        "stick_edge_right",
+        "shear_peak_place",
+        "full_stick_start",
+        "full_stick_end",
+    ):
+        metric = paper.metric(key)
+        assert metric.value is not None
+        assert metric.uncertainty is not None
+        assert abs(metric.value) <= 1.000001 * metric.uncertainty, key
+    assert abs(paper.metric("contact_edge_left").value - paper.metric("contact_edge_right").value) < 1e-9
+
+
 def test_the_three_dissipations_fit_together(paper: Comparison) -> None:
     """(1 + step error)(1 + all other errors) = 1 + error: W_fe/W_polygon * W_polygon/W_smooth."""
     total, other, step = (paper.metric(f"dissipation{part}").value for part in ("", "_polygon", "_step"))
@@ -95,6 +138,7 @@ def test_report_of_both_engines(paper: Comparison, tmp_path: Path) -> None:
     assert {"mesh.csv", "energy.csv", "certificates_result.csv"} <= names
     assert not (tmp_path / "out" / "fields").exists()
     assert page.stat().st_size < 8e6
+    assert f"All other metrics ({len(paper.others)})" in page.read_text(encoding="utf-8")
     stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
     assert stored["result"]["skipped"]["condensations"]["count"] == 1
     assert stored["result"]["versions"]["numpy"] == np.__version__

@@ -26,6 +26,13 @@ class TestStick:
         assert found.metric("stick_set").value == pytest.approx(100 / whole, rel=1e-9)
         assert seen(found) == {"stick_set", "state"}
 
+    def test_stick_set_is_the_same_both_ways(self) -> None:
+        """Too little stick and too much of it count alike: over what sticks in either."""
+        state = np.where(TRUTH.x > 0, SurfaceState.OPEN, TRUTH.state).astype(np.int8)
+        there, back = (value(*pair, "stick_set") for pair in ((TRUTH, changed(state=state)), (changed(state=state), TRUTH)))
+        assert there == pytest.approx(back, rel=1e-12)
+        assert there == pytest.approx(0.5, abs=0.02)
+
     def test_stick_sets_apart_share_nothing(self) -> None:
         assert value(TRUTH, changed(state=np.where(TRUTH.state == 1, 2, 1).astype(np.int8)), "stick_set") == 1.0
 
@@ -42,6 +49,11 @@ class TestStick:
         found = compare(full_stick((110, STEPS), (0, 5)), full_stick((0, 2)))
         assert found.metric("full_stick_start").value == pytest.approx(10 / STEPS, rel=1e-9)
         assert found.metric("full_stick_end").value == pytest.approx(-3 / STEPS, rel=1e-9)
+
+    def test_a_single_instant_of_full_stick_is_a_turn_and_no_stretch(self) -> None:
+        found = compare(full_stick((50, 58), (90, 90)), full_stick((50, 58)))
+        assert found.metric("full_stick_start").value == 0.0
+        assert not found.metric("full_stick_start").note
 
     def test_full_stick_that_the_result_lacks(self) -> None:
         metric = compare(full_stick((50, 58), (90, 93)), full_stick((50, 58))).metric("full_stick_end")
