@@ -6,7 +6,7 @@ import json
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -137,19 +137,23 @@ def physics(scene: Scene) -> dict[str, Any]:
     90.62286500739786
     """
     content = {key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS}
-    return dict(_flat("", content))
+    return flat(content)
 
 
-def _flat(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+def flat(value: Any, name: str = "") -> dict[str, Any]:
+    """Nested mappings and lists as one mapping.
+
+    >>> flat({"load": {"cycle": [[1.0, 0.5]]}})
+    {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
+    """
     if isinstance(value, Mapping):
-        for key, entry in value.items():
-            if key != "file":  # its rows are here; where they once lay is nobody's business
-                yield from _flat(f"{name}.{key}" if name else str(key), entry)
+        # A file's rows are here; where they once lay is nobody's business.
+        entries = [(f"{name}.{key}" if name else str(key), entry) for key, entry in value.items() if key != "file"]
     elif isinstance(value, list):
-        for number, entry in enumerate(value):
-            yield from _flat(f"{name}[{number}]", entry)
+        entries = [(f"{name}[{number}]", entry) for number, entry in enumerate(value)]
     else:
-        yield name, value
+        return {name: value}
+    return {key: part for entry_name, entry in entries for key, part in flat(entry, entry_name).items()}
 
 
 def _of_folder(folder: Path, source: str) -> Findings:

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from reports.baseline import Findings, physics
+from reports.baseline import Findings, flat, physics
 from scenes import InputError
 
 # The first pattern that fits a key counts. What processors of other kinds give is told in docs/regression.md.
@@ -65,7 +65,7 @@ class Difference:
 
     @property
     def same(self) -> bool:
-        """Whether every figure is in both and within its tolerance."""
+        """Whether every figure of what both have is in both and within its tolerance."""
         return all(row.verdict == SAME for row in self.rows)
 
     def as_json(self) -> str:
@@ -90,8 +90,9 @@ def difference(a: Findings, b: Findings, tolerances: Mapping[str, float] | None 
         For different scenes, no common engine, or a pattern that fits no key.
     """
     _refuse_other_scene(a, b)
-    keys = [*a.figures, *(key for key in b.figures if key not in a.figures)]
-    if not a.figures.keys() & b.figures.keys():
+    shared = _groups(a) & _groups(b)
+    keys = [key for key in {**a.figures, **b.figures} if _group(key) in shared]
+    if not keys:
         raise InputError(f"{a.source} and {b.source} have no figure in common: {_engines(a)} and {_engines(b)}")
     _refuse_unknown(tolerances or {}, keys)
     patterns = [*(tolerances or {}).items(), *b.tolerances.items(), *a.tolerances.items(), *DEFAULTS]
@@ -133,6 +134,15 @@ def _refuse_other_scene(a: Findings, b: Findings) -> None:
         raise InputError(f"{a.source} and {b.source} answer different scenes: {named}{more}")
 
 
+def _group(key: str) -> str:
+    """What a figure belongs to: the comparison, or an engine."""
+    return key.partition(".")[0]
+
+
+def _groups(findings: Findings) -> set[str]:
+    return {_group(key) for key in findings.figures}
+
+
 def _engines(findings: Findings) -> str:
     return " and ".join(findings.engines) or "no engine"
 
@@ -163,13 +173,15 @@ def _floor(key: str, findings: Findings) -> float:
 
 
 def _notes(a: Findings, b: Findings) -> Iterator[str]:
-    """What moves figures without being one: settings and versions; engines that did not converge."""
-    for engine in a.engines.keys() & b.engines.keys():
-        for part in ("settings", "versions"):
-            ours, theirs = a.engines[engine].get(part, {}), b.engines[engine].get(part, {})
-            for key in sorted({**ours, **theirs}):
-                if ours.get(key) != theirs.get(key):
-                    yield f"{part} of {engine}: {key} is {ours.get(key, 'absent')} in A and {theirs.get(key, 'absent')} in B"
+    """What is not compared, what moves figures without being one (settings, versions), engines that did not converge."""
+    for letter, more, less in (("A", a, b), ("B", b, a)):
+        for group in sorted(_groups(more) - _groups(less)):
+            yield f"not compared, for it is only in {letter}: {group}.*"
+    for engine in sorted(a.engines.keys() & b.engines.keys()):
+        ours, theirs = flat(a.engines[engine]), flat(b.engines[engine])
+        for key in {**ours, **theirs}:
+            if ours.get(key) != theirs.get(key):
+                yield f"{engine}: {key} is {ours.get(key, 'absent')} in A and {theirs.get(key, 'absent')} in B"
     for letter, findings in (("A", a), ("B", b)):
         yield from (f"{letter} did not converge: {sentence}" for sentence in findings.unfinished)
 

@@ -119,6 +119,18 @@ def test_a_figure_that_one_lacks_is_a_difference(a: baseline.Findings) -> None:
     assert verdicts(difference(less, a)) == {"metric.state": ONLY_B}
 
 
+def test_what_only_one_side_holds_at_all_is_told_and_not_compared(runs: Path, a: baseline.Findings) -> None:
+    """The answer of one engine against a whole run: its own figures count, and any of these that the run lacks."""
+    alone = baseline.read(runs / "solution.nc")
+    engine = {"semi_analytic" + key.removeprefix("closed_form"): value for key, value in alone.figures.items()}
+    found = difference(replace(alone, figures=engine), a)
+    assert found.same
+    assert {row.key.partition(".")[0] for row in found.rows} == {"semi_analytic"}
+    assert found.notes == ("not compared, for it is only in B: halfplane_fe.*", "not compared, for it is only in B: metric.*")
+    less = replace(alone, figures={key: value for key, value in engine.items() if not key.endswith("dissipation")})
+    assert verdicts(difference(less, a)) == {"semi_analytic.dissipation": ONLY_B}
+
+
 def test_tolerances_of_the_command_line_come_first_then_those_kept(a: baseline.Findings) -> None:
     other = with_figures(a, metric__shear=1e-3)
     assert not difference(a, other).same
@@ -154,10 +166,10 @@ def test_no_figure_in_common_is_refused(a: baseline.Findings) -> None:
 
 
 def test_settings_and_versions_that_differ_are_told(a: baseline.Findings) -> None:
-    engines = {**a.engines, "halfplane_fe": {"settings": {"order": 1}, "versions": {}}}
+    engines = {**a.engines, "halfplane_fe": {"settings": {"mesh": {"order": 1}}, "versions": {}}}
     found = difference(a, replace(a, engines=engines))
     assert found.same
-    assert found.notes == ("settings of halfplane_fe: order is absent in A and 1 in B",)
+    assert found.notes == ("halfplane_fe: settings.mesh.order is absent in A and 1 in B",)
 
 
 class TestCommand:
