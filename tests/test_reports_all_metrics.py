@@ -207,6 +207,23 @@ def test_units_do_not_matter(fault: str, stress: float, length: float) -> None:
             assert metric.value == pytest.approx(expected.value, rel=1e-9, abs=1e-12), metric.key
 
 
+def test_units_do_not_matter_where_the_reference_does_nothing() -> None:
+    """No work, no slip: absolute figures, of a result with a constant density of work and slip."""
+    still = changed(dissipation=0.0, dissipation_density=0 * TRUTH.x, slip=0 * TRUTH.slip)
+    result = with_fields(still, dissipation=1e-3, dissipation_density=1e-3 + 0 * TRUTH.x, slip=1e-3 + 0 * TRUTH.slip)
+    before, after = compare(still, result), compare(in_other_units(still, 1e9, 1e3), in_other_units(result, 1e9, 1e3))
+    for key in (
+        "dissipation",
+        "dissipation_density",
+        "dissipation_density_norm",
+        "dissipation_density_peak",
+        "slip",
+        "slip_maximum",
+    ):
+        assert before.metric(key).absolute, key
+        assert after.metric(key).value == pytest.approx(before.metric(key).value, rel=1e-9), key
+
+
 @pytest.mark.parametrize(
     "name", ["hertz-paper", "flat-rounded-paper", "full-stick", "hertz-normal", "cylinder-roller-frictionless"]
 )

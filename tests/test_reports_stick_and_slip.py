@@ -76,6 +76,18 @@ class TestStick:
         assert found.metric("slip_reversal").value == pytest.approx(late / STEPS, rel=1e-9)
         assert found.metric("slip_reversal").time == TRUTH.time[begin + 5]
 
+    @pytest.mark.parametrize("late", [-2, 3])
+    def test_each_reversal_is_compared_with_its_own(self, late: int) -> None:
+        """Three times to and fro in a cycle, all late by as much, so that one of them comes round the end of the cycle."""
+        found = compare(to_and_fro(0), to_and_fro(late))
+        assert found.metric("slip_reversal").value == pytest.approx(late / STEPS, rel=1e-9)
+
+    def test_an_edge_that_one_lacks_is_no_edge(self) -> None:
+        edges = TRUTH.stick_edges.copy()
+        edges[40:43] = np.nan
+        found = compare(TRUTH, changed(stick_edges=edges))
+        assert found.metric("stick_edge_left").value == found.metric("stick_edge_right").value == 0.0
+
     def test_reversals_that_are_not_as_many(self) -> None:
         state = np.where(TRUTH.state == 3, 2, TRUTH.state).astype(np.int8)
         metric = compare(TRUTH, changed(state=state)).metric("slip_reversal")
@@ -89,6 +101,12 @@ def full_stick(*runs: tuple[int, int]) -> ContactSolution:
     for first, last in runs:
         edges[first : last + 1] = TRUTH.contact_edges[first : last + 1]
     return changed(stick_edges=edges)
+
+
+def to_and_fro(late: int) -> ContactSolution:
+    """Slip all over the contact, its sense changing every 20 of the 120 steps, the first time at step 1 + `late`."""
+    forward = ((np.arange(STEPS + 1) - 1 - late) % STEPS // 20 % 2 == 0)[:, None]
+    return changed(state=np.where(INSIDE, np.where(forward, 2, 3), 0).astype(np.int8))
 
 
 def begins(solution: ContactSolution, step: int) -> ContactSolution:
