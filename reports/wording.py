@@ -76,9 +76,9 @@ def value_of(metric: Metric) -> str:
 
 
 def unit_of(metric: Metric) -> str:
-    """What the value is a share of; an edge's shift in elements beside it."""
-    elements = metric.elements
-    return metric.unit + ("" if elements is None else f" ({_number(elements, signed=True)} elements)")
+    """What the value is a share of; an edge's shift in elements, or in local spacings h of the points, beside it."""
+    counts = (metric.elements, "elements"), (metric.spacings, "h")
+    return metric.unit + "".join(f" ({_number(count, signed=True)} {of})" for count, of in counts if count is not None)
 
 
 def uncertainty_of(metric: Metric) -> str:

@@ -13,6 +13,7 @@ from reports import compare
 from reports.comparison import Comparison
 from reports.definitions import DEFINITIONS, markdown
 from reports.summary import as_json
+from reports.wording import unit_of
 from scenes import ContactSolution, Materials, Record, freeze, load_scene
 from test_reports_metrics import FAULTS, TRUTH, changed
 from test_reports_synthetic import with_fields
@@ -149,6 +150,7 @@ def test_edge_in_local_spacings() -> None:
     edges = TRUTH.contact_edges + np.array([-0.01, 0.0])
     metric = compare(TRUTH, changed(contact_edges=edges)).metric("contact_edge_left")
     assert metric.spacings == pytest.approx(0.01 / SPACING)
+    assert unit_of(metric) == f"of a_ref (+{0.01 / SPACING:.3g} h)"
     assert metric.place == pytest.approx(-1.01)
 
 
