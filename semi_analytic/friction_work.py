@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from scenes import EllipseLeg, ParabolaLeg, StraightLeg
 from semi_analytic.contact import Contact
@@ -34,8 +35,8 @@ from semi_analytic.snapshot import take
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-
 _CHUNK = 256
+_STORED = 1e-3
 
 
 class Split(NamedTuple):
@@ -57,29 +58,36 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     works, error = np.zeros(len(slipping)), 0.0
     straight = np.array([_is_straight(span) for span in slipping], dtype=bool)
     for number in np.flatnonzero(~straight):
-        works[number], doubt = _work_of_curved(contact, slipping[number])
-        error += doubt
+        span = slipping[number]
+        works[number] = _work_of_curved(contact, span, [span.begin.time], [span.end.time])[0]
     if np.any(straight):
         works[straight] = _work_of_straight(contact, [span for span, here in zip(slipping, straight, strict=True) if here])
+    # One size for all: a short span by itself may be all rounding, and would never settle to its own.
+    size = float(np.sum(works))
+    for number in np.flatnonzero(~straight):
+        if uneven(slipping[number]):
+            works[number], doubt = _settled_work(contact, slipping[number], size)
+            error += doubt
     forward = np.array([span.direction > 0 for span in slipping], dtype=bool)
     factor = 2 / (math.pi * modulus)
     return Split(factor * np.sum(works[forward]), factor * np.sum(works[~forward]), np.asarray(factor * error))
 
 
-def _work_of_curved(contact: Contact, span: Span) -> tuple[float, float]:
-    """f int w' Lam dt of one span, and its error."""
+def _work_of_curved(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike) -> Array:
+    """f int w' Lam dt over parts of one span, from begin[k] to end[k]: (n,)."""
+    times, weights = graded(begin, end)
+    area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
+    growth = rate(span.leg, level(span.direction, span.friction), times)
+    return np.asarray(span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1))
+
+
+def _settled_work(contact: Contact, span: Span, size: float) -> tuple[float, float]:
+    """The same over the whole span, settled to 1e-12 of `size`, and its error."""
 
     def work(_: Indices, begin: Array, end: Array) -> Array:
-        times, weights = graded(begin, end)
-        area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
-        growth = rate(span.leg, level(span.direction, span.friction), times)
-        return span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1)
+        return _work_of_curved(contact, span, begin, end)
 
-    begin, end = np.array([span.begin.time]), np.array([span.end.time])
-    whole = work(np.zeros(1, dtype=int), begin, end)
-    if not uneven(span):
-        return float(whole[0]), 0.0
-    value, error = settled(work, begin, end, float(whole[0]))
+    value, error = settled(work, [span.begin.time], [span.end.time], size)
     return float(value[0]), float(error[0])
 
 
@@ -180,19 +188,22 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
         rates = [rate(span.leg, Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(some, rules, strict=True)]
         return -float(np.sum(shift * np.concatenate(rates)))
 
+    def part(span: Span, low: float, high: float) -> float:
+        return loop([span], [graded(low, high)])
+
     even = [span for span in spans if not uneven(span)]
     total = loop(even, [graded(span.begin.time, span.end.time) for span in even]) if even else 0.0
-    for span in spans:
-        if uneven(span):
-            total += _settled_loop(lambda low, high, span=span: loop([span], [graded(low, high)]), span)  # type: ignore[misc]
+    rough = [(span, part(span, span.begin.time, span.end.time)) for span in spans if uneven(span)]
+    # What is stored and given back may be much larger than the rest; a short part by itself may be all rounding.
+    size = max(abs(total + sum(value for _, value in rough)), _STORED * sum(abs(value) for _, value in rough))
+    total += sum(_settled_loop(partial(part, span), span, max(size, abs(value))) for span, value in rough)
     return 2 / (math.pi * modulus) * total
 
 
-def _settled_loop(work: Callable[[float, float], float], span: Span) -> float:
-    """A part of a closed integral over one span."""
+def _settled_loop(work: Callable[[float, float], float], span: Span, size: float) -> float:
+    """A part of a closed integral over one span, settled to 1e-12 of `size`."""
 
     def each(_: Indices, begin: Array, end: Array) -> Array:
         return np.array([work(low, high) for low, high in zip(begin.tolist(), end.tolist(), strict=True)])
 
-    first, last = span.begin.time, span.end.time
-    return float(settled(each, [first], [last], abs(work(first, last))).value[0])
+    return float(settled(each, [span.begin.time], [span.end.time], size).value[0])
