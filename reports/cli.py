@@ -29,6 +29,7 @@ Examples:
   halfplane scenes                          what the library has
   halfplane run hertz-paper                 both engines, verdict and page
   halfplane run hertz-paper --steps-per-cycle 320 --out out/fine
+  halfplane run blocks --budget             where the discrepancy comes from
   halfplane init my.toml                    a commented scene to start from
   halfplane init my.toml --bodies           the same with a block and a pad
   halfplane check my.toml                   is it read, is it admissible?
