@@ -4,7 +4,10 @@
 
 A field is a sum of M' times differences of a kernel at the knots of the memory: its error is that of the kernel, f times, twice a
 knot. Arcs are integrated by two rules that share nothing but the kernel; so is the dissipation of a steady cycle, as f int Lam dw
-and as closed-int Q dU. What two ways differ by counts as error.
+and as closed-int Q dU. What two ways differ by counts as error. Long series are integrated once, their sample of slip areas counts.
+
+Profiles in closed form have no entry: Hertz, flat and rounded, and power laws, whose special functions and one quadrature keep
+1e-13 of their own value against forty digits (1.4e-13 for n = 20).
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from scenes import ContactSolution, Record, Scene, Work, freeze
 from semi_analytic.bookkeeping import versions
 from semi_analytic.contact import Contact, contact_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
+from semi_analytic.errors import field_errors
 from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.question import FIELDS, folded, spread
 from semi_analytic.route import Cycles
@@ -59,8 +60,18 @@ def solve_rows(scene: Scene, x: Array | None, time: Array | None, cycles: Cycles
     lines = series_of(asked, series.snapshot)
     grids = grids_of(asked, series.snapshot, lines["contact_half_width"], lines["stick_half_width"])
     seconds = {"history": followed - started, "fields": clock.perf_counter() - followed}
+    errors = field_errors(asked, series.snapshot, lines, grids) | _work_errors(fields, series)
     settings = {"cycles": cycles, "fields": sorted(fields), "straight_steps": False}
-    return _solution(scene, asked, series, lines, grids, seconds, settings, thinned)
+    return _solution(scene, asked, series, lines, grids, seconds, settings, thinned, errors)
+
+
+def _work_errors(fields: frozenset[str], series: Series) -> dict[str, float]:
+    """Estimates of dissipation over itself and of the density over its largest value; none for closed forms."""
+    last = series.passes[series.calendar.covered[-1]]
+    if "dissipation" not in fields or not last.doubt:
+        return {}
+    error = last.doubt / last.work
+    return {name: error for name in ("dissipation", "dissipation_density") if name in fields}
 
 
 def _solution(
@@ -72,6 +83,7 @@ def _solution(
     seconds: Mapping[str, float],
     settings: Mapping[str, Any],
     thinned: int,
+    errors: Mapping[str, float],
 ) -> ContactSolution:
     factor = 2 * scene.friction.coefficient / (math.pi * asked.modulus)
     calendar, last = series.calendar, series.passes[series.calendar.covered[-1]]
@@ -90,7 +102,7 @@ def _solution(
         dissipation_density=freeze(density[asked.fold]),
         permanent_stick_half_width=stick if stick > 0 else math.nan,
         steady_from=calendar.steady_from,
-        record=_record(scene, asked, series, factor, grids, thinned),
+        record=replace(_record(scene, asked, series, factor, grids, thinned), errors=errors),
         work=_work(scene, asked, series, seconds),
         settings=settings,
         versions=versions(),

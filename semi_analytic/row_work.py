@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from semi_analytic.contact import Contact
+from semi_analytic.contact import Contact, corner_loads
 from semi_analytic.panels import ROOTS
+from semi_analytic.pile import Pile
 from semi_analytic.quadrature import NODES, graded
 from semi_analytic.stack import Records
 
@@ -19,23 +20,45 @@ Array = NDArray[np.float64]
 
 _CHUNK = 200_000
 # Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the singularity. Above, graded.
+_RULE, _SAMPLE = 3e-13, 200
 _RULES = ((0.05, 4), (0.3, 6), (0.6, 12), (0.9, 24))
+
+
+def _crowded(count: int) -> tuple[Array, Array]:
+    """Gauss' rule in t on [0, 1] of 3 t^2 - 2 t^3."""
+    node, weight = np.polynomial.legendre.leggauss(count)
+    t = (1 + node) / 2
+    return t * t * (3 - 2 * t), weight * 3 * t * (1 - t)
+
+
+_CROWDED = _crowded(24)
 
 
 def slip_work(contact: Contact, records: Records) -> Array:
     """int Lam dw of each record (m,) [force^2 per thickness^2]."""
-    parts = _cut_at_corners(contact, records)
-    found = _smooth_work(contact, parts)
-    return found if parts is records else np.bincount(parts.row, found, len(records.row)).astype(float)
+    corners = corner_loads(contact)
+    if not len(corners):
+        return _smooth_work(contact, records, corners)
+    parts = _cut_at_corners(corners, records)
+    return np.bincount(parts.row, _smooth_work(contact, parts, corners), len(records.row)).astype(float)
 
 
-def _cut_at_corners(contact: Contact, records: Records) -> Records:
+def work_error(contact: Contact, records: Records) -> float:
+    """Error of the sum of `slip_work` from above, by a sample of records; 0 for closed forms [force^2 per thickness^2]."""
+    if not isinstance(contact, Pile) or not len(records.row):
+        return 0.0
+    some = np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int))
+    load = np.concatenate([records.load[some], records.load_after[some]])
+    slipped = np.maximum(load - np.concatenate([records.front[some], records.front_after[some]]), 0.0)
+    area = contact.log_area(load, slipped)
+    left = contact.quadrature_error("log_area", load, slipped) + _RULE * area
+    return float(np.max(left[np.isfinite(left)], initial=0.0) * np.sum(records.rise))
+
+
+def _cut_at_corners(corners: Array, records: Records) -> Records:
     """The records, each cut where P or P_c is the load of a corner of the profile; `row` is then the number of the record."""
-    breaks = getattr(contact, "breaks", ())
-    if not breaks:
-        return records
     parts = records._replace(row=np.arange(len(records.row)))
-    for load in contact.load(np.array(breaks)).tolist():
+    for load in corners.tolist():
         for begin_name, end_name in (("load", "load_after"), ("front", "front_after")):
             begin, end = getattr(parts, begin_name), getattr(parts, end_name)
             through = np.flatnonzero((begin - load) * (end - load) < 0)
@@ -56,32 +79,56 @@ def _cut(records: Records, which: NDArray[np.intp], share: Array) -> Records:
     return Records._make(np.concatenate(pair) for pair in zip(first, second, strict=True))
 
 
-def _smooth_work(contact: Contact, records: Records) -> Array:
+def _smooth_work(contact: Contact, records: Records, corners: Array) -> Array:
     slip = np.maximum(records.load - records.front, 0.0)
     slip_after = np.maximum(records.load_after - records.front_after, 0.0)
-    # Along a record P and P_c are linear; the integrand is singular where either would be 0, beyond an end, if they went on.
-    ends = ((records.load, records.load_after), (records.front, records.front_after))
-    share = np.maximum(*(1 - np.minimum(a, b) / np.maximum(np.maximum(a, b), np.finfo(float).tiny) for a, b in ends))
+    # Along a record P and P_c are linear; the integrand is singular where either would be 0, beyond an end, if they went on, and
+    # where it would be at the corner below: as d^(3/2) only, which nodes that crowd to both ends resolve.
+    ends = [
+        (np.minimum(*pair), np.maximum(*pair))
+        for pair in ((records.load, records.load_after), (records.front, records.front_after))
+    ]
+    share = np.maximum(*(_share(*pair, np.empty(0)) for pair in ends))
+    behind = np.maximum(*(_share(*pair, corners) for pair in ends)) > np.maximum(share, _RULES[0][0])
     result = np.zeros(len(slip))
     below = -1.0
     for limit, count in (*_RULES, (np.inf, 0)):
-        here = np.flatnonzero((share > below) & (share <= limit))
+        here = np.flatnonzero((share > below) & (share <= limit) & ~(behind & (count > 0)))
         below = limit
         node, weight = np.polynomial.legendre.leggauss(count) if count else (2 * ROOTS.up - 1, 2 * ROOTS.share)
-        part = (1 + node) / 2
-        for k in range(0, len(here), _CHUNK // len(node) + 1):
-            some = here[k : k + _CHUNK // len(node) + 1]
-            load = records.load[some, None] + (records.load_after - records.load)[some, None] * part
-            slipped = slip[some, None] + (slip_after - slip)[some, None] * part
-            area = contact.log_area(load, np.minimum(slipped, load))
-            result[some] = records.rise[some] * np.sum(weight / 2 * area, axis=1)
+        result[here] = _by_rule(contact, records, here, slip, slip_after, (1 + node) / 2, weight / 2)
+    here = np.flatnonzero(behind & (share <= _RULES[-1][0]))
+    result[here] = _by_rule(contact, records, here, slip, slip_after, *_CROWDED)
     return result
+
+
+def _by_rule(
+    contact: Contact, records: Records, here: NDArray[np.intp], slip: Array, slip_after: Array, part: Array, weight: Array
+) -> Array:
+    """int Lam dw of some records by nodes and weights on [0, 1]."""
+    result = np.empty(len(here))
+    size = _CHUNK // len(part) + 1
+    for k in range(0, len(here), size):
+        some = here[k : k + size]
+        load = records.load[some, None] + (records.load_after - records.load)[some, None] * part
+        slipped = slip[some, None] + (slip_after - slip)[some, None] * part
+        area = contact.log_area(load, np.minimum(slipped, load))
+        result[k : k + size] = records.rise[some] * np.sum(weight * area, axis=1)
+    return result
+
+
+def _share(low: Array, high: Array, corners: Array) -> Array:
+    """How much of the way to the corner below `high`, or to 0, a range takes: 1 - low/high counted from there."""
+    base = np.append(0.0, corners)[np.searchsorted(corners, (low + high) / 2)]
+    return 1 - np.maximum(low - base, 0.0) / np.maximum(high - base, np.finfo(float).tiny)
 
 
 def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     """int p arccosh(|x|/c) dw of all records at |x| = `x` (k,): shape (k,) [stress * force per thickness]."""
     edge = contact.load(x)
     total = np.zeros(len(x))
+    corners = corner_loads(contact)
+    records = _cut_at_corners(corners, records) if len(corners) else records
     size = max(_CHUNK // len(x), 1)
     for k in range(0, len(records.row), size):
         some = Records._make(values[k : k + size] for values in records)

@@ -19,7 +19,7 @@ from semi_analytic.contact import Contact
 from semi_analytic.history import check
 from semi_analytic.legs import Instant
 from semi_analytic.memory import Curve, Piece
-from semi_analytic.row_work import density_of_records, slip_work
+from semi_analytic.row_work import density_of_records, slip_work, work_error
 from semi_analytic.stack import Stack, follow_rows
 
 Array = NDArray[np.float64]
@@ -56,6 +56,7 @@ class Pass:
     Attributes
     ----------
     forward, reverse : friction work over f A/pi [force^2 per thickness^2]
+    doubt : error of both together from above, 0 for closed forms
     density : (k,) the same at points, forward and reverse together [stress * force per thickness]
     each : (rows,) work in the step that ends at each row, where work was wanted
     front, held, direction : (n,) P_c, M(P_c) and direction of slip at the instants
@@ -66,6 +67,7 @@ class Pass:
 
     forward: float = 0.0
     reverse: float = 0.0
+    doubt: float = 0.0
     density: Array = field(default_factory=lambda: np.zeros(0))
     each: list[Array] = field(default_factory=list)
     front: list[Array] = field(default_factory=list)
@@ -159,6 +161,7 @@ def _advance(
         work = slip_work(contact, followed.records)
         ahead = followed.records.direction > 0
         left.forward, left.reverse = left.forward + float(np.sum(work[ahead])), left.reverse + float(np.sum(work[~ahead]))
+        left.doubt += work_error(contact, followed.records)
         left.each.append(np.bincount(followed.records.row, work, len(rows)).astype(float))
     if len(wanted.x):
         left.density += density_of_records(contact, followed.records, wanted.x)
