@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reports.definition import INSTANTS, L2_IN_SPACE, MAXIMUM, MAXIMUM_IN_TIME, WHOLE, Definition
 
-_BOTH = f"{INSTANTS} at which both have one, but for those right beside a jump of the reference by a tenth of a_ref"
+_BOTH = f"{INSTANTS} at which both have one"
 _RESOLUTION = "known to the step between two instants"
 _IN_CONTACT = "points in contact in both; judged instants"
 _STRETCHES = (

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reports import metrics_zones as metrics
 from reports.definitions import DEFINITIONS, name_of
@@ -68,7 +67,7 @@ def _stick_edge(pair: Pair) -> Metric:
     length = pair.scales.half_width
     series = metrics.edge(pair.expected.stick_edges, pair.found.stick_edges, length)
     theirs, ours = (metrics.stick_status(cycle, length) for cycle in (pair.expected, pair.found))
-    value, time = worst(series, _stick_judged(pair), pair.found.time)
+    value, time = worst(series, pair.judged & (theirs != 0) & (ours != 0), pair.found.time)
     differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
     note = f"{differing} of {instants} instants differ in full stick, partial slip or full slip" if differing else ""
     if value is None and differing:
@@ -84,12 +83,6 @@ def _stick_edge(pair: Pair) -> Metric:
     )
 
 
-def _stick_judged(pair: Pair) -> NDArray[np.bool_]:
-    """(k,) instants at which stick edges are compared: both have one, and that of the reference does not jump right beside."""
-    theirs, ours = (metrics.stick_status(cycle, pair.scales.half_width) for cycle in (pair.expected, pair.found))
-    return pair.judged & (theirs != 0) & (ours != 0) & ~metrics.beside_a_jump(pair.expected.stick_edges, pair.scales.half_width)
-
-
 def _edge_of_side(pair: Pair, kind: str, side: str) -> Metric:
     """One edge by itself, also in local spacings, with the uncertainty that the result states."""
     length, column = pair.scales.half_width, SIDES.index(side)
@@ -97,7 +90,7 @@ def _edge_of_side(pair: Pair, kind: str, side: str) -> Metric:
     series = metrics.edge_of_side(expected, found, column, length)
     applies = pair.judged
     if kind == "stick":
-        applies = _stick_judged(pair)
+        applies = applies & np.all([metrics.stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
         if not applies.any():
             return not_applicable(f"stick_edge_{side}", "no instant has a stick edge in both")
     metric = place_of(pair, worst_metric(pair, f"{kind}_edge_{side}", series, applies), found[:, column])

@@ -33,16 +33,6 @@ def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
 
 
-def beside_a_jump(edges: Array, length: float) -> NDArray[np.bool_]:
-    """(k,) instants right before and right behind a jump of `edges` (k, 2), by more than a tenth of `length`: not resolved in time.
-
-    >>> beside_a_jump(np.array([[-0.5, 0.5], [-0.5, 0.5], [-1.0, 1.0], [-1.0, 1.0]]), 1.0).tolist()
-    [False, True, True, False]
-    """
-    jump = np.abs(np.diff(edges, axis=0)).max(axis=1) > 0.1 * length
-    return np.concatenate([jump, [False]]) | np.concatenate([[False], jump])
-
-
 def state_disagreement(reference: Cycle, result: Cycle) -> Array:
     """Share of the length in contact (of either) whose state differs, at each instant, (k,); NaN out of contact."""
     touching = (reference.state != SurfaceState.OPEN) | (result.state != SurfaceState.OPEN)
