@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semi_analytic.flat_rounded import FlatRoundedContact, load_function, log_function
+from semi_analytic.flat_law import load_function, log_function
+from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.hertz import log_excess
 from semi_analytic.pile import rising_root
 from semi_analytic.tip import tip_load, tip_log, tip_pressure

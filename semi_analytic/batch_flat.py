@@ -15,7 +15,8 @@ from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
 from semi_analytic.batch_kernel import Room
-from semi_analytic.flat_rounded import FlatRoundedContact, inverse_load_function, log_function
+from semi_analytic.flat_law import inverse_load_function, log_function
+from semi_analytic.flat_rounded import FlatRoundedContact
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.chebyshev import Pieces, halved
-from semi_analytic.flat_rounded import FlatRoundedContact, load_function, log_function
+from semi_analytic.flat_law import load_function, log_function
+from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.pile import Pile, rising_root
 from semi_analytic.tip import tip_load, tip_log, tip_stiffness
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
 from scenes.chebyshev import NODES, clenshaw, series
-from semi_analytic.flat_rounded import inverse_load_function, load_function
+from semi_analytic.flat_law import inverse_load_function, load_function
 from semi_analytic.pile import Pile
 
 Array = NDArray[np.float64]
