@@ -1,6 +1,6 @@
 """The worst figures of the half-plane engine over everything that is hard: stored 30-digit tables, scales, routes, inverses.
 
-python benchmarks/semi_analytic_extremes.py        (a quarter of a minute)
+python benchmarks/semi_analytic_extremes.py        (about a minute)
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from claim import Row, table
 
 import semi_analytic
 from scenes import (
+    CallableProfile,
     Compound,
     Elastic,
     EllipseLoad,
@@ -28,6 +29,7 @@ from scenes import (
     PowerLaw,
     Profile,
     Scene,
+    Tabulated,
     Wedge,
     load_scene,
     scene_names,
@@ -36,6 +38,7 @@ from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import closed_integral, global_dissipation
 from semi_analytic.over_points import work_over_points
+from semi_analytic.pile import Pile
 from semi_analytic.route import own_route
 
 TABLE = Path(__file__).with_name("semi_analytic_reference.json")
@@ -120,13 +123,17 @@ def classes(rows: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
 
 
 def scale_rows() -> Iterator[Row]:
-    """Loads by 1e+-12, lengths by 1e+-9, E by 1e+-12, all together."""
+    """Loads, lengths and E scaled, all together: by powers of two, which leave the question the same to the last digit, and of ten,
+    which round it: two figures that are good to 1e-12 each.
+    """
     rows = json.loads(TABLE.read_text(encoding="utf-8"))[:41:5]
-    worst = 0.0
-    for row, load, length, modulus in product(rows, (1e-12, 1e12), (1e-9, 1e9), (1e-12, 1e12)):
-        worst = max(worst, abs(batch(row, load, length, modulus) * modulus / load**2 / batch(row) - 1))
-    how = f"{len(rows)} ellipses, loads by 1e+-12, lengths by 1e+-9, E by 1e+-12"
-    yield Row("worst change of W E*/P^2 with the units", worst, 1e-12, how)
+    for base, loads, lengths, limit in ((2.0, 40, 30, 1e-13), (10.0, 12, 9, 2e-12)):
+        worst = 0.0
+        units = (base ** np.array([-power, power]) for power in (loads, lengths, loads))
+        for row, load, length, modulus in product(rows, *units):
+            worst = max(worst, abs(batch(row, load, length, modulus) * modulus / load**2 / batch(row) - 1))
+        how = f"{len(rows)} ellipses, loads and E by {base:g}^+-{loads}, lengths by {base:g}^+-{lengths}"
+        yield Row(f"worst change of W E*/P^2 with the units, powers of {base:g}", worst, limit, how)
 
 
 def route_rows() -> Iterator[Row]:
@@ -183,6 +190,29 @@ PROFILES: dict[str, Profile] = {
 }
 
 
+X = np.linspace(0, 3, 61)
+ENDING: dict[str, Profile] = {
+    "table of cosh": Tabulated(points=np.column_stack([X, np.cosh(X) - 1]).tolist()),
+    "table beside a flat": Tabulated(points=np.column_stack([X, np.maximum(X - 0.5, 0.0) ** 2]).tolist()),
+    "slope sinh": CallableProfile(slope_function=np.sinh, extent=3.0),
+    "height x^2/2": CallableProfile(height_function=lambda x: x * x / 2, extent=3.0),
+    "slope beside a flat": CallableProfile(slope_function=lambda x: np.sign(x) * np.maximum(np.abs(x) - 0.5, 0.0), extent=3.0),
+}
+
+
+def ending_rows() -> Iterator[Row]:
+    """P(a(P)) over the sixteen decades below the largest load of profiles that end; a(0) > 0 leaves only what a - a(0) can tell."""
+    for name, profile in ENDING.items():
+        contact = contact_of(profile, like(1.0))
+        assert isinstance(contact, Pile)
+        load = float(contact.load(2.99)) * 10.0 ** np.linspace(-16, 0, 161)
+        half = contact.half_width(load)
+        off = np.abs(contact.load(half) / load - 1)
+        told = 4 * np.finfo(float).eps * half * contact.stiffness(half) / load < 1e-13
+        decades = float(np.log10(load[-1] / load[told][0]))
+        yield Row(f"{name}: P(a(P))/P - 1", float(np.max(off[told])), 1e-13, f"{decades:.1f} of 16 decades below the last load")
+
+
 def inverse_rows() -> Iterator[Row]:
     """P(a(P)) over sixteen decades; for the flat face b/a from 1e-8 to 1 - 1e-8."""
     load = 10.0 ** np.linspace(-8, 8, 161)
@@ -198,7 +228,7 @@ def inverse_rows() -> Iterator[Row]:
 
 def rows() -> Iterator[Row]:
     """All of them."""
-    for part in (table_rows, scale_rows, route_rows, inverse_rows):
+    for part in (table_rows, scale_rows, route_rows, inverse_rows, ending_rows):
         yield from part()
 
 
