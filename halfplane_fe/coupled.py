@@ -134,6 +134,8 @@ class CoupledFactor:
         if (known := self._changes.get(key)) is not None:
             return known
         rows = self._rows(states)
+        if not rows.stick.any():  # not left to the factors: an update of a base makes a pivot of rounding from one that is zero
+            raise SingularSet("no node sticks: the bodies slide on each other")
         made = self._from(self._nearest(rows) or self._new_base(key, rows), rows)
         return self._changes.put(key, made, made.columns.nbytes)
 
