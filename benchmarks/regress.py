@@ -17,27 +17,21 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
-import exact_history as history
 import mpmath as mp
-from exact_legs import Leg, Straight, legs_of
-from exact_memory import steady_runs
-from semi_analytic_reference import Case, Phase, flat_load, phases
+from regress_truth import DIGITS, PLACES, pointwise_truth, truth
 
 import semi_analytic
 from scenes import Scene, load_scene, scene_names
 
 FILE = Path(__file__).with_suffix(".json")
-DIGITS = 30
 # Relative; the frozen values were made by this very code, so only rounding may differ (another order of sums, another library).
 ACCURATE, SAME = 1e-12, 1e-13
 DENSE = 1e-11  # of the largest of W(x)
 POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series", "tiny-slip")
-PLACES = (0.25, 0.6, 0.9)
 QUANTITIES = ("dissipation", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "stroke")
 
 
@@ -91,144 +85,6 @@ def measure(scene: Scene) -> dict[str, float]:
         "largest_pressure": float(answer.pressure.max()),
         "stroke": float(full.rigid_shift.max() - full.rigid_shift.min()),
     }
-
-
-def truth(scene: Scene) -> mp.mpf | None:
-    """Dissipation of the last cycle with 30 digits: a closed form, else integrals over time; None where there is no way yet."""
-    load, f = scene.load, mp.mpf(scene.friction.coefficient)
-    if (closed := _constant_load(scene, f)) is not None:
-        return closed
-    if load.kind == "ellipse" and load.phase_degrees in (0.0, 180.0, -180.0):
-        return mp.mpf(0) if _in_proportion(scene) else None
-    if load.kind == "ellipse" and scene.profile.kind in PILES:
-        return _steady_ellipse(scene, f)
-    if scene.profile.kind != "hertz" or load.kind not in LEGS:
-        return None
-    contact = history.hertz(modulus(scene), mp.mpf(scene.profile.radius))
-    return history.dissipation(steady_runs(*LEGS[load.kind](load), f), contact, f, modulus(scene))
-
-
-def pointwise_truth(scene: Scene) -> dict[str, list]:
-    """W(x) at three places of the slip zone of a Hertz scene, 30 digits, by the memory curve in mpmath."""
-    f = mp.mpf(scene.friction.coefficient)
-    contact = history.hertz(modulus(scene), mp.mpf(scene.profile.radius))
-    runs = steady_runs(*LEGS[scene.load.kind](scene.load), f)
-    inner = contact.half_width(min(run.front(f, run.end) for run in runs))
-    outer = contact.half_width(max(run.leg.loads(t)[0] for run in runs for t in (run.begin, run.end)))
-    places = [float(inner + (outer - inner) * mp.mpf(part)) for part in PLACES]
-    values = [history.density(runs, contact, f, modulus(scene), mp.mpf(x)) for x in places]
-    return {"x": places, "density": [mp.nstr(value, DIGITS) for value in values]}
-
-
-def _straight(points: list[tuple[float, float]], closed: bool = False) -> list[Straight]:
-    exact = [(mp.mpf(p), mp.mpf(q)) for p, q in points]
-    return [Straight(a, b) for a, b in pairwise([*exact, *exact[:closed]]) if a != b]
-
-
-def _waves(load: object, normal: list, tangential: list) -> tuple[list[Leg], list[Leg]]:
-    return legs_of((load.mean_normal_load, load.mean_tangential_load), normal, tangential)
-
-
-LEGS: dict[str, Callable] = {
-    "harmonics": lambda load: _waves(load, load.normal_harmonics, load.tangential_harmonics),
-    "ellipse": lambda load: _waves(load, [(load.normal_amplitude, 0.0)], [(load.tangential_amplitude, load.phase_degrees)]),
-    "polygon": lambda load: (_straight([(0.0, 0.0), *load.way_in, *load.cycle[:1]]), _straight(list(load.cycle), closed=True)),
-    "time_series": lambda load: (_straight(load.series()[:, 1:].tolist()), []),
-}
-"""Way in and cycle of each kind of load, in mpmath."""
-
-
-def _in_proportion(scene: Scene) -> bool:
-    """Whether P and Q rise and fall together along one ray from the origin, in full stick."""
-    load, f = scene.load, scene.friction.coefficient
-    ratio = load.mean_tangential_load / load.mean_normal_load
-    return abs(load.tangential_amplitude - ratio * load.normal_amplitude) < 1e-12 * load.normal_amplitude and abs(ratio) < f
-
-
-def _constant_load(scene: Scene, f: mp.mpf) -> mp.mpf | None:
-    """Hertz, constant P, Q between +-k f P: W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2]; nothing where Q stays 0."""
-    load = scene.load
-    if load.kind == "polygon":
-        points = [*load.way_in, *load.cycle]
-        if all(q == 0 for _, q in points):
-            return mp.mpf(0)
-        loads, swing = {p for p, _ in points}, max(abs(mp.mpf(q)) for _, q in points)
-    elif load.kind == "ellipse" and load.normal_amplitude == 0:
-        loads, swing = {load.mean_normal_load}, mp.mpf(load.tangential_amplitude)
-    else:
-        return None
-    if scene.profile.kind != "hertz" or len(loads) != 1:
-        return None
-    p = mp.mpf(loads.pop())
-    k = swing / (f * p)
-    return 4 * f**2 * p**2 / (mp.pi * modulus(scene)) * ((1 - k) * mp.log(1 - k) + k - k**2 / 2)
-
-
-def modulus(scene: Scene) -> mp.mpf:
-    """E*."""
-    return 1 / sum(
-        (1 - mp.mpf(m.poisson_ratio) ** 2) / mp.mpf(m.young_modulus) for m in (scene.material.lower, scene.material.upper)
-    )
-
-
-# Profiles that are Hertz and a rounded flat laid over each other: curvature of the one and of the other, half-length b.
-PILES: dict[str, Callable[[object], tuple[mp.mpf, mp.mpf, mp.mpf]]] = {
-    "hertz": lambda p: (1 / mp.mpf(p.radius), mp.mpf(0), mp.mpf(1)),
-    "flat_rounded": lambda p: (mp.mpf(0), 1 / mp.mpf(p.radius), mp.mpf(p.flat_half_length)),
-    "compound": lambda p: (
-        1 / mp.mpf(p.inner_radius),
-        1 / mp.mpf(p.outer_radius) - 1 / mp.mpf(p.inner_radius),
-        mp.mpf(p.inner_half_length),
-    ),
-    "wedge": lambda p: (1 / mp.mpf(p.tip_radius), -1 / mp.mpf(p.tip_radius), mp.mpf(p.tip_half_length)),
-}
-
-
-def _steady_ellipse(scene: Scene, f: mp.mpf) -> mp.mpf:
-    """W = (f A/pi) closed-int |u' or v'| Lam dt over the phases of slip."""
-    load, e_star = scene.load, modulus(scene)
-    round_, rounded, b = PILES[scene.profile.kind](scene.profile)
-    degrees = load.phase_degrees if load.phase_degrees > 0 else load.phase_degrees + 180  # Q mirrored
-    case = Case(0.0, load.mean_normal_load, load.normal_amplitude, load.tangential_amplitude, degrees, scene.friction.coefficient)
-    normal, parts = phases(case)
-
-    def load_of(a: mp.mpf) -> mp.mpf:
-        return e_star * (round_ * mp.pi * a * a / 4 + (rounded * flat_load(b, a) if a > b and rounded else 0))
-
-    def area_below(a: mp.mpf) -> mp.mpf:
-        """int P(alpha)/alpha d alpha from 0 to a."""
-        total = round_ * mp.pi * a * a / 8
-        if a > b and rounded:
-            tau = mp.sqrt(a * a / (b * b) - 1)
-            total += rounded * b * b / 2 * (((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau))
-        return e_star * total
-
-    def half_width(p: mp.mpf) -> mp.mpf:
-        low, high = mp.mpf(0) if round_ else b, b
-        while load_of(high) < p:
-            high *= 2
-        return mp.findroot(
-            lambda a: load_of(a) - p, (low + (high - low) / 1000, high), solver="anderson", tol=mp.mpf(10) ** -60, maxsteps=200
-        )
-
-    def power(part: Phase, t: mp.mpf) -> mp.mpf:
-        p, front = normal(t), part.front(t)
-        if not 0 < front < p:
-            return mp.mpf(0)
-        a, c = half_width(p), half_width(front)
-        return part.rate(t) * (p * mp.log(a / c) - area_below(a) + area_below(c))
-
-    # P(a) is smooth but for the load at which the edge passes b: cut there, for P and for the front.
-    corner = load_of(b)
-    cosine = (corner - case.mean) / mp.mpf(case.amplitude)
-    passes = [sign * mp.acos(cosine) + 2 * mp.pi * k for sign in (1, -1) for k in range(-2, 4)] if abs(cosine) < 1 else []
-
-    def marks(part: Phase) -> list[mp.mpf]:
-        inside = [t for t in (*passes, part.passed(corner)) if part.begin < t < part.end]
-        return sorted([*mp.linspace(part.begin, part.end, 4), *inside])
-
-    total = sum(mp.quad(lambda t, part=part: power(part, t), marks(part)) for part in parts)
-    return f * 2 / (mp.pi * e_star) * total
 
 
 def references(names: Sequence[str], stored: dict[str, dict]) -> None:
