@@ -26,7 +26,7 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
-    seen = visible_states(states, run.cycle_starts)
+    seen = visible_states(states, run.cycle_starts, problem.friction)
     edges = np.array([_edges(problem, state, visible) for state, visible in zip(states, seen, strict=True)])
     edges *= scales.half_width
     forces = {name: np.array([getattr(s, name) for s in states]) * scales.load for name in ("pressure", "shear")}

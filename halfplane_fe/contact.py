@@ -24,6 +24,8 @@ States = NDArray[np.int8]
 
 # Rounding of nodal forces and displacements in scaled variables, both of order one: within it a node keeps its state.
 ROUNDING = 1e-11
+# The same of a node's distance from the cone: a nodal force is a hundredth of the load and less.
+_ON_CONE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +176,7 @@ class ContactProblem:
         touching = (np.abs(answer.pressure) <= ROUNDING) & (np.abs(gap) <= ROUNDING)
         closed = np.where(touching, states != SurfaceState.OPEN, trial_pressure > 0)
         pressure, _, wanted = project(np.maximum(trial_pressure, ROUNDING), answer.shear + r_tangential * slip, self.friction)
-        at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= ROUNDING) & (np.abs(slip) <= ROUNDING)
+        at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= _ON_CONE) & (np.abs(slip) <= ROUNDING)
         wanted = np.where(at_cone & (states != SurfaceState.OPEN), states, wanted)
         wanted = np.where(closed, wanted, SurfaceState.OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets chase each other.

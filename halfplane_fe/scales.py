@@ -111,7 +111,7 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     inner = 0.0
     if scene.load.path().period is not None:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
-        seen = visible_states(run.states, run.cycle_starts)[cycles]
+        seen = visible_states(run.states, run.cycle_starts, scene.friction.coefficient)[cycles]
         inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[cycles], seen, strict=True))
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off

@@ -19,8 +19,9 @@ States = NDArray[np.int8]
 _MOVED = 1e-3
 # ... unless it is on its way: slip per change of load, over the largest of the revolution, that no creep has.
 _BRISK = 2e-2
-# The same of a node whose slip per change of load is less than this share of the largest of the revolution: at turning points.
-_CREEP = 5e-4
+# The same of a node whose slip per change of load is less than this share of the largest of the revolution, at turning points; of
+# one that has been sliding and that the load still drives, so that its slip dies away towards a turning point, the second share.
+_CREEP, _DYING = 5e-4, 5e-5
 # The same of the outermost nodes of the contact, where they alone slide: a slip zone of width w slides at its rim about
 # sqrt(2 w/a) times as fast as the largest ever does, a tenth to a fifth for these; a twentieth of that is the mesh's error. Where
 # they have sticking nodes among them, a single one that has just come to touch may be faster.
@@ -29,13 +30,14 @@ _RIM, _RIM_CREEP = 5, 5e-3
 _ROUNDING = 1e-9
 
 
-def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]) -> States:
+def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int], friction: float) -> States:
     """(n_steps, n) states as the user sees them: a node on the cone that has hardly moved since it last stuck sticks.
 
     Parameters
     ----------
     states : of the whole path
     cycle_starts : index of the state at which each revolution starts; what comes before them is the way in
+    friction : coefficient f
     """
     law = np.array([state.state for state in states])
     increments = np.diff(np.array([states[0].slip, *(state.slip for state in states)]), axis=0)
@@ -48,12 +50,15 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
     moved = forward > _MOVED * forward.max(axis=1, keepdims=True)
     loads = np.array([(state.normal_load, state.tangential_load) for state in states])
     change = np.abs(np.diff(loads, axis=0, prepend=loads[:1])).sum(axis=1)
+    along = slip_sign(law) * np.diff(loads[:, 1], prepend=0.0)[:, None]  # forward slip is driven while Q - f P grows, reverse
+    driven = along > friction * np.diff(loads[:, 0], prepend=0.0)[:, None]  # slip while Q + f P falls
     pace = np.abs(increments) * (slip_sign(law) != 0) / np.maximum(change, 1e-300)[:, None]
     for part in np.split(np.arange(len(states)), np.asarray(cycle_starts, dtype=int) + 1):
         fastest = pace[part].max(initial=0.0)
         moved[part] |= pace[part] > _BRISK * fastest
-        moved[part] &= pace[part] > _CREEP * fastest
         for step in part:
+            goes_on = driven[step] & (moved[step - 1] & (run[step] * run[step - 1] > 0) if step else False)
+            moved[step] &= pace[step] > np.where(goes_on, _DYING, _CREEP) * fastest
             moved[step, _slow_rim(law[step], moved[step], pace[step] > _RIM_CREEP * fastest)] = False
     return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)
 
