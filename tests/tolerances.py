@@ -99,7 +99,7 @@ ORDERS = {
     "penalty": Order(1.0, 0.9, 1.1, "the layer gives way in proportion to its compliance"),
     "stiff punch": Order(1.02, 0.9, 1.1, "what the punch gives way by is in proportion to its compliance"),
     "idealisation, peak pressure": Order(2.09, 1.7, 2.3, "far fields of finite bodies: (a/size)^2"),
-    "idealisation, dissipation": Order(1.99, 1.7, 2.3, "as above"),
+    "idealisation, dissipation": Order(1.99, 1.7, 2.3, "the same far fields, (a/size)^2, act on the slip"),
     "compliance, linear elements": Order(1.87, 1.6, 2.2, "displacement of linear triangles: 2, less where the bulk mesh is rough"),
     "compliance, quadratic elements": Order(
         3.5, 3.0, 4.0, "quadratic triangles: 4 at nodes of a smooth load, the ends' logarithm costs"
