@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 
+import budget
 import far_field
 import fe_orders
 import fe_peers
@@ -225,6 +226,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Finite elements: penalty and exact law": penalty.penalty,
         "Finite elements: planted faults": must_fail.must_fail,
         "Real bodies": real_bodies.rows,
+        "Error budget": budget.rows,
         "Time": times,
     }
 
