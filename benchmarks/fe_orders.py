@@ -2,10 +2,10 @@
 
     python benchmarks/fe_orders.py
 
-Refined together: every element of the surface and the growth into the depth. Where in an element an edge stands is chance, moves
-an error by a factor of up to two and W from one sign to the other; each rung of the ladder is therefore the root-mean-square over
-seven meshes of nearly its size (three will do for p, q, a and c) (and, for p, q, a and c, over the instants of the last cycle). The dissipation is compared with that
-of the polygon of the run's own increments, so that increments do not count.
+Refined together: every element of the surface and the growth into the depth. Where in an element an edge stands is chance,
+moves an error by a factor of up to two and W from one sign to the other; each rung of the ladder is therefore the root-mean-
+square over seven meshes of nearly its size (three will do for p, q, a and c) (and, for p, q, a and c, over the instants of the
+last cycle). The dissipation is compared with that of the polygon of the run's own increments, so that increments do not count.
 """
 
 from __future__ import annotations
