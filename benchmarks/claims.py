@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 
+import blame
 import budget
 import far_field
 import fe_orders
@@ -227,6 +228,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Finite elements: planted faults": must_fail.must_fail,
         "Real bodies": real_bodies.rows,
         "Error budget": budget.rows,
+        "Error budget: planted faults": blame.rows,
         "Time": times,
     }
 
