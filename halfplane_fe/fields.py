@@ -64,8 +64,11 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
     steps = [_step(solution, float(instant)) for instant in instants]
     if not steps:
         return ()
-    each = [_forces(solution, step) for step in steps]
-    forces = {name: np.stack([one[name] for one in each], axis=-1) for name in ("lower", "upper")}
+    nodal = (
+        np.stack([getattr(solution.states[step], name) for step in steps], axis=1) * solution.scales.load
+        for name in ("pressure", "shear")
+    )
+    forces = body_forces(*solution.condensed, *nodal)
     bodies = {name: _body_fields(name, solution.condensed[name == "upper"], forces[name], solution) for name in forces}
     return tuple(
         Snapshot(
@@ -83,11 +86,6 @@ def _step(solution: FiniteElementSolution, instant: float) -> int:
     if not start - 1e-9 <= instant <= end + 1e-9:
         raise InputError(f"fields: instant {instant:.6g} lies outside the solved time, {start:.6g} to {end:.6g}")
     return int(np.argmin(np.abs(solution.time - instant)))
-
-
-def _forces(solution: FiniteElementSolution, step: int) -> dict[str, Array]:
-    state, load = solution.states[step], solution.scales.load
-    return body_forces(*solution.condensed, state.pressure * load, state.shear * load)
 
 
 def _body_fields(name: str, condensed: CondensedBody, forces: Array, solution: FiniteElementSolution) -> list[BodyFields]:

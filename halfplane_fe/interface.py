@@ -102,14 +102,24 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
 
 
 def body_forces(lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array) -> dict[str, Array]:
-    """(2, n) nodal forces (along x, outward) on each body in its own frame, "lower" and "upper", from nodal p and q."""
+    """Nodal forces (along x, outward) on each body in its own frame, "lower" and "upper", from nodal p and q.
+
+    Parameters
+    ----------
+    pressure, shear : (n,) or (n, k) for k load cases [force per thickness]
+
+    Returns
+    -------
+    dict
+        (2, n) or (2, n, k), n nodes of the body.
+    """
     if _opposite(lower, upper):
         return {"lower": np.stack([shear, -pressure]), "upper": np.stack([-shear, -pressure])}
     sides = _mortar(lower, upper)
     traction = np.concatenate([-pressure, shear])
-    below = (traction @ _flattened(sides.lower)).reshape(2, -1)
-    above = (-traction @ _flattened(sides.upper)).reshape(2, -1)
-    return {"lower": below, "upper": above * _REFLECTED[:, None]}
+    cases = pressure.shape[1:]
+    below, above = ((_flattened(part).T @ traction).reshape(2, -1, *cases) for part in (sides.lower, sides.upper))
+    return {"lower": below, "upper": np.stack([-above[0], above[1]])}
 
 
 def _opposite(lower: CondensedBody, upper: CondensedBody) -> bool:

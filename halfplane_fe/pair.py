@@ -12,7 +12,7 @@ from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import Interface
 from halfplane_fe.store import condensed
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
-from scenes import Block, HalfPlane, InputError, Pad, Scene
+from scenes import Block, InputError, Pad, Scene
 
 Array = NDArray[np.float64]
 
@@ -87,8 +87,3 @@ def face_room(scene: Scene) -> float:
 def shapes_alike(scene: Scene) -> bool:
     """Whether the two bodies are each other's mirror image, materials included."""
     return scene.material.alike and scene.bodies.lower == scene.bodies.upper
-
-
-def finite(scene: Scene) -> bool:
-    """Whether one of the bodies has a size of its own, so that the compliance knows a length."""
-    return not (isinstance(scene.bodies.lower, HalfPlane) and isinstance(scene.bodies.upper, HalfPlane))

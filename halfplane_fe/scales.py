@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.interface import Interface, couple
-from halfplane_fe.pair import condensed_pair, face_room, finite, initial_gap, meshed_pair, shapes_alike
+from halfplane_fe.pair import condensed_pair, face_room, initial_gap, meshed_pair, shapes_alike
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
@@ -140,11 +140,11 @@ class _CoarsePair:
 
     def _interface(self, size: float) -> Interface:
         """In the scene's units of length."""
-        if self._made is None or (self._made[0] != size and finite(self.scene)):
-            made_at = size if finite(self.scene) else 1.0
+        made_at = 1.0 if self.scene.bodies.half_planes else size
+        if self._made is None or self._made[0] != made_at:
             bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(made_at, ratio))
             self._made = made_at, couple(*condensed_pair(self.scene, bodies, made_at, self.work))
-        made_at, interface = self._made
+        interface = self._made[1]
         return interface if made_at == size else interface.scaled(made_at / size, 1.0)
 
 
@@ -153,7 +153,7 @@ def _grading(size: float, ratio: float) -> SurfaceGrading:
 
 
 def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:
-    problem = pair.problem(min(size, pair.room), needs_shear(pair.scene))
+    problem = pair.problem(size, needs_shear(pair.scene))
     run = run_path(problem, pair.scene.load.path(), Pace(pair.load, _COARSE_STEPS, np.inf), 2, lambda _done, _total, _text: None)
     if run.failure is not None:
         raise run.failure
@@ -163,7 +163,7 @@ def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun
 def _fitting_size(pair: _CoarsePair) -> float:
     """Half-width of the side that may touch of which the contact at the largest load takes a good part."""
     start, too_small, too_large = pair.scene.profile.datum_length, 0.0, np.inf
-    if finite(pair.scene):  # where half-planes would have it is near, and cheap to find
+    if not pair.scene.bodies.half_planes:  # where half-planes would have it is near, and cheap to find
         start = _fitting_size(_CoarsePair(pair.scene.model_copy(update={"bodies": Bodies()}), pair.load, pair.modulus, pair.work))
     size = min(start, pair.room)
     for _ in range(400):
