@@ -35,6 +35,7 @@ import semi_analytic_extremes
 import semi_analytic_histories
 import semi_analytic_precision
 from claim import Row, table
+from regress_truth import DIGITS, modulus, truth
 
 import halfplane_fe
 import semi_analytic
@@ -48,9 +49,9 @@ PAGE = ROOT / "docs" / "numbers.md"
 
 def half_plane_engine() -> Iterator[Row]:
     """The semi-analytic engine against 30-digit arithmetic and against itself."""
-    for name, truth in (("hertz-paper", hertz_paper_truth()), ("cattaneo-mindlin", cattaneo_mindlin_truth())):
+    for name in ("hertz-paper", "cattaneo-mindlin"):
         answer = semi_analytic.solve(load_scene(name))
-        error = float(mpmath.mpf(answer.dissipation) / truth - 1)
+        error = float(mpmath.mpf(answer.dissipation) / truth(load_scene(name)) - 1)
         yield Row(f"{name}: global dissipation, relative error", error, 1e-12, "against theory in 30-digit arithmetic")
         yield Row(f"{name}: closed integral of Q dU against it", answer.loop_work / answer.dissipation - 1, 1e-10, "two routes")
     answer = semi_analytic.solve(load_scene("hertz-paper"))
@@ -64,61 +65,9 @@ def half_plane_engine() -> Iterator[Row]:
     yield Row("full-stick: dissipation", semi_analytic.solve(load_scene("full-stick")).dissipation, 0.0, "exactly zero")
 
 
-def modulus(scene: Scene) -> mpmath.mpf:
-    """E* with 30 digits."""
-    return 1 / sum((1 - mpmath.mpf(m.poisson_ratio) ** 2) / m.young_modulus for m in (scene.material.lower, scene.material.upper))
-
-
 def hertz_half_width(scene: Scene, load: float) -> float:
     """a(P) of Hertz."""
     return float(mpmath.sqrt(4 * load * scene.profile.radius / (mpmath.pi * modulus(scene))))
-
-
-def hertz_paper_truth() -> mpmath.mpf:
-    """Dissipation per cycle from the one-dimensional integrals (theory of the paper), 30 digits."""
-    # notation: u = Q - f P, v = Q + f P; E: max u, G: min v, I: min u, J: where the front has passed G, M = E a turn later
-    scene = load_scene("hertz-paper")
-    f, load = scene.friction.coefficient, scene.load
-    p0, p1, q0, q1 = (
-        mpmath.mpf(value)
-        for value in (load.mean_normal_load, load.normal_amplitude, load.mean_tangential_load, load.tangential_amplitude)
-    )
-    pi, compliance = mpmath.pi, 2 / modulus(scene)
-    t_e, t_g, t_i = 3 * pi / 4, 5 * pi / 4, 7 * pi / 4
-    t_j = 2 * t_i - t_g
-
-    def p(t: mpmath.mpf) -> mpmath.mpf:
-        return p0 + p1 * mpmath.cos(t)
-
-    def q(t: mpmath.mpf) -> mpmath.mpf:
-        return q0 + q1 * mpmath.sin(t)
-
-    def area(load: mpmath.mpf, front: mpmath.mpf) -> mpmath.mpf:
-        return (load * mpmath.log(load / front) - load + front) / 2
-
-    u_max, v_min = q(t_e) - f * p(t_e), q(t_g) + f * p(t_g)
-
-    def reverse(t: mpmath.mpf) -> mpmath.mpf:
-        return -(q1 * mpmath.cos(t) - f * p1 * mpmath.sin(t)) * area(p(t), (q(t) + f * p(t) - u_max) / (2 * f))
-
-    def forward(front: Callable[[mpmath.mpf], mpmath.mpf]) -> Callable[[mpmath.mpf], mpmath.mpf]:
-        return lambda t: (q1 * mpmath.cos(t) + f * p1 * mpmath.sin(t)) * area(p(t), front(t))
-
-    parts = (
-        mpmath.quad(reverse, [t_e, pi, t_g]),
-        mpmath.quad(forward(lambda t: p(2 * t_i - t)), [t_i, 2 * pi, t_j]),
-        mpmath.quad(forward(lambda t: (v_min - q(t) + f * p(t)) / (2 * f)), [t_j, 5 * pi / 2, t_e + 2 * pi]),
-    )
-    return f * compliance / pi * sum(parts)
-
-
-def cattaneo_mindlin_truth() -> mpmath.mpf:
-    """W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2], k = Q/(fP)."""
-    scene = load_scene("cattaneo-mindlin")
-    f = mpmath.mpf(scene.friction.coefficient)
-    load, shear = (mpmath.mpf(value) for value in scene.load.cycle[0])
-    k = shear / (f * load)
-    return 4 * f**2 * load**2 / (mpmath.pi * modulus(scene)) * ((1 - k) * mpmath.log(1 - k) + k - k**2 / 2)
 
 
 def finite_elements() -> Iterator[Row]:
@@ -234,7 +183,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
 
 
 def main() -> int:
-    mpmath.mp.dps = 30
+    mpmath.mp.dps = DIGITS + 10
     os.environ["HALFPLANE_CACHE"] = "off"  # every run condenses its bodies itself
     packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-fem", "gmsh"))
     text = [

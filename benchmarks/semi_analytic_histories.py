@@ -6,14 +6,13 @@ python benchmarks/semi_analytic_histories.py
 from __future__ import annotations
 
 import tempfile
-import time
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from claim import Row, table
+from clock import seconds
 
 from scenes import (
     CallableProfile,
@@ -32,18 +31,6 @@ from semi_analytic import solve
 
 POINTS, INSTANTS = 200, 400
 ROWS = 1_000_000
-
-
-def seconds(work: Callable[[], Any], times: int = 1) -> float:
-    """Least process time of a few runs, after one to warm up where there are several."""
-    if times > 1:
-        work()
-    found = []
-    for _ in range(times):
-        begun = time.process_time()
-        work()
-        found.append(time.process_time() - begun)
-    return min(found)
 
 
 def random_rows(scene: Scene, count: int) -> np.ndarray:

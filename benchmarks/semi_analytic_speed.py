@@ -7,28 +7,17 @@ python benchmarks/semi_analytic_speed.py
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from clock import seconds
 
 from scenes import Elastic, FlatRounded, Hertz, Materials, load_scene
 from semi_analytic import dissipation, peak_dissipation, solve
 
 MEMBERS = 100_000
 STEEL = Elastic(young_modulus=2.0, poisson_ratio=0.0)
-
-
-def seconds(work: Callable[[], Any], times: int = 3) -> float:
-    """Least process time of a few runs, after one to warm up."""
-    work()
-    found = []
-    for _ in range(times):
-        begun = time.process_time()
-        work()
-        found.append(time.process_time() - begun)
-    return min(found)
 
 
 def random_ellipses(count: int, seed: int = 0) -> dict[str, Any]:
@@ -52,19 +41,19 @@ def rows() -> Iterator[tuple[str, str]]:
     for name in ("hertz-paper", "cattaneo-mindlin", "motor"):
         scene = load_scene(name)
         own = solve(scene)
-        yield f"solve({name}), {own.shear.shape[0]} instants x 200", f"{1e3 * seconds(lambda s=scene: solve(s)):.1f} ms"
-        yield f"solve({name}), steady cycle only", f"{1e3 * seconds(lambda s=scene: solve(s, cycles='steady')):.1f} ms"
-        straight = seconds(lambda s=scene, o=own: solve(s, x=o.x, time=o.time, straight_steps=True), 1)
+        yield f"solve({name}), {own.shear.shape[0]} instants x 200", f"{1e3 * seconds(lambda s=scene: solve(s), 3):.1f} ms"
+        yield f"solve({name}), steady cycle only", f"{1e3 * seconds(lambda s=scene: solve(s, cycles='steady'), 3):.1f} ms"
+        straight = seconds(lambda s=scene, o=own: solve(s, x=o.x, time=o.time, straight_steps=True), 2)
         yield f"solve({name}), {len(own.time) - 1} straight steps", f"{1e3 * straight:.0f} ms"
     members = random_ellipses(MEMBERS)
-    hertz = seconds(lambda: dissipation(profile=Hertz(radius=1.0), **members))
-    flat = seconds(lambda: dissipation(profile=FlatRounded(radius=1.0, flat_half_length=0.7), **members))
+    hertz = seconds(lambda: dissipation(profile=Hertz(radius=1.0), **members), 3)
+    flat = seconds(lambda: dissipation(profile=FlatRounded(radius=1.0, flat_half_length=0.7), **members), 3)
     yield "batch of Hertz ellipses", f"{MEMBERS / hertz:,.0f} a second"
     yield "batch of flat-and-rounded ellipses", f"{MEMBERS / flat:,.0f} a second, {flat / hertz:.1f} x Hertz"
     few = random_ellipses(1000)
     yield (
         "peaks of Hertz ellipses",
-        f"{1000 / seconds(lambda: peak_dissipation(profile=Hertz(radius=1.0), **few), 1):,.0f} a second",
+        f"{1000 / seconds(lambda: peak_dissipation(profile=Hertz(radius=1.0), **few), 2):,.0f} a second",
     )
 
 
