@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reports import checking, jobs
-from reports.cli import NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.application import NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 from reports.folder import claim, default_folder
 from reports.options import FiniteElementOptions
@@ -188,8 +188,8 @@ def paper(out: Path | None, quiet: bool) -> int:
     stages = Stages(quiet)
     folder = claim(out or default_folder("paper"))
     with stages.stage("loading"):
-        from reports import paper as page
-        from reports.paper_tables import proven_in_words
+        from reports.paper import page
+        from reports.paper.tables import proven_in_words
     command = shlex.join(["halfplane", "paper", "--out", str(folder)])
     report = page.write(folder, stages, command)
     show_table(

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.budget_words import cost, heads, honest_of, honesty, rows
@@ -14,6 +13,7 @@ from reports.certificates import Certificate
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.drawing import SUPPORT_WORDS, Drawing
+from reports.templating import template
 from reports.units import energy_unit, units
 from reports.verdicts import Metric
 from reports.wording import CLAIM, accuracy_of, lead, percent, question, tolerance_of, uncertainty_of, unit_of, value_of, verdict
@@ -22,15 +22,8 @@ from scenes import ContactSolution
 
 def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, seconds: Mapping[str, float]) -> str:
     """The HTML text; every word that came from outside is escaped."""
-    pages = Environment(
-        loader=PackageLoader("reports"),
-        autoescape=select_autoescape(("html",)),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     scene = comparison.scene
-    return pages.get_template("report.html").render(
+    return template("report.html").render(
         title=scene.title or scene.name,
         scene=scene,
         claim=CLAIM,

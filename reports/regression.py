@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from reports import baseline
-from reports.cli import OUTSIDE, WITHIN
+from reports.application import OUTSIDE, WITHIN
 from reports.console import say, show_table
 from reports.difference import SAME, Difference, Row, difference, is_baseline, tolerances_of
 from scenes import InputError

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from reports.paper import misprints, statements, tally
-from reports.paper_cases import FRICTIONS, Paper, paper, sliding_limit
-from reports.paper_statements_cycle import one_way_slip, slip_speed
-from reports.paper_tables import APART, EXACT, Misprint, Statement, judge_number, proves
+from reports.paper.cases import FRICTIONS, Paper, paper, sliding_limit
+from reports.paper.page import misprints, statements, tally
+from reports.paper.statements_cycle import one_way_slip, slip_speed
+from reports.paper.tables import APART, EXACT, Misprint, Statement, judge_number, proves
 from semi_analytic import Reason, dissipation
 
 # E is where tan t = -1/f, I half a turn later, G the mirror image of E.

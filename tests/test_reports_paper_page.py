@@ -11,11 +11,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from reports import paper, paper_interactive
 from reports.cli import main
 from reports.console import Stages
-from reports.paper_cases import LETTERS, Paper
-from reports.paper_plots import Band, Line, Note, Panel, Sheet, draw
+from reports.paper import interactive
+from reports.paper import page as paper
+from reports.paper.cases import LETTERS, Paper
+from reports.paper.plots import Band, Line, Note, Panel, Sheet, draw
 from scenes import InputError
 
 FIGURES = ("01", "02", "03", "04a", "04b", "05", "06", "07a", "07b", "08", "09", "10a", "10b")
@@ -141,7 +142,7 @@ def test_a_band_with_gaps_becomes_closed_outlines() -> None:
     x = np.arange(5.0)
     high = np.array([1.0, 1.0, np.nan, 2.0, 2.0])
     sheet = Sheet("s", "", "", "", [Panel("x", "y", [Band(x, np.zeros(5), high, "#ccc", "band")])], {"x": x})
-    (trace,) = paper_interactive.figure(sheet)["data"]
+    (trace,) = interactive.figure(sheet)["data"]
     assert trace["x"] == [0, 1, 1, 0, None, 3, 4, 4, 3, None]
     assert trace["y"] == [0, 0, 1, 1, None, 0, 0, 2, 2, None]
 
@@ -166,7 +167,7 @@ def test_exit_code_tells_of_a_misprint_not_proven(
 
 
 def test_the_figures_are_about_an_ellipse(described: dict[str, Sheet]) -> None:
-    from reports.paper_cases import Case
+    from reports.paper.cases import Case
     from scenes import load_scene
 
     with pytest.raises(InputError, match="an ellipse, not polygon"):
@@ -180,7 +181,7 @@ def test_costly_parts_are_done_once() -> None:
 
 
 def test_interactive_panels_of_figure_3_are_equal(described: dict[str, Sheet]) -> None:
-    layout = paper_interactive.figure(described["figure_03"])["layout"]
+    layout = interactive.figure(described["figure_03"])["layout"]
     for axis in ("xaxis", "yaxis"):
         domains = [value["domain"] for key, value in layout.items() if key.startswith(axis)]
         assert len(domains) == 13

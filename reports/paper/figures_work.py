@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from reports.drawing import COLOURS
-from reports.paper_cases import Paper, Sweep, total
-from reports.paper_plots import FAINT, INK, Dash, Line, Note, Panel, Part, Sheet
+from reports.paper.cases import Paper, Sweep, total
+from reports.paper.plots import FAINT, INK, Dash, Line, Note, Panel, Part, Sheet
 
 _DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot")
 _PHASES = {"IJ": "forward, I–J", "JM": "forward, J–M", "EG": "reverse, E–G"}

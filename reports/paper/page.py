@@ -9,24 +9,23 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from reports import paper_interactive
 from reports.console import Stages
 from reports.drawing import Drawing, table_text
 from reports.folder import filled
-from reports.paper_cases import Paper, paper
-from reports.paper_figures_loads import figure_1, figure_2, figure_3
-from reports.paper_figures_work import figure_6, figure_7, figure_9, figure_10
-from reports.paper_figures_zones import figure_4a, figure_4b, figure_5, figure_8
-from reports.paper_misprints import load_misprints
-from reports.paper_misprints_slip import slip_misprints
-from reports.paper_plots import Sheet, draw, png
-from reports.paper_statements_cycle import cycle_statements
-from reports.paper_statements_loads import load_statements
-from reports.paper_statements_work import work_statements
-from reports.paper_tables import (
+from reports.paper import interactive
+from reports.paper.cases import Paper, paper
+from reports.paper.figures_loads import figure_1, figure_2, figure_3
+from reports.paper.figures_work import figure_6, figure_7, figure_9, figure_10
+from reports.paper.figures_zones import figure_4a, figure_4b, figure_5, figure_8
+from reports.paper.misprints import load_misprints
+from reports.paper.misprints_slip import slip_misprints
+from reports.paper.plots import Sheet, draw, png
+from reports.paper.statements_cycle import cycle_statements
+from reports.paper.statements_loads import load_statements
+from reports.paper.statements_work import work_statements
+from reports.paper.tables import (
     Misprint,
     Statement,
     Verdict,
@@ -34,6 +33,7 @@ from reports.paper_tables import (
     proven_in_words,
     statements_table,
 )
+from reports.templating import template
 
 SOURCE = (
     "“Energy dissipation in a frictional incomplete contact with varying normal load”, International Journal of Mechanical "
@@ -134,15 +134,8 @@ def render(
     command: str,
 ) -> str:
     """The page: static figures, and plotly, inlined once, that draws one when it is asked for."""
-    pages = Environment(
-        loader=PackageLoader("reports"),
-        autoescape=select_autoescape(("html",)),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    plots = {sheet.name: paper_interactive.figure(sheet) for sheet in described}
-    return pages.get_template("paper.html").render(
+    plots = {sheet.name: interactive.figure(sheet) for sheet in described}
+    return template("paper.html").render(
         source=SOURCE,
         figures=described,
         vectors={name: Markup(_inline(text, name)) for name, text in vectors.items()},

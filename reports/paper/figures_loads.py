@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.drawing import COLOURS, STATE_COLOURS
-from reports.paper_cases import LETTERS, Case
-from reports.paper_plots import FAINT, INK, Arrow, Band, Line, Note, Panel, Part, Sheet
+from reports.paper.cases import LETTERS, Case
+from reports.paper.plots import FAINT, INK, Arrow, Band, Line, Note, Panel, Part, Sheet
 from scenes import SurfaceState, load_scene
 
 Array = NDArray[np.float64]

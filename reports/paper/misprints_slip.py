@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.paper_cases import Case, Paper, total
-from reports.paper_formulas import Formulas, integral, share
-from reports.paper_tables import EXACT, Misprint, proves, small
+from reports.paper.cases import Case, Paper, total
+from reports.paper.formulas import Formulas, integral, share
+from reports.paper.tables import EXACT, Misprint, proves, small
 from scenes import Hertz
 from semi_analytic.quadrature import graded
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.paper_plots import Arrow, Band, Line, Note, Panel, Sheet
+from reports.paper.plots import Arrow, Band, Line, Note, Panel, Sheet
 
 _PIXELS = 100
 

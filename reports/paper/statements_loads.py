@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.paper_cases import FRICTIONS, Case, Paper
-from reports.paper_tables import Statement, judge, small
+from reports.paper.cases import FRICTIONS, Case, Paper
+from reports.paper.tables import Statement, judge, small
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """The paper's misprints about loads, friction and tractions, each held against the engine.
 
-Those about slip, work and cross-references are in `paper_misprints_slip`.
+Those about slip, work and cross-references are in `misprints_slip`.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.paper_cases import Case, Paper, sliding_limit
-from reports.paper_formulas import Formulas, integral, share
-from reports.paper_tables import EXACT, Misprint, proves, small
+from reports.paper.cases import Case, Paper, sliding_limit
+from reports.paper.formulas import Formulas, integral, share
+from reports.paper.tables import EXACT, Misprint, proves, small
 from scenes import FlatRounded, PolygonLoad
 from semi_analytic.quadrature import graded
 

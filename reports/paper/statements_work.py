@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.paper_cases import Case, Paper, total
-from reports.paper_tables import Statement, judge, judge_number
+from reports.paper.cases import Case, Paper, total
+from reports.paper.tables import Statement, judge, judge_number
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.drawing import COLOURS
-from reports.paper_cases import FRICTIONS, POINTS, Case
-from reports.paper_figures_loads import FORWARD, LOAD, PALE_FORWARD, PALE_REVERSE, PALE_STICK, REVERSE
-from reports.paper_plots import FAINT, INK, Band, Dash, Line, Note, Panel, Part, Sheet
+from reports.paper.cases import FRICTIONS, POINTS, Case
+from reports.paper.figures_loads import FORWARD, LOAD, PALE_FORWARD, PALE_REVERSE, PALE_STICK, REVERSE
+from reports.paper.plots import FAINT, INK, Band, Dash, Line, Note, Panel, Part, Sheet
 from scenes import SurfaceState
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""What a figure of the paper consists of, said once and drawn twice: by matplotlib here, by plotly in `paper_interactive`."""
+"""What a figure of the paper consists of, said once and drawn twice: by matplotlib here, by plotly in `interactive`."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reports.paper_cases import Case
+from reports.paper.cases import Case
 from semi_analytic.friction_work import slip_times
 from semi_analytic.quadrature import graded
 

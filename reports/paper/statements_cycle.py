@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.drawing import STATE_NAMES
-from reports.paper_cases import POINTS, Case, Paper
-from reports.paper_tables import Statement, judge, judge_number, small
+from reports.paper.cases import POINTS, Case, Paper
+from reports.paper.tables import Statement, judge, judge_number, small
 from scenes import SurfaceState
 from semi_analytic.friction_work import slip_times
 

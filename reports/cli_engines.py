@@ -1,0 +1,79 @@
+"""The commands that solve: both engines, each alone, fields, the paper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from reports.application import Out, Quiet, SceneName, app
+from reports.options import FiniteElementOptions
+
+_DEFAULTS = FiniteElementOptions()
+
+
+@app.command(sort_key=1, help_epilogue="")
+def run(
+    scene: SceneName,
+    *,
+    out: Out = None,
+    vtu: Annotated[
+        tuple[str, ...],
+        Parameter(consume_multiple=True, negative="", help='Write both bodies for ParaView at these times, or at "events".'),
+    ] = (),
+    budget: Annotated[
+        bool, Parameter(negative="", help="Measure where the discrepancy comes from: coarser meshes, other far fields.")
+    ] = False,
+    quiet: Quiet = False,
+    finite_elements: FiniteElementOptions = _DEFAULTS,
+) -> int:
+    """Both engines on one scene: verdict, page and data."""
+    from reports import commands
+
+    return commands.run(scene, out, vtu, quiet, finite_elements, budget=budget)
+
+
+@app.command(sort_key=2, help_epilogue="")
+def exact(scene: SceneName, *, out: Out = None, quiet: Quiet = False) -> int:
+    """Half-plane theory alone: summary, NetCDF and CSV, no page."""
+    from reports import commands
+
+    return commands.exact(scene, out, quiet)
+
+
+@app.command(sort_key=3, help_epilogue="")
+def fe(scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elements: FiniteElementOptions = _DEFAULTS) -> int:
+    """Finite elements alone: summary, NetCDF and CSV, no page."""
+    from reports import commands
+
+    return commands.fe(scene, out, quiet, finite_elements)
+
+
+@app.command(sort_key=3, help_epilogue="")
+def fields(
+    scene: SceneName,
+    *,
+    at: Annotated[
+        tuple[str, ...],
+        Parameter(consume_multiple=True, negative="", help='Times of the path, or "events" of the last cycle, the default.'),
+    ] = (),
+    out: Out = None,
+    pictures: Annotated[bool, Parameter(help="Draw the meshes and the von Mises stress as PNG.")] = True,
+    quiet: Quiet = False,
+    finite_elements: FiniteElementOptions = _DEFAULTS,
+) -> int:
+    """Displacement and stress in both bodies: files for ParaView, pictures of stress and mesh."""
+    from reports import commands
+
+    return commands.fields(scene, at, out, pictures, quiet, finite_elements)
+
+
+@app.command(sort_key=3, help_epilogue="")
+def paper(
+    *, out: Annotated[Path | None, Parameter(help="Folder for the results; out/paper if left out.")] = None, quiet: Quiet = False
+) -> int:
+    """The paper again from half-plane theory: its figures, statements and misprints."""
+    from reports import commands
+
+    return commands.paper(out, quiet)
