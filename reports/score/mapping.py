@@ -1,0 +1,185 @@
+"""How somebody else's file is to be read: names of columns, factors of units, signs, sides. A TOML file whose keys are optional."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from scenes import InputError
+
+Array = NDArray[np.float64]
+Quantity = Literal["time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"]
+
+_FORM = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+_Factor = Annotated[float, Field(gt=0)]
+
+# Names under which programs write them, compared without case, blanks, underscores and what stands in brackets: see `plain`.
+ALIASES: dict[Quantity, tuple[str, ...]] = {
+    "time": ("time", "t", "step time", "total time", "time value", "steptime", "totaltime"),
+    "frame": ("frame", "increment", "inc", "step"),
+    "normal_load": ("normal_load", "P", "normal force", "Fn", "RF2", "load"),
+    "tangential_load": ("tangential_load", "Q", "tangential force", "shear force", "Ft", "RF1"),
+    "x": ("x", "COORD1", "COOR1", "X coordinate", "true distance", "distance", "points:0", "position"),
+    "y": ("y", "COORD2", "COOR2", "Y coordinate", "points:1"),
+    "pressure": ("pressure", "p", "CPRESS", "contact_pressure", "COPEN CPRESS", "normal_contact_stress", "contact pressure"),
+    "shear": ("shear", "q", "CSHEAR1", "CSHEAR", "tangential_contact_stress", "contact_shear", "shear traction", "traction"),
+    "slip": ("slip", "s", "CSLIP1", "CSLIP", "tangential_slip", "relative_slip"),
+}
+
+
+class Columns(BaseModel):
+    """Names of the columns (arrays, fields) in the file; those left out are looked for under `ALIASES`."""
+
+    model_config = _FORM
+
+    time: str | None = Field(None, description="times of the scene's load path")
+    frame: str | None = Field(None, description="number of the instant, where rows of one instant share one")
+    normal_load: str | None = Field(None, description="P")
+    tangential_load: str | None = Field(None, description="Q")
+    x: str | None = Field(None, description="place along the surface")
+    y: str | None = Field(None, description="place across the surface, for what needs one side told from the other")
+    pressure: str | None = Field(None, description="contact pressure")
+    shear: str | None = Field(None, description="shear traction")
+    slip: str | None = Field(None, description="relative tangential displacement of the faces")
+
+
+class Factors(BaseModel):
+    """What a figure of the file is multiplied by to be in the scene's unit. None: 1, and a wrong scale may be guessed and named."""
+
+    model_config = _FORM
+
+    length: _Factor | None = Field(None, description="of x and slip; 1000 turns m into mm")
+    stress: _Factor | None = Field(None, description="of pressure and shear; 1e-6 turns Pa into MPa")
+    load: _Factor | None = Field(None, description="of P and Q per unit thickness; 1e-3 turns N/m into N/mm")
+    time: _Factor | None = Field(None, description="of time")
+
+
+class Signs(BaseModel):
+    """Which way the file counts. None: as the project does, and a pressure that is negative throughout is turned and named."""
+
+    model_config = _FORM
+
+    pressure: Literal["compression positive", "compression negative"] | None = None
+    shear: Literal["on lower", "on upper"] | None = Field(None, description="the body on which shear along +x is positive")
+    slip: Literal["upper over lower", "lower over upper"] | None = None
+
+
+class Mapping(BaseModel):
+    """The keys of a mapping file.
+
+    >>> Mapping().sign("pressure"), Mapping.model_validate({"signs": {"shear": "on upper"}}).sign("shear")
+    (1.0, -1.0)
+    """
+
+    model_config = _FORM
+
+    code: str = Field("", description="what computed it, with its version")
+    surface: str | None = Field(None, description="name of the boundary, cell set or contact pair, where the file has several")
+    thickness: _Factor = Field(1.0, description="out of the plane, in the scene's length: the file's loads are divided by it")
+    x_offset: float = Field(0.0, description="the file's x at the middle of the contact, in the scene's length: taken off x")
+    times: tuple[float, ...] | None = Field(None, description="times of the scene's load path, one an instant, in order")
+    element_size: _Factor | None = Field(None, description="of the surface at the contact, in the scene's length")
+    element_sizes: dict[str, _Factor] = Field({}, description="the same of each file of a folder, by file name")
+    columns: Columns = Columns()
+    factors: Factors = Factors()
+    signs: Signs = Signs()
+
+    def sign(self, quantity: Quantity) -> float:
+        """-1 where the file counts `quantity` the other way than the project does, else 1."""
+        turned = {"pressure": "compression negative", "shear": "on upper", "slip": "lower over upper"}
+        return -1.0 if quantity in turned and getattr(self.signs, quantity) == turned[quantity] else 1.0
+
+
+def load_mapping(source: str | Path | None) -> Mapping:
+    """The mapping of a TOML file; all defaults for None. InputError with file, key, value and rule."""
+    if source is None:
+        return Mapping()
+    path = Path(source)
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as reason:
+        raise InputError(f"{path}: the mapping file can't be read: {reason.strerror}") from reason
+    except ValueError as reason:
+        raise InputError(f"{path}: the mapping file is not valid TOML: {reason}") from reason
+    try:
+        return Mapping.model_validate(data)
+    except ValidationError as faults:
+        raise InputError(_sentence(path, faults)) from faults
+
+
+def _sentence(path: Path, faults: ValidationError) -> str:
+    fault = faults.errors()[0]
+    key = ".".join(map(str, fault["loc"]))
+    if fault["type"] == "extra_forbidden":
+        return f"{path}: unknown key {key} = {fault['input']!r}; `halfplane score --mapping-example` shows the keys"
+    return f"{path}: {key} = {fault['input']!r} is refused: {fault['msg'].removeprefix('Input ')}"
+
+
+def plain(name: str) -> str:
+    """A column's name without case, blanks, underscores, quotes and what stands in brackets behind it.
+
+    >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)")
+    ('contactpressure', 'cshear1')
+    """
+    bare = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0].lower()
+    return "".join(letter for letter in bare if letter.isalnum() or letter == ":")
+        letter for letter in name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0].lower() if letter.isalnum() or letter == ":"
+    )
+
+
+def find_column(mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False) -> str | None:
+    """Which of the file's `names` holds `quantity`: the mapping's own, else the first alias that is there; None where none is.
+
+    Raises
+    ------
+    InputError
+        Where the mapping names one that is not there, where two names answer to the same alias, or where none does and
+        it is `needed`.
+    """
+    stated = getattr(mapping.columns, quantity)
+    if stated is not None:
+        if stated not in names:
+            near = difflib.get_close_matches(stated, names, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"it has {listed(names)}"
+            raise InputError(f"{where}: the mapping says columns.{quantity} = {stated!r}, which is not there; {hint}")
+        return stated
+    for alias in ALIASES[quantity]:
+        found = [name for name in names if plain(name) == plain(alias)]
+        if len(found) > 1:
+            raise InputError(f"{where}: {listed(found)} could each be {quantity}; say which by columns.{quantity} of a mapping")
+        if found:
+            return found[0]
+    if needed:
+        raise InputError(
+            f"{where}: no column for {quantity} (looked for {', '.join(ALIASES[quantity][:4])} ...) among {listed(names)}; "
+            f"name it by columns.{quantity} of a mapping"
+        )
+    return None
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in a sentence, at most eight of them."""
+    more = f" and {len(names) - 8} more" if len(names) > 8 else ""
+    return ", ".join(map(repr, names[:8])) + more
+
+
+def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
+    """Figures of the file in the scene's unit and the project's signs, as far as the mapping says: factor, thickness, offset, sign.
+
+    >>> converted(Mapping(x_offset=2.0), "x", np.array([2.0, 3.0])).tolist()
+    [0.0, 1.0]
+    """
+    kind = {"x": "length", "y": "length", "slip": "length", "pressure": "stress", "shear": "stress", "time": "time"}.get(quantity)
+    if quantity == "frame":
+        return values
+    scaled = values * (getattr(mapping.factors, kind or "load") or 1.0) * mapping.sign(quantity)
+    if quantity == "x":
+        return np.asarray(scaled - mapping.x_offset)
+    return np.asarray(scaled / mapping.thickness if kind is None else scaled)
