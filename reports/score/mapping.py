@@ -130,8 +130,6 @@ def plain(name: str) -> str:
     """
     bare = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0].lower()
     return "".join(letter for letter in bare if letter.isalnum() or letter == ":")
-        letter for letter in name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0].lower() if letter.isalnum() or letter == ":"
-    )
 
 
 def find_column(mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False) -> str | None:
