@@ -17,6 +17,7 @@ from scenes import Record, Scene, Work, freeze
 from semi_analytic.elasticity import coupling_constant
 from semi_analytic.history import Span
 from semi_analytic.memory import pieces, value_on
+from semi_analytic.proofs import certificates, ending
 from semi_analytic.quadrature import NODES
 from semi_analytic.question import FIELDS, Question
 from semi_analytic.snapshot import Snapshot
@@ -45,26 +46,15 @@ def record_of(
     scene: Scene, question: Question, snapshot: Snapshot, arrays: Mapping[str, NDArray[Any]], errors: Mapping[str, float]
 ) -> Record:
     """How the answer came about: M(P) = Q and the friction cone at every instant, the end of the path, what a reader must know."""
-    tiny = np.finfo(float).tiny
-    force = max(question.friction * float(np.max(snapshot.load)), tiny)
-    certificates = {"tangential_balance": freeze(np.abs(_mismatch(snapshot)) / force)}
-    if {"pressure", "shear"} <= question.fields:
-        limit = question.friction * arrays["pressure"]
-        beyond = np.max(np.abs(arrays["shear"]) - limit, axis=1, initial=0.0)
-        certificates["cone"] = freeze(beyond / max(float(np.max(limit)), tiny))
-    steady = question.route.history.steady_from
-    if question.route.period is None:
-        message, termination = "the path was followed to its end", "end of path"
-    elif steady is None:
-        message, termination = f"no steady cycle among the first {len(question.route.history.cycles)}", "end of path"
-    else:
-        message, termination = f"cycle {steady + 1} ends in the state it started from", "steady"
+    history, friction = question.route.history, question.friction
+    followed, cycles = "the path was followed to its end", len(history.cycles)
+    termination, message = ending(followed, question.route.period, history.steady_from, cycles)
     return Record(
         converged=True,
         termination=termination,
         message=message,
         iterations=freeze(np.zeros(len(question.time)), np.int64),
-        certificates=certificates,
+        certificates=certificates(friction, snapshot.load, _mismatch(snapshot), arrays, question.fields),
         notes=tuple(_notes(scene, question, errors)),
         errors=errors,
     )

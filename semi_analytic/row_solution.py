@@ -17,6 +17,7 @@ from semi_analytic.contact import Contact, contact_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import field_errors
 from semi_analytic.evaluation import grids_of, series_of
+from semi_analytic.proofs import certificates, ending
 from semi_analytic.question import FIELDS, folded, spread
 from semi_analytic.route import Cycles
 from semi_analytic.time_series import Series, calendar_of, follow, instants_of
@@ -112,27 +113,16 @@ def _solution(
 
 
 def _record(scene: Scene, asked: Asked, series: Series, factor: float, grids: Mapping[str, NDArray[Any]], thinned: int) -> Record:
-    snapshot, friction, tiny = series.snapshot, scene.friction.coefficient, np.finfo(float).tiny
-    force = max(friction * float(np.max(snapshot.load)), tiny)
+    snapshot, friction, calendar = series.snapshot, scene.friction.coefficient, series.calendar
     balance = series.held + snapshot.direction * friction * snapshot.slipped - snapshot.force
-    certificates = {"tangential_balance": freeze(np.abs(balance) / force)}
-    if {"pressure", "shear"} <= asked.fields:
-        limit = friction * grids["pressure"]
-        beyond = np.max(np.abs(grids["shear"]) - limit, axis=1, initial=0.0)
-        certificates["cone"] = freeze(beyond / max(float(np.max(limit)), tiny))
-    calendar = series.calendar
-    if calendar.period is None:
-        message, termination = "the rows were followed to their end", "end of path"
-    elif calendar.steady_from is None:
-        message, termination = f"no steady cycle among the first {len(calendar.tables) - 1}", "end of path"
-    else:
-        message, termination = f"cycle {calendar.steady_from + 1} ends in the state it started from", "steady"
+    followed, cycles = "the rows were followed to their end", len(calendar.tables) - 1
+    termination, message = ending(followed, calendar.period, calendar.steady_from, cycles)
     return Record(
         converged=True,
         termination=termination,
         message=message,
         iterations=freeze(np.zeros(len(asked.time)), np.int64),
-        certificates=certificates,
+        certificates=certificates(friction, snapshot.load, balance, grids, asked.fields),
         energy={"dissipation": freeze(factor * series.increments)} if len(series.increments) else {},
         notes=tuple(_notes(scene, asked, series, thinned)),
     )
