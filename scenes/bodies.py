@@ -25,42 +25,37 @@ class HalfPlane(BaseModel):
         return float("inf")
 
 
-class Block(BaseModel):
+class _Rectangle(BaseModel):
+    """What block and pad have in common; the base of an upper one carries the load."""
+
+    model_config = FROZEN
+
+    kind: str
+    width: Positive = Field(description="along the face, length units (library: mm)")
+    height: Positive = Field(description="from the face, a pad's point of first contact, to the base, length units (library: mm)")
+    base: Base = Field("fixed", description="fixed to the rigid plane, or on rollers: free to slide along it")
+    sides: Sides = Field("free", description="free, or guided: free to slide along smooth walls")
+
+    @property
+    def face_half_width(self) -> float:
+        """Half the width of the face [length]."""
+        return self.width / 2
+
+
+class Block(_Rectangle):
     """Rectangle with a flat face; its base is a rigid plane, which carries the load where the block is the upper body.
 
     >>> Block(width=40.0, height=20.0).face_half_width
     20.0
     """
 
-    model_config = FROZEN
-
     kind: Literal["block"] = "block"
-    width: Positive = Field(description="along the face, length units (library: mm)")
-    height: Positive = Field(description="from the face to the base, length units (library: mm)")
-    base: Base = Field("fixed", description="fixed to the rigid plane, or on rollers: free to slide along it")
-    sides: Sides = Field("free", description="free, or guided: free to slide along smooth walls")
-
-    @property
-    def face_half_width(self) -> float:
-        """Half the width of the face [length]."""
-        return self.width / 2
 
 
-class Pad(BaseModel):
+class Pad(_Rectangle):
     """Rectangle whose face is the true profile: an arc for "hertz", a flat with arcs for "flat_rounded", h(x) for all others."""
 
-    model_config = FROZEN
-
     kind: Literal["pad"] = "pad"
-    width: Positive = Field(description="of the pad, length units (library: mm)")
-    height: Positive = Field(description="from the point of first contact to the base, length units (library: mm)")
-    base: Base = Field("fixed", description="fixed to the rigid plane, or on rollers: free to slide along it")
-    sides: Sides = Field("free", description="free, or guided: free to slide along smooth walls")
-
-    @property
-    def face_half_width(self) -> float:
-        """Half the width of the face [length]."""
-        return self.width / 2
 
 
 class Cylinder(BaseModel):
