@@ -10,12 +10,14 @@ from reports.certificates import Certificate, certificates
 from reports.definitions import name_of
 from reports.judging import judge
 from reports.metrics import scales
-from reports.sampling import last_cycle, sample
+from reports.missing import missing, without_missing
+from reports.sampling import last_cycle, sample, sample_instants
 from reports.verdicts import LIGHT, Metric, Pair
 from scenes import ContactSolution, InputError, Scene
 
 if TYPE_CHECKING:
     from reports.budget import ErrorBudget
+    from reports.score.diagnosis import Diagnosis
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +35,8 @@ class Comparison(Pair):
     honest : what can be said of the stated uncertainty
     budget : where the error of every metric comes from, where that was measured
     notes : everything that a reader must not miss
+    guesses : what was taken for granted of a foreign result, to be read before anything else
+    diagnoses : what a foreign result most likely suffers from, the strongest first
     """
 
     metrics: tuple[Metric, ...]
@@ -41,6 +45,8 @@ class Comparison(Pair):
     notes: tuple[str, ...]
     honest: str = "not assessed: the run was made without a budget"
     budget: ErrorBudget | None = None
+    guesses: tuple[str, ...] = ()
+    diagnoses: tuple[Diagnosis, ...] = ()
 
     @property
     def scene(self) -> Scene:
@@ -102,11 +108,11 @@ def compare(reference: ContactSolution, result: ContactSolution, *, polygon_refe
     for other in (reference, *([polygon_reference] if polygon_reference else [])):
         _refuse_other_question(other, result)
     found = last_cycle(result)
-    expected = sample(last_cycle(reference), found, reference.engine)
+    expected = sample(last_cycle(reference), found, reference.engine) if found.whole else sample_instants(reference, found)
     pair = Pair(reference, result, polygon_reference, scales(reference), expected, found)
     return Comparison(
         **vars(pair),
-        metrics=judge(pair),
+        metrics=without_missing(judge(pair), reference, result),
         reference_certificates=certificates(reference),
         result_certificates=certificates(result),
         notes=tuple(_notes(pair)),
@@ -141,10 +147,10 @@ def _notes(pair: Pair) -> Iterator[str]:
         name = name_of(solution.engine)
         if not solution.record.converged:
             yield f"{name}: not converged: {solution.record.message}"
-        if solution.steady_from is None and periodic:
+        if solution.steady_from is None and periodic and not missing(solution):
             yield f"{name}: no cycle repeats yet, so the last cycle still holds some of the way in."
         yield from (f"{name}: {note}" for note in solution.record.notes)
-    if not pair.result.scene.bodies.half_planes:
+    if not pair.result.scene.bodies.half_planes and "rigid_shift" not in missing(pair.result):
         yield (
             "Rigid shift and approach of finite bodies are counted from their supports, those of half-planes from a place that "
             "does not move: their difference is for the most part that of the two, whatever the contact does."

@@ -30,6 +30,7 @@ class Cycle:
     dissipation_density : (n,)
     interpolation : estimated largest error of the re-sampling, over the field's largest value; empty where
         nothing was interpolated
+    whole : False for the instants of a result that holds no whole cycle; `fraction` is then the time itself
     """
 
     time: Array
@@ -47,10 +48,13 @@ class Cycle:
     rigid_approach: Array
     dissipation_density: Array
     interpolation: Mapping[str, float] = field(default_factory=dict)
+    whole: bool = True
 
 
 def last_cycle(solution: ContactSolution) -> Cycle:
-    """The last whole cycle of `solution`; InputError where it holds no whole cycle."""
+    """The last whole cycle of `solution`, or all instants where it says itself that it holds none; InputError where it has none."""
+    if "whole_cycle" in solution.work.skipped:
+        return instants(solution)
     steps = solution.last_cycle
     if len(steps) < 2:
         raise InputError(
@@ -58,10 +62,30 @@ def last_cycle(solution: ContactSolution) -> Cycle:
             f"{solution.time[-1]:.6g}); solve at least one revolution"
         )
     time = solution.time[steps]
+    return _cycle(solution, steps, (time - time[0]) / (time[-1] - time[0]), whole=True)
+
+
+def instants(solution: ContactSolution) -> Cycle:
+    """Every instant of `solution`, `fraction` being the time."""
+    return _cycle(solution, np.arange(len(solution.time)), solution.time, whole=False)
+
+
+def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
+    """`reference` at the times of `like` (not whole) and on its points; times after its end are those of its last cycle."""
+    cycle, period = instants(reference), reference.scene.load.path().period
+    if len(cycle.time) == len(like.time) and np.array_equal(cycle.time, like.time):
+        return sample(cycle, like, reference.engine)
+    late = np.maximum(like.time - cycle.time[-1], 0.0)
+    folded = like.time if period is None else like.time - period * np.ceil(late / period - 1e-9)
+    return replace(sample(cycle, replace(like, fraction=freeze(folded)), reference.engine), time=like.time, fraction=like.time)
+
+
+def _cycle(solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, whole: bool) -> Cycle:
     picked: dict[str, Any] = {name: freeze(getattr(solution, name)[steps]) for name in (*FIELDS, *EDGES, *SERIES)}
     return Cycle(
-        time=freeze(time),
-        fraction=freeze((time - time[0]) / (time[-1] - time[0])),
+        time=freeze(solution.time[steps]),
+        fraction=freeze(fraction),
+        whole=whole,
         x=solution.x,
         state=freeze(solution.state[steps], np.int8),
         dissipation_density=solution.dissipation_density,
