@@ -1,0 +1,108 @@
+"""What a wrong result most likely suffers from, from the pattern of its discrepancy.
+
+Each fault of a closed set is a hypothesis that predicts tractions (`diagnosis_discrepancy` says how they are weighed against each
+other). The one that leaves least unexplained is named first; it is then mended, and the rest looked at again, so that two faults
+at once are both found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from reports.comparison import Comparison
+from reports.score.diagnosis_arrays import array_faults
+from reports.score.diagnosis_discrepancy import Discrepancy, discrepancy
+from reports.score.diagnosis_hypothesis import Hypothesis
+from reports.score.diagnosis_theory import theory_faults
+from reports.score.diagnosis_words import evidence_of, sentence_of
+
+# A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
+LEAST_EXPLAINED = 0.5
+# Faults looked for behind each other: behind two, what is left is the rounding of the first two fits.
+ROUNDS = 3
+# A rival this much weaker than the winner is not worth a line.
+LEAST_STRENGTH = 0.05
+# Behind a fault that was mended, tolerances that the rest must exceed to be looked at: a fit is not exact.
+REST = 2.0
+UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """One fault that a result may suffer from.
+
+    Attributes
+    ----------
+    fault : its key, of `diagnosis_words.FAULTS`, or "unknown"
+    sentence : what the result most likely suffers from, and what to do
+    evidence : measured figures, in words
+    strength : 0 to 1: share of the squared discrepancy that the fault explains, less where a rival explains it better
+    """
+
+    fault: str
+    sentence: str
+    evidence: tuple[str, ...]
+    strength: float
+
+
+def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
+    """What the result of `comparison` suffers from, the strongest first.
+
+    Empty where its tractions are within the scene's tolerances, or where it has no number to judge; a single "unknown" where
+    they are not, and no fault of the set explains half of it.
+    """
+    whole = discrepancy(comparison)
+    if whole is None or whole.within():
+        return ()
+    found: list[Diagnosis] = []
+    rest = whole
+    for number in range(ROUNDS):
+        ranked = _ranked(rest)
+        if not ranked or ranked[0][0] < LEAST_EXPLAINED:
+            break
+        taken = {one.fault for one in found}
+        found += [one for one in _named(rest, ranked, number) if one.fault not in taken]
+        rest = ranked[0][1].mended(rest)
+        if rest.within(REST):
+            break
+    return tuple(sorted(found, key=lambda one: -one.strength)) or (_unknown(whole),)
+
+
+def _ranked(what: Discrepancy) -> list[tuple[float, Hypothesis]]:
+    """Every hypothesis with the share it explains, the best first."""
+    every = [(what.explained(one.predicted), one) for one in _hypotheses(what)]
+    return sorted(every, key=lambda pair: -pair[0])
+
+
+def _hypotheses(what: Discrepancy) -> Iterator[Hypothesis]:
+    yield from array_faults(what)
+    yield from theory_faults(what)
+
+
+def _named(what: Discrepancy, ranked: list[tuple[float, Hypothesis]], number: int) -> Iterator[Diagnosis]:
+    """The winner of a round and, in the first, its rivals: weaker by the quotient of what the two leave unexplained."""
+    best = ranked[0][0]
+    for explained, one in ranked if number == 0 else ranked[:1]:
+        rival = 1.0 if one is ranked[0][1] else (1 - best) / max(1 - explained, 1e-12)
+        strength = max(explained, 0.0) * min(rival, 1.0) * 0.9**number
+        if explained >= LEAST_EXPLAINED and strength >= LEAST_STRENGTH:
+            yield Diagnosis(
+                one.fault, sentence_of(one, _poisson_ratio(what)), tuple(evidence_of(what, one, explained, number)), strength
+            )
+
+
+def _poisson_ratio(what: Discrepancy) -> float | None:
+    """nu where both bodies have the same."""
+    material = what.comparison.scene.material
+    return material.upper.poisson_ratio if material.alike else None
+
+
+def _unknown(what: Discrepancy) -> Diagnosis:
+    pressure, shear = what.errors()
+    return Diagnosis(
+        UNKNOWN,
+        "The discrepancy fits no known pattern: look at where and when it is largest.",
+        (f"pressure is off by {pressure:.2g} of its norm and shear by {shear:.2g} of f times that at the worst instant",),
+        0.0,
+    )
