@@ -87,9 +87,8 @@ def _named(what: Discrepancy, ranked: list[tuple[float, Hypothesis]], number: in
         rival = 1.0 if one is ranked[0][1] else (1 - best) / max(1 - explained, 1e-12)
         strength = max(explained, 0.0) * min(rival, 1.0) * 0.9**number
         if explained >= LEAST_EXPLAINED and strength >= LEAST_STRENGTH:
-            yield Diagnosis(
-                one.fault, sentence_of(one, _poisson_ratio(what)), tuple(evidence_of(what, one, explained, number)), strength
-            )
+            sentence, evidence = sentence_of(one, _poisson_ratio(what)), tuple(evidence_of(what, one, explained, number))
+            yield Diagnosis(one.fault, sentence, evidence, strength)
 
 
 def _poisson_ratio(what: Discrepancy) -> float | None:

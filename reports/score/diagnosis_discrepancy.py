@@ -1,13 +1,13 @@
 """The discrepancy of a result as one vector, and how much of it a fault would explain.
 
-Every fault is a hypothesis: "the result is the reference, but for this". A hypothesis predicts tractions p*, q* on the result's points
-and instants, its one or two free figures fitted by least squares, and explains the share
+Every fault is a hypothesis: "the result is the reference, but for this". A hypothesis predicts tractions p*, q* on the result's
+points and instants, its one or two free figures fitted by least squares, and explains the share
 
     e = 1 - |found - predicted|^2 / |found - expected|^2
 
-of the discrepancy. The norm is that of the scaled tractions p/p_ref and q/(f p_ref) over x and time, so that a pressure and a shear off
-by the same share of their scales count alike. A prediction is taken rather than a linear mode, since large faults are not linear:
-a sign, a factor of a thousand, a contact half as wide.
+of the discrepancy. The norm is that of the scaled tractions p/p_ref and q/(f p_ref) over x and time, so that a pressure and a shear
+off by the same share of their scales count alike. A prediction is taken rather than a linear mode, since large faults are not
+linear: a sign, a factor of a thousand, a contact half as wide.
 """
 
 from __future__ import annotations
@@ -87,10 +87,8 @@ class Discrepancy:
         """||p - p_ref||/||p_ref|| and ||q - q_ref||/(f ||p_ref||) at the worst of the instants."""
         friction = self.comparison.scales.friction
         size = norm(self.x, self.expected[0])
-        apart = [norm(self.x, found - expected) for found, expected in zip(self.found, self.expected, strict=True)]
-        return tuple(
-            float(np.nanmax(over(one, size * scale), initial=0.0)) for one, scale in zip(apart, (1.0, friction), strict=True)
-        )  # type: ignore[return-value]
+        p, q = (norm(self.x, found - expected) for found, expected in zip(self.found, self.expected, strict=True))
+        return float(np.nanmax(over(p, size), initial=0.0)), float(np.nanmax(over(q, friction * size), initial=0.0))
 
     def within(self, times: float = 1.0) -> bool:
         """Whether both errors are within so many tolerances of the scene."""
@@ -100,8 +98,8 @@ class Discrepancy:
 
     def less(self, predicted: Tractions) -> Discrepancy:
         """What is left to explain once the fault that predicts this is mended, faults taken to add up."""
-        found = tuple(one - other + ref for one, other, ref in zip(self.found, predicted, self.expected, strict=True))
-        return replace(self, found=found)
+        (p, q), (p_fault, q_fault), (p_ref, q_ref) = self.found, predicted, self.expected
+        return replace(self, found=(p - p_fault + p_ref, q - q_fault + q_ref))
 
     def seen_as(self, found: Tractions) -> Discrepancy:
         """The same with other tractions found."""

@@ -18,30 +18,30 @@ FAULTS = {
     "traction_factor": "The tractions are {factor:.4g} times too large on the right widths: a thickness, a unit or a share of the "
     "surface counted twice; no elastic contact carries other loads on the same width.",
     "offset": "The contact is {distance:.3g} a_ref off along x: the origin of x is not the centre of the profile.",
-    "stiffness": "The bodies are {factor:.3g} times as stiff for their curvature as the scene's: check E, nu, plane strain against "
-    "plane stress, and the radius ({likely}).",
+    "stiffness": "The bodies are {factor:.3g} times as stiff for their curvature as the scene's: check E, nu, plane strain against"
+    " plane stress, and the radius ({likely}).",
     "loads": "Loads {factor:.3g} times those of the scene: check thickness, amplitudes and what a load was shared out over.",
     "half_model": "Loads {factor:.3g} times those of the scene: half of a symmetric model carries half of the loads, and the other "
     "half was forgotten or counted twice.",
     "friction": "The coefficient of friction is {factor:.3g} times the scene's.",
     "full_stick": "Friction is not active: the faces are bonded, or rough; nothing slips, and shear exceeds f p at the edges.",
-    "memoryless": "The history is dropped: each instant is that of a first loading, without the slip locked in before; keep the state "
-    "of friction from step to step.",
+    "memoryless": "The history is dropped: each instant is that of a first loading, without the slip locked in before; keep the "
+    "state of friction from step to step.",
     "not_steady": "The cycle is not steady yet: this is the first revolution; run more of them and compare the last.",
-    "steps": "The steps are too long: {steps:.0f} a cycle cut the corners of the load path; take more, and let some end on the turning "
-    "points.",
+    "steps": "The steps are too long: {steps:.0f} a cycle cut the corners of the load path; take more, and let some end on the"
+    " turning points.",
     "other_times": "The tractions are those of other instants, {delay:.3g} of a period late: check the times or the phases of the "
     "loads.",
     "elastic_slip": "Elastic slip of a soft tangential penalty: faces that should stick creep by q/k, k = {stiffness:.3g} E*/a_ref; "
     "make the tangential stiffness larger (the slip tolerance smaller), or use Lagrange multipliers.",
-    "soft_normal": "A soft normal penalty: the faces sink into each other by p/k, k = {stiffness:.3g} E*/a_ref, so the contact is too "
-    "wide and its peak too low; make the normal stiffness larger, or use Lagrange multipliers.",
-    "small_body": "The bodies are too small, or held too near: their far field bends the faces like curvatures of {normal:.2g} P/E* and "
-    "shears them by {shear:.2g} Q/E* over a_ref^2; make them larger, or compare with finite bodies.",
+    "soft_normal": "A soft normal penalty: the faces sink into each other by p/k, k = {stiffness:.3g} E*/a_ref, so the contact is "
+    "too wide and its peak too low; make the normal stiffness larger, or use Lagrange multipliers.",
+    "small_body": "The bodies are too small, or held too near: their far field bends the faces like curvatures of {normal:.2g} P/E*"
+    " and shears them by {shear:.2g} Q/E* over a_ref^2; make them larger, or compare with finite bodies.",
     "coupling": "Pressure moves the faces along x, {beta:.2g} of Dundurs' beta: the materials are not alike, or not those of the "
     "scene; half-plane theory of like bodies has none of it.",
-    "coarse_edge": "The mesh is too coarse at the edges of contact and stick: the discrepancy stays within two elements of them; make "
-    "the elements there smaller than {spacing:.2g} a_ref.",
+    "coarse_edge": "The mesh is too coarse at the edges of contact and stick: the discrepancy stays within two elements of them; "
+    "make the elements there smaller than {spacing:.2g} a_ref.",
 }
 
 # Quotients of E*/R that have a likely cause: (factor, within, cause).
