@@ -26,9 +26,9 @@ ALIASES: dict[Quantity, tuple[str, ...]] = {
     "frame": ("frame", "increment", "inc", "step"),
     "normal_load": ("normal_load", "P", "normal force", "Fn", "RF2", "load"),
     "tangential_load": ("tangential_load", "Q", "tangential force", "shear force", "Ft", "RF1"),
-    "x": ("x", "COORD1", "COOR1", "X coordinate", "true distance", "distance", "points:0", "position"),
-    "y": ("y", "COORD2", "COOR2", "Y coordinate", "points:1"),
-    "pressure": ("pressure", "p", "CPRESS", "contact_pressure", "COPEN CPRESS", "normal_contact_stress", "contact pressure"),
+    "x": ("x", "X", "COORD1", "COOR1", "X coordinate", "true distance", "distance", "points:0", "position"),
+    "y": ("y", "Y", "COORD2", "COOR2", "Y coordinate", "points:1"),
+    "pressure": ("pressure", "p", "CPRESS", "contact_pressure", "normal_contact_stress"),
     "shear": ("shear", "q", "CSHEAR1", "CSHEAR", "tangential_contact_stress", "contact_shear", "shear traction", "traction"),
     "slip": ("slip", "s", "CSLIP1", "CSLIP", "tangential_slip", "relative_slip"),
 }
@@ -125,11 +125,14 @@ def _sentence(path: Path, faults: ValidationError) -> str:
 def plain(name: str) -> str:
     """A column's name without case, blanks, underscores, quotes and what stands in brackets behind it.
 
-    >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)")
-    ('contactpressure', 'cshear1')
+    A single letter keeps its case: P is a load and p a pressure.
+
+    >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)"), plain("P [N/mm]")
+    ('contactpressure', 'cshear1', 'P')
     """
-    bare = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0].lower()
-    return "".join(letter for letter in bare if letter.isalnum() or letter == ":")
+    bare = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]
+    letters = "".join(letter for letter in bare if letter.isalnum() or letter == ":")
+    return letters if len(letters) == 1 else letters.lower()
 
 
 def find_column(mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False) -> str | None:
