@@ -84,7 +84,7 @@ class Mapping(BaseModel):
     surface: str | None = Field(None, description="name of the boundary, cell set or contact pair, where the file has several")
     thickness: _Factor = Field(1.0, description="out of the plane, in the scene's length: the file's loads are divided by it")
     x_offset: float = Field(0.0, description="the file's x at the middle of the contact, in the scene's length: taken off x")
-    y_offset: float = Field(0.0, description="the file's y of the lower body's face, in the scene's length: where a file has bodies")
+    y_offset: float = Field(0.0, description="the file's y of the lower body's face, in the scene's length: taken off y")
     times: tuple[float, ...] | None = Field(None, description="times of the scene's load path, one an instant, in order")
     element_size: _Factor | None = Field(None, description="of the surface at the contact, in the scene's length")
     element_sizes: dict[str, _Factor] = Field({}, description="the same of each file of a folder, by file name")
