@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import tomllib
+from collections.abc import Iterable
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -69,9 +70,19 @@ def load_scene(source: str | Path) -> Scene:
 
 
 def _unknown_scene(name: str) -> str:
-    near = difflib.get_close_matches(name, scene_names(), n=1)
-    hint = f" did you mean {near[0]}?" if near else f" the library has {', '.join(scene_names())};"
+    hint = _did_you_mean(name, scene_names()) or f" the library has {', '.join(scene_names())};"
     return f"{name}: no such scene or file;{hint} `halfplane init FILE.toml` writes one to start from"
+
+
+def _did_you_mean(word: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(word, list(known), n=1)
+    return f" did you mean {near[0]}?" if near else ""
+
+
+def _keys() -> set[str]:
+    """Every key of a scene, of whatever table."""
+    schema = Scene.model_json_schema()
+    return {key for table in (schema, *schema["$defs"].values()) for key in table.get("properties", {})}
 
 
 def _parse(path: Path) -> dict[str, Any]:
@@ -131,7 +142,8 @@ def _sentence(where: str, data: dict[str, Any], faults: ValidationError) -> str:
     rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").replace("an object", "a table of keys")
     match fault["type"]:
         case "extra_forbidden":
-            return f"{where}: unknown key {key} = {value!r}; `halfplane schema` lists the keys{more}"
+            hint = _did_you_mean(str(fault["loc"][-1]), _keys())
+            return f"{where}: unknown key {key} = {value!r};{hint} `halfplane schema` lists the keys{more}"
         case "missing" if isinstance(value, dict):
             return f"{where}: the key {key} is missing; `halfplane schema` lists the keys{more}"
         case "missing":

@@ -50,7 +50,7 @@ REFUSED = {
     "radius negative": ("radius = 2.0", "radius = -2.0", ["profile.radius = -2.0", "greater than 0"]),
     "unknown key": ("coefficient = 0.5", "coefficient = 0.5\ncolour = 3", ["unknown key friction.colour = 3", "halfplane schema"]),
     "unknown table": ("[friction]", "[paint]\ncolour = 3\n[friction]", ["unknown key paint", "halfplane schema"]),
-    "misspelt key": ("coefficient", "coeficient", ["unknown key friction.coeficient", "and 1 more"]),
+    "misspelt key": ("coefficient", "coeficient", ["unknown key friction.coeficient", "did you mean coefficient?", "and 1 more"]),
     "missing key": ("coefficient = 0.5", "", ["the key friction.coefficient is missing", "halfplane schema"]),
     "missing table": ("[friction]\ncoefficient = 0.5", "", ["the key friction is missing"]),
     "missing material": ("[material]", "[material.upper]", ["the key material.lower is missing"]),
