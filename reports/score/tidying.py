@@ -82,7 +82,7 @@ def _one_line(source: str, places: Array) -> tuple[Array, str]:
         row, column = np.unravel_index(np.argmax(np.abs(places - middle)), places.shape)
         raise InputError(
             f"{source}: the points are not the same at every instant: point {column + 1} has x = {places[row, column]:.6g} at "
-            f"instant {row + 1} and {middle[column]:.6g} in the mean, {moved / spacing:.2g} of their spacing; give undeformed places"
+            f"instant {row + 1} and {middle[column]:.6g} in the mean, {moved / spacing:.2g} spacings off; give undeformed places"
         )
     return middle, f"x moves from instant to instant by at most {moved / spacing:.1g} of the points' spacing; its mean was taken"
 

@@ -1,0 +1,205 @@
+"""Where on the scene's load path the instants of a foreign result lie: by its times, else by its loads, else by its resultants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.score.guesses import resultants
+from reports.score.surface import SurfaceResult
+from scenes import InputError, LoadPath, Scene
+
+Array = NDArray[np.float64]
+
+# Largest distance in the plane of P and Q, over the largest P of the path: of loads as the file states them, printed to some
+# digits; and of resultants, which the trapezoidal rule takes from the pressures of a mesh of perhaps ten elements.
+STATED, INTEGRATED = 0.005, 0.05
+PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
+_SAMPLES = 720  # of a revolution and of the way in
+_AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among equal matches the earliest
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """Times of the scene's path, (n_steps,), with P and Q there, and sentences on how they were found."""
+
+    time: Array
+    normal_load: Array
+    tangential_load: Array
+    notes: tuple[str, ...]
+
+
+def matched(result: SurfaceResult, scene: Scene) -> History:
+    """The instants of `result` on the path of `scene`.
+
+    Raises
+    ------
+    InputError
+        Naming the first instant that is not on the path in this order, with both loads there.
+    """
+    path = scene.load.path()
+    if result.time is not None:
+        return _by_time(result, path, scene)
+    if result.normal_load is not None and result.tangential_load is not None:
+        return _by_loads(result, path, scene, (result.normal_load, result.tangential_load), STATED, "the loads that it states")
+    normal, tangential = resultants(result)
+    if result.normal_load is not None:
+        normal = result.normal_load
+    by = "the integrals of its pressure and shear over x"
+    try:
+        return _by_loads(result, path, scene, (normal, tangential), INTEGRATED, by)
+    except InputError:
+        # Shear on the other body: matched all the same, scored as it is, and named by `oddities`.
+        try:
+            return _by_loads(result, path, scene, (normal, -tangential), INTEGRATED, f"{by}, the latter turned")
+        except InputError:
+            pass
+        raise
+
+
+def _by_time(result: SurfaceResult, path: LoadPath, scene: Scene) -> History:
+    assert result.time is not None
+    time, first = result.time, path.start
+    last = path.way_in[-1].end if path.period is None else path.cycle_start + scene.cycles * path.period
+    time = _snapped(time, path, scene)
+    if np.any(np.diff(time) <= 0):
+        step = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
+        raise InputError(
+            f"{result.source}: time does not ascend: instant {step + 1} is at {time[step]:.9g} after {time[step - 1]:.9g}"
+        )
+    beyond = np.flatnonzero((time < first) | (time > last))
+    if len(beyond):
+        raise InputError(
+            f"{result.source}: instant {beyond[0] + 1} is at time {time[beyond[0]]:.6g}, outside the scene's path, which goes from "
+            f"{first:.6g} to {last:.6g} in {scene.cycles} cycles; state each instant's time there by the key times of a mapping"
+        )
+    normal, tangential = path.at(time)
+    _refuse_other_loads(result, time, normal, tangential)
+    return History(time, normal, tangential, ("its instants were matched by the times that it states",))
+
+
+def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
+    """Times that miss the start or end of a cycle, or of the path, by less than `PRINTED_TIME` of a cycle, put there."""
+    ends = [path.start, path.cycle_start]
+    if path.period is not None:
+        ends += [path.cycle_start + k * path.period for k in range(1, scene.cycles + 1)]
+    close = (path.period or ends[1] - ends[0]) * PRINTED_TIME
+    nearest = np.array(ends)[np.argmin(np.abs(time[:, None] - np.array(ends)), axis=1)]
+    return np.where(np.abs(time - nearest) <= close, nearest, time)
+
+
+def _refuse_other_loads(result: SurfaceResult, time: Array, normal: Array, tangential: Array) -> None:
+    """At the times stated, loads stated must be the scene's, and so must the integral of the pressure."""
+    size = float(np.max(normal)) or 1.0
+    named = (("P", result.normal_load, normal, STATED), ("Q", result.tangential_load, tangential, STATED))
+    integral = ("the integral of the pressure", resultants(result)[0], normal, 4 * INTEGRATED)
+    for name, own, theirs, limit in (*named, integral):
+        if own is not None and np.any(np.abs(own - theirs) > limit * size):
+            step = int(np.flatnonzero(np.abs(own - theirs) > limit * size)[0])
+            raise InputError(
+                f"{result.source}: its history is not the scene's: at instant {step + 1}, time {time[step]:.6g}, {name} is "
+                f"{own[step]:.6g} and the scene's {theirs[step]:.6g}{_constant_ratio(own, theirs, size)}"
+            )
+
+
+def _constant_ratio(own: Array, theirs: Array, size: float) -> str:
+    """What to do, if all figures differ by one factor."""
+    loaded = np.abs(theirs) > 0.01 * size
+    if not loaded.any():
+        return ""
+    ratio = own[loaded] / theirs[loaded]
+    if np.ptp(ratio) > 0.01 * abs(ratio[0]) or abs(ratio[0] - 1) < 0.01 or ratio[0] == 0:
+        return ""
+    hint = "the other sign?" if ratio[0] < 0 else "a thickness of that size (thickness), other units (factors), or half a model?"
+    return f", {ratio[0]:.4g} times as much at every instant: {hint}"
+
+
+def _by_loads(result: SurfaceResult, path: LoadPath, scene: Scene, loads: tuple[Array, Array], limit: float, by: str) -> History:
+    """In order along the path; where every instant lies on the cycle, in its last one."""
+    size = float(np.max(path.at(_samples(path, 1, whole=True))[0]))
+    best: tuple[float, Array] | None = None
+    for times in _windows(path, scene):
+        found = _in_order(times, path, scene, loads, size)
+        off = _distance(path, found, loads) / size
+        if off.max() <= limit:
+            return _found(path, scene, found, float(off.max()), by, len(loads[0]))
+        if best is None or off.max() < best[0]:
+            best = float(off.max()), found
+    assert best is not None
+    off = _distance(path, best[1], loads) / size
+    step = int(np.flatnonzero(off > limit)[0])
+    normal, tangential = path.at(best[1])
+    raise InputError(
+        f"{result.source}: its history is not the scene's: at instant {step + 1} P = {loads[0][step]:.6g} and "
+        f"Q = {loads[1][step]:.6g} (from {by}), and the nearest that the scene's path has, in order, is P = {normal[step]:.6g} and "
+        f"Q = {tangential[step]:.6g} at time {best[1][step]:.6g}{_constant_ratio(loads[0], normal, size)}"
+    )
+
+
+def _windows(path: LoadPath, scene: Scene) -> Iterator[Array]:
+    """Times among which instants are looked for: the last cycle, then the whole path."""
+    if path.period is not None:
+        start = path.cycle_start + (scene.cycles - 1) * path.period
+        # Twice round, so that a loop that starts elsewhere finds its end; the second is the first again.
+        yield start + path.period * np.linspace(-min(1, scene.cycles - 1), 1, 2 * _SAMPLES + 1)
+    yield _samples(path, scene.cycles, whole=True)
+
+
+def _samples(path: LoadPath, cycles: int, *, whole: bool) -> Array:
+    legs = list(path.legs(cycles if path.period is not None else 1))
+    count = max(_SAMPLES * (cycles + 1) // len(legs), 8) if whole else 8
+    return np.unique(np.concatenate([np.linspace(leg.start, leg.end, count) for leg in legs]))
+
+
+def _in_order(times: Array, path: LoadPath, scene: Scene, loads: tuple[Array, Array], size: float) -> Array:
+    """Ascending times, (n_steps,), whose loads are nearest to `loads` in the sum of squares: dynamic programming, then refined."""
+    normal, tangential = path.at(times)
+    ahead = _AHEAD * (times - times[0]) / (times[-1] - times[0])
+    steps, cost = [], np.zeros(len(times))
+    for p, q in zip(*loads, strict=True):
+        cost = cost + ((normal - p) ** 2 + (tangential - q) ** 2) / size**2
+        # Least cost up to here, and where it was reached.
+        least = np.minimum.accumulate(cost)
+        where = np.maximum.accumulate(np.where(cost <= least, np.arange(len(times)), 0))
+        steps.append(where)
+        cost = least
+    chosen = np.empty(len(steps), dtype=np.intp)
+    chosen[-1] = steps[-1][int(np.argmin(cost + ahead))]
+    for k in range(len(steps) - 2, -1, -1):
+        chosen[k] = steps[k][chosen[k + 1]]
+    return np.maximum.accumulate(_snapped(_refined(times, chosen, path, loads, size), path, scene))
+
+
+def _refined(times: Array, chosen: NDArray[np.intp], path: LoadPath, loads: tuple[Array, Array], size: float) -> Array:
+    """The nearest times between the neighbours of the samples `chosen`: ten times finer, twelve times over."""
+    low, high = times[np.maximum(chosen - 1, 0)], times[np.minimum(chosen + 1, len(times) - 1)]
+    first, last = times[0], times[-1]
+    best = times[chosen]
+    for _ in range(12):
+        grid = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 21)
+        normal, tangential = path.at(grid)
+        away = ((normal - loads[0][:, None]) ** 2 + (tangential - loads[1][:, None]) ** 2) / size**2
+        best = grid[np.arange(len(grid)), np.argmin(away, axis=1)]
+        step = (high - low) / 20
+        low, high = np.maximum(best - step, first), np.minimum(best + step, last)
+    return np.asarray(best)
+
+
+def _distance(path: LoadPath, time: Array, loads: tuple[Array, Array]) -> Array:
+    normal, tangential = path.at(time)
+    return np.hypot(normal - loads[0], tangential - loads[1])
+
+
+def _found(path: LoadPath, scene: Scene, time: Array, off: float, by: str, count: int) -> History:
+    notes = [f"its instants were matched to the load path by {by}; the farthest is {off:.1e} of the largest P away"]
+    if path.period is not None and time[0] >= path.cycle_start + (scene.cycles - 2) * path.period - 1e-9:
+        what = "the instant lies" if count == 1 else "all instants lie"
+        notes.append(
+            f"{what} on the cycle, which comes back: one of the last of {scene.cycles} cycles was taken, the steady state; "
+            "if it is an earlier one, state the times"
+        )
+    normal, tangential = path.at(time)
+    return History(time, normal, tangential, tuple(notes))

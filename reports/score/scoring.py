@@ -1,0 +1,142 @@
+"""A foreign result against a reference: the same comparison, metrics and page as between the two engines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from numpy.typing import ArrayLike
+
+from reports.comparison import Comparison, compare
+from reports.missing import DERIVED
+from reports.score.mapping import Mapping
+from reports.score.reading import read
+from reports.score.solution import contact_solution, of_own_file, rule_error
+from reports.score.surface import SurfaceResult
+from reports.score.tidying import surface_result
+from scenes import ContactSolution, InputError, Scene, load_scene
+
+if TYPE_CHECKING:
+    from reports.score.diagnosis import Diagnosis
+
+Against = Literal["exact", "fe"]
+OWN = ".nc"
+
+
+def score(
+    x: ArrayLike,
+    p: ArrayLike,
+    q: ArrayLike,
+    *,
+    scene: Scene | str | Path,
+    time: ArrayLike | None = None,
+    loads: tuple[ArrayLike, ArrayLike] | None = None,
+    slip: ArrayLike | None = None,
+    code: str = "",
+    mapping: Mapping | None = None,
+    against: Against = "exact",
+) -> Comparison:
+    """Tractions on plain arrays, scored against half-plane theory at their own points and instants.
+
+    Parameters
+    ----------
+    x : (n_points,) places on the surface, 0 in the middle of the contact [length]
+    p, q : (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression, q along +x on the lower body
+    scene : the question, or its name or file
+    time : (n_steps,) times of the scene's load path; left out, `loads` tell the instants, else the integrals of p and q
+    loads : (P, Q), (n_steps,) each [force / thickness]
+    slip : like p [length], upper over lower; only with it has the result slip and dissipation
+    code : what computed it, for the page
+    mapping : units and signs for certain, which are guessed, and named in `guesses`, without
+    against : "exact" for half-plane theory, "fe" for the project's finite elements
+
+    Raises
+    ------
+    InputError
+        One sentence: shapes, numbers that are none, a history that is not the scene's.
+
+    >>> import numpy as np, semi_analytic
+    >>> x = np.linspace(-1.2, 1.2, 241)
+    >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"), x=x, time=[1.5])
+    >>> found = score(x, 1.01 * exact.pressure[0], exact.shear[0], scene="cattaneo-mindlin", time=1.5, code="mine")
+    >>> round(found.metric("peak_pressure").value, 9), found.metric("dissipation").value is None
+    (0.01, True)
+    """
+    asked = scene if isinstance(scene, Scene) else load_scene(scene)
+    fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
+    series = {"time": time, "normal_load": loads[0] if loads else None, "tangential_load": loads[1] if loads else None}
+    result = surface_result(code or "the arrays", code, x, fields, series)
+    return score_surface(result, mapping or Mapping(), asked, against=against)
+
+
+def score_file(path: Path, mapping: Mapping, scene: Scene, *, against: Against = "exact", polygon: bool = True) -> Comparison:
+    """A result in a file: of the project's own (.nc) as it is, any other through `mapping`."""
+    if path.suffix.lower() == OWN and path.is_file():
+        return score_solution(own_solution(path, scene), (), against=against, polygon=polygon)
+    return score_surface(read(path, mapping, scene), mapping, scene, against=against)
+
+
+def own_solution(path: Path, scene: Scene) -> ContactSolution:
+    """The solution of a NetCDF file of the project's own; InputError for another file or another scene."""
+    try:
+        solution = ContactSolution.load(path)
+    except (OSError, KeyError, ValueError) as reason:
+        raise InputError(f"{path}: this is no solution that halfplane wrote ({type(reason).__name__}: {reason})") from reason
+    return of_own_file(solution, str(path), scene)
+
+
+def score_surface(result: SurfaceResult, mapping: Mapping, scene: Scene, *, against: Against = "exact") -> Comparison:
+    """A result in the common form, guesses applied."""
+    solution, guesses = contact_solution(result, mapping, scene)
+    return score_solution(solution, guesses, against=against)
+
+
+def score_solution(
+    solution: ContactSolution, guesses: tuple[str, ...], *, against: Against = "exact", polygon: bool = False
+) -> Comparison:
+    """A solution against a fresh reference, with its diagnoses.
+
+    `polygon` asks for theory on the straight steps between the instants as well, which tells the error of the steps where the
+    instants are all the increments of a solver.
+    """
+    reference = _REFERENCES[against](solution)
+    steps = _on_polygon(solution) if polygon and against == "exact" else None
+    found = compare(reference, solution, polygon_reference=steps)
+    notes = (*rule_error(solution, reference), *found.notes)
+    found = replace(found, guesses=guesses, notes=notes)
+    return replace(found, diagnoses=_diagnoses(found))
+
+
+def _diagnoses(comparison: Comparison) -> tuple[Diagnosis, ...]:
+    if find_spec("reports.score.diagnosis") is None:
+        return ()
+    from reports.score.diagnosis import diagnose
+
+    return diagnose(comparison)
+
+
+def _exact(solution: ContactSolution) -> ContactSolution:
+    import semi_analytic
+
+    return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
+
+
+def _on_polygon(solution: ContactSolution) -> ContactSolution | None:
+    """Theory on the increments of a solver; None for an answer that takes no steps, and where some were left out."""
+    if solution.engine != "halfplane_fe" or DERIVED in solution.settings:
+        return None
+    import semi_analytic
+
+    return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time, straight_steps=True)
+
+
+def _finite_elements(solution: ContactSolution) -> ContactSolution:
+    import halfplane_fe
+
+    return halfplane_fe.solve(solution.scene)
+
+
+_REFERENCES: dict[str, Callable[[ContactSolution], ContactSolution]] = {"exact": _exact, "fe": _finite_elements}
