@@ -14,6 +14,8 @@ READERS: dict[str, str] = {
     ".csv": "reports.score.reading_csv:read",
     ".txt": "reports.score.reading_csv:read",
     ".rpt": "reports.score.reading_csv:read",
+    ".frd": "reports.score.calculix_surface:read",
+    ".dat": "reports.score.calculix_printed:read",
 }
 
 

@@ -1,0 +1,84 @@
+"""The mesh of a .frd file with rows in place of node numbers, and where its element faces lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.score.calculix_frd import FrdElement, FrdFile
+from scenes import InputError
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_Faces = dict[int, tuple[int, ...]]
+# Corners (from 0) of the faces of bricks, wedges, tetrahedra, and of plane elements: CalculiX counts their edges as faces 3 to 6.
+_BRICK: _Faces = {1: (0, 1, 2, 3), 2: (4, 5, 6, 7), 3: (0, 1, 5, 4), 4: (1, 2, 6, 5), 5: (2, 3, 7, 6), 6: (3, 0, 4, 7)}
+_WEDGE: _Faces = {1: (0, 1, 2), 2: (3, 4, 5), 3: (0, 1, 4, 3), 4: (1, 2, 5, 4), 5: (2, 0, 3, 5)}
+_TETRAHEDRON: _Faces = {1: (0, 1, 2), 2: (0, 1, 3), 3: (1, 2, 3), 4: (0, 2, 3)}
+_QUADRANGLE: _Faces = {3: (0, 1), 4: (1, 2), 5: (2, 3), 6: (3, 0)}
+_TRIANGLE: _Faces = {3: (0, 1), 4: (1, 2), 5: (2, 0)}
+# By the kinds of the .frd form: linear, quadratic.
+_FACES: dict[int, _Faces] = {
+    **dict.fromkeys((1, 4), _BRICK),
+    **dict.fromkeys((2, 5), _WEDGE),
+    **dict.fromkeys((3, 6), _TETRAHEDRON),
+    **dict.fromkeys((7, 8), _TRIANGLE),
+    **dict.fromkeys((9, 10), _QUADRANGLE),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class CalculixMesh:
+    """Nodes and elements of a .frd file.
+
+    Attributes
+    ----------
+    path : where it was read
+    numbers : (n_nodes,), of the nodes, ascending
+    points : (n_nodes, 3) [length]
+    cells : rows of nodes of the elements, (n_elements, n_nodes_each), a block for each count of nodes
+    elements : by number
+    """
+
+    path: Path
+    numbers: Integers
+    points: Array
+    cells: tuple[Integers, ...]
+    elements: dict[int, FrdElement]
+
+    @classmethod
+    def of(cls, file: FrdFile) -> CalculixMesh:
+        """The mesh of a file; InputError for an element with a node that is not there."""
+        order = np.argsort(file.nodes)
+        bare = cls(file.path, file.nodes[order], file.points[order], (), {element.number: element for element in file.elements})
+        sizes = sorted({len(element.nodes) for element in file.elements})
+        blocks = (np.array([e.nodes for e in file.elements if len(e.nodes) == size], np.int64) for size in sizes)
+        return cls(bare.path, bare.numbers, bare.points, tuple(bare.rows(block) for block in blocks), bare.elements)
+
+    def rows(self, nodes: Integers) -> Integers:
+        """Rows of node numbers of any shape; InputError for a node without coordinates."""
+        at = np.minimum(np.searchsorted(self.numbers, nodes), len(self.numbers) - 1)
+        strange = np.asarray(nodes)[self.numbers[at] != nodes]
+        if len(strange):
+            raise InputError(
+                f"{self.path}: node {strange[0]} has a result or an element and no coordinates (CalculiX numbers the nodes of "
+                "plane elements anew); write *NODE FILE, OUTPUT=3D in the deck and run it again"
+            )
+        return np.asarray(at, np.int64)
+
+    def face(self, element: int, face: int) -> tuple[Array, float, float]:
+        """Middle of an element's face (3,), its length in x, and how far the element's middle lies above it [length]."""
+        found = self.elements.get(element)
+        corners = _FACES.get(found.kind, {}).get(face) if found else None
+        if found is None or corners is None:
+            what = (
+                f"element {element} is not in it" if found is None else f"element {element} of kind {found.kind} has no face {face}"
+            )
+            raise InputError(f"{self.path}: {what}; it must be of the same run as the .dat file, with *NODE FILE and *EL FILE")
+        rows = self.rows(np.array(found.nodes))
+        on_face = self.points[rows[list(corners)]]
+        return on_face.mean(axis=0), float(np.ptp(on_face[:, 0])), float(self.points[rows, 1].mean() - on_face[:, 1].mean())
