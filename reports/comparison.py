@@ -83,7 +83,13 @@ class Comparison(Pair):
         return {metric.key: metric for metric in self.metrics}[key]
 
 
-def compare(reference: ContactSolution, result: ContactSolution, *, polygon_reference: ContactSolution | None = None) -> Comparison:
+def compare(
+    reference: ContactSolution,
+    result: ContactSolution,
+    *,
+    polygon_reference: ContactSolution | None = None,
+    scales_from: ContactSolution | None = None,
+) -> Comparison:
     """How far `result` is from `reference` in the last cycle, metric by metric, against the scene's tolerances.
 
     Parameters
@@ -93,6 +99,7 @@ def compare(reference: ContactSolution, result: ContactSolution, *, polygon_refe
     result : the answer judged
     polygon_reference : the reference on the straight steps between the result's instants, which sets the error of
         the steps apart from all others
+    scales_from : what the scales are read off, where the reference holds less than a cycle; the reference if None
 
     Raises
     ------
@@ -109,7 +116,7 @@ def compare(reference: ContactSolution, result: ContactSolution, *, polygon_refe
         _refuse_other_question(other, result)
     found = last_cycle(result)
     expected = sample(last_cycle(reference), found, reference.engine) if found.whole else sample_instants(reference, found)
-    pair = Pair(reference, result, polygon_reference, scales(reference), expected, found)
+    pair = Pair(reference, result, polygon_reference, scales(scales_from or reference), expected, found)
     return Comparison(
         **vars(pair),
         metrics=without_missing(judge(pair), reference, result),

@@ -127,7 +127,7 @@ def _change(pair: Pair, key: str, change: Changes, none: str) -> Metric:
         return not_applicable(key, "; ".join([none, *notes]))
     everywhere = np.ones(len(change.late), dtype=bool)
     value, time = worst(change.late, everywhere, pair.found.time[change.index])
-    step = float(np.max(np.diff(pair.found.fraction)))
+    step = float(np.max(np.diff(pair.found.fraction), initial=0.0))
     return Metric(
         DEFINITIONS[key], value, time, note="; ".join(notes), uncertainty=step, unmatched=bool(change.missing + change.extra)
     )

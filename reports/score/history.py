@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 # Largest distance in the plane of P and Q, over the largest P of the path: of loads as the file states them, printed to some
 # digits; and of resultants, which the trapezoidal rule takes from the pressures of a mesh of perhaps ten elements.
 STATED, INTEGRATED = 0.005, 0.05
+CORRECTIONS = 2  # of the trapezoidal rule: the second moves no instant by more than the first one's error
 PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
 _SAMPLES = 720  # of a revolution and of the way in
 _AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among equal matches the earliest
@@ -45,19 +46,45 @@ def matched(result: SurfaceResult, scene: Scene) -> History:
         return _by_time(result, path, scene)
     if result.normal_load is not None and result.tangential_load is not None:
         return _by_loads(result, path, scene, (result.normal_load, result.tangential_load), STATED, "the loads that it states")
+    return _by_resultants(result, path, scene)
+
+
+def _by_resultants(result: SurfaceResult, path: LoadPath, scene: Scene) -> History:
+    """By the integrals of the tractions, less what the trapezoidal rule misses of theory at the instants so found."""
+    by, found = "the integrals of its pressure and shear over x", None
     normal, tangential = resultants(result)
-    if result.normal_load is not None:
-        normal = result.normal_load
-    by = "the integrals of its pressure and shear over x"
+    normal, integrated = (normal, 1.0) if result.normal_load is None else (result.normal_load, 0.0)
+    sense = 1.0
     try:
-        return _by_loads(result, path, scene, (normal, tangential), INTEGRATED, by)
+        found = _by_loads(result, path, scene, (normal, tangential), INTEGRATED, by)
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by `oddities`.
-        try:
-            return _by_loads(result, path, scene, (normal, -tangential), INTEGRATED, f"{by}, the latter turned")
-        except InputError:
-            pass
-        raise
+        sense = -1.0
+        found = _turned(result, path, scene, (normal, -tangential), f"{by}, the latter turned")
+        if found is None:
+            raise
+    for _ in range(CORRECTIONS):
+        missed = _missed(result, scene, found)
+        loads = normal - integrated * missed[0], sense * tangential - missed[1]
+        found = _by_loads(result, path, scene, loads, INTEGRATED, f"{by}, less what that misses of theory")
+    return found
+
+
+def _turned(result: SurfaceResult, path: LoadPath, scene: Scene, loads: tuple[Array, Array], by: str) -> History | None:
+    try:
+        return _by_loads(result, path, scene, loads, INTEGRATED, by)
+    except InputError:
+        return None
+
+
+def _missed(result: SurfaceResult, scene: Scene, found: History) -> tuple[Array, Array]:
+    """What the trapezoidal rule makes of theory's tractions on the result's points, less the loads that these carry."""
+    import semi_analytic
+
+    theory = semi_analytic.solve(scene, x=result.x, time=found.time, fields=("pressure", "shear"))
+    integrals = (np.trapezoid(field, result.x, axis=1) for field in (theory.pressure, theory.shear))
+    normal, tangential = integrals
+    return normal - found.normal_load, tangential - found.tangential_load
 
 
 def _by_time(result: SurfaceResult, path: LoadPath, scene: Scene) -> History:

@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
 
+from reports.certificates import certificates
 from reports.comparison import Comparison, compare
-from reports.missing import DERIVED
+from reports.metrics import scales
+from reports.missing import DERIVED, WHOLE_CYCLE, missing
 from reports.score.mapping import Mapping
 from reports.score.reading import read
-from reports.score.solution import contact_solution, of_own_file, rule_error
+from reports.score.rule import by_same_rule
+from reports.score.solution import contact_solution, of_own_file
 from reports.score.surface import SurfaceResult
 from reports.score.tidying import surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
@@ -104,9 +107,11 @@ def score_solution(
     """
     reference = _REFERENCES[against](solution)
     steps = _on_polygon(solution) if polygon and against == "exact" else None
-    found = compare(reference, solution, polygon_reference=steps)
-    notes = (*rule_error(solution, reference), *found.notes)
-    found = replace(found, guesses=guesses, notes=notes)
+    whole = _whole(solution.scene)
+    like, words = by_same_rule(reference, solution, scales(whole).half_width)
+    found = compare(like, solution, polygon_reference=steps, scales_from=whole if WHOLE_CYCLE in missing(solution) else None)
+    checks = certificates(reference)
+    found = replace(found, reference=reference, reference_certificates=checks, guesses=guesses, notes=(*words, *found.notes))
     return replace(found, diagnoses=_diagnoses(found))
 
 
@@ -122,6 +127,13 @@ def _exact(solution: ContactSolution) -> ContactSolution:
     import semi_analytic
 
     return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
+
+
+def _whole(scene: Scene) -> ContactSolution:
+    """Half-widths and loads of theory through the whole path."""
+    import semi_analytic
+
+    return semi_analytic.solve(scene, x=[0.0], fields=())
 
 
 def _on_polygon(solution: ContactSolution) -> ContactSolution | None:

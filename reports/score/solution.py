@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -37,7 +36,7 @@ def contact_solution(result: SurfaceResult, mapping: Mapping, scene: Scene) -> t
     history = matched(result, scene)
     found = zones(result, scene.friction.coefficient)
     steps = _last_cycle(scene, history)
-    density, notes = _friction_work(result, steps)
+    density, notes = _dissipation(result, steps)
     skipped = _skipped(result, history, steps, density)
     oddly = tuple(oddities(result, history.tangential_load, scene))
     stated = result.normal_load is not None and result.tangential_load is not None
@@ -54,7 +53,7 @@ def contact_solution(result: SurfaceResult, mapping: Mapping, scene: Scene) -> t
         dissipation_density=freeze(density),
         dissipation=float(np.trapezoid(density, result.x)),
         cycle_dissipation=freeze([np.trapezoid(density, result.x)]),
-        permanent_stick_half_width=_permanent_stick(found, steps),
+        permanent_stick_half_width=permanent_stick(found.stick_edges[steps]),
         steady_from=None,
         record=Record(True, "end of path", f"read from {result.source}", freeze(np.zeros(len(history.time)), np.int64), notes=said),
         work=Work({"instants": len(history.time), "points": len(result.x)}, skipped),
@@ -102,15 +101,21 @@ def _last_cycle(scene: Scene, history: History) -> NDArray[np.intp]:
     return inside
 
 
-def _friction_work(result: SurfaceResult, steps: NDArray[np.intp]) -> tuple[Array, tuple[str, ...]]:
-    """w(x) = closed integral of q ds of the last cycle by the trapezoidal rule, (n_points,); NaN where it can't be had."""
+def _dissipation(result: SurfaceResult, steps: NDArray[np.intp]) -> tuple[Array, tuple[str, ...]]:
+    """w(x) of the last cycle, (n_points,), NaN where it can't be had; and how it came about."""
     if result.slip is None or len(steps) < FEWEST:
         return np.full(len(result.x), np.nan), ()
-    middle = (result.shear[steps[1:]] + result.shear[steps[:-1]]) / 2
-    work = np.sum(middle * np.diff(result.slip[steps], axis=0), axis=0)
-    return work, (
-        f"its dissipation is worked out from its own slip and shear, the sum of q ds over the {len(steps)} instants of a cycle",
-    )
+    words = f"its dissipation is the sum of q ds of its own shear and slip over the {len(steps)} instants of a cycle"
+    return friction_work(result.shear[steps], result.slip[steps]), (words,)
+
+
+def friction_work(shear: Array, slip: Array) -> Array:
+    """Sum of q ds over the instants by the trapezoidal rule: (k, n), (k, n) -> (n,).
+
+    >>> friction_work(np.array([[0.0], [2.0]]), np.array([[0.0], [3.0]])).tolist()
+    [3.0]
+    """
+    return np.asarray(np.sum((shear[1:] + shear[:-1]) / 2 * np.diff(slip, axis=0), axis=0))
 
 
 def _skipped(result: SurfaceResult, history: History, steps: NDArray[np.intp], density: Array) -> dict[str, tuple[int, str]]:
@@ -127,10 +132,9 @@ def _skipped(result: SurfaceResult, history: History, steps: NDArray[np.intp], d
     return lacking
 
 
-def _permanent_stick(found: Zones, steps: NDArray[np.intp]) -> float:
-    """Half-width that sticks through the whole last cycle [length]; NaN where nothing does, or there is no cycle."""
-    edges = found.stick_edges[steps]
-    if not len(steps) or np.isnan(edges).any():
+def permanent_stick(edges: Array) -> float:
+    """Half-width that sticks at every instant, of stick edges (k, 2) [length]; NaN where nothing does, or there is no instant."""
+    if not len(edges) or np.isnan(edges).any():
         return float("nan")
     half = float(edges[:, 1].min() - edges[:, 0].max()) / 2
     return half if half > 0 else float("nan")
@@ -143,19 +147,3 @@ def of_own_file(solution: ContactSolution, source: str, scene: Scene) -> Contact
         if own != asked:
             raise InputError(f"{source}: it answers another scene: {part} is {own!r} there and {asked!r} in {scene.name}")
     return solution
-
-
-def rule_error(result: ContactSolution, reference: ContactSolution) -> Iterator[str]:
-    """What the rule that gave a foreign result its dissipation makes of the reference's own slip and shear."""
-    steps = result.last_cycle
-    if "dissipation" in result.work.skipped or DERIVED not in result.settings or not reference.dissipation:
-        return
-    if len(reference.time) != len(result.time) or len(reference.x) != len(result.x):
-        return
-    middle = (reference.shear[steps[1:]] + reference.shear[steps[:-1]]) / 2
-    density = np.sum(middle * np.diff(reference.slip[steps], axis=0), axis=0)
-    share = float(np.trapezoid(density, reference.x)) / reference.dissipation - 1
-    yield (
-        f"On these {len(steps)} instants and {len(result.x)} points the same sum of q ds of the reference's own fields differs "
-        f"from its dissipation by {100 * share:+.2g} %: so much of the difference in dissipation is the rule's, not the result's."
-    )

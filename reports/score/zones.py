@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reports.score.guesses import TOUCHES
-from reports.score.surface import SurfaceResult
 from scenes import SurfaceState
 
 Array = NDArray[np.float64]
@@ -33,7 +33,20 @@ class Zones:
     notes: tuple[str, ...]
 
 
-def zones(result: SurfaceResult, friction: float) -> Zones:
+class Tractions(Protocol):
+    """What states and edges are told from: of a foreign result, or of a reference by the same rule."""
+
+    @property
+    def x(self) -> Array: ...
+    @property
+    def pressure(self) -> Array: ...
+    @property
+    def shear(self) -> Array: ...
+    @property
+    def slip(self) -> Array | None: ...
+
+
+def zones(result: Tractions, friction: float) -> Zones:
     """States and edges. In full stick the stick edges are the contact edges, in full slip NaN, as everywhere in the project.
 
     A contact edge lies where the straight line of p^2 through the last two points in contact is 0, a stick edge where that of
@@ -55,7 +68,7 @@ def zones(result: SurfaceResult, friction: float) -> Zones:
     return Zones(state, contact, stick, _notes(result, friction))
 
 
-def _slips(result: SurfaceResult, friction: float, touching: Mask) -> tuple[Mask, Array]:
+def _slips(result: Tractions, friction: float, touching: Mask) -> tuple[Mask, Array]:
     """Which points slip, and in which sense."""
     limit = friction * result.pressure
     slips = touching & (np.abs(result.shear) >= (1 - CONE) * limit)
@@ -92,7 +105,7 @@ def _end(x: Array, square: Array, last: int, outward: int) -> float:
     return float(x[last]) + outward * min(float(square[last] / slope), reach)
 
 
-def _notes(result: SurfaceResult, friction: float) -> tuple[str, ...]:
+def _notes(result: Tractions, friction: float) -> tuple[str, ...]:
     touches = f"in contact is a point with more than {TOUCHES:g} of the instant's largest pressure"
     if not friction:
         return (f"states and edges are worked out from its tractions: {touches}",)
