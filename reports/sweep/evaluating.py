@@ -1,0 +1,107 @@
+"""From one point to its figures: the engines on the bodies that its group shares, and as much of the comparison as is asked for."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from reports.sweep.figures import fields_needed, is_metric, take
+from scenes import ContactSolution, ConvergenceError, PolygonLoad, Scene
+
+if TYPE_CHECKING:
+    from halfplane_fe import FiniteElementSolution, SolverSettings
+    from halfplane_fe.scales import Scales
+    from meshes import MeshSettings
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of every point of a task."""
+
+    engines: tuple[str, ...]
+    figures: tuple[str, ...]
+    uncertainty: str
+    share: bool
+
+
+@dataclass(frozen=True)
+class Question:
+    """One point: the scene and how it is cut and iterated."""
+
+    scene: Scene
+    mesh: MeshSettings
+    solver: SolverSettings
+
+
+Values = dict[str, float | None]
+
+
+def exact_alone(asked: Asked, scene: Scene) -> ContactSolution:
+    """Half-plane theory on its own points and instants of the steady cycle, no field more than the figures need."""
+    import semi_analytic
+
+    return semi_analytic.solve(scene, cycles="steady", fields=fields_needed(asked.figures))
+
+
+def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool = False) -> tuple[Values, dict[str, str]]:
+    """Every figure that is asked for; against theory on the polygon of the steps if wanted."""
+    import semi_analytic
+
+    metrics = [name for name in asked.figures if is_metric(name)]
+    exact = None
+    if "exact" in asked.engines:
+        fields = semi_analytic.FIELDS if metrics else fields_needed(asked.figures)
+        exact = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
+    found = take(asked.figures, fe, exact)
+    values, notes = dict(found.values), dict(found.notes)
+    if metrics and exact is not None:
+        from reports.comparison import compare
+
+        straight = None
+        if not polygon and {"dissipation_polygon", "dissipation_step"} & set(metrics):
+            straight = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=True)
+        comparison = compare(exact, fe, polygon_reference=straight)
+        for name in metrics:
+            metric = comparison.metric(name)
+            values[name] = metric.value
+            if metric.value is None:
+                notes[name] = metric.note or "there is nothing to compare"
+    return {name: values[name] for name in asked.figures}, notes
+
+
+def finite_elements(asked: Asked, question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
+    """The solution, on the bodies that its whole group shares if wanted; where these don't hold the contact, on its own."""
+    import halfplane_fe
+
+    scene, mesh, solver = question.scene, question.mesh, question.solver
+    if not asked.share:
+        return halfplane_fe.solve(scene, mesh, solver), {}
+    scales = _shared_scales(scene)
+    try:
+        return halfplane_fe.solve(scene, mesh, solver, scales=scales), {}
+    except ConvergenceError as failure:
+        if "reached the end of the meshed side" not in str(failure):
+            raise
+    return halfplane_fe.solve(scene, mesh, solver), {
+        "": "the contact left the side that its group shares; solved on bodies of its own"
+    }
+
+
+def _shared_scales(scene: Scene) -> Scales:
+    """Those of the same bodies under the largest load alone; fine elements everywhere in the contact."""
+    from halfplane_fe.scales import largest_load
+
+    still = scene.model_copy(
+        update={"load": PolygonLoad(way_in=((largest_load(scene), 0.0),)), "name": "", "title": "", "purpose": ""}
+    )
+    still = still.model_copy(update={"source": "", "tolerances": type(scene.tolerances)(), "cycles": 1})
+    return _scales_of(still.model_dump_json())
+
+
+@lru_cache(maxsize=256)
+def _scales_of(scene: str) -> Scales:
+    from halfplane_fe.scales import find_scales
+
+    return replace(find_scales(Scene.model_validate_json(scene), Counter()), inner=0.0)

@@ -1,0 +1,159 @@
+"""What a sweep can keep of a point: metrics of the comparison, quantities of either engine, and their relative errors.
+
+A name is a metric's key ("stick_edge"), or "fe.", "exact." or "error." before a quantity ("fe.peak_pressure"); "error." is
+that of the finite elements over that of half-plane theory, less 1. Quantities are those of the last cycle. Where both engines run, theory is
+evaluated on the points and instants of the finite elements, so that sampling is the same in both.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reports.definitions import DEFINITIONS
+from scenes import ContactSolution, EllipseLoad
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A figure of one solution: how it is taken, its words, and the fields of the half-plane engine that it needs."""
+
+    value: Callable[[ContactSolution], float]
+    words: str
+    fields: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Values by name, None where there is none, with the reason in `notes`."""
+
+    values: Mapping[str, float | None]
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+
+def mean_load(solution: ContactSolution) -> float:
+    """P0 of an ellipse, else the largest load of the last cycle [force / thickness]."""
+    load = solution.scene.load
+    if isinstance(load, EllipseLoad):
+        return load.mean_normal_load
+    return float(np.max(solution.normal_load[solution.last_cycle]))
+
+
+def _at_mean_load(solution: ContactSolution, series: np.ndarray) -> float:
+    """A figure of the instants, at the mean load: by line between the loads of the last cycle."""
+    steps = solution.last_cycle
+    order = np.argsort(solution.normal_load[steps], kind="stable")
+    return float(np.interp(mean_load(solution), solution.normal_load[steps][order], series[steps][order]))
+
+
+def _at_largest_shear(solution: ContactSolution) -> float:
+    steps = solution.last_cycle
+    step = steps[int(np.argmax(np.abs(solution.tangential_load[steps])))]
+    return float(solution.stick_half_width[step])
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "dissipation": Quantity(lambda s: s.dissipation, "dissipation of the last cycle [energy / thickness]", ("dissipation",)),
+    "peak_dissipation": Quantity(
+        lambda s: float(np.max(s.dissipation_density)), "largest pointwise dissipation [energy / area]", ("dissipation_density",)
+    ),
+    "peak_pressure": Quantity(lambda s: float(np.max(s.pressure[s.last_cycle])), "largest pressure [stress]", ("pressure",)),
+    "p0": Quantity(
+        lambda s: _at_mean_load(s, s.pressure.max(axis=1)),
+        "peak pressure at the mean load, between instants by line [stress]",
+        ("pressure",),
+    ),
+    "peak_shear": Quantity(lambda s: float(np.max(np.abs(s.shear[s.last_cycle]))), "largest |q| [stress]", ("shear",)),
+    "contact_half_width": Quantity(
+        lambda s: _at_mean_load(s, s.contact_half_width), "contact half-width at the mean load, between instants by line [length]"
+    ),
+    "largest_half_width": Quantity(
+        lambda s: float(np.max(s.contact_half_width[s.last_cycle])), "largest contact half-width [length]"
+    ),
+    "stick_half_width": Quantity(_at_largest_shear, "stick half-width where |Q| is largest [length]"),
+    "permanent_stick_half_width": Quantity(
+        lambda s: s.permanent_stick_half_width, "half-width that sticks through the cycle [length]"
+    ),
+    "stroke": Quantity(lambda s: float(np.ptp(s.rigid_shift[s.last_cycle])), "range of the rigid shift [length]", ("rigid_shift",)),
+    "loop_work": Quantity(lambda s: s.loop_work, "closed integral of Q dU [energy / thickness]", ("dissipation",)),
+}
+PREFIXES = ("fe", "exact", "error")
+
+
+def is_metric(name: str) -> bool:
+    """Whether a figure needs the whole comparison."""
+    return name in DEFINITIONS
+
+
+def parts(name: str) -> tuple[str, str]:
+    """("error", "dissipation") of "error.dissipation"."""
+    prefix, _, quantity = name.partition(".")
+    return prefix, quantity
+
+
+def unit_of(name: str) -> str:
+    """What a figure is a share of, or its words."""
+    if is_metric(name):
+        return DEFINITIONS[name].unit
+    prefix, quantity = parts(name)
+    return "of half-plane theory's" if prefix == "error" else QUANTITIES[quantity].words
+
+
+def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
+    """ValueError for a name that is none, is there twice, or needs what isn't run."""
+    for name in figures:
+        prefix, quantity = parts(name)
+        if not is_metric(name) and (prefix not in PREFIXES or quantity not in QUANTITIES):
+            raise ValueError(
+                f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe., exact. or error. before one of "
+                f"{', '.join(QUANTITIES)}"
+            )
+        needed = {"fe", "exact"} if is_metric(name) or prefix == "error" else {prefix}
+        if missing := needed - set(engines):
+            raise ValueError(f"figures: {name!r} needs engines = [..., {sorted(missing)[0]!r}]")
+        if uncertainty == "budget" and not is_metric(name):
+            raise ValueError(f"figures: {name!r} is no metric, and an error budget is of metrics; take uncertainty = 'cheap'")
+    if len(set(figures)) < len(figures):
+        raise ValueError("figures: one stands there twice")
+    if uncertainty != "none" and "fe" not in engines:
+        raise ValueError("uncertainty: half-plane theory is exact to rounding; with it alone take uncertainty = 'none'")
+    if uncertainty == "budget" and "exact" not in engines:
+        raise ValueError("uncertainty: an error budget needs both engines")
+
+
+def fields_needed(figures: Sequence[str]) -> tuple[str, ...]:
+    """The fields of the half-plane engine that the quantities among `figures` need."""
+    wanted = {name for figure in figures if not is_metric(figure) for name in QUANTITIES[parts(figure)[1]].fields}
+    return tuple(sorted(wanted))
+
+
+def take(figures: Sequence[str], fe: ContactSolution | None, exact: ContactSolution | None) -> Figures:
+    """The quantities among `figures`; metrics are left to the comparison."""
+    values: dict[str, float | None] = {}
+    notes: dict[str, str] = {}
+    for name in figures:
+        if is_metric(name):
+            continue
+        prefix, quantity = parts(name)
+        found = {k: QUANTITIES[quantity].value(s) for k, s in (("fe", fe), ("exact", exact)) if s is not None}
+        values[name], why = _figure(prefix, found)
+        if why:
+            notes[name] = why
+    return Figures(values, notes)
+
+
+def _figure(prefix: str, found: Mapping[str, float]) -> tuple[float | None, str]:
+    if prefix != "error":
+        value = found[prefix]
+        return (value, "") if math.isfinite(value) else (None, f"there is none in {_WORDS[prefix]}")
+    fe, exact = found["fe"], found["exact"]
+    for engine, value in (("fe", fe), ("exact", exact)):
+        if not math.isfinite(value):
+            return None, f"there is none in {_WORDS[engine]}"
+    return (fe / exact - 1, "") if exact else (None, "it is 0 in half-plane theory, so nothing is relative to it")
+
+
+_WORDS = {"fe": "the finite elements", "exact": "half-plane theory"}

@@ -1,0 +1,175 @@
+"""The store of a sweep: one file for each result, under the address of its question. No pickle, no lock, never half a file.
+
+DIR/sweep.json           the study as it was asked, the address and coordinates of every point
+DIR/results/<address>.json
+DIR/results/<address>.bad-<n>   results whose checksum is wrong, set aside
+DIR/claims/<address>     who is at work on a point
+DIR/index.csv            one row for each point that has a result; made anew from the above
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from scenes import InputError
+
+_FORMAT = "halfplane sweep 1"
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_NO_ROOM_WORDS = "there is no room left on the disk"
+
+
+class StoreError(InputError):
+    """The store can't be written to: one sentence; what was stored before stays."""
+
+
+@dataclass(frozen=True)
+class Planned:
+    """What a store says of a point: number, address, coordinates."""
+
+    number: int
+    address: str
+    coordinates: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Store:
+    """A folder of results; what is set aside is reported through `damaged`."""
+
+    folder: Path
+
+    @property
+    def results(self) -> Path:
+        """Folder of the results."""
+        return self.folder / "results"
+
+    @property
+    def claims(self) -> Path:
+        """Folder of the claims."""
+        return self.folder / "claims"
+
+    def path(self, address: str) -> Path:
+        """Where the result of an address is."""
+        return self.results / f"{address}.json"
+
+    def addresses(self) -> set[str]:
+        """Of all results, whole or not."""
+        return {name.removesuffix(".json") for name in _names(self.results) if name.endswith(".json") and len(name) == 69}
+
+    def damaged(self) -> list[str]:
+        """Names of the results that were set aside."""
+        return sorted(name for name in _names(self.results) if ".bad-" in name)
+
+    def prepare(self) -> None:
+        """Make the folders; StoreError where that can't be."""
+        with _writing(self.folder):
+            for folder in (self.results, self.claims):
+                folder.mkdir(parents=True, exist_ok=True)
+
+    def write(self, result: Mapping[str, Any]) -> None:
+        """Store a result under its address; the last of two writers wins, and both wrote the same."""
+        body = canonical(result)
+        text = json.dumps({"format": _FORMAT, "sha256": _sum(body), "result": json.loads(body)}, indent=1) + "\n"
+        self.write_text(self.path(str(result["address"])), text)
+
+    def write_text(self, path: Path, text: str) -> None:
+        """Write a file in one go: temporary name, flushed to the disk, moved."""
+        with _writing(self.folder):
+            handle, temporary = tempfile.mkstemp(prefix=".", suffix=".part", dir=path.parent)
+            try:
+                with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
+                    file.write(text)
+                    file.flush()
+                    os.fsync(file.fileno())
+                os.replace(temporary, path)
+            except BaseException:
+                Path(temporary).unlink(missing_ok=True)
+                raise
+
+    def read(self, address: str) -> dict[str, Any] | None:
+        """The result of an address; None where there is none. A file that is damaged is set aside, and there is none."""
+        path = self.path(address)
+        try:
+            stored = json.loads(path.read_text(encoding="utf-8"))
+            result = stored["result"]
+            whole = stored["format"] == _FORMAT and stored["sha256"] == _sum(canonical(result)) and result["address"] == address
+        except FileNotFoundError:
+            return None
+        except (ValueError, KeyError, TypeError, UnicodeDecodeError):
+            whole = False
+        if whole:
+            return dict(result)
+        self._set_aside(path)
+        return None
+
+    def _set_aside(self, path: Path) -> None:
+        number = sum(name.startswith(f"{path.stem}.bad-") for name in _names(self.results))
+        with _writing(self.folder):
+            try:
+                os.replace(path, path.with_suffix(f".bad-{number}"))
+            except FileNotFoundError:
+                return  # another sweep was faster
+
+    def write_plan(self, study: Mapping[str, Any], points: Sequence[Planned]) -> None:
+        """Store what is asked: the study and its points."""
+        rows = [{"number": p.number, "address": p.address, "coordinates": dict(p.coordinates)} for p in points]
+        self.write_text(self.folder / "sweep.json", json.dumps({"format": _FORMAT, "study": study, "points": rows}) + "\n")
+
+    def read_plan(self) -> tuple[dict[str, Any], tuple[Planned, ...]]:
+        """The study and the points that were asked.
+
+        Raises
+        ------
+        InputError
+            Where the folder holds no sweep, or its sweep.json can't be read.
+        """
+        path = self.folder / "sweep.json"
+        try:
+            stored = json.loads(path.read_text(encoding="utf-8"))
+            points = tuple(Planned(int(p["number"]), str(p["address"]), dict(p["coordinates"])) for p in stored["points"])
+            return dict(stored["study"]), points
+        except FileNotFoundError:
+            raise InputError(
+                f"{self.folder}: no sweep is stored here; `halfplane sweep STUDY.toml --out {self.folder}` starts one"
+            ) from None
+        except (OSError, ValueError, KeyError, TypeError) as reason:
+            raise InputError(f"{path}: can't be read ({reason}); start the sweep again with --resume: results are kept") from reason
+
+
+def canonical(value: Any) -> str:
+    """JSON with sorted keys and no NaN: the same text for the same value."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def _sum(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _names(folder: Path) -> Iterator[str]:
+    try:
+        with os.scandir(folder) as entries:
+            yield from [entry.name for entry in entries]
+    except FileNotFoundError:
+        return
+
+
+class _writing:
+    """Turns an OSError into the sentence of a StoreError."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, _kind: object, reason: BaseException | None, _trace: object) -> None:
+        if isinstance(reason, OSError):
+            why = _NO_ROOM_WORDS if reason.errno in _NO_ROOM else reason.strerror or str(reason)
+            raise StoreError(f"{self._folder}: results can't be stored: {why}; what was stored before stays") from reason

@@ -1,0 +1,120 @@
+"""A study file: a scene, axes over its keys, the engines to run and the figures to keep. Read and checked whole."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any, Literal, Self
+
+from pydantic import BaseModel, Field, ValidationError, model_validator
+
+from reports.sweep.axes import Axis, Value
+from reports.sweep.figures import check_figures
+from scenes import InputError, Scene, load_scene
+from scenes.materials import FROZEN
+
+Engine = Literal["fe", "exact"]
+Preset = Literal["default", "swift", "fine"]
+Uncertainty = Literal["none", "cheap", "budget"]
+
+
+class Study(BaseModel):
+    """What is asked of a sweep; see docs/sweeps.md.
+
+    Attributes
+    ----------
+    scene : the scene that all points start from
+    set : dotted key -> value, the same at every point
+    derived : name or dotted key -> arithmetic in the names of axes and of what is derived above
+    figures : names of `figures.FIGURES`, metric keys among them
+    uncertainty : "none"; "cheap": one coarser mesh, theory on the polygon of the steps, a farther far field; "budget": the whole
+        error budget of `halfplane run --budget`, for metrics
+    share_condensations : cut all points alike that have bodies, materials, profile and largest load in common: fine elements
+        everywhere in the contact, one condensation for all; else each is cut for its own edges
+    samples, seed : of the Latin hypercube
+    """
+
+    model_config = FROZEN
+
+    title: str = ""
+    purpose: str = ""
+    scene: Scene
+    set: dict[str, Value] = {}
+    axes: tuple[Axis, ...] = Field(min_length=1)
+    derived: dict[str, str | float] = {}
+    engines: tuple[Engine, ...] = Field(("fe", "exact"), min_length=1)
+    figures: tuple[str, ...] = Field(("error.dissipation", "error.peak_pressure"), min_length=1)
+    uncertainty: Uncertainty = "none"
+    share_condensations: bool = True
+    samples: int = Field(0, ge=0, le=1_000_000)
+    seed: int = Field(0, ge=0)
+    preset: Preset = "default"
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        columns = [column for axis in self.axes for column in axis.columns]
+        targets = [key for axis in self.axes for key, _ in axis.targets] + [*self.derived, *self.set]
+        for what, names in (("the column", columns), ("the key", targets)):
+            if twice := next((name for name in names if names.count(name) > 1), None):
+                raise ValueError(f"{what} {twice!r} is given twice")
+        if (self.samples > 0) != any(axis.latin_hypercube for axis in self.axes):
+            raise ValueError("samples goes with axes that have a latin_hypercube, and these need it")
+        if idle := next((a.columns[0] for a in self.axes if not a.targets and not self._uses(a)), None):
+            raise ValueError(f"the axis {idle!r} moves nothing: give it a key, or use its name in [derived]")
+        check_figures(self.figures, self.engines, self.uncertainty)
+        return self
+
+    def _uses(self, axis: Axis) -> bool:
+        return any(column in str(text) for column in axis.columns for text in self.derived.values())
+
+
+def load_study(source: str | Path) -> Study:
+    """The study of a .toml or .json file; its scene is a table, a library name, or a path beside the file.
+
+    Raises
+    ------
+    InputError
+        One sentence that names file, key, value and rule.
+    """
+    path = Path(source)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as reason:
+        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
+        raise InputError(f"{source}: the study can't be read: {why}") from reason
+    try:
+        data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+    except (ValueError, RecursionError) as reason:
+        raise InputError(f"{source}: not valid {'JSON' if path.suffix == '.json' else 'TOML'}: {reason}") from reason
+    if not isinstance(data, dict):
+        raise InputError(f"{source}: a study is a table of keys")
+    return study_of(data, str(source), path.parent)
+
+
+def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
+    """A checked study from raw keys; a scene named as a file lies in `folder`."""
+    named = data.get("scene")
+    if isinstance(named, str):
+        scene = load_scene(folder / named if Path(named).suffix else named)
+        data = data | {"scene": json.loads(scene.model_dump_json())}
+    try:
+        return Study.model_validate_json(json.dumps(data, default=str), strict=True)
+    except ValidationError as faults:
+        raise InputError(f"{where}: {_sentence(faults)}") from faults
+
+
+def _sentence(faults: ValidationError) -> str:
+    """The first fault, unknown keys before others; pydantic's unions name the deepest."""
+    errors = sorted(faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"])))
+    fault = errors[0]
+    key = ".".join(str(part) for part in fault["loc"])
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+    if fault["type"] == "extra_forbidden":
+        return f"unknown key {key}; docs/sweeps.md lists the keys of a study{more}"
+    if fault["type"] == "missing":
+        return f"the key {key} is missing; docs/sweeps.md lists the keys of a study{more}"
+    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    if fault["type"] == "value_error":
+        return f"{key + ': ' if key else ''}{rule}{more}"
+    return f"{key} = {fault['input']!r} is refused: {rule}{more}"
