@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from reports.comparison import Comparison
 from reports.score.diagnosis_arrays import array_faults
 from reports.score.diagnosis_discrepancy import Discrepancy, discrepancy
+from reports.score.diagnosis_edges import coarse_edge
+from reports.score.diagnosis_flaws import flaw_faults
 from reports.score.diagnosis_hypothesis import Hypothesis
 from reports.score.diagnosis_theory import theory_faults
 from reports.score.diagnosis_words import evidence_of, sentence_of
@@ -77,7 +79,10 @@ def _ranked(what: Discrepancy) -> list[tuple[float, Hypothesis]]:
 
 def _hypotheses(what: Discrepancy) -> Iterator[Hypothesis]:
     yield from array_faults(what)
-    yield from theory_faults(what)
+    theory = list(theory_faults(what))
+    yield from theory
+    yield from flaw_faults(what, next((one for one in theory if one.fault == "stiffness"), None))
+    yield from coarse_edge(what)
 
 
 def _named(what: Discrepancy, ranked: list[tuple[float, Hypothesis]], number: int) -> Iterator[Diagnosis]:

@@ -32,7 +32,8 @@ FAULTS = {
     " turning points.",
     "other_times": "The tractions are those of other instants, {delay:.3g} of a period late: check the times or the phases of the "
     "loads.",
-    "elastic_slip": "Elastic slip of a soft tangential penalty: faces that should stick creep by q/k, k = {stiffness:.3g} E*/a_ref; "
+    "elastic_slip": "Elastic slip of a soft tangential penalty: faces that should stick creep by q/k, "
+    "k = {stiffness:.3g} E*/a_ref; "
     "make the tangential stiffness larger (the slip tolerance smaller), or use Lagrange multipliers.",
     "soft_normal": "A soft normal penalty: the faces sink into each other by p/k, k = {stiffness:.3g} E*/a_ref, so the contact is "
     "too wide and its peak too low; make the normal stiffness larger, or use Lagrange multipliers.",
