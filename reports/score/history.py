@@ -109,12 +109,11 @@ def _by_time(result: SurfaceResult, path: LoadPath, scene: Scene) -> History:
 
 
 def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times that miss the start or end of a cycle, or of the path, by less than `PRINTED_TIME` of a cycle, put there."""
-    ends = [path.start, path.cycle_start]
-    if path.period is not None:
-        ends += [path.cycle_start + k * path.period for k in range(1, scene.cycles + 1)]
-    close = (path.period or ends[1] - ends[0]) * PRINTED_TIME
-    nearest = np.array(ends)[np.argmin(np.abs(time[:, None] - np.array(ends)), axis=1)]
+    """Times put on the ends of legs (where loads turn, where cycles end) that they miss by less than `PRINTED_TIME` of a cycle."""
+    ends = np.array([path.start, *(leg.end for leg in path.legs(scene.cycles))])
+    close = (path.period or ends[-1] - ends[0]) * PRINTED_TIME
+    after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
+    nearest = np.where(time - ends[after - 1] < ends[after] - time, ends[after - 1], ends[after])
     return np.where(np.abs(time - nearest) <= close, nearest, time)
 
 
