@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from reports.application import app
+from reports.application import Quiet, app
 
 
 @app.command(sort_key=3, help_epilogue="")
@@ -25,3 +26,26 @@ def diff(
     from reports import regression
 
     return regression.diff(a, b, tolerance, accept, json)
+
+
+@app.command(sort_key=2, help_epilogue="")
+def score(
+    result: Annotated[
+        str | None,
+        Parameter(help="Somebody else's result: a table (.csv, .txt, .rpt), fields, a solution (.nc); or a folder."),
+    ] = None,
+    *,
+    scene: Annotated[str | None, Parameter(help="The scene that it answers: a library name, or a .toml or .json file.")] = None,
+    mapping: Annotated[Path | None, Parameter(help="TOML file: names of columns, units, signs. Usual ones need none.")] = None,
+    against: Annotated[
+        Literal["exact", "fe"], Parameter(help="Half-plane theory, or the project's own finite elements.")
+    ] = "exact",
+    out: Annotated[Path | None, Parameter(help="Folder for the results; out/score-<result> if left out.")] = None,
+    quiet: Quiet = False,
+    json: Annotated[bool, Parameter(negative="", help="The verdict as JSON.")] = False,
+    mapping_example: Annotated[bool, Parameter(negative="", help="Print a commented mapping file and stop.")] = False,
+) -> int:
+    """Somebody else's result against the reference: verdict, what it suffers from, page."""
+    from reports.score import command
+
+    return command.score(result, scene, mapping, against, out, quiet=quiet, as_json=json, example=mapping_example)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ def contact_solution(result: SurfaceResult, mapping: Mapping, scene: Scene) -> t
     stated = result.normal_load is not None and result.tangential_load is not None
     said = (*result.notes, *history.notes, *found.notes, *notes, *([] if stated else ["P and Q are the scene's at its instants"]))
     solution = ContactSolution(
-        engine=result.code or result.source,
+        engine=result.code or Path(result.source).name,
         scene=scene,
         **_series(result, history, found),
         x=result.x,
