@@ -36,6 +36,7 @@ class _Places:
     keys: tuple[tuple[int, ...], ...]
     x: Array
     body: str
+    depth: float
     notes: tuple[str, ...]
 
 
@@ -64,8 +65,9 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
         notes.append(SLIP_NOTE)
     times = np.array(list(stress))
     series = {"time": times_in(path, mapping, times)}
-    if (loads := pair_loads(printed, mapping, times, places.body)) is not None:
+    if (loads := pair_loads(printed, mapping, times, places.body, places.depth)) is not None:
         series |= {"normal_load": loads[0], "tangential_load": loads[1]}
+        notes.append(f"loads are the resultants of the contact pair, {loads[2]}")
     x = converted(mapping, "x", places.x)
     notes += unbalanced(x, fields["pressure"], series.get("normal_load"))
     return surface_result(str(path), mapping.code or "CalculiX", x, dict(fields), dict(series), notes)
@@ -91,7 +93,7 @@ def _nodes(path: Path, mesh: CalculixMesh, nodes: Integers) -> _Places:
     rows = mesh.rows(nodes)
     plane = one_plane(mesh.points, rows)
     body = _body(path, material_above(mesh.points, mesh.cells)[rows])
-    return _Places(tuple((int(mesh.numbers[row]),) for row in plane.rows), plane.x, body, plane.notes)
+    return _Places(tuple((int(mesh.numbers[row]),) for row in plane.rows), plane.x, body, _depth(mesh), plane.notes)
 
 
 def _faces(path: Path, mesh: CalculixMesh, keys: Integers) -> _Places:
@@ -100,7 +102,12 @@ def _faces(path: Path, mesh: CalculixMesh, keys: Integers) -> _Places:
     plane = one_plane(middles, np.arange(len(keys)))
     body = _body(path, np.array([above for _, _, above in found]))
     note = "CalculiX prints integration points of faces without place or weight: the plain mean of each face stands at its middle"
-    return _Places(tuple((int(keys[k, 0]), int(keys[k, 1])) for k in plane.rows), plane.x, body, (note, *plane.notes))
+    own = tuple((int(keys[k, 0]), int(keys[k, 1])) for k in plane.rows)
+    return _Places(own, plane.x, body, _depth(mesh), (note, *plane.notes))
+
+
+def _depth(mesh: CalculixMesh) -> float:
+    return float(np.ptp(mesh.points[:, 2]))
 
 
 def _body(path: Path, above: Array) -> str:

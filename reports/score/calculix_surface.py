@@ -146,7 +146,8 @@ def _from_stress(path: Path, mapping: Mapping) -> SurfaceResult:
     file = read_frd(path, ("STRESS",))
     if not file.blocks:
         raise InputError(
-            f"{path}: neither a block CONTACT nor a block STRESS; it has {', '.join(file.names) or 'none'}: add *CONTACT FILE"
+            f"{path}: no block CONTACT and none STRESS; it has {', '.join(file.names) or 'none'}: add *CONTACT FILE "
+            "(DISP and FORC alone are what CalculiX leaves of a run whose first increment did not converge)"
         )
     mesh = CalculixMesh.of(file)
     points = mesh.points
@@ -178,10 +179,10 @@ def _result(
 ) -> SurfaceResult:
     """Times and loads added; everything checked and sorted."""
     series = {"time": times_in(path, mapping, times)}
-    loads = _loads(path, mapping, times, body)
+    loads = _loads(path, mapping, times, body, plane.depth)
     if loads is not None:
         series |= {"normal_load": loads[0], "tangential_load": loads[1]}
-        notes = [*notes, f"loads are the resultants of the contact pair in {path.with_suffix('.dat').name}"]
+        notes = [*notes, f"loads are the resultants of the contact pair in {path.with_suffix('.dat').name}, {loads[2]}"]
     x = converted(mapping, "x", plane.x)
     notes = [*notes, *unbalanced(x, fields["pressure"], series.get("normal_load"))]
     return surface_result(str(path), mapping.code or file.version, x, dict(fields), dict(series), notes)
@@ -202,18 +203,19 @@ def unbalanced(x: Array, pressure: Array, normal_load: Array | None) -> list[str
     return [f"the last instant's pressures add up to {share:.3f} of the contact pair's resultant: so coarse are the file's values"]
 
 
-def _loads(path: Path, mapping: Mapping, times: Array, body: str) -> tuple[Array, Array] | None:
+def _loads(path: Path, mapping: Mapping, times: Array, body: str, depth: float) -> tuple[Array, Array, str] | None:
     """P and Q from the .dat file beside it; None where it has none for every time."""
     beside = path.with_suffix(".dat")
     if not beside.exists() or not beside.stat().st_size:
         return None
-    return pair_loads(read_dat(beside), mapping, times, body)
+    return pair_loads(read_dat(beside), mapping, times, body, depth)
 
 
-def pair_loads(file: DatFile, mapping: Mapping, times: Array, body: str) -> tuple[Array, Array] | None:
-    """P and Q (n_times,) of the one contact pair: what the upper body does to the lower; None where a time has no resultant.
+def pair_loads(file: DatFile, mapping: Mapping, times: Array, body: str, depth: float) -> tuple[Array, Array, str] | None:
+    """P and Q (n_times,) of the one contact pair, and by which thickness they were divided; None where a time has no resultant.
 
-    The file states the force on the slave face; `body` is the slave's.
+    They are what the upper body does to the lower; the file states the force on the slave face, and `body` is the slave's. `depth` is
+    the thickness of the mesh, 0 where it is a plane one: it counts where the mapping states none.
     """
     pairs = [pair for pair in file.pairs if mapping.surface in (None, pair.slave, pair.master)]
     if len({(pair.slave, pair.master) for pair in pairs}) > 1:
@@ -226,7 +228,11 @@ def pair_loads(file: DatFile, mapping: Mapping, times: Array, body: str) -> tupl
     if len(forces) < len(times):
         return None
     on_lower = forces if body == "lower" else -forces
-    return converted(mapping, "normal_load", -on_lower[:, 1]), converted(mapping, "tangential_load", on_lower[:, 0])
+    of_mesh = depth > 0 and "thickness" not in mapping.model_fields_set
+    thickness = depth * (mapping.factors.length or 1.0) if of_mesh else 1.0
+    normal, tangential = (converted(mapping, "normal_load", part / thickness) for part in (-on_lower[:, 1], on_lower[:, 0]))
+    said = f"divided by the {'mesh' if of_mesh else 'mapping'}'s thickness, {thickness * mapping.thickness:g}"
+    return normal, tangential, said
 
 
 def _at(pairs: list[PairForce], time: float) -> PairForce | None:

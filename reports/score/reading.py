@@ -16,6 +16,7 @@ READERS: dict[str, str] = {
     ".rpt": "reports.score.reading_csv:read",
     ".frd": "reports.score.calculix_surface:read",
     ".dat": "reports.score.calculix_printed:read",
+    **dict.fromkeys((".vtu", ".vtk", ".pvd", ".series", ".xdmf", ".xmf"), "reports.score.reading_fields:read"),
 }
 
 

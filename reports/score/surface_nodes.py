@@ -24,11 +24,13 @@ class Plane:
     ----------
     rows : (n_points,), which of the points given
     x : (n_points,) [length]
+    depth : from the first to the last plane [length]; 0 for a plane model
     notes : that a plane was chosen, where there are several
     """
 
     rows: Integers
     x: Array
+    depth: float
     notes: tuple[str, ...]
 
 
@@ -52,7 +54,7 @@ def one_plane(points: Array, chosen: Integers) -> Plane:
             f"the model is {np.ptp(depth):.6g} thick: the tractions are those of its plane z = {levels[taken]:.6g}, "
             f"one of {len(levels)}",
         )
-    return Plane(rows, points[rows, 0], notes)
+    return Plane(rows, points[rows, 0], float(np.ptp(depth)) if len(levels) > 1 else 0.0, notes)
 
 
 def extent(points: Array) -> float:

@@ -1,0 +1,189 @@
+"""Field files that other programs wrote, of one instant or of many: VTU, legacy VTK, XDMF by meshio, and collections of them."""
+
+from __future__ import annotations
+
+import json
+import struct
+import zlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import InputError
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+LARGEST = 2**30  # bytes a file
+
+# What meshio, the XML parser and numpy raise on files that are broken off or are none; meshio checks some forms by `assert`.
+_FAULTS = (
+    meshio.ReadError,
+    ElementTree.ParseError,
+    AssertionError,
+    AttributeError,
+    EOFError,
+    IndexError,
+    KeyError,
+    OSError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+    struct.error,
+    zlib.error,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class FieldFrame:
+    """A mesh and its fields at one instant.
+
+    Attributes
+    ----------
+    time : as the collection states it; None for a single file
+    points : (n_points, 3) [length]
+    cells : (kind, (n_cells, n_nodes)) blocks; kinds as meshio calls them, such as "line", "quad8"
+    point_fields : name -> (n_points,) or (n_points, k)
+    cell_fields : name -> a block for each of `cells`, (n_cells,) or (n_cells, k)
+    """
+
+    time: float | None
+    points: Array
+    cells: tuple[tuple[str, Integers], ...]
+    point_fields: dict[str, Array]
+    cell_fields: dict[str, tuple[Array, ...]]
+
+
+def read_frames(path: str | Path) -> list[FieldFrame]:
+    """Every instant of a .vtu, .vtk, .pvd, .vtu.series or .xdmf (.xmf) file, in the order of time where times are stated.
+
+    Parts of one instant (bodies in files of their own) become one mesh. Fields that only some parts have are left out of it.
+
+    Raises
+    ------
+    InputError
+        File and what is wrong: can't be read, broken, larger than 1 GB, no instant, a file of the collection missing.
+    """
+    path = Path(path)
+    _check_size(path)
+    kind = path.suffix.lower()
+    try:
+        if kind == ".pvd":
+            return _collected(path, list(_pvd_entries(path)))
+        if kind == ".series":
+            return _collected(path, list(_series_entries(path)))
+        if kind in {".xdmf", ".xmf"}:
+            return _xdmf(path)
+        return [_single(path)]
+    except InputError:
+        raise
+    except _FAULTS as reason:
+        raise _broken(path, reason) from reason
+
+
+def _broken(path: Path, reason: Exception) -> InputError:
+    what = f"{type(reason).__name__}{f': {reason}' if str(reason) else ''}"
+    return InputError(f"{path}: this can't be read as a {path.suffix} file: it is broken off or of another form ({what})")
+
+
+def _check_size(path: Path) -> None:
+    try:
+        size = path.stat().st_size
+    except OSError as reason:
+        raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
+    if size > LARGEST:
+        raise InputError(
+            f"{path}: {size / 1e9:.3g} GB, and files up to {LARGEST / 1e9:.3g} GB are read; write the contact surface alone"
+        )
+
+
+def _pvd_entries(path: Path) -> Iterator[tuple[float, Path]]:
+    root = ElementTree.parse(path).getroot()
+    if root.get("type") != "Collection":
+        raise InputError(f"{path}: a VTKFile of type Collection is expected, this is {root.tag} of type {root.get('type')}")
+    for entry in root.iter("DataSet"):
+        yield float(entry.get("timestep", "nan")), path.parent / str(entry.get("file"))
+
+
+def _series_entries(path: Path) -> Iterator[tuple[float, Path]]:
+    for entry in json.loads(path.read_text(encoding="utf-8"))["files"]:
+        yield float(entry["time"]), path.parent / str(entry["name"])
+
+
+def _collected(path: Path, entries: Sequence[tuple[float, Path]]) -> list[FieldFrame]:
+    """One frame for each time, of all its parts."""
+    if not entries:
+        raise InputError(f"{path}: the collection is empty")
+    for time, file in entries:
+        if not file.is_file():
+            raise InputError(f"{path}: it names {file.name}, which is not there; keep the files of a collection together")
+        if not np.isfinite(time):
+            raise InputError(f"{path}: {file.name} has no time in it (timestep)")
+    frames = []
+    for time in sorted({time for time, _ in entries}):
+        parts = [_single(file) for own, file in entries if own == time]
+        frames.append(_joined(time, parts))
+    return frames
+
+
+def _single(path: Path) -> FieldFrame:
+    """By the reader of the suffix itself: meshio's general one ends the process where a file is broken."""
+    _check_size(path)
+    readers = {".vtu": meshio.vtu.read, ".vtk": meshio.vtk.read, ".xdmf": meshio.xdmf.read, ".xmf": meshio.xdmf.read}
+    read = readers.get(path.suffix.lower())
+    if read is None:
+        raise InputError(f"{path}: no reader for {path.suffix!r} within a collection; it reads {', '.join(readers)}")
+    try:
+        mesh = read(path)
+    except _FAULTS as reason:
+        raise _broken(path, reason) from reason
+    return _frame(None, mesh)
+
+
+def _xdmf(path: Path) -> list[FieldFrame]:
+    """A series where the file is one, else its only instant."""
+    root = ElementTree.parse(path).getroot()
+    if not any(grid.get("CollectionType") == "Temporal" for grid in root.iter("Grid")):
+        return [_single(path)]
+    frames = []
+    with meshio.xdmf.TimeSeriesReader(path) as reader:
+        points, cells = reader.read_points_cells()
+        for k in range(reader.num_steps):
+            time, point_data, cell_data = reader.read_data(k)
+            frames.append(_frame(float(time), meshio.Mesh(points, cells, point_data, cell_data)))
+    if not frames:
+        raise InputError(f"{path}: the series has no instant")
+    return frames
+
+
+def _frame(time: float | None, mesh: meshio.Mesh) -> FieldFrame:
+    points = np.asarray(mesh.points, float)
+    flat = np.zeros((len(points), 3))
+    flat[:, : points.shape[1]] = points
+    blocks = range(len(mesh.cells))
+    return FieldFrame(
+        time,
+        flat,
+        tuple((block.type, np.asarray(block.data, np.int64)) for block in mesh.cells),
+        {name: np.asarray(values, float) for name, values in mesh.point_data.items()},
+        {name: tuple(np.asarray(values[k], float) for k in blocks) for name, values in mesh.cell_data.items()},
+    )
+
+
+def _joined(time: float, parts: Sequence[FieldFrame]) -> FieldFrame:
+    """The parts as one mesh, with the fields that all of them have."""
+    starts = np.concatenate([[0], np.cumsum([len(part.points) for part in parts])])
+    of_points = [name for name in parts[0].point_fields if all(name in part.point_fields for part in parts)]
+    of_cells = [name for name in parts[0].cell_fields if all(name in part.cell_fields for part in parts)]
+    return FieldFrame(
+        time,
+        np.concatenate([part.points for part in parts]),
+        tuple((kind, rows + start) for part, start in zip(parts, starts, strict=False) for kind, rows in part.cells),
+        {name: np.concatenate([part.point_fields[name] for part in parts]) for name in of_points},
+        {name: tuple(block for part in parts for block in part.cell_fields[name]) for name in of_cells},
+    )
