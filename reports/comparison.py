@@ -119,7 +119,7 @@ def compare(
     pair = Pair(reference, result, polygon_reference, scales(scales_from or reference), expected, found)
     return Comparison(
         **vars(pair),
-        metrics=without_missing(judge(pair), reference, result),
+        metrics=without_missing(judge(pair), result, reference),
         reference_certificates=certificates(reference),
         result_certificates=certificates(result),
         notes=tuple(_notes(pair)),

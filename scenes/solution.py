@@ -208,9 +208,11 @@ class ContactSolution:
 
     @property
     def last_cycle(self) -> NDArray[np.intp]:
-        """(k,) indices of the steps of the last whole cycle, both its ends included; all steps for a path that is not periodic."""
+        """(k,) indices of the steps of the last whole cycle, both its ends included; all steps for a path that is not periodic, and
+        for a foreign result that states in `work.skipped` that it holds no "whole_cycle".
+        """
         path = self.scene.load.path()
-        if path.period is None:
+        if path.period is None or "whole_cycle" in self.work.skipped:
             return np.arange(len(self.time))
         tolerance = 1e-9 * path.period
         cycles = np.floor((self.time[-1] - path.cycle_start + tolerance) / path.period)

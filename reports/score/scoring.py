@@ -105,7 +105,7 @@ def score_solution(
     `polygon` asks for theory on the straight steps between the instants as well, which tells the error of the steps where the
     instants are all the increments of a solver.
     """
-    reference = _REFERENCES[against](solution)
+    reference = _like_parts(_REFERENCES[against](solution), solution)
     steps = _on_polygon(solution) if polygon and against == "exact" else None
     whole = _whole(solution.scene)
     like, words = by_same_rule(reference, solution, scales(whole).half_width)
@@ -127,6 +127,12 @@ def _exact(solution: ContactSolution) -> ContactSolution:
     import semi_analytic
 
     return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
+
+
+def _like_parts(reference: ContactSolution, solution: ContactSolution) -> ContactSolution:
+    """`reference`, holding no whole cycle either where `solution` holds none."""
+    lacking = {name: why for name, why in solution.work.skipped.items() if name == WHOLE_CYCLE}
+    return replace(reference, work=replace(reference.work, skipped={**reference.work.skipped, **lacking}))
 
 
 def _whole(scene: Scene) -> ContactSolution:
