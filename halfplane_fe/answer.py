@@ -97,7 +97,7 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     loaded = np.array([state.normal_load > 0 for state in run.states])
     inside = (times > start) & loaded
     always = np.all(seen[inside] == SurfaceState.STICK, axis=0)
-    if not always.any():
+    if not inside.any() or not always.any():  # no instant at all: the very first increment failed
         return float("nan")
     x = problem.interface.x
     ever_closed = np.any(seen[inside] != SurfaceState.OPEN, axis=0)

@@ -17,6 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from halfplane_fe.answer import answer_arrays, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
+from halfplane_fe.datum import from_datum
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import Interface, couple
@@ -106,7 +107,9 @@ def _solve(
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
     bodies = meshed_pair(scene, mesh, partial(surface_grading, mesh, scales))
     watch.lap("mesh")
-    condensed = condensed_pair(scene, bodies, scene.profile.datum_length, work)
+    # A datum inside the contact would lift the faces towards the load: no compliance that can be factorised.
+    datum = max(scene.profile.datum_length, scales.reach)
+    condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
     faces = couple(*condensed)
     problem = _contact_problem(scene, mesh, settings, scales, faces, work)
@@ -115,6 +118,8 @@ def _solve(
     run = run_path(solved, scene.load.path(), pace, scene.cycles, report)
     if solved is not problem:
         run = whole(run, len(faces.x))
+    if datum > scene.profile.datum_length:
+        run = from_datum(scene, run, scene.profile.datum_length / datum)
     watch.lap("load path")
     answer = _solution(scene, mesh, settings, scales, condensed, problem, run, watch)
     if run.failure is not None:

@@ -78,7 +78,7 @@ def _notes(scene: Scene, question: Question, errors: Mapping[str, float]) -> Ite
         yield "the last cycle is not steady: no closed integral of Q dU to compare the dissipation with"
     for name, error in errors.items():
         if error > _DOUBTFUL and "edge" not in name:
-            yield f"{name}: its quadratures may have left an error of {error:.1e} of the largest value"
+            yield f"{name}: quadratures and rounding may have left an error of {error:.1e} of the largest value"
 
 
 def work_of(scene: Scene, question: Question, work_done: Dissipations, seconds: Mapping[str, float]) -> Work:

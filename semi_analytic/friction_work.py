@@ -37,6 +37,7 @@ Indices = NDArray[np.intp]
 
 _CHUNK = 256
 _STORED = 1e-3
+_LAST_DIGITS = 5e-16
 
 
 class Split(NamedTuple):
@@ -172,7 +173,12 @@ def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Ar
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> float:
-    """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness].
+    """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness]."""
+    return closed_integral_and_rounding(contact, modulus, spans)[0]
+
+
+def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:
+    """The same, and what the last digits of the rigid shift U may have left in it.
 
     Written as -int (U - lambda Q) dQ with any lambda, since the integral of Q dQ vanishes: one that makes the logarithm
     small where the contact ends keeps the digits.
@@ -181,6 +187,8 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
     offset = float(contact.log_ratio(largest))
     spans = smooth_spans(contact, spans)
+    # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits, all along Q.
+    doubt = _LAST_DIGITS * spans[0].friction * largest * (abs(offset) + 1) * sum(_travel(span) for span in spans)
 
     def loop(some: Sequence[Span], rules: Sequence[tuple[Array, Array]]) -> float:
         snapshot = take((span, times) for span, (times, _) in zip(some, rules, strict=True))
@@ -197,7 +205,12 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     # What is stored and given back may be much larger than the rest; a short part by itself may be all rounding.
     size = max(abs(total + sum(value for _, value in rough)), _STORED * sum(abs(value) for _, value in rough))
     total += sum(_settled_loop(partial(part, span), span, max(size, abs(value))) for span, value in rough)
-    return 2 / (math.pi * modulus) * total
+    return 2 / (math.pi * modulus) * total, 2 / (math.pi * modulus) * doubt
+
+
+def _travel(span: Span) -> float:
+    """Way of Q along a span, seen at five instants [force per thickness]."""
+    return float(np.sum(np.abs(np.diff(span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))[1]))))
 
 
 def _settled_loop(work: Callable[[float, float], float], span: Span, size: float) -> float:

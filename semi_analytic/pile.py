@@ -222,8 +222,9 @@ class Pile:
         distance, rise, p = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (np.abs(x), excess, load)))
         high = self.half_width(p)
         low = np.minimum(distance, high)
-        rate = np.array(rise / np.maximum((high - low) * (high + low), np.finfo(float).tiny))
-        close = (low >= self.least) & ((high - low) * (high + low) < _CLOSE * np.square(high))
+        gap = (high - low) * (high + low)
+        rate = np.array(rise / np.where(gap > 0, gap, np.inf))
+        close = (low >= self.least) & (gap < _CLOSE * np.square(high))
         if np.any(close):
             rate[close] = self._mean_rate(low[close], high[close])
         return np.sqrt(rate)

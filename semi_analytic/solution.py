@@ -16,14 +16,18 @@ from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
 from semi_analytic.corners import has_corners
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.evaluation import grids_of, series_of
-from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
+from semi_analytic.friction_work import closed_integral_and_rounding, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
 from semi_analytic.question import FIELDS, Question, arrays_of, ask, checked
+from semi_analytic.rounding import rounding_of_slip
 from semi_analytic.route import Cycles
 from semi_analytic.row_solution import solve_rows
 from semi_analytic.time_series import is_long
 
 Array = NDArray[np.float64]
+
+# Rounding of the closed integral of Q dU over the dissipation, above which it is no second route any more.
+_TOO_ROUGH = 1e-2
 
 
 def solve(
@@ -79,6 +83,8 @@ def solve(
     evaluated = clock.perf_counter()
     work_done = _dissipations(question)
     errors = field_errors(question, snapshot, series, grids)
+    if "slip" in question.fields and (rounding := 1.5 * rounding_of_slip(question.route.history.spans)):
+        errors["slip"] = errors.get("slip", 0.0) + rounding
     errors |= {name: doubt for name, doubt in work_done.doubts.items() if doubt and name in question.fields}
     seconds = {
         "history": marched - started,
@@ -120,12 +126,21 @@ def _dissipations(question: Question) -> Dissipations:
         used.extend(span for number in works for span in cycles[number])
         steady = route.history.steady_from
         if steady is not None and last >= steady:
-            second = closed_integral(contact, modulus, cycles[last]) if works[last][0] else 0.0
+            second = _second_route(question, last, works[last][0])
         doubts["dissipation"] += dissipation_error(contact, cycles[last], modulus, float(each[-1]), second)
         doubts["dissipation_density"] = doubts.get("dissipation_density", 0.0) + doubts["dissipation"]
     slipping = sum(span.direction != 0 for span in used)
     arrays = {"dissipation_density": density[question.fold], "cycle_dissipation": each}
     return Dissipations(float(each[-1]), second, arrays, slipping, len(used) - slipping, doubts)
+
+
+def _second_route(question: Question, number: int, work: float) -> float:
+    """Closed integral of Q dU of a solved cycle that dissipates `work`; NaN where less than two digits of it are left."""
+    if not work:
+        return 0.0
+    spans = question.route.history.cycles[number]
+    value, rounding = closed_integral_and_rounding(question.contact, question.modulus, spans)
+    return value if rounding < _TOO_ROUGH * work else math.nan
 
 
 def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
@@ -135,8 +150,9 @@ def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
     if question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact):
         forward, reverse = dissipation_of(_loop(question), question.contact)
         return _unit_of_work(question) * float(forward[0] + reverse[0]), 0.0
-    split = global_dissipation(question.contact, question.modulus, question.route.history.cycles[number])
-    return float(split.total), float(split.error / split.total) if split.error else 0.0
+    spans = question.route.history.cycles[number]
+    split = global_dissipation(question.contact, question.modulus, spans)
+    return float(split.total), (float(split.error / split.total) if split.error else 0.0) + 3 * rounding_of_slip(spans)
 
 
 def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
@@ -145,9 +161,10 @@ def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
     if question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact):
         forward, reverse = density_of(_loop(question).take(np.zeros(len(x), dtype=int)), question.contact, x)
         return _unit_of_work(question) * (forward + reverse), 0.0
-    split = pointwise_dissipation(question.contact, question.modulus, question.route.history.cycles[number], x)
+    spans = question.route.history.cycles[number]
+    split = pointwise_dissipation(question.contact, question.modulus, spans, x)
     worst = float(np.max(split.error))
-    return split.total, worst / float(np.max(split.total)) if worst else 0.0
+    return split.total, (worst / float(np.max(split.total)) if worst else 0.0) + 3 * rounding_of_slip(spans)
 
 
 def _loop(question: Question) -> Ellipses:

@@ -57,7 +57,7 @@ def test_closed_forms_claim_no_error_and_rough_tables_tell_theirs(monkeypatch):
     assert not solution.record.notes
     monkeypatch.setattr(bookkeeping, "_DOUBTFUL", 1e-16)
     noted = solve(scene, x=X, cycles="steady").record.notes
-    assert any(note.startswith("dissipation: its quadratures may have left an error of") for note in noted)
+    assert any(note.startswith("dissipation: quadratures and rounding may have left an error of") for note in noted)
 
 
 def test_errors_are_for_what_was_asked_and_survive_the_file(tmp_path):

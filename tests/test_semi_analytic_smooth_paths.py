@@ -168,7 +168,7 @@ def test_work_that_does_not_settle_is_noted(monkeypatch):
     assert solve(scene, x=[0.7, 0.9], fields=("dissipation_density",)).record.notes == ()
     monkeypatch.setattr(settling, "_SHORTEST", 1.0)
     (note,) = solve(scene, x=[0.7, 0.9], fields=("dissipation_density",)).record.notes
-    assert note.startswith("dissipation_density: its quadratures may have left an error of")
+    assert note.startswith("dissipation_density: quadratures and rounding may have left an error of")
 
 
 @pytest.mark.parametrize(("width", "settles"), [(0.3, True), (1e-6, True), (0.0, False)])
