@@ -15,7 +15,7 @@ from scenes import ContactSolution, InputError, Scene
 
 BASELINE, COMPARISON, SOLUTION = "halfplane baseline 1", "halfplane comparison 1", "halfplane solution 1"
 # What is said about a scene, and what is demanded of an answer, moves no figure of the answer.
-WORDS = ("name", "title", "purpose", "source", "units", "tolerances")
+WORDS = ("name", "title", "purpose", "source", "tags", "units", "tolerances", "expected")
 # The work that a change of the code moves; what a store of condensed bodies spares would differ from one run to the next.
 COUNTS = (
     "degrees of freedom",

@@ -11,24 +11,32 @@ from reports.application import Out, SceneName, app
 
 
 @app.command(sort_key=4, help_epilogue="")
-def scenes() -> int:
-    """The library of scenes."""
+def scenes(
+    name: Annotated[str, Parameter(help="Show this scene in detail: a name of the library, or a .toml or .json file.")] = "",
+    /,
+    *,
+    tag: Annotated[tuple[str, ...], Parameter(help="Only scenes that have this tag; again for scenes that have all of them.")] = (),
+    json: Annotated[bool, Parameter(negative="", help="As JSON.")] = False,
+) -> int:
+    """The library of scenes, with a small sketch each: the bodies (a flat gap exaggerated), and Q over P."""
     from reports import commands
 
-    return commands.scenes()
+    return commands.scenes(name, tag, json)
 
 
 @app.command(sort_key=5, help_epilogue="")
 def init(
     file: Annotated[Path, Parameter(help="New file, ending in .toml.")],
     *,
-    like: Annotated[str, Parameter(help="Start from this library scene instead of the commented example.")] = "",
+    start: Annotated[
+        str, Parameter("--from", help="Copy this library scene, with the files it reads, instead of the commented example.")
+    ] = "",
     bodies: Annotated[bool, Parameter(negative="", help="The example with a block and a pad in place of half-planes.")] = False,
 ) -> int:
     """Write a commented scene to start from; never over a file that exists."""
     from reports import commands
 
-    return commands.init(file, like, bodies)
+    return commands.init(file, start, bodies)
 
 
 @app.command(sort_key=6, help_epilogue="")

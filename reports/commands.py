@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import re
 import shlex
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,9 +21,7 @@ from scenes import (
     ConvergenceError,
     InputError,
     Scene,
-    load_scene,
     scene_companions,
-    scene_names,
     scene_schema,
     scene_text,
 )
@@ -50,9 +49,10 @@ def run(
         return _not_converged(failure, scene, folder)
     _show_verdict(report.comparison)
     _show_budget(report.comparison)
+    met = _show_expected(scene, (report.comparison.reference, report.comparison.result))
     show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in report.seconds.items()], right=(1,))
     say(str(report.page))
-    return WITHIN if report.comparison.passed else OUTSIDE
+    return WITHIN if report.comparison.passed and met else OUTSIDE
 
 
 def exact(source: str, out: Path | None, quiet: bool) -> int:
@@ -140,8 +140,9 @@ def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, S
         return _not_converged(failure, scene, folder)
     path = write_solution(solution, folder)
     show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+    met = _show_expected(scene, (solution,))
     say(str(path))
-    return WITHIN if is_admissible(solution) else OUTSIDE
+    return WITHIN if is_admissible(solution) and met else OUTSIDE
 
 
 def _not_converged(failure: ConvergenceError, scene: Scene, folder: Path) -> int:
@@ -183,6 +184,16 @@ def _show_budget(comparison: Comparison) -> None:
     say(cost(comparison.budget))
 
 
+def _show_expected(scene: Scene, solutions: Sequence[ContactSolution]) -> bool:
+    """The numbers that the scene expects beside those found; whether all are met."""
+    from reports import expected
+
+    findings = list(expected.check(scene, solutions))
+    if findings:
+        show_table("Expected numbers", expected.HEADS, expected.rows(findings), right=(2, 3, 4, 5))
+    return all(finding.met for finding in findings)
+
+
 def paper(out: Path | None, quiet: bool) -> int:
     """The paper's figures and both tables; outside if a misprint is not proven."""
     stages = Stages(quiet)
@@ -209,26 +220,35 @@ def paper(out: Path | None, quiet: bool) -> int:
     return WITHIN if report.proven else OUTSIDE
 
 
-def scenes() -> int:
-    """The library as a table."""
-    library = [(name, load_scene(name)) for name in scene_names()]
-    show_table("Library", ("scene", "title", "purpose"), [(name, scene.title, scene.purpose) for name, scene in library])
+def scenes(name: str, tags: tuple[str, ...], as_json: bool) -> int:
+    """The library, or one scene of it: text with small sketches, or JSON."""
+    from reports import library
+
+    if name and tags:
+        raise InputError("--tag: it goes with the whole library, not with the name of one scene; leave one of the two out")
+    if as_json:
+        found = library.record(jobs.read(name)) if name else [library.record(scene) for scene in library.tagged(tags)]
+        say(json.dumps(found, indent=1))
+        return WITHIN
+    for line in library.details(jobs.read(name)) if name else library.listing(library.tagged(tags)):
+        say(library.legible(line, sys.stdout.encoding))
     return WITHIN
 
 
-def init(file: Path, like: str, bodies: bool) -> int:
+def init(file: Path, start: str, bodies: bool) -> int:
     """Write a scene file."""
-    if like and bodies:
-        raise InputError("--bodies: it goes with the commented example, not with --like; leave one of the two out")
+    if start and bodies:
+        raise InputError("--bodies: it goes with the commented example, not with --from; leave one of the two out")
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
-    text = scene_text(like) if like else _example(bodies)
-    beside = {file.parent / name: content for name, content in (scene_companions(like) if like else {}).items()}
+    text = scene_text(start) if start else _example(bodies)
+    beside = {file.parent / name: content for name, content in (scene_companions(start) if start else {}).items()}
     if taken := next((path for path in beside if path.exists()), None):
         raise InputError(f"{taken}: the file is there already and stays as it is; choose another folder for {file.name}")
     for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
         _write_new(path, content)
-    say(f"{file}: edit it, then `halfplane check {file}` and `halfplane run {file}`")
+    with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
+    say(f"{file}{with_it}: edit it, then `halfplane check {file}` and `halfplane run {file}`")
     return WITHIN
 
 

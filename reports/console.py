@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
@@ -87,3 +88,9 @@ def say(text: str) -> None:
 def complain(text: str) -> None:
     """A line on stderr, taken literally and never broken."""
     Console(stderr=True, highlight=False, soft_wrap=True).print(Text(text))
+
+
+def width() -> int:
+    """Columns of stdout; 100 where it is no terminal and COLUMNS does not say."""
+    console = Console()
+    return console.width if console.is_terminal or "COLUMNS" in os.environ else 100

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from reports import expected
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.budget_words import content, honest_of
 from reports.certificates import Certificate
@@ -68,6 +69,7 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
         },
         "metrics": {metric.key: _metric(metric, comparison) for metric in comparison.metrics},
         "budget": content(comparison.budget) if comparison.budget else None,
+        "expected": expected.content(expected.check(comparison.scene, (comparison.reference, comparison.result))),
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),

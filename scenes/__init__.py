@@ -4,6 +4,7 @@ from scenes.bodies import Block, Bodies, Cylinder, HalfPlane, Pad, Shape
 from scenes.callable_loads import CallableLoad, ChebyshevLeg
 from scenes.callables import CallableProfile
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError
+from scenes.expected import Expected
 from scenes.harmonics import HarmonicLeg, HarmonicLoad
 from scenes.loads import EllipseLeg, EllipseLoad, Leg, LoadPath, ParabolaLeg, PolygonLoad, StraightLeg
 from scenes.materials import Elastic, Materials
@@ -12,6 +13,7 @@ from scenes.profiles import Compound, EvenPolynomial, FlatRounded, Hertz, PowerL
 from scenes.reading import load_scene, scene_companions, scene_names, scene_schema, scene_text
 from scenes.scene import Friction, Scene, Tolerances
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
+from scenes.tags import tags
 from scenes.time_series import TimeSeriesLoad
 
 __all__ = [
@@ -28,6 +30,7 @@ __all__ = [
     "EllipseLeg",
     "EllipseLoad",
     "EvenPolynomial",
+    "Expected",
     "FlatRounded",
     "Friction",
     "HalfPlane",
@@ -60,4 +63,5 @@ __all__ = [
     "scene_names",
     "scene_schema",
     "scene_text",
+    "tags",
 ]

@@ -10,10 +10,12 @@ from pydantic_core import PydanticSerializationError
 from scenes.bodies import Bodies, Pad
 from scenes.callable_loads import CallableLoad
 from scenes.errors import InputError
+from scenes.expected import Expected
 from scenes.harmonics import HarmonicLoad
 from scenes.loads import EllipseLoad, PolygonLoad
 from scenes.materials import FROZEN, Materials, Positive
 from scenes.profiles import FlatRounded, Hertz, Profile
+from scenes.tags import Tag
 from scenes.time_series import TimeSeriesLoad
 
 Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad, Field(discriminator="kind")]
@@ -43,7 +45,8 @@ class Tolerances(BaseModel):
 class Scene(BaseModel):
     """One contact problem: the question that both engines answer.
 
-    `name` and `origin` say where it came from; everything else is physics.
+    `name` to `tags` say what it is and where it came from, `tolerances` and `expected` what is demanded of an answer; everything
+    else is physics.
     """
 
     model_config = FROZEN
@@ -52,6 +55,7 @@ class Scene(BaseModel):
     title: str = Field("", description="one line for headings")
     purpose: str = Field("", description="what the scene is for")
     source: str = Field("", description="where its numbers come from")
+    tags: tuple[Tag, ...] = Field((), description="words to find it by, of a closed set: `halfplane scenes --tag`")
     units: str = Field("N, mm, MPa", description="any consistent set: words for the axes only")
     material: Materials
     profile: Profile
@@ -59,6 +63,7 @@ class Scene(BaseModel):
     load: Load
     bodies: Bodies = Bodies()
     tolerances: Tolerances = Tolerances()
+    expected: tuple[Expected, ...] = Field((), description="known numbers, checked by `halfplane run`")
     cycles: int = Field(6, ge=1, description="at most so many revolutions; the engines stop once the cycle repeats")
 
     @model_validator(mode="after")

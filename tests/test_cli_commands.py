@@ -117,7 +117,7 @@ class TestScenes:
         assert plain.bodies.half_planes
         assert (real.bodies.lower.kind, real.bodies.upper.kind) == ("block", "pad")
         assert real.model_copy(update={"bodies": plain.bodies, "name": plain.name}) == plain
-        assert "goes with the commented example" in refused(tmp_path, "init", "x.toml", "--bodies", "--like", "hertz-paper")
+        assert "goes with the commented example" in refused(tmp_path, "init", "x.toml", "--bodies", "--from", "hertz-paper")
 
     def test_schema_explains_the_keys_of_bodies(self, tmp_path: Path) -> None:
         defined = json.loads(halfplane(tmp_path, "schema").stdout)["$defs"]
@@ -128,13 +128,13 @@ class TestScenes:
 
     @pytest.mark.parametrize("name", scene_names())
     def test_library_scenes_can_be_started_from(self, tmp_path: Path, name: str) -> None:
-        assert halfplane(tmp_path, "init", "my.toml", "--like", name).returncode == 0
+        assert halfplane(tmp_path, "init", "my.toml", "--from", name).returncode == 0
         assert load_scene(tmp_path / "my.toml").load == load_scene(name).load
 
     def test_init_wants_toml_and_a_folder(self, tmp_path: Path) -> None:
         assert "my.json: a commented scene is written as .toml" in refused(tmp_path, "init", "my.json")
         assert "can't be written: No such file or directory" in refused(tmp_path, "init", "nowhere/my.toml")
-        assert "no such scene" in refused(tmp_path, "init", "my.toml", "--like", "hertz-papr")
+        assert "no such scene" in refused(tmp_path, "init", "my.toml", "--from", "hertz-papr")
 
     def test_check_says_how_near_gross_sliding_is(self, tmp_path: Path) -> None:
         done = halfplane(tmp_path, "check", "cattaneo-mindlin")

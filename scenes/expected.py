@@ -1,0 +1,42 @@
+"""Numbers that a scene expects, each with the engine that must meet it and the source that says so."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, Field
+
+from scenes.materials import FROZEN, Positive
+
+Quantity = Literal[
+    "dissipation",
+    "loop_work",
+    "largest_half_width",
+    "least_half_width",
+    "largest_pressure",
+    "permanent_stick_half_width",
+    "stick_share",
+]
+
+
+class Expected(BaseModel):
+    """One number with its tolerance and its source.
+
+    >>> Expected(quantity="dissipation", value=0.0, tolerance=1e-9, source="nothing slips").engine
+    'half-plane theory'
+    """
+
+    model_config = FROZEN
+
+    quantity: Quantity = Field(
+        description="of the last cycle (the whole path where nothing repeats): dissipation, loop_work (closed integral of Q dU), "
+        "largest_half_width, least_half_width of the contact, largest_pressure, permanent_stick_half_width, "
+        "stick_share (the latter over largest_half_width)"
+    )
+    value: float = Field(description="in the scene's units; energies and loads per unit thickness")
+    tolerance: Positive = Field(
+        description="largest difference over the value; where the value is 0, over A f^2 P^2 (energies; f = 1 if frictionless, "
+        "P the largest load), the largest half-width or the largest pressure"
+    )
+    engine: Literal["half-plane theory", "finite elements"] = Field("half-plane theory", description="which must meet it")
+    source: str = Field(min_length=1, description="where the number comes from")
