@@ -39,6 +39,7 @@ class Tally:
     running: int = 0
     elsewhere: int = 0
     seconds: float = 0.0
+    workers: int = 1
     notes: list[str] = field(default_factory=list)
 
     @property

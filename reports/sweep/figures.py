@@ -1,8 +1,8 @@
 """What a sweep can keep of a point: metrics of the comparison, quantities of either engine, and their relative errors.
 
-A name is a metric's key ("stick_edge"), or "fe.", "exact." or "error." before a quantity ("fe.peak_pressure"); "error." is
-that of the finite elements over that of half-plane theory, less 1. Quantities are those of the last cycle. Where both engines run, theory is
-evaluated on the points and instants of the finite elements, so that sampling is the same in both.
+A name is a metric's key ("stick_edge"), or "fe.", "exact." or "error." before a quantity ("fe.peak_pressure"); "error." is that of
+the finite elements over that of half-plane theory, less 1. Quantities are those of the last cycle. Where both engines run, theory
+is evaluated on the points and instants of the finite elements, so that sampling is the same in both.
 """
 
 from __future__ import annotations

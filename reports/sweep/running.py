@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reports.sweep.claims import Claims
-from reports.sweep.crews import crew_of
+from reports.sweep.crews import Crew, crew_of
 from reports.sweep.executing import Sweep, Tally, is_final
 from reports.sweep.grouping import Plan, plan, tasks
 from reports.sweep.index import Reader, Table, write_index, write_parquet
@@ -100,9 +100,7 @@ def work(
     return table
 
 
-def _work(prepared: Prepared, hire: Callable[[], object], claims: Claims, tell: Callable[[Tally], None]) -> None:
-    from reports.sweep.crews import Crew
-
+def _work(prepared: Prepared, hire: Callable[[], Crew], claims: Claims, tell: Callable[[Tally], None]) -> None:
     study, waiting = prepared.study, {point.address for point in prepared.waiting}
     groups = [[point for point in group if point.address in waiting] for group in prepared.plan.groups]
     asked = {
@@ -113,8 +111,8 @@ def _work(prepared: Prepared, hire: Callable[[], object], claims: Claims, tell: 
         "share": study.share_condensations,
     }
     tally = Tally(len(prepared.plan.points), skipped=len(prepared.plan.points) - len(waiting))
-    crew: Crew = hire()  # type: ignore[assignment]
-    at_once = True
+    crew = hire()
+    tally.workers, at_once = crew.width, True
     try:
         Sweep(prepared.store, prepared.reader, claims, crew, asked, tally, tell).go(tasks(study, groups, crew.width))
         at_once = False

@@ -1,0 +1,64 @@
+"""The page of a sweep: one self-contained file with the state, a figure of each quantity and the table, also while it runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from reports.sweep.figures import unit_of
+from reports.sweep.pictures import draw, plain_figures
+from reports.sweep.progress import state_of
+from reports.sweep.store import Store
+from reports.sweep.study import study_of
+from reports.templating import template
+
+# More rows than that are in index.csv alone.
+_ROWS = 250
+
+
+def write_page(store: Store) -> Path:
+    """Write DIR/sweep.html; returns its path.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds no sweep, or can't be written to.
+    """
+    state, table = state_of(store)
+    raw, _ = store.read_plan()
+    study = study_of(raw, str(store.folder / "sweep.json"))
+    columns = [name for name in table.columns if name not in ("address", "reason")]
+    names = plain_figures(table)
+    page = template("sweep.html").render(
+        title=study.title or f"Sweep of {study.scene.title or study.scene.name}",
+        purpose=study.purpose,
+        scene=study.scene.title or study.scene.name,
+        engines=" and ".join({"fe": "finite elements", "exact": "half-plane theory"}[engine] for engine in study.engines),
+        state=state,
+        words=[(name, unit_of(name)) for name in names],
+        pictures=[(picture.name, Markup(picture.svg), picture.caption) for picture in draw(table, study.axes)],
+        columns=columns,
+        rows=[[_cell(row[name]) for name in columns] for row in table.rows[:_ROWS]],
+        more=max(0, len(table.rows) - _ROWS),
+        uncertainty=_uncertainty(study.uncertainty),
+    )
+    path = store.folder / "sweep.html"
+    store.write_text(path, page)
+    return path
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return "none"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _uncertainty(kind: str) -> str:
+    return {
+        "none": "No uncertainty was asked for: no digit here is known to be right.",
+        "cheap": "Uncertainty: what one mesh of twice the element size, theory on the polygon of the steps and (for half-planes) a far "
+        "field twice as far change a figure by, added up.",
+        "budget": "Uncertainty and idealisation error: from the error budget of each point.",
+    }[kind]
