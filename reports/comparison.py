@@ -18,6 +18,7 @@ from scenes import ContactSolution, InputError, Scene
 if TYPE_CHECKING:
     from reports.budget import ErrorBudget
     from reports.score.diagnosis import Diagnosis
+    from reports.score.study import Study
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,7 @@ class Comparison(Pair):
     notes : everything that a reader must not miss
     guesses : what was taken for granted of a foreign result, to be read before anything else
     diagnoses : what a foreign result most likely suffers from, the strongest first
+    study : what the result's own coarser meshes say, where it came as a folder of them
     """
 
     metrics: tuple[Metric, ...]
@@ -47,6 +49,7 @@ class Comparison(Pair):
     budget: ErrorBudget | None = None
     guesses: tuple[str, ...] = ()
     diagnoses: tuple[Diagnosis, ...] = ()
+    study: Study | None = None
 
     @property
     def scene(self) -> Scene:

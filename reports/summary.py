@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -76,6 +77,9 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
         "polygon_reference": solution_content(comparison.polygon_reference, ()) if comparison.polygon_reference else None,
         "interpolation": comparison.expected.interpolation,
         "notes": comparison.notes,
+        "guesses": comparison.guesses,
+        "diagnoses": [asdict(one) for one in comparison.diagnoses],
+        "study": comparison.study.content() if comparison.study else None,
         "seconds": seconds,
         "command": command,
         "scene": comparison.scene.model_dump(mode="json"),

@@ -49,7 +49,9 @@ def score(
     command = shlex.join(["halfplane", "score", result, "--scene", source, *more, "--out", str(folder)])
     try:
         if path.is_dir():
-            raise InputError(f"{path}: this is a folder; name a file")
+            from reports.score import study_files
+
+            return study_files.run(path, scene, mapping, against, folder, stages, command, as_json=as_json)
         return _one(path, scene, mapping, against, folder, stages, command, as_json=as_json)
     except ConvergenceError as failure:
         complain(f"halfplane: {scene.name}: the reference is not converged: {failure}")

@@ -1,0 +1,87 @@
+"""`halfplane score FOLDER`: every result in a folder as one mesh of a study, and the page of the finest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from reports.application import OUTSIDE, WITHIN
+from reports.comparison import Comparison
+from reports.console import Stages, say, show_table
+from reports.score.mapping import Mapping
+from reports.score.reading import READERS
+from reports.score.scoring import OWN, Against, score_file
+from reports.score.study import Level, element_size, study
+from scenes import InputError, Scene
+
+
+@dataclass(frozen=True)
+class Found:
+    """The results of a folder, and what in it was left out, in sentences."""
+
+    files: tuple[Path, ...]
+    notes: tuple[str, ...]
+
+
+def results_in(folder: Path) -> Found:
+    """The files that a reader takes, one for each stem (the first suffix in the order of the readers).
+
+    Raises
+    ------
+    InputError
+        Where there is none.
+    """
+    known = [*READERS, OWN]
+    files = sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    taken: dict[str, Path] = {}
+    for path in sorted((p for p in files if p.suffix.lower() in known), key=lambda p: known.index(p.suffix.lower())):
+        taken.setdefault(path.stem, path)
+    left = [path.name for path in files if path not in taken.values()]
+    if not taken:
+        raise InputError(f"{folder}: no result is in this folder; a result ends in {', '.join(known)}")
+    notes = (f"Left out of the folder: {', '.join(left)}.",) if left else ()
+    return Found(tuple(sorted(taken.values())), notes)
+
+
+def score_folder(folder: Path, mapping: Mapping, scene: Scene, stages: Stages, *, against: Against = "exact") -> Comparison:
+    """The comparison of the finest mesh, with the study over all of them."""
+    found, levels = results_in(folder), []
+    for path in found.files:
+        with stages.stage(path.name):
+            comparison = score_file(path, mapping, scene, against=against)
+            levels.append(Level(path.name, *element_size(path, mapping, comparison), comparison))
+    known = study(levels, found.notes)
+    return replace(known.levels[0].comparison, study=known)
+
+
+def run(
+    folder: Path,
+    scene: Scene,
+    mapping: Mapping,
+    against: Against,
+    out: Path,
+    stages: Stages,
+    command: str,
+    *,
+    as_json: bool,
+) -> int:
+    """Score, write the page of the finest mesh, show both tables."""
+    from reports.score.command import show
+    from reports.writing import write
+
+    comparison = score_folder(folder, mapping, scene, stages, against=against)
+    with stages.stage("report"):
+        page = write(comparison, out, command=command, seconds=dict(stages.seconds))
+    if as_json:
+        from reports.summary import as_json as content
+
+        say(content(comparison, command, stages.seconds))
+        return WITHIN if comparison.passed else OUTSIDE
+    show(comparison)
+    known = comparison.study
+    if known is not None:
+        show_table("Mesh study", known.heads, known.rows, right=range(1, len(known.heads)))
+        for sentence in known.sentences:
+            say(sentence)
+    say(str(page))
+    return WITHIN if comparison.passed else OUTSIDE
