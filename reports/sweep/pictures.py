@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 _PANELS = 6
+_MARKED = 120
 _COLOURS = ("#0072b2", "#d55e00", "#00795a", "#b5508c", "#9c6a00", "#333333")
 
 
@@ -89,6 +91,7 @@ def _picture(sheet: Sheet, shown: str) -> Picture:
         return Picture(shown, "", f"{shown} = {sheet.value[0]:.6g}: the sweep has one point on every axis of numbers")
     keys = _parts(sheet.table, sorts)
     panels = sorted(set(keys))[:_PANELS]
+    kind: Callable[..., None]
     if len(moving) == 1:
         kind, how = _line, "bars are its uncertainty"
     elif len(moving) == 2 and _is_grid(sheet.table, moving):
@@ -137,22 +140,24 @@ def _paper(panels: int) -> tuple[Figure, list[Axes]]:
     return figure, drawings
 
 
-def _line(_f: Figure, ax: Axes, sheet: Sheet, here: NDArray[np.bool_], moving: list[str], key: str, _l: float, number: int) -> None:
+def _line(_f: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key: str, _l: float, number: int) -> None:
     x = sheet.table.numbers(moving[0])[here]
     order = np.argsort(x)
     x, y, doubt = x[order], sheet.value[here][order], np.nan_to_num(sheet.uncertainty[here][order])
     hollow, colour = sheet.unresolved[here][order], _COLOURS[number % len(_COLOURS)]
-    ax.errorbar(x, y, yerr=doubt, color=colour, capsize=2, linewidth=1, label=key or sheet.name)
-    ax.plot(x[~hollow], y[~hollow], "o", color=colour, markersize=4)
+    if len(x) > _MARKED:  # a band and no marks: the page stays small
+        ax.plot(x, y, color=colour, linewidth=1, label=key or sheet.name)
+        ax.fill_between(x, y - doubt, y + doubt, color=colour, alpha=0.25, linewidth=0)
+    else:
+        ax.errorbar(x, y, yerr=doubt, color=colour, capsize=2, linewidth=1, label=key or sheet.name)
+        ax.plot(x[~hollow], y[~hollow], "o", color=colour, markersize=4)
     ax.plot(x[hollow], y[hollow], "o", markerfacecolor="white", color=colour, markersize=4)
     ax.axhline(0, color="0.6", linewidth=0.6) if sheet.name.startswith("error.") or is_metric(sheet.name) else None
     _dress(ax, sheet, moving[0], None)
     ax.set_ylabel(sheet.name)
 
 
-def _map(
-    figure: Figure, ax: Axes, sheet: Sheet, here: NDArray[np.bool_], moving: list[str], key: str, limit: float, _n: int
-) -> None:
+def _map(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key: str, limit: float, _n: int) -> None:
     columns = [sheet.table.numbers(name)[here] for name in moving]
     steps = [np.unique(column) for column in columns]
     value, hidden = np.full((len(steps[1]), len(steps[0])), np.nan), np.zeros((len(steps[1]), len(steps[0])), dtype=bool)
@@ -169,9 +174,7 @@ def _map(
     ax.set_title(key, fontsize=9)
 
 
-def _cloud(
-    figure: Figure, ax: Axes, sheet: Sheet, here: NDArray[np.bool_], moving: list[str], key: str, _l: float, _n: int
-) -> None:
+def _cloud(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key: str, _l: float, _n: int) -> None:
     x, colour = (sheet.table.numbers(name)[here] for name in moving[:2])
     y, hollow = sheet.value[here], sheet.unresolved[here]
     doubt = np.nan_to_num(sheet.uncertainty[here])

@@ -88,6 +88,7 @@ class Store:
                     file.write(text)
                     file.flush()
                     os.fsync(file.fileno())
+                os.chmod(temporary, 0o666 & ~_umask())
                 os.replace(temporary, path)
             except BaseException:
                 Path(temporary).unlink(missing_ok=True)
@@ -141,6 +142,13 @@ class Store:
             ) from None
         except (OSError, ValueError, KeyError, TypeError) as reason:
             raise InputError(f"{path}: can't be read ({reason}); start the sweep again with --resume: results are kept") from reason
+
+
+def _umask() -> int:
+    """What the user takes away from the rights of new files; mkstemp leaves them to the owner alone."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
 
 
 def canonical(value: Any) -> str:
