@@ -8,14 +8,16 @@ import io
 from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+import numpy as np
 from numpy.typing import NDArray
 
 from scenes import SurfaceState
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Column heading (with unit) -> values, all of one length.
 Table = Mapping[str, Sequence[Any] | NDArray[Any]]
@@ -84,6 +86,8 @@ class Drawing:
 
     def svg(self) -> str:
         """The figure as an SVG document."""
+        import matplotlib as mpl
+
         text = io.StringIO()
         with mpl.rc_context(STYLE):
             self.figure.savefig(text, format="svg", metadata={"Date": None}, dpi=160)
@@ -107,20 +111,32 @@ def table_text(table: Table) -> str:
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(table)
-    rows.writerows(zip(*(map(_cell, column) for column in table.values()), strict=True))
+    rows.writerows(zip(*map(_cells, table.values()), strict=True))
     return text.getvalue()
+
+
+def _cells(column: Sequence[Any] | NDArray[Any]) -> list[Any]:
+    """A column as text; a number that stands in it often is written once and used again."""
+    if isinstance(column, np.ndarray) and column.dtype.kind in "fiu":
+        values, places = np.unique(column, return_inverse=True, equal_nan=True)
+        texts = ["" if value != value else repr(value) for value in values.tolist()]  # noqa: PLR0124 -- NaN alone differs from itself
+        return [texts[place] for place in places.ravel().tolist()]
+    return [_cell(value) for value in column]
 
 
 def _cell(value: Any) -> Any:
     if isinstance(value, str):
         return value
     number = value.item() if hasattr(value, "item") else value
-    return "" if number != number else repr(number)  # noqa: PLR0124 -- NaN is the only number that differs from itself
+    return "" if number != number else repr(number)  # noqa: PLR0124
 
 
 @contextmanager
 def canvas(width: float, height: float) -> Generator[Figure, None, None]:
     """A figure of `width` by `height` inches in the common style."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
     with mpl.rc_context(STYLE):
         yield Figure(figsize=(width, height))
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
-from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
 from reports.body_words import bodies_in_words
-from reports.drawing import BODY_COLOURS, QUIET, RESULT, Drawing, Table, canvas
+from reports.charts.marks import Frame, element, path_of, words
+from reports.charts.plate import Plate
+from reports.charts.scale import Scale
+from reports.drawing import Table
 from reports.units import load_unit, number, units
 from scenes import Cylinder, HalfPlane, Pad, Scene, Shape
 
@@ -18,10 +18,11 @@ Array = NDArray[np.float64]
 # Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.
 _SHOWN_OF_CONTACT, _SHOWN_OF_BODY = 6.0, 1.3
 # Share of the sketch that a body takes at least where its label stands inside.
-_WIDE_ENOUGH = 0.45
+_WIDE_ENOUGH = 0.62
+_WIDTH, _MOST, _ROOM = 440.0, 400.0, 62.0
 
 
-def sketch(scene: Scene, half_width: float) -> Drawing:
+def sketch(scene: Scene, half_width: float) -> Plate:
     """Both bodies to scale with supports, loads and the place of the contact.
 
     Parameters
@@ -30,32 +31,43 @@ def sketch(scene: Scene, half_width: float) -> Drawing:
     """
     length = units(scene)[1]
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
-    size = max(float(np.ptp(np.concatenate(list(outlines.values())), axis=0).max()), 1e-300)
-    with canvas(4.4, 4.1) as figure:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.01, right=0.99, top=0.99, bottom=0.13)
-        for name, side in (("lower", 1.0), ("upper", -1.0)):
-            shape = getattr(scene.bodies, name)
-            _body(axes, outlines[name], shape, name)
-            _supports(axes, shape, outlines[name], side, 0.035 * size)
-            _label(axes, scene, name, outlines[name], size)
-        axes.plot([-half_width, half_width], [0, 0], color=RESULT, lw=3.0, solid_capstyle="butt", zorder=5)
-        _loads(axes, scene, outlines["upper"], size)
-        _frame(axes, outlines, size)
-        axes.set_xlabel(
-            f"to scale; red: contact of width 2 a_ref = {number(2 * half_width)} {length}\n"
-            f"P {_range(scene, 0)}, Q {_range(scene, 1)} {load_unit(scene)}",
-            fontsize=8.5,
-        )
-    words = bodies_in_words(scene)
+    frame = _frame(outlines)
+    parts = []
+    for name, side in (("lower", 1.0), ("upper", -1.0)):
+        shape = getattr(scene.bodies, name)
+        parts += [_body(frame, outlines[name], shape, name), _supports(frame, shape, outlines[name], side)]
+    left, right = frame.x.place([-half_width, half_width])
+    level = float(frame.y.place(0.0))
+    parts.append(element("path", d=path_of([left, right], [level, level]), class_="contact-line"))
+    parts += [_label(frame, scene, name, outlines[name]) for name in outlines]
+    parts.append(_loads(frame, scene, outlines["upper"]))
+    alt = bodies_in_words(scene)
+    box = f"0 0 {frame.width:g} {frame.height:g}"
+    picture = element(
+        "svg", "".join(parts), xmlns="http://www.w3.org/2000/svg", viewBox=box, role="img", aria_label=alt, class_="sketch"
+    )
     columns: Table = {
         "body": [name for name in outlines for _ in outlines[name]],
         f"x [{length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
         f"y [{length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
     }
-    return Drawing(
-        "bodies", "Bodies, supports and loads", "Half-planes are cut off." if _cut(scene) else "", words, figure, columns
+    caption = (
+        f"To scale{'; half-planes are cut off at the dotted lines' if _cut(scene) else ''}. Thick line: the contact, "
+        f"2 a_ref = {number(2 * half_width)} {length} wide. P {_range(scene, 0)}, Q {_range(scene, 1)} {load_unit(scene)}."
     )
+    return Plate("bodies", "Bodies, supports and loads", caption, alt, (picture,), columns, columns=1)
+
+
+def _frame(outlines: dict[str, Array]) -> Frame:
+    """Both bodies with one scale in both directions, room above for the loads and all round for supports."""
+    points = np.concatenate(list(outlines.values()))
+    (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
+    side = 26.0
+    unit = max((right - left) / (_WIDTH - 2 * side), (high - low) / (_MOST - _ROOM - side))
+    height = (high - low) / unit + _ROOM + side
+    middle, half = (left + right) / 2, (_WIDTH / 2 - side) * unit
+    across = Scale(float(middle - half), float(middle + half), side, _WIDTH - side)
+    return Frame(across, Scale(float(low), float(high), float(height - side), _ROOM), _WIDTH, float(height))
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
@@ -98,77 +110,108 @@ def _cut(scene: Scene) -> bool:
     return any(isinstance(body, HalfPlane) for body in (scene.bodies.lower, scene.bodies.upper))
 
 
-def _body(axes: Axes, points: Array, shape: Shape, name: str) -> None:
+def _places(frame: Frame, points: Array) -> tuple[Array, Array]:
+    return frame.x.place(points[:, 0]), frame.y.place(points[:, 1])
+
+
+def _body(frame: Frame, points: Array, shape: Shape, name: str) -> str:
     """A filled body; a half-plane has a line along its face alone, for it goes on everywhere else."""
-    cut = isinstance(shape, HalfPlane)
-    axes.add_patch(Polygon(points, facecolor=BODY_COLOURS[name], edgecolor="none" if cut else "#333333", lw=1.0, joinstyle="round"))
-    if cut:
-        axes.plot(*points[:181].T, color="#333333", lw=1.0)
-        axes.plot(*points[[180, 181, 182, 0]].T, color=QUIET, lw=0.8, ls=(0, (2, 3)))
+    x, y = _places(frame, points)
+    filled = element("path", d=path_of(x, y) + "Z", class_=f"body {name}")
+    if not isinstance(shape, HalfPlane):
+        return filled + element("path", d=path_of(x, y) + "Z", class_="body-line")
+    corners = [180, 181, 182, 0]
+    return (
+        filled
+        + element("path", d=path_of(x[:181], y[:181]), class_="body-line")
+        + element("path", d=path_of(x[corners], y[corners]), class_="cut-line")
+    )
 
 
-def _supports(axes: Axes, shape: Shape, points: Array, side: float, size: float) -> None:
+def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> str:
     """Hatching where a body is fixed, rollers where it is guided; what holds the upper body moves, and has no hatching."""
     if isinstance(shape, HalfPlane):
-        return
-    low = points[np.argmax(-side * points[:, 1]), 1]
+        return ""
     half = shape.face_half_width
+    left, right = (float(v) for v in frame.x.place([-half, half]))
+    base = float(frame.y.place(points[np.argmax(-side * points[:, 1]), 1]))
     rollers = not isinstance(shape, Cylinder) and shape.base == "rollers"
-    _wall(axes, np.array([-half, low]), np.array([half, low]), np.array([0.0, -side]), size, rollers=rollers, hatched=side > 0)
+    parts = [_wall((left, base), (right, base), (0.0, side), rollers=rollers, hatched=side > 0)]
     if not isinstance(shape, Cylinder) and shape.sides == "guided":
-        top = points[0, 1]
-        for x, outward in ((-half, -1.0), (half, 1.0)):
-            _wall(axes, np.array([x, low]), np.array([x, top]), np.array([outward, 0.0]), size, rollers=True, hatched=side > 0)
+        top = float(frame.y.place(points[0, 1]))
+        parts += [
+            _wall((x, base), (x, top), (outward, 0.0), rollers=True, hatched=side > 0)
+            for x, outward in ((left, -1.0), (right, 1.0))
+        ]
+    return "".join(parts)
 
 
-def _wall(axes: Axes, start: Array, end: Array, outward: Array, size: float, *, rollers: bool, hatched: bool) -> None:
+def _wall(
+    start: tuple[float, float], end: tuple[float, float], outward: tuple[float, float], *, rollers: bool, hatched: bool
+) -> str:
     """A rigid plane along start-end, rollers between it and the body where asked; hatched where it is at rest."""
+    first, last, normal, size = np.array(start), np.array(end), np.array(outward), 10.0
+    parts = []
     if rollers:
         for share in np.linspace(0.08, 0.92, 7):
-            centre = start + share * (end - start) + outward * size / 3
-            axes.add_patch(
-                Circle((float(centre[0]), float(centre[1])), size / 3, facecolor="white", edgecolor="#333333", lw=0.8, zorder=4)
-            )
-        start, end = start + outward * 2 * size / 3, end + outward * 2 * size / 3
-    axes.plot(*np.array([start, end]).T, color="#333333", lw=2.2 if hatched else 4.0, solid_capstyle="butt")
+            x, y = first + share * (last - first) + normal * size / 3
+            parts.append(element("circle", cx=float(x), cy=float(y), r=size / 3, class_="roller"))
+        first, last = first + normal * 2 * size / 3, last + normal * 2 * size / 3
+    parts.append(element("path", d=path_of([first[0], last[0]], [first[1], last[1]]), class_="wall" if hatched else "wall moving"))
     if hatched:
-        along = (end - start) / np.linalg.norm(end - start)
-        feet = start + np.linspace(0, 1, max(int(np.linalg.norm(end - start) / (0.6 * size)), 4))[:, None] * (end - start)
-        axes.add_collection(
-            LineCollection(list(np.stack([feet, feet + size * (outward - along) * 0.7], axis=1)), colors="#333333", lw=0.7)
+        along = (last - first) / np.hypot(*(last - first))
+        feet = first + np.linspace(0, 1, max(int(np.hypot(*(last - first)) / 8), 4))[:, None] * (last - first)
+        tips = feet + 0.7 * size * (normal - along)
+        parts.append(
+            element("path", d="".join(path_of([a[0], b[0]], [a[1], b[1]]) for a, b in zip(feet, tips, strict=True)), class_="hatch")
         )
+    return "".join(parts)
 
 
-def _label(axes: Axes, scene: Scene, name: str, points: Array, overall: float) -> None:
+def _label(frame: Frame, scene: Scene, name: str, points: Array) -> str:
     """Kind, sizes and material in the middle of a body, or beside one that is too narrow for them."""
     shape, material = getattr(scene.bodies, name), getattr(scene.material, name)
     _, length, stress = units(scene)
     size = {
         "half_plane": "",
         "cylinder": f", R = {number(getattr(shape, 'radius', 0.0))} {length}",
-    }.get(shape.kind, f" {number(getattr(shape, 'width', 0.0))} × {number(getattr(shape, 'height', 0.0))} {length}")
-    low, high = float(points[:, 1].min()), float(points[:, 1].max())
-    elastic = f"E = {number(material.young_modulus)} {stress}, ν = {number(material.poisson_ratio)}"
-    words = f"{name}: {shape.kind.replace('_', '-')}{size}\n{elastic}"
-    half = float(points[:, 0].max())
-    height = low + (high - low) * (0.42 if name == "lower" else 0.58)
-    if 2 * half > _WIDE_ENOUGH * overall:
-        axes.text(0, height, words, ha="center", va="center", fontsize=8)
-    else:
-        axes.text(
-            half + 0.04 * overall, height, words.replace(", ν", "\nν").replace(": ", ":\n"), ha="left", va="center", fontsize=8
-        )
+    }.get(shape.kind, f", {number(getattr(shape, 'width', 0.0))} × {number(getattr(shape, 'height', 0.0))} {length}")
+    lines = [
+        f"{name}: {shape.kind.replace('_', '-')}{size}",
+        f"E = {number(material.young_modulus)} {stress},",
+        f"ν = {number(material.poisson_ratio)}",
+    ]
+    x, y = _places(frame, points)
+    wide, tall = float(np.ptp(x)), float(np.ptp(y))
+    level = float(y.min()) + tall * (0.58 if name == "lower" else 0.42)
+    if wide > _WIDE_ENOUGH * frame.width:
+        lines = [lines[0], f"{lines[1]} {lines[2]}"] if tall < 90 or wide > 300 else lines
+        return _lines(lines, float(x.min()) + wide / 2, level, "middle")
+    return _lines([*lines[0].split(", ", 1), *lines[1:]], float(x.max()) + 14, level, "start")
 
 
-def _loads(axes: Axes, scene: Scene, upper: Array, size: float) -> None:
+def _lines(lines: list[str], x: float, middle: float, anchor: str) -> str:
+    top = middle - 8.0 * (len(lines) - 1) + 4
+    return "".join(words(x, top + 16 * k, text, class_="word", text_anchor=anchor) for k, text in enumerate(lines))
+
+
+def _loads(frame: Frame, scene: Scene, upper: Array) -> str:
     """Arrows of P and Q at the top of the upper body."""
-    top = float(upper[:, 1].max()) + 0.04 * size
-    style = {"arrowstyle": "-|>", "lw": 1.8, "color": RESULT, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", (0, top), (0, top + 0.13 * size), arrowprops=style)
-    axes.text(0.02 * size, top + 0.09 * size, "P", color=RESULT, fontsize=10, fontweight="bold")
+    x, y = float(frame.x.place(0.0)), float(frame.y.place(upper[:, 1].max())) - 10
+    parts = [_arrow(x, y - 42, x, y), words(x - 9, y - 28, "P", class_="load", text_anchor="end")]
     if np.any(_samples(scene)[1] != 0):
-        axes.annotate("", (0.2 * size, top + 0.03 * size), (0.06 * size, top + 0.03 * size), arrowprops=style)
-        axes.text(0.21 * size, top + 0.03 * size, "Q", color=RESULT, fontsize=10, fontweight="bold", va="center")
+        parts += [_arrow(x + 14, y - 8, x + 74, y - 8), words(x + 82, y - 3, "Q", class_="load")]
+    return "".join(parts)
+
+
+def _arrow(x0: float, y0: float, x1: float, y1: float) -> str:
+    """A line from the first to the second place with a head at the second."""
+    along = np.array([x1 - x0, y1 - y0]) / np.hypot(x1 - x0, y1 - y0)
+    across, tip = np.array([-along[1], along[0]]), np.array([x1, y1])
+    head = np.array([tip, tip - 11 * along + 4.5 * across, tip - 11 * along - 4.5 * across])
+    end = tip - 9 * along
+    line = element("path", d=path_of([x0, end[0]], [y0, end[1]]), class_="arrow")
+    return line + element("path", d=path_of(head[:, 0], head[:, 1]) + "Z", class_="arrow-head")
 
 
 def _samples(scene: Scene) -> tuple[Array, Array]:
@@ -183,17 +226,3 @@ def _range(scene: Scene, which: int) -> str:
     loads = _samples(scene)[which]
     least, most = (number(float(f"{value:.4g}")) for value in (loads.min(), loads.max()))
     return f"= {most}" if least == most else f"from {least} to {most}"
-
-
-def _frame(axes: Axes, outlines: dict[str, Array], size: float) -> None:
-    points = np.concatenate(list(outlines.values()))
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.06 * size
-    axes.set_xlim(low[0] - margin, high[0] + margin)
-    axes.set_ylim(low[1] - margin, high[1] + margin + 0.14 * size)
-    axes.set_aspect("equal")
-    axes.grid(visible=False)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    for spine in axes.spines.values():
-        spine.set_visible(False)

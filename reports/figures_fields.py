@@ -1,212 +1,262 @@
-"""Figures over x: tractions, the stick/slip map, pointwise dissipation, the mesh."""
+"""Figures over x: tractions, the stick/slip map, pointwise dissipation."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
-from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from reports.charts import marks
+from reports.charts.panel import Axis, frame, panel
+from reports.charts.plate import Key, Plate
+from reports.charts.scale import limits
 from reports.comparison import Comparison
 from reports.definitions import name_of
-from reports.drawing import (
-    BANDS,
-    DIFFERENCE,
-    QUIET,
-    REFERENCE,
-    RESULT,
-    STATE_COLOURS,
-    STATE_NAMES,
-    THIN,
-    Drawing,
-    Table,
-    canvas,
-    label_axes,
-    legend_above,
-)
+from reports.drawing import STATE_NAMES, Table
 from reports.instants import Event
+from reports.sampling import Cycle
+from reports.units import signed
 from scenes import SurfaceState
 
 Array = NDArray[np.float64]
-_X = "x / a_ref"
+X = "x / a_ref"
+STATES = {
+    SurfaceState.OPEN: "#ffffff",
+    SurfaceState.STICK: "#d2d2d2",
+    SurfaceState.SLIP_FORWARD: "#e69f00",
+    SurfaceState.SLIP_REVERSE: "#0072b2",
+}
+STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items())
+_COLUMNS, _ROWS = 440, 360
 
 
-def tractions(comparison: Comparison, chosen: Sequence[Event]) -> Drawing:
+def reach(comparison: Comparison, share: float = 1.12) -> float:
+    """Largest |x|/a_ref that is drawn: a little more than the largest contact of either."""
+    edges = (comparison.expected.contact_edges, comparison.found.contact_edges)
+    outer = max(float(np.nanmax(np.abs(e), initial=0.0)) for e in edges) or float(np.abs(comparison.found.x).max())
+    return min(share * outer, float(np.abs(comparison.found.x).max())) / comparison.scales.half_width
+
+
+def traction_keys(comparison: Comparison) -> tuple[Key, ...]:
+    """The legend of a figure of tractions."""
+    theirs, ours = name_of(comparison.reference.engine), name_of(comparison.result.engine)
+    lines = (("r p", f"p, {theirs}"), ("r q", f"q, {theirs}"), ("f p", f"p, {ours}"), ("f q", f"q, {ours}"))
+    return tuple(Key(css, text) for css, text in (*lines, ("d p", "difference of p"), ("d q", "difference of q")))
+
+
+def tractions(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
     """p and q of both engines at the chosen instants, the difference beneath."""
-    columns = 3
-    rows = -(-len(chosen) // columns)
-    with canvas(10.5, 3.9 * rows + 0.3) as figure:
-        outer = figure.add_gridspec(
-            rows, columns, left=0.06, right=0.99, bottom=0.24 / rows, top=1 - 0.07 / rows, wspace=0.16, hspace=0.28
-        )
-        top: Axes | None = None
-        below: Axes | None = None
-        for place, event in enumerate(chosen):
-            inner = outer[place // columns, place % columns].subgridspec(2, 1, height_ratios=(2.2, 1), hspace=0.09)
-            top = figure.add_subplot(inner[0], sharex=top, sharey=top)
-            below = figure.add_subplot(inner[1], sharex=top, sharey=below)
-            _traction_panel(comparison, place + 1, event, top, below, first=place % columns == 0)
-        figure.legend(handles=[line for axes in (top, below) if axes for line in axes.lines], loc="lower center", ncols=6)
-    return Drawing(
+    rows = [event.index for event in chosen]
+    cells = tuple(
+        f'<div class="cell" data-event="{event.index}">'
+        + "".join(traction_panels(comparison, event.index, rows, f"event-{number}", (320.0, 220.0), f"{number}  {event.label}"))
+        + "</div>"
+        for number, event in enumerate(chosen, start=1)
+    )
+    return Plate(
         "tractions",
-        "Pressure and shear traction",
-        "Tractions in p_ref and f p_ref at instants of the last cycle; beneath each, result less reference in per cent "
-        "of the same scales.",
-        "Six panels of pressure and shear over x for both engines, each with the difference beneath.",
-        figure,
-        _traction_table(comparison, chosen),
+        "Pressure and shear traction at chosen instants",
+        "Tractions in p_ref and f p_ref; beneath each, result less reference in per cent of the same scales.",
+        "Panels of pressure and shear over x for both engines, each with the difference beneath.",
+        cells,
+        _traction_table(comparison, rows),
+        traction_keys(comparison),
+        columns=3,
     )
 
 
-def _traction_panel(comparison: Comparison, number: int, event: Event, top: Axes, below: Axes, *, first: bool) -> None:
+def traction_panels(
+    comparison: Comparison,
+    k: int,
+    rows: Sequence[int],
+    clip: str,
+    size: tuple[float, float],
+    title: str = "",
+    *,
+    live: bool = False,
+) -> tuple[str, str]:
+    """Tractions at instant k in a drawing of that size, and the difference; axes hold the instants of `rows`.
+
+    `live` if the slider moves them.
+    """
+    width, height = size
     expected, found, scales = comparison.expected, comparison.found, comparison.scales
-    k, x = event.index, comparison.found.x / scales.half_width
-    p0, p1 = expected.pressure[k] / scales.pressure, found.pressure[k] / scales.pressure
-    q0, q1 = expected.shear[k] / scales.shear, found.shear[k] / scales.shear
-    theirs, ours = name_of(comparison.reference.engine), name_of(comparison.result.engine)
-    top.plot(x, p0, label=f"p, {theirs}", **BANDS[0])
-    top.plot(x, q0, label=f"q, {theirs}", **BANDS[1])
-    top.plot(x, p1, label=f"p, {ours}", **THIN[0])
-    top.plot(x, q1, label=f"q, {ours}", **THIN[1])
-    below.plot(x, 100 * (p1 - p0), "-", color=DIFFERENCE, lw=1.0, label="difference of p")
-    below.plot(x, 100 * (q1 - q0), "--", color=DIFFERENCE, lw=1.0, label="difference of q")
-    reach = 1.08 * np.nanmax(np.abs(expected.contact_edges)) / scales.half_width
-    top.set_xlim(-reach, reach)
-    top.tick_params(labelbottom=False, labelleft=first)
-    below.tick_params(labelleft=first)
-    label_axes(top, "", "p/p_ref,  q/(f p_ref)" if first else "", f"{number}  {event.label}, at {found.fraction[k]:.3f}")
-    label_axes(below, _X, "difference, %" if first else "")
+    x, wide, every = found.x / scales.half_width, reach(comparison), list(rows)
+    near = np.abs(x) <= wide * 1.02
+    sizes = {"p": scales.pressure, "q": scales.shear}
+    names = {"p": "pressure", "q": "shear"}
+    both = {key: [getattr(cycle, names[key])[:, near] / sizes[key] for cycle in (expected, found)] for key in "pq"}
+    apart = {key: 100 * (pair[1] - pair[0]) for key, pair in both.items()}
+    tall = limits(*(series[every] for pair in both.values() for series in pair), zero=True)
+    above = Axis(-wide, wide, ""), Axis(*tall, "p/p_ref,  q/(f p_ref)")
+    below = (
+        Axis(-wide, wide, X),
+        Axis(*limits(*(d[every] for d in apart.values()), zero=True, least=1e-9), "difference, %", count=3),
+    )
+    upper = frame(*above, width, height, top=26.0 if title else 12.0, bottom=20.0)
+    lower = frame(*below, width, 0.56 * height)
+    engines = {"r": comparison.reference, "f": comparison.result}
+    lines = [marks.horizontal(upper, 0.0, "zero")] + [
+        marks.curve(
+            upper, x[near], both[key][number][k], f"{who} {key}", f"{key}, {name_of(engines[who].engine)}",
+            data_field=f"{key}{number}" if live else None,
+        )
+        for number, who in enumerate("rf")
+        for key in "pq"
+    ]  # fmt: skip
+    differences = [marks.horizontal(lower, 0.0, "zero")] + [
+        marks.curve(lower, x[near], apart[key][k], f"d {key}", f"difference of {key}, %", data_field=f"d{key}" if live else None)
+        for key in "pq"
+    ]
+    heading = marks.words(upper.x.start, 16, title, class_="title") if title else ""
+    return (
+        panel(upper, *above, lines, f"Pressure and shear over x. {title}".strip(), clip=clip, extra=heading),
+        panel(lower, *below, differences, f"Result less reference over x. {title}".strip(), clip=f"{clip}-difference"),
+    )
 
 
-def _traction_table(comparison: Comparison, chosen: Sequence[Event]) -> Table:
+def _traction_table(comparison: Comparison, rows: Sequence[int]) -> Table:
     expected, found, scales = comparison.expected, comparison.found, comparison.scales
-    rows = [event.index for event in chosen]
-    points = len(found.x)
+    points, chosen = len(found.x), list(rows)
     return {
-        "time": np.repeat(found.time[rows], points),
-        "x": np.tile(found.x, len(rows)),
-        "x/a_ref": np.tile(found.x / scales.half_width, len(rows)),
-        "p_reference/p_ref": (expected.pressure[rows] / scales.pressure).ravel(),
-        "p_result/p_ref": (found.pressure[rows] / scales.pressure).ravel(),
-        "q_reference/(f p_ref)": (expected.shear[rows] / scales.shear).ravel(),
-        "q_result/(f p_ref)": (found.shear[rows] / scales.shear).ravel(),
+        "time": np.repeat(found.time[chosen], points),
+        "x": np.tile(found.x, len(chosen)),
+        "x/a_ref": np.tile(found.x / scales.half_width, len(chosen)),
+        "p_reference/p_ref": (expected.pressure[chosen] / scales.pressure).ravel(),
+        "p_result/p_ref": (found.pressure[chosen] / scales.pressure).ravel(),
+        "q_reference/(f p_ref)": (expected.shear[chosen] / scales.shear).ravel(),
+        "q_result/(f p_ref)": (found.shear[chosen] / scales.shear).ravel(),
     }
 
 
-def state_map(comparison: Comparison, time: Array, time_label: str) -> Drawing:
+def zones(comparison: Comparison, k: int, width: float) -> str:
+    """Open, stick and slip along x at instant k, a strip for each engine; the slider recolours them."""
+    wide = reach(comparison)
+    axes = Axis(-wide, wide, ""), Axis(0.0, 1.0, "")
+    area = frame(*axes, width, 84.0, top=0.0, bottom=0.0)
+    left, _, right, _ = area.box
+    parts = []
+    pairs = ((comparison.expected, comparison.reference), (comparison.found, comparison.result))
+    for number, (cycle, solution) in enumerate(pairs):
+        top = 20.0 + 40.0 * number
+        parts.append(marks.words(left, top - 5, name_of(solution.engine), class_="tick"))
+        inside = "".join(
+            marks.element("rect", x=a, y=top, width=b - a, height=16, class_=f"state-{s}")
+            for a, b, s in _runs(cycle, k, area, comparison)
+        )
+        parts.append(marks.element("g", inside or " ", class_="strip", data_strip=number, data_top=top))
+        parts.append(marks.element("rect", x=left, y=top, width=right - left, height=16, class_="outline"))
+    return marks.element(
+        "svg",
+        "".join(parts),
+        xmlns="http://www.w3.org/2000/svg",
+        viewBox=f"0 0 {width:g} 84",
+        role="img",
+        aria_label="Open, stick and slip along x, a strip for each engine",
+        class_="panel zones",
+        id="panel-zones",
+        data_x=area.x.words,
+        data_y=area.y.words,
+    )
+
+
+def _runs(cycle: Cycle, k: int, area: marks.Frame, comparison: Comparison) -> list[tuple[float, float, int]]:
+    """Left end, right end and state of every stretch of one state, in the frame."""
+    x = cycle.x / comparison.scales.half_width
+    middles = np.clip(area.x.place((x[1:] + x[:-1]) / 2), area.x.start, area.x.end)
+    turns = np.flatnonzero(np.diff(cycle.state[k]))
+    ends = [area.x.start, *(float(middles[t]) for t in turns), area.x.end]
+    states = [int(cycle.state[k, 0]), *(int(cycle.state[k, t + 1]) for t in turns)]
+    return [(a, b, s) for a, b, s in zip(ends[:-1], ends[1:], states, strict=True) if b > a]
+
+
+def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
     """Open, stick, forward and reverse slip over x and time, for both engines and where they differ."""
     expected, found, length = comparison.expected, comparison.found, comparison.scales.half_width
-    reach = 1.12 * np.nanmax(np.abs(expected.contact_edges))
-    inside = np.flatnonzero(np.abs(found.x) <= reach)
-    x_edges, t_edges = _cell_edges(found.x[inside] / length), _cell_edges(time)
-    colours = ListedColormap([STATE_COLOURS[state] for state in SurfaceState])
-    norm = BoundaryNorm(np.arange(-0.5, 4.5), 4)
-    differs = (expected.state != found.state)[:, inside]
+    wide = reach(comparison)
+    inside = np.flatnonzero(np.abs(found.x) <= wide * length)
+    axes = Axis(-wide, wide, X), Axis(*limits(time, margin=0), time_words)
+    area = frame(*axes, 340.0, 320.0, top=26.0)
+    columns = np.abs(found.x[:, None] / length - np.linspace(-wide, wide, _COLUMNS)).argmin(axis=0)
+    rows = np.abs(time[:, None] - np.linspace(time[-1], time[0], _ROWS)).argmin(axis=0)
+    colours = list(STATES.values())
+    differs = expected.state != found.state
+    maps = (
+        (expected.state, colours, name_of(comparison.reference.engine), "map-reference"),
+        (found.state, colours, name_of(comparison.result.engine), "map-result"),
+        (differs.astype(np.uint8), ["#ffffff", "#111111"], "where they differ (black)", "map-difference"),
+    )
     codes = ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items())
-    with canvas(10.5, 4.3) as figure:
-        left, middle, right = figure.subplots(1, 3, sharex=True, sharey=True)
-        figure.subplots_adjust(left=0.065, right=0.99, top=0.93, bottom=0.2, wspace=0.08)
-        for axes, cycle, engine in ((left, expected, comparison.reference), (middle, found, comparison.result)):
-            axes.pcolormesh(x_edges, t_edges, cycle.state[:, inside], cmap=colours, norm=norm, rasterized=True)
-            label_axes(axes, _X, "", name_of(engine.engine))
-        right.pcolormesh(x_edges, t_edges, differs, cmap=ListedColormap(["#ffffff", "#111111"]), vmin=0, vmax=1, rasterized=True)
-        label_axes(right, _X, "", "where they differ (black)")
-        left.set_ylabel(time_label)
-        for axes in (left, middle, right):
-            axes.grid(visible=False)
-            axes.set_ylim(t_edges[0], t_edges[-1])
-        patches = [Patch(fc=STATE_COLOURS[s], ec=QUIET, lw=0.5, label=STATE_NAMES[s]) for s in SurfaceState]
-        figure.legend(handles=patches, loc="lower center", ncols=4)
-    return Drawing(
+    return Plate(
         "state_map",
         "Stick and slip over x and time",
-        "State of each surface point at each instant of the last cycle; time runs upwards.",
+        "State of each surface point at each instant of the last cycle; time runs upwards. "
+        f"They differ at {100 * float(differs[:, inside].mean()):.2g} % of the points and instants.",
         "Two maps of open, stick, forward slip and reverse slip over x and time, one for each engine, and a third of "
         "their difference.",
-        figure,
+        tuple(
+            panel(
+                area,
+                *axes,
+                [marks.image(area, states[np.ix_(rows, columns)].astype(np.uint8), palette)],
+                f"Map of states: {words}",
+                clip=clip,
+                time="y",
+                extra=marks.words(area.x.start, 17, words, class_="title"),
+                css="pick",
+            )
+            for states, palette, words, clip in maps
+        ),
         {
             "time": np.repeat(found.time, len(inside)),
             "x": np.tile(found.x[inside], len(time)),
             f"state_reference ({codes})": expected.state[:, inside].ravel(),
             f"state_result ({codes})": found.state[:, inside].ravel(),
         },
+        STATE_KEYS,
+        columns=3,
     )
 
 
-def _cell_edges(centres: Array) -> Array:
-    """Edges of the cells around ascending `centres`, one more than these."""
-    middles = (centres[1:] + centres[:-1]) / 2
-    return np.concatenate([[2 * centres[0] - middles[0]], middles, [2 * centres[-1] - middles[-1]]])
-
-
-def dissipation_density(comparison: Comparison) -> Drawing | None:
-    """w(x) of the last cycle, both engines, the difference beneath; None where nothing is dissipated anywhere."""
+def dissipation_density(comparison: Comparison) -> Plate | None:
+    """w(x) of the last cycle, both engines, the difference beside it; None where nothing is dissipated anywhere."""
     if not (np.any(comparison.expected.dissipation_density) or np.any(comparison.found.dissipation_density)):
         return None
-    scales, x = comparison.scales, comparison.found.x / comparison.scales.half_width
+    scales, x, wide = comparison.scales, comparison.found.x / comparison.scales.half_width, reach(comparison)
     unit = scales.dissipation / scales.half_width
     theirs, ours = comparison.expected.dissipation_density / unit, comparison.found.dissipation_density / unit
-    with canvas(10.5, 4.2) as figure:
-        top, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1))
-        figure.subplots_adjust(left=0.085, right=0.985, top=0.92, bottom=0.12, hspace=0.17)
-        top.plot(x, theirs, label=name_of(comparison.reference.engine), **BANDS[0])
-        top.plot(x, ours, label=name_of(comparison.result.engine), **THIN[0])
-        legend_above(top)
-        below.plot(x, ours - theirs, color=DIFFERENCE, lw=1.0)
-        reach = 1.12 * np.nanmax(np.abs(comparison.expected.contact_edges)) / scales.half_width
-        top.set_xlim(-reach, reach)
-        label_axes(top, "", "w / (A f² P_ref²/a_ref)")
-        label_axes(below, _X, "difference")
-    return Drawing(
+    axes = Axis(-wide, wide, X), Axis(*limits(theirs, ours, zero=True), "w / (A f² P_ref²/a_ref)")
+    area = frame(*axes)
+    engines = (("r", theirs, comparison.reference), ("f", ours, comparison.result))
+    lines = [
+        marks.vertical(area, side * float(stick) / scales.half_width, "stick-line")
+        for side in (-1, 1)
+        if np.isfinite(stick := comparison.reference.permanent_stick_half_width)
+    ]
+    lines += [marks.curve(area, x, w, f"{who} p", name_of(solution.engine)) for who, w, solution in engines]
+    peak = int(np.nanargmax(np.where(np.isfinite(ours), ours, -np.inf)))
+    lines.append(marks.dot(area, float(x[peak]), float(ours[peak]), "event"))
+    differences = axes[0], Axis(*limits(ours - theirs, zero=True, least=1e-12), "difference")
+    beside = frame(*differences)
+    apart = [marks.horizontal(beside, 0.0, "zero"), marks.curve(beside, x, ours - theirs, "d p", "difference")]
+    stuck = f"; dashed: edges of the permanent stick zone, ±{stick / scales.half_width:.4g} a_ref" if np.isfinite(stick) else ""
+    return Plate(
         "dissipation_density",
         "Dissipation, point by point",
-        "Friction work per unit area in the last cycle.",
-        "Dissipation density over x for both engines with the difference beneath.",
-        figure,
+        f"Friction work per unit area in the last cycle. Dot: the peak, {ours[peak]:.4g} at x = {signed(float(x[peak]))} a_ref"
+        f"{stuck}. "
+        "Right: result less reference.",
+        "Dissipation density over x for both engines, and the difference.",
+        (
+            panel(area, *axes, lines, "Dissipation density over x", clip="work", css="pick"),
+            panel(beside, *differences, apart, "Difference of the dissipation density", clip="work-difference"),
+        ),
         {
             "x": comparison.found.x,
             "x/a_ref": x,
             "w_reference/(A f^2 P_ref^2/a_ref)": theirs,
             "w_result/(A f^2 P_ref^2/a_ref)": ours,
         },
+        (*(Key(f"{who} p", name_of(solution.engine)) for who, _, solution in engines), Key("d p", "difference")),
     )
-
-
-def mesh(comparison: Comparison, bodies: Sequence[Any]) -> Drawing:
-    """The meshes of the result's bodies, each in its own frame (y out of the body): whole, and at the contact."""
-    half_width = comparison.scales.half_width
-    with canvas(10.5, 5.0) as figure:
-        whole, zoom = figure.subplots(1, 2)
-        figure.subplots_adjust(left=0.06, right=0.99, top=0.93, bottom=0.1, wspace=0.12)
-        for axes, title in ((whole, "whole"), (zoom, "at the contact")):
-            for body, colour, side in zip(bodies, (REFERENCE, RESULT), (1.0, -1.0), strict=True):
-                axes.add_collection(
-                    LineCollection(list(_sides(body.mesh) * (1.0, side) / half_width), colors=colour, lw=0.25, rasterized=True)
-                )
-            label_axes(axes, _X, "y / a_ref", title)
-            axes.set_aspect("equal")
-            axes.grid(visible=False)
-        whole.autoscale_view()
-        zoom.set_xlim(-1.6, 1.6)
-        zoom.set_ylim(-1.6, 1.6)
-    quality = {
-        f"{name} {key}": value for name, body in zip(("lower", "upper"), bodies, strict=True) for key, value in body.quality.items()
-    }
-    return Drawing(
-        "mesh",
-        "Mesh",
-        "Lower body blue, upper body orange; distances in a_ref.",
-        "Finite-element meshes of both bodies, whole and at the contact.",
-        figure,
-        {"quantity": list(quality), "value": list(quality.values())},
-    )
-
-
-def _sides(mesh: Any) -> Array:
-    """(n_sides, 2, 2) end points of the sides of a mesh's elements, each side once."""
-    return np.asarray(mesh.p.T[mesh.facets.T])

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 from collections.abc import Iterator, Mapping, Sequence
+from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -10,9 +13,13 @@ import numpy as np
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.budget_words import cost, heads, honest_of, honesty, rows
 from reports.certificates import Certificate
+from reports.charts.plate import Plate
 from reports.comparison import Comparison
 from reports.definitions import name_of
-from reports.drawing import SUPPORT_WORDS, Drawing
+from reports.drawing import SUPPORT_WORDS
+from reports.figures_fields import STATE_KEYS
+from reports.live import as_script, carried
+from reports.provenance import commit
 from reports.templating import template
 from reports.units import energy_unit, units
 from reports.verdicts import Metric
@@ -20,9 +27,25 @@ from reports.wording import CLAIM, accuracy_of, lead, percent, question, toleran
 from scenes import ContactSolution
 
 
-def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, seconds: Mapping[str, float]) -> str:
-    """The HTML text; every word that came from outside is escaped."""
+def render(
+    comparison: Comparison,
+    drawings: Sequence[Plate],
+    command: str,
+    seconds: Mapping[str, float],
+    live: Mapping[str, Any] | None = None,
+) -> str:
+    """The HTML text; every word that came from outside is escaped, and no script but the page's own may run.
+
+    Parameters
+    ----------
+    drawings : the figures; one that is missing leaves its place empty
+    command : what reproduces the page
+    seconds : stage -> wall time
+    live : what the slider moves through; without it the page has none
+    """
     scene = comparison.scene
+    script = (resources.files("reports") / "templates" / "report.js").read_text("utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return template("report.html").render(
         title=scene.title or scene.name,
         scene=scene,
@@ -45,6 +68,12 @@ def render(comparison: Comparison, drawings: Sequence[Drawing], command: str, se
         figures={drawing.name: drawing for drawing in drawings},
         engines=[_engine(comparison.reference), _engine(comparison.result)],
         command=command,
+        commit=commit(),
+        script=script,
+        script_hash=f"sha256-{digest}",
+        live=as_script(dict(live) if live else {"instants": 0}),
+        carried=carried(dict(live)) if live else "",
+        states=STATE_KEYS,
         sentence=_sentence,
         step_errors=list(_step_errors(comparison)),
         seconds=seconds,
@@ -56,6 +85,7 @@ def _row(metric: Metric, comparison: Comparison) -> dict[str, str]:
     return {
         "label": metric.label,
         "value": value_of(metric),
+        "doubt": _doubt(metric, comparison),
         "unit": unit_of(metric),
         "tolerance": tolerance_of(metric),
         "accurate": accuracy_of(metric),
@@ -68,6 +98,15 @@ def _row(metric: Metric, comparison: Comparison) -> dict[str, str]:
         "region": metric.definition.region,
         "definition": metric.definition.text,
     }
+
+
+def _doubt(metric: Metric, comparison: Comparison) -> str:
+    """± u of a metric: of its budget where there is one, else as the result itself states it; empty where nobody says."""
+    if comparison.budget is not None:
+        stated = next((one.uncertainty for one in comparison.budget.budgets if one.metric.key == metric.key), None)
+        if stated is not None:
+            return f"± {stated:.2g}" if metric.absolute else f"± {100 * stated:.2g} %"
+    return uncertainty_of(metric)
 
 
 def _budget(comparison: Comparison) -> dict[str, Any] | None:

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from reports import figures_bodies, figures_checks, figures_cycle, figures_fields
+import numpy as np
+from numpy.typing import NDArray
+
+from reports import figures_bodies, figures_budget, figures_checks, figures_cycle, figures_fields, figures_mesh, figures_now
+from reports.charts.plate import Plate
 from reports.comparison import Comparison
-from reports.drawing import Drawing
 from reports.fields import with_bodies, write_fields
 from reports.folder import filled
-from reports.instants import events
+from reports.instants import Event, events
+from reports.live import cycle_data, tables
 from reports.page import render
 from reports.summary import as_json
 
@@ -51,30 +56,49 @@ def write(
             import halfplane_fe
 
             write_fields(halfplane_fe.fields(with_bodies(comparison.result, "--vtu"), vtu_instants), folder / "fields")
-        page = render(comparison, drawings, command, seconds or {})
+        page = render(comparison, drawings, command, seconds or {}, live_data(comparison, drawings))
         (folder / "report.html").write_text(page, encoding="utf-8")
     return Path(out) / "report.html"
 
 
-def draw(comparison: Comparison) -> tuple[Drawing, ...]:
+def time_axis(comparison: Comparison) -> tuple[NDArray[np.float64], str]:
+    """What figures through the last cycle have along their axis of time, and its words."""
+    if comparison.scene.load.path().period is not None:
+        return comparison.found.fraction, "time / period"
+    return comparison.found.time, "time"
+
+
+def chosen_instants(comparison: Comparison) -> tuple[Event, ...]:
+    """The instants that have a number in every figure."""
+    return events(comparison.found, comparison.scene.friction.coefficient)
+
+
+def live_data(comparison: Comparison, drawings: Sequence[Plate]) -> dict[str, Any]:
+    """What the page's slider moves through, and the tables that the page carries."""
+    data = cycle_data(comparison, chosen_instants(comparison), *time_axis(comparison))
+    return data | {"tables": tables(drawings)}
+
+
+def draw(comparison: Comparison) -> tuple[Plate, ...]:
     """Every figure of the report, in the order of the page."""
-    chosen = events(comparison.found, comparison.scene.friction.coefficient)
-    periodic = comparison.scene.load.path().period is not None
-    time = comparison.found.fraction if periodic else comparison.found.time
-    label = "time, as a fraction of the last cycle" if periodic else "time"
-    drawings: list[Drawing | None] = [
+    chosen, (time, words) = chosen_instants(comparison), time_axis(comparison)
+    drawings: list[Plate | None] = [
         figures_bodies.sketch(comparison.scene, comparison.scales.half_width),
-        figures_fields.tractions(comparison, chosen),
         figures_cycle.load_path(comparison.result, comparison.found, chosen),
+        figures_now.now(comparison, chosen),
         figures_cycle.hysteresis(comparison, chosen),
-        figures_cycle.half_widths(comparison, time, label),
-        figures_fields.state_map(comparison, time, label),
+        figures_fields.state_map(comparison, time, words),
+        figures_cycle.half_widths(comparison, time, words),
+        figures_cycle.slip_histories(comparison, time, words),
         figures_fields.dissipation_density(comparison),
-        figures_cycle.errors(comparison, time, label),
+        figures_cycle.errors(comparison, time, words),
+        figures_fields.tractions(comparison, chosen),
         figures_checks.energy(comparison.result),
         figures_checks.certificates("result", comparison.result, comparison.result_certificates),
         figures_checks.certificates("reference", comparison.reference, comparison.reference_certificates),
     ]
+    if comparison.budget is not None:
+        drawings += [figures_budget.bars(comparison.budget), figures_budget.ladders(comparison.budget)]
     if bodies := getattr(comparison.result, "bodies", ()):
-        drawings.append(figures_fields.mesh(comparison, bodies))
+        drawings.append(figures_mesh.mesh(comparison, bodies))
     return tuple(drawing for drawing in drawings if drawing)

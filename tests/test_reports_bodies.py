@@ -98,7 +98,7 @@ class TestSketch:
         profile = {"profile": {"kind": "hertz", "radius": 50.0}} if bodies.get("lower", {}).get("kind") == "cylinder" else {}
         drawn = sketch(scene(bodies=bodies, **profile), 1.0)
         assert drawn.alt == bodies_in_words(scene(bodies=bodies, **profile))
-        assert drawn.svg().startswith("<?xml")
+        assert drawn.svg().startswith("<svg")
         assert set(drawn.table) == {"body", "x [mm]", "y [mm]"}
 
 

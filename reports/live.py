@@ -1,0 +1,124 @@
+"""What the page's slider needs: the last cycle at a few instants and points, as whole numbers of 16 bits.
+
+The result is kept as reference plus difference, each in its own scale, so that a difference of a thousandth has four digits too.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.charts.plate import Plate, packed
+from reports.comparison import Comparison
+from reports.definitions import name_of
+from reports.figures_cycle import loop_compliance, places
+from reports.figures_fields import reach
+from reports.instants import Event
+from reports.units import load_unit, units
+
+Array = NDArray[np.float64]
+# Largest number of instants, and of instants times points, that a page carries: 1.6 MB.
+MOST_INSTANTS, MOST_VALUES = 200, 100_000
+_STEPS, _NOTHING = 32766, -32768
+
+
+def kept_instants(count: int, chosen: Sequence[Event]) -> NDArray[np.intp]:
+    """Instants that the page carries: all, or evenly many of them with the first, the last and the chosen ones."""
+    even = np.linspace(0, count - 1, min(count, MOST_INSTANTS)).round().astype(int)
+    return np.unique([*even.tolist(), 0, count - 1, *(event.index for event in chosen)])
+
+
+def kept_points(comparison: Comparison, instants: int, needed: Sequence[int]) -> NDArray[np.intp]:
+    """Points that the page carries: those that are drawn, every second or third of them where there are too many."""
+    wide = 1.02 * reach(comparison) * comparison.scales.half_width
+    inside = np.flatnonzero(np.abs(comparison.found.x) <= wide)
+    every = -(-len(inside) * instants // MOST_VALUES)
+    return np.unique([*inside[::every].tolist(), inside[-1], *needed])
+
+
+def quantised(values: Array) -> dict[str, Any]:
+    """Numbers as 16-bit whole numbers of a step, little-endian in base64; what is not finite is a number of its own.
+
+    >>> quantised(np.array([0.0, 2.0, -1.0]))["step"] * 32766
+    2.0
+    """
+    finite = np.isfinite(values)
+    step = float(np.max(np.abs(values[finite]), initial=0.0)) / _STEPS or 1.0
+    whole = np.where(finite, np.rint(np.where(finite, values, 0.0) / step), _NOTHING).astype("<i2")
+    return {"step": step, "data": base64.b64encode(whole.tobytes()).decode()}
+
+
+def cycle_data(comparison: Comparison, chosen: Sequence[Event], time: Array, time_words: str) -> dict[str, Any]:
+    """Everything that the slider moves, and how much of the cycle that is."""
+    expected, found, scales = comparison.expected, comparison.found, comparison.scales
+    rows = kept_instants(len(found.time), chosen)
+    points = kept_points(comparison, len(rows), places(comparison))
+    grid = np.ix_(rows, points)
+    slope = loop_compliance(expected)
+    series = {
+        "t": time,
+        "P": found.normal_load,
+        "Q": found.tangential_load,
+        "U0": expected.rigid_shift,
+        "U1": found.rigid_shift,
+        "V0": expected.rigid_shift - slope * expected.tangential_load,
+        "V1": found.rigid_shift - slope * found.tangential_load,
+    }
+    sizes = {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear), "s": ("slip", 1.0)}
+    fields = {}
+    for key, (name, size) in sizes.items():
+        theirs, ours = getattr(expected, name)[grid] / size, getattr(found, name)[grid] / size
+        fields[key] = quantised(theirs)
+        fields[f"d{key}"] = quantised(ours - theirs)
+    states = expected.state[grid].astype(np.uint8) + 4 * found.state[grid].astype(np.uint8)
+    return {
+        "instants": len(rows),
+        "points": len(points),
+        "of": [len(found.time), len(found.x)],
+        "rows": rows.tolist(),
+        "x": [float(f"{v:.7g}") for v in found.x[points] / scales.half_width],
+        "series": {name: [_short(v) for v in values[rows]] for name, values in series.items()},
+        "fields": fields,
+        "states": base64.b64encode(states.tobytes()).decode(),
+        "events": [[int(np.flatnonzero(rows == event.index)[0]), event.label] for event in chosen],
+        "slip_points": [int(np.flatnonzero(points == place)[0]) for place in places(comparison)],
+        "time_words": time_words,
+        "load_unit": load_unit(comparison.scene),
+        "length": units(comparison.scene)[1],
+        "engines": [name_of(comparison.reference.engine), name_of(comparison.result.engine)],
+    }
+
+
+def _short(value: float) -> float | None:
+    return float(f"{value:.7g}") if np.isfinite(value) else None
+
+
+def carried(data: dict[str, Any]) -> str:
+    """How much of the cycle the slider moves through, in a sentence."""
+    instants, points = data["of"]
+    if (data["instants"], data["points"]) == (instants, points):
+        return "The slider moves through every instant and point of the last cycle."
+    return (
+        f"The slider moves through {data['instants']} of the {instants} instants and {data['points']} of the {points} points of "
+        "the last cycle (those near the contact); figures that stand still, and the CSV, hold all of them."
+    )
+
+
+def tables(plates: Sequence[Plate], most: int = 1_500_000) -> dict[str, str]:
+    """Name -> the CSV of each figure, deflated; those over `most` letters stay beside the page only."""
+    texts = {plate.name: plate.csv() for plate in plates}
+    return {name: packed(text) for name, text in texts.items() if len(text) <= most}
+
+
+def as_script(data: dict[str, Any]) -> str:
+    """JSON that can stand in a script element: no "<" in it, so nothing in a name can end the element.
+
+    >>> as_script({"engine": "</script>"})
+    '{"engine":"\\\\u003c/script>"}'
+    """
+    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
