@@ -58,7 +58,7 @@ def _cell(value: Any) -> str:
 def _uncertainty(kind: str) -> str:
     return {
         "none": "No uncertainty was asked for: no digit here is known to be right.",
-        "cheap": "Uncertainty: what a mesh twice as coarse, theory on the polygon of the steps and (for half-planes) a far field twice as "
-        "far change a figure by, added up.",
+        "cheap": "Uncertainty: what a mesh twice as coarse, theory on the polygon of the steps and (for half-planes) a far field "
+        "twice as far change a figure by, added up.",
         "budget": "Uncertainty and idealisation error: from the error budget of each point.",
     }[kind]

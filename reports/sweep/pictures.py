@@ -95,7 +95,7 @@ def _picture(sheet: Sheet, shown: str) -> Picture:
     if len(moving) == 1:
         kind, how = _line, "bars are its uncertainty"
     elif len(moving) == 2 and _is_grid(sheet.table, moving):
-        kind, how = _map, "hatched: unresolved, the error is less than its uncertainty"
+        kind, how = _map, "hatched: unresolved, the error is less than its uncertainty; grey: no result"
     else:
         kind, how = _cloud, "hollow: unresolved; colour: the second axis"
     figure, drawings = _paper(len(panels) if kind is not _line else 1)
@@ -164,8 +164,11 @@ def _map(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], 
     place = tuple(np.searchsorted(step, column) for step, column in zip(steps, columns, strict=True))
     value[place[1], place[0]], hidden[place[1], place[0]] = sheet.value[here], sheet.unresolved[here]
     edges = [_edges(step, sheet.logarithmic(name)) for step, name in zip(steps, moving, strict=True)]
-    signed = bool(np.nanmin(sheet.value) < 0)
-    drawn = ax.pcolormesh(*edges, value, cmap="RdBu_r" if signed else "viridis", vmin=-limit if signed else None, vmax=limit)
+    least = float(np.nanmin(sheet.value))
+    signed = least < 0
+    cmap, low = ("RdBu_r", -limit) if signed else ("viridis", least)
+    drawn = ax.pcolormesh(*edges, value, cmap=cmap, vmin=low, vmax=limit)
+    ax.set_facecolor("0.82")
     for row, column in zip(*np.nonzero(hidden), strict=True):
         corners = (edges[0][column], edges[0][column + 1], edges[1][row], edges[1][row + 1])
         ax.fill_between(corners[:2], *corners[2:], facecolor="none", edgecolor="0.2", hatch="////", linewidth=0)
@@ -191,10 +194,20 @@ def _dress(ax: Axes, sheet: Sheet, across: str, up: str | None) -> None:
     ax.set_xlabel(sheet.label(across))
     if sheet.logarithmic(across):
         ax.set_xscale("log")
+        _few_ticks(ax.xaxis, sheet, across)
     if up is not None:
         ax.set_ylabel(sheet.label(up))
         if sheet.logarithmic(up):
             ax.set_yscale("log")
+            _few_ticks(ax.yaxis, sheet, up)
+
+
+def _few_ticks(axis: Any, sheet: Sheet, column: str) -> None:
+    """Ticks at the values themselves where these are few."""
+    values = np.unique(sheet.table.numbers(column))
+    if len(values) <= 8:
+        axis.set_ticks(values, labels=[f"{value:.3g}" for value in values])
+        axis.set_ticks([], minor=True)
 
 
 def _edges(steps: Array, logarithmic: bool) -> Array:
