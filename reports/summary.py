@@ -15,6 +15,7 @@ from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.budget_words import content, honest_of
 from reports.certificates import Certificate
 from reports.comparison import Comparison
+from reports.missing import derived
 from reports.verdicts import Metric
 from reports.wording import CLAIM, question, verdict
 from scenes import ContactSolution
@@ -70,7 +71,7 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
         },
         "metrics": {metric.key: _metric(metric, comparison) for metric in comparison.metrics},
         "budget": content(comparison.budget) if comparison.budget else None,
-        "expected": expected.content(expected.check(comparison.scene, (comparison.reference, comparison.result))),
+        "expected": expected.content(expected.check(comparison.scene, _own(comparison))),
         "instants": comparison.found.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),
@@ -84,6 +85,11 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
         "command": command,
         "scene": comparison.scene.model_dump(mode="json"),
     }
+
+
+def _own(comparison: Comparison) -> tuple[ContactSolution, ...]:
+    """The solutions that hold every instant of the scene: beside a foreign result both have its few only."""
+    return () if derived(comparison.result) else (comparison.reference, comparison.result)
 
 
 def _metric(metric: Metric, comparison: Comparison) -> dict[str, Any]:
