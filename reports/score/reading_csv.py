@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from reports.score.mapping import Mapping, Quantity, converted, find_column
 from reports.score.surface import SurfaceResult
 from reports.score.tidying import surface_result
-from reports.score.wide import frames_of, quantity_of
+from reports.score.wide import frames_of, has_frames
 from scenes import InputError, Scene
 
 Array = NDArray[np.float64]
@@ -44,7 +44,7 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
         One sentence that names the file, the line or column, and what to do.
     """
     table = read_table(path)
-    if sum(quantity_of(name, mapping) == "pressure" for name in table.names) != 1:
+    if has_frames(table.names, mapping):
         wide = frames_of(path, table, mapping)
         if wide is not None:
             return wide

@@ -73,6 +73,8 @@ def _check(source: str, name: str, values: Array, shape: tuple[int, ...]) -> Non
 
 def _one_line(source: str, places: Array) -> tuple[Array, str]:
     """The mean place of each point, and a sentence where it moves from instant to instant."""
+    for row in places:
+        _refuse_twice(source, np.sort(row))
     middle = places.mean(axis=0)
     moved = float(np.max(np.abs(places - middle)))
     if moved <= 1e-9 * float(np.ptp(middle)):

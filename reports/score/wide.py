@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -69,15 +70,19 @@ def frames_of(path: Path, table: TextTable, mapping: Mapping) -> SurfaceResult |
 
 def _head(name: str, mapping: Mapping) -> _Head | None:
     """What `name` says; None where it is none of the fields."""
-    whole = quantity_of(name, mapping)
-    if whole is not None:
-        return _Head(whole, None, timed=False)
     tagged = _TAGGED.match(name.strip())
     quantity = quantity_of(tagged["base"], mapping) if tagged else None
     if tagged is None or quantity is None:
-        return None
+        whole = quantity_of(name, mapping)
+        return None if whole is None else _Head(whole, None, timed=False)
     word = plain(tagged["word"] or "")
     return _Head(quantity, float(tagged["figure"]), timed=word in _TIMES or (not word and "." in tagged["figure"]))
+
+
+def has_frames(names: Sequence[str], mapping: Mapping) -> bool:
+    """Whether `names` are those of frames beside each other: several pressures, or one with the frame in its name."""
+    pressures = [head for head in (_head(name, mapping) for name in names) if head is not None and head.quantity == "pressure"]
+    return len(pressures) > 1 or any(head.frame is not None for head in pressures)
 
 
 def quantity_of(name: str, mapping: Mapping) -> Quantity | None:
