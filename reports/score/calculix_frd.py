@@ -71,6 +71,7 @@ class FrdFile:
     times : (n_frames,), of all frames in the file's order, whatever they hold
     blocks : those of the names asked for, in the file's order
     names : of all blocks that the file has
+    ended : whether the file has its end (9999), which CalculiX writes last
     """
 
     path: Path
@@ -81,6 +82,7 @@ class FrdFile:
     times: tuple[float, ...]
     blocks: tuple[FrdBlock, ...]
     names: tuple[str, ...]
+    ended: bool
 
 
 def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",)) -> FrdFile:
@@ -102,6 +104,7 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",)) -> FrdFile
             if read is not None:
                 read(lines, line, found)
             elif line[:6].strip() == b"9999":
+                found.ended = True
                 break
     if not len(found.nodes):
         raise InputError(f"{path}: no block of nodes (a line that begins with 2C): this is not a result file of CalculiX")
@@ -114,6 +117,7 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",)) -> FrdFile
         tuple(dict.fromkeys(found.times)),
         tuple(found.blocks),
         tuple(dict.fromkeys(found.names)),
+        found.ended,
     )
 
 
@@ -138,6 +142,7 @@ class _Found:
     times: list[float] = field(default_factory=list)
     blocks: list[FrdBlock] = field(default_factory=list)
     names: list[str] = field(default_factory=list)
+    ended: bool = False
 
 
 def _user_header(_lines: Lines, line: bytes, found: _Found) -> None:

@@ -65,9 +65,9 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
         notes.append(SLIP_NOTE)
     times = np.array(list(stress))
     series = {"time": times_in(path, mapping, times)}
-    if (loads := pair_loads(printed, mapping, times, places.body, places.depth)) is not None:
-        series |= {"normal_load": loads[0], "tangential_load": loads[1]}
-        notes.append(f"loads are the resultants of the contact pair, {loads[2]}")
+    loads, said = pair_loads(printed, mapping, times, places.body, places.depth)
+    series |= loads
+    notes += said
     x = converted(mapping, "x", places.x)
     notes += unbalanced(x, fields["pressure"], series.get("normal_load"))
     return surface_result(str(path), mapping.code or "CalculiX", x, dict(fields), dict(series), notes)

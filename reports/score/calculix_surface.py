@@ -81,12 +81,10 @@ def _one_block_a_time(file: FrdFile) -> tuple[list[FrdBlock], list[str]]:
     for block in file.blocks:
         if missing := [name for name in _WANTED if name not in block.components]:
             raise InputError(
-                f"{file.path}: line {block.line}: the block {block.name} has no {missing[0]}; it needs {', '.join(_WANTED)}"
+                f"{file.path}: line {block.line}: block {block.name} has no {missing[0]}; it needs {', '.join(_WANTED)}"
             )
         if not np.isfinite(block.values).all():
-            raise InputError(
-                f"{file.path}: line {block.line}: the block {block.name} that begins here holds numbers that are not finite"
-            )
+            raise InputError(f"{file.path}: line {block.line}: block {block.name} holds numbers that are not finite")
     last = {block.time: block for block in file.blocks}
     notes = []
     if without := [time for time in file.times if time not in last]:
@@ -156,7 +154,7 @@ def _from_stress(path: Path, mapping: Mapping) -> SurfaceResult:
     rows = np.flatnonzero(near & (material_above(points, mesh.cells) < 0))
     if not len(rows):
         raise InputError(
-            f"{path}: no node of a lower body at y = 0, where its face is looked for; say where it is by y_offset of a mapping"
+            f"{path}: no node of a lower body's face at y = {mapping.y_offset:g}; say where it lies by y_offset of a mapping"
         )
     plane = one_plane(points, rows)
     for block in file.blocks:
@@ -179,10 +177,11 @@ def _result(
 ) -> SurfaceResult:
     """Times and loads added; everything checked and sorted."""
     series = {"time": times_in(path, mapping, times)}
-    loads = _loads(path, mapping, times, body, plane.depth)
-    if loads is not None:
-        series |= {"normal_load": loads[0], "tangential_load": loads[1]}
-        notes = [*notes, f"loads are the resultants of the contact pair in {path.with_suffix('.dat').name}, {loads[2]}"]
+    loads, said = _loads(path, mapping, times, body, plane.depth)
+    series |= loads
+    notes = [*notes, *said]
+    if not file.ended:
+        notes.append("the file has no end (9999): the run goes on or was stopped, and later instants are missing")
     x = converted(mapping, "x", plane.x)
     notes = [*notes, *unbalanced(x, fields["pressure"], series.get("normal_load"))]
     return surface_result(str(path), mapping.code or file.version, x, dict(fields), dict(series), notes)
@@ -203,36 +202,40 @@ def unbalanced(x: Array, pressure: Array, normal_load: Array | None) -> list[str
     return [f"the last instant's pressures add up to {share:.3f} of the contact pair's resultant: so coarse are the file's values"]
 
 
-def _loads(path: Path, mapping: Mapping, times: Array, body: str, depth: float) -> tuple[Array, Array, str] | None:
-    """P and Q from the .dat file beside it; None where it has none for every time."""
+def _loads(path: Path, mapping: Mapping, times: Array, body: str, depth: float) -> tuple[dict[str, Array], list[str]]:
+    """P and Q from the .dat file beside it, where there is one."""
     beside = path.with_suffix(".dat")
     if not beside.exists() or not beside.stat().st_size:
-        return None
+        return {}, []
     return pair_loads(read_dat(beside), mapping, times, body, depth)
 
 
-def pair_loads(file: DatFile, mapping: Mapping, times: Array, body: str, depth: float) -> tuple[Array, Array, str] | None:
-    """P and Q (n_times,) of the one contact pair, and by which thickness they were divided; None where a time has no resultant.
+def pair_loads(file: DatFile, mapping: Mapping, times: Array, body: str, depth: float) -> tuple[dict[str, Array], list[str]]:
+    """P and Q (n_times,) of the one contact pair, and what was done to them; nothing where a time has no resultant.
 
-    They are what the upper body does to the lower; the file states the force on the slave face, and `body` is the slave's. `depth` is
-    the thickness of the mesh, 0 where it is a plane one: it counts where the mapping states none.
+    They are what the upper body does to the lower; the file states the force on the slave face, and `body` is the slave's. `depth`
+    is the thickness of the mesh, 0 where it is a plane one: it counts where the mapping states none.
     """
     pairs = [pair for pair in file.pairs if mapping.surface in (None, pair.slave, pair.master)]
     if len({(pair.slave, pair.master) for pair in pairs}) > 1:
         names = ", ".join(sorted({pair.slave for pair in pairs}))
-        raise InputError(
-            f"{file.path}: resultants of several contact pairs (slave faces {names}); name one by surface of a mapping"
-        )
+        raise InputError(f"{file.path}: several contact pairs (slave faces {names}); name one by surface of a mapping")
     found = [_at(pairs, time) for time in times]
+    # CalculiX writes 0 and NaN for node-to-surface pairs, touching or not: no statement on the loads.
     forces = np.array([pair.force for pair in found if pair is not None and np.isfinite(pair.normal).all()])
     if len(forces) < len(times):
-        return None
+        return {}, [
+            f"{file.path.name} states the pair's resultant at {len(forces)} of {len(times)} times: not used"
+        ] if pairs else []
     on_lower = forces if body == "lower" else -forces
     of_mesh = depth > 0 and "thickness" not in mapping.model_fields_set
     thickness = depth * (mapping.factors.length or 1.0) if of_mesh else 1.0
-    normal, tangential = (converted(mapping, "normal_load", part / thickness) for part in (-on_lower[:, 1], on_lower[:, 0]))
+    normal, tangential = (-on_lower[:, 1] / thickness, on_lower[:, 0] / thickness)
     said = f"divided by the {'mesh' if of_mesh else 'mapping'}'s thickness, {thickness * mapping.thickness:g}"
-    return normal, tangential, said
+    return {
+        "normal_load": converted(mapping, "normal_load", normal),
+        "tangential_load": converted(mapping, "tangential_load", tangential),
+    }, [f"loads are the resultants of the contact pair in {file.path.name}, {said}"]
 
 
 def _at(pairs: list[PairForce], time: float) -> PairForce | None:
