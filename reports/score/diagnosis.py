@@ -17,7 +17,7 @@ from reports.score.diagnosis_edges import coarse_edge
 from reports.score.diagnosis_flaws import flaw_faults
 from reports.score.diagnosis_hypothesis import Hypothesis
 from reports.score.diagnosis_theory import theory_faults
-from reports.score.diagnosis_words import evidence_of, sentence_of
+from reports.score.diagnosis_words import FAULTS, evidence_of, sentence_of
 
 # A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
 LEAST_EXPLAINED = 0.5
@@ -51,12 +51,14 @@ class Diagnosis:
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     """What the result of `comparison` suffers from, the strongest first.
 
-    Empty where its tractions are within the scene's tolerances, or where it has no number to judge; a single "unknown" where
-    they are not, and no fault of the set explains half of it.
+    Empty where its tractions and its dissipation are within the scene's tolerances, or where it has no number to judge; a
+    single "unknown" where they are not, and no fault of the set explains half of it.
     """
     whole = discrepancy(comparison)
-    if whole is None or whole.within():
+    if whole is None:
         return ()
+    if whole.within():
+        return tuple(_by_work(comparison))
     found: list[Diagnosis] = []
     rest = whole
     for number in range(ROUNDS):
@@ -72,16 +74,21 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
 
 
 def _ranked(what: Discrepancy) -> list[tuple[float, Hypothesis]]:
-    """Every hypothesis with the share it explains, the best first."""
-    every = [(what.explained(one.predicted), one) for one in _hypotheses(what)]
-    return sorted(every, key=lambda pair: -pair[0])
+    """The best hypothesis of every fault with the share it explains, the best first."""
+    best: dict[str, tuple[float, Hypothesis]] = {}
+    for one in _hypotheses(what):
+        explained = what.explained(one.predicted)
+        if one.fault not in best or explained > best[one.fault][0]:
+            best[one.fault] = explained, one
+    return sorted(best.values(), key=lambda pair: -pair[0])
 
 
 def _hypotheses(what: Discrepancy) -> Iterator[Hypothesis]:
     yield from array_faults(what)
     theory = list(theory_faults(what))
     yield from theory
-    yield from flaw_faults(what, next((one for one in theory if one.fault == "stiffness"), None))
+    by_fault = {one.fault: one for one in theory}
+    yield from flaw_faults(what, by_fault.get("stiffness"), by_fault.get("offset"))
     yield from coarse_edge(what)
 
 
@@ -94,6 +101,23 @@ def _named(what: Discrepancy, ranked: list[tuple[float, Hypothesis]], number: in
         if explained >= LEAST_EXPLAINED and strength >= LEAST_STRENGTH:
             sentence, evidence = sentence_of(one, _poisson_ratio(what)), tuple(evidence_of(what, one, explained, number))
             yield Diagnosis(one.fault, sentence, evidence, strength)
+
+
+def _by_work(comparison: Comparison) -> Iterator[Diagnosis]:
+    """Steps too long where the tractions show nothing: the dissipation is off, and that of the polygon of the instants is not.
+
+    Exact steps cut corners of the path alone, and tractions at their ends are right as soon as the corner is left behind.
+    """
+    values = {one.key: one.value for one in comparison.metrics}
+    off, less = values.get("dissipation"), values.get("dissipation_polygon")
+    if off is None or less is None or not abs(off) > comparison.scene.tolerances.dissipation or not abs(less) < abs(off) / 2:
+        return
+    steps = len(comparison.found.time) - 1
+    evidence = (
+        f"dissipation is off by {off:.2g}, against that of the straight lines between the {steps} steps by {less:.2g}",
+        "the tractions are within their tolerances",
+    )
+    yield Diagnosis("steps", FAULTS["steps"].format(steps=steps), evidence, 1 - abs(less / off))
 
 
 def _poisson_ratio(what: Discrepancy) -> float | None:

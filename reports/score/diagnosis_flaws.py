@@ -1,7 +1,7 @@
 """Faults of the model: soft penalties, bodies that end too near, pressure that draws the faces along, increments too long.
 
 What moves the edges of contact moves square roots, of which a grid knows little. So where a fault does that, half-plane theory with
-another E*/R (that fits the result best) takes the part that a change of E*/R can take, exactly, and the grid adds the rest:
+another E*/R or centre (that fits the result best) takes the part that such a change can take, exactly, and the grid adds the rest:
 
     predicted = theory(m) + model(flaws) - model(m)
 """
@@ -67,8 +67,8 @@ class Start:
     model: Tractions
 
 
-def flaw_faults(what: Discrepancy, stiffness: Hypothesis | None) -> Iterator[Hypothesis]:
-    """Every fault of the model that the discrepancy may have; `stiffness` is the E*/R that fits the result best."""
+def flaw_faults(what: Discrepancy, stiffness: Hypothesis | None, offset: Hypothesis | None) -> Iterator[Hypothesis]:
+    """Every fault of the model that the discrepancy may have; `stiffness` and `offset`: the E*/R and the centre that fit best."""
     model = model_of(what, INCREMENTS)
     try:
         start = Start(what.expected, model.answer(what, Flaws()))
@@ -85,15 +85,18 @@ def flaw_faults(what: Discrepancy, stiffness: Hypothesis | None) -> Iterator[Hyp
         return
     if found := fit(what, model, start, ("shear_layer",)):
         yield Hypothesis("elastic_slip", found[1], {"stiffness": 1 / found[0]["shear_layer"]})
-    yield from _coupling(what)
+    yield from _coupling(what, offset)
     yield from _implicit_steps(what, start.model)
 
 
-def _coupling(what: Discrepancy) -> Iterator[Hypothesis]:
-    """Pressure draws unlike faces along x: an odd part of q, which the mirrored grid has not."""
+def _coupling(what: Discrepancy, offset: Hypothesis | None) -> Iterator[Hypothesis]:
+    """Pressure draws unlike faces along x, and shear lifts one side of the contact: odd parts, which the mirrored grid has not."""
     model = model_of(what, INCREMENTS, mirrored=False)
     try:
-        found = fit(what, model, Start(what.expected, model.answer(what, Flaws())), ("coupling",))
+        start = Start(what.expected, model.answer(what, Flaws()))
+        if offset is not None:
+            start = Start(offset.predicted, model.answer(what, Flaws(offset=offset.figures["distance"] * model.half_width)))
+        found = fit(what, model, start, ("coupling",))
     except NotSettledError:
         return
     if found:

@@ -6,7 +6,8 @@ drops out to first order. It is for telling patterns apart, not for figures: tho
 # notation: h element lengths; p, q tractions (n,); g initial gap; delta approach; U shift; s slip, upper over lower; f friction
 #           K_ij = 2/(pi E*) int ln|x_i - t| dt over element j: faces move by -K p into the bodies, s = U + K q where alike
 
-    gap:   g - delta - (K_n - C_n) p >= 0,  p >= 0         slip:  s = U + (K_t - C_t) q + beta S p,  |q| <= f p, q s' >= 0
+    gap:   g - delta - (K_n - C_n) p - beta S q >= 0,  p >= 0
+    slip:  s = U + (K_t - C_t) q - beta S p,  |q| <= f p,  q s' >= 0
     C = I/k, a layer: a penalty lets faces sink by p/k and creep by q/k
     K + b (x_i - x_j)^2 h_j, a body that ends: the far field of a resultant, to its lowest order that is no rigid motion
     S_ij = (1/E*) sgn(x_i - x_j) h_j, bodies that are not alike: pressure draws the faces along x, beta being Dundurs' constant
@@ -26,6 +27,8 @@ Flags = NDArray[np.bool_]
 
 _MOST = 60
 _TINY = 1e-10
+# Pressure and shear of unlike bodies in turn: each round leaves less than beta^2 of the error.
+_COUPLED = 4
 
 
 class NotSettledError(ArithmeticError):
@@ -40,8 +43,9 @@ class Flaws:
     ----------
     normal_layer, shear_layer : 1/k [length/stress]
     normal_bend, shear_bend : b [1/(stress length)]
-    coupling : Dundurs' beta
+    coupling : Dundurs' beta, positive where the upper body is the more compliant in compression: (1 - 2 nu)/G is larger
     steepness : factor of the gap, and so of E* in the tractions
+    offset : of the gap along x [length]
     """
 
     normal_layer: float = 0.0
@@ -50,6 +54,7 @@ class Flaws:
     shear_bend: float = 0.0
     coupling: float = 0.0
     steepness: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +66,9 @@ class Grid:
     x, lengths : (n,), centres and lengths [length]
     influence, squares, signs : (n, n), K, (x_i - x_j)^2 h_j and sgn(x_i - x_j) h_j; the mirror image, if any, added
     shares : (n,), of a traction in its resultant
-    gap : (n,), initial, of the centres
+    height : initial gap of any x [length]
     friction, modulus : f and E*
-    pressed : pressures found so far by bend, layer, steepness and load
+    pressed : pressures found so far by flaws and load
     """
 
     x: Array
@@ -72,7 +77,7 @@ class Grid:
     squares: Array
     signs: Array
     shares: Array
-    gap: Array
+    height: Callable[[Array], Array]
     friction: float
     modulus: float
     pressed: dict[tuple[float, ...], Array] = field(default_factory=dict)
@@ -99,7 +104,7 @@ def grid(ends: Array, height: Callable[[Array], Array], friction: float, modulus
         np.asarray(sum(np.square(d) for d in apart)) * lengths,
         np.asarray(sum(np.sign(d) for d in apart)) * lengths,
         lengths * len(images),
-        height(x),
+        height,
         friction,
         modulus,
     )
@@ -116,12 +121,14 @@ def march(on: Grid, flaws: Flaws, loads: Array) -> Tractions:
         Where an increment has no solution or its active sets do not settle.
     """
     influence = _influence(on, flaws.shear_bend, flaws.shear_layer)
-    drawn = flaws.coupling / on.modulus * on.signs
+    drawn = -flaws.coupling / on.modulus * on.signs
     p = q = np.zeros(len(on.x))
     pressures, shears = [], []
     for normal, tangential in loads:
-        before, p = p, _pressure(on, flaws, float(normal))
-        q = _shear(on, influence, (q, drawn @ (p - before)), on.friction * p, float(tangential))
+        old_p, old_q = p, q
+        for _ in range(_COUPLED if flaws.coupling else 1):
+            p = _pressure(on, flaws, float(normal), drawn @ q)
+            q = _shear(on, influence, (old_q, drawn @ (p - old_p)), on.friction * p, float(tangential))
         pressures.append(p)
         shears.append(q)
     return np.array(pressures), np.array(shears)
@@ -143,12 +150,13 @@ def _bordered(influence: Array, shares: Array, free: Flags, known: Array, total:
     return solution
 
 
-def _pressure(on: Grid, flaws: Flaws, load: float) -> Array:
-    """No tension, no penetration; kept for each load, since it has no memory."""
-    key = (flaws.normal_bend, flaws.normal_layer, flaws.steepness, load)
-    if key in on.pressed:
+def _pressure(on: Grid, flaws: Flaws, load: float, lifted: Array) -> Array:
+    """No tension, no penetration, the gap `lifted` by the shear; kept for each load where it is not, since p then has no memory."""
+    key = (flaws.normal_bend, flaws.normal_layer, flaws.steepness, flaws.offset, load)
+    if key in on.pressed and not flaws.coupling:
         return on.pressed[key]
-    influence, gap = _influence(on, flaws.normal_bend, flaws.normal_layer), flaws.steepness * on.gap
+    influence = _influence(on, flaws.normal_bend, flaws.normal_layer)
+    gap = flaws.steepness * np.asarray(on.height(on.x - flaws.offset)) + lifted
     pressure, touching = np.zeros(len(on.x)), np.ones(len(on.x), dtype=bool)
     for _ in range(_MOST if load > 0 else 0):
         solution = _bordered(influence, on.shares, touching, -gap[touching], load)
