@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-_LINES = ("vertex", "line", "line3")
+# Kinds by how they begin; what is neither is a solid.
+_LINES, _PLANES = ("vertex", "line"), ("triangle", "quad", "polygon")
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,10 +74,10 @@ def _chosen_points(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[Int
         return _marked_points(path, frame, mapping), (f"the surface is what {mapping.surface} marks",)
     height = frame.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     tolerance = SAME * extent(frame.points)
-    if np.ptp(height) <= tolerance or all(kind in _LINES for kind, _ in frame.cells):
-        return np.arange(len(height)), ()
+    if np.ptp(height) <= tolerance or not _bulk(frame):
+        return np.arange(len(height)), ("the file is taken for the surface alone, since it has no cells of a body",)
     at_face = np.abs(height) <= tolerance
-    above = material_above(frame.points, [block for _, block in frame.cells])
+    above = material_above(frame.points, _bulk(frame))
     for side, note in ((above < 0, "the surface is the lower body's face"), (above > 0, "the surface is the upper body's face")):
         if len(rows := np.flatnonzero(at_face & side)):
             return rows, (f"{note}, found at y = {mapping.y_offset:g}",)
@@ -121,9 +122,16 @@ def _mark(path: Path, fields: dict[str, tuple[Array, ...]], mapping: Mapping, ot
     return [block != none for block in blocks]
 
 
+def _bulk(frame: FieldFrame) -> list[Integers]:
+    """Cells that fill a body: solids, and in a plane mesh what is no line."""
+    deep = np.ptp(frame.points[:, 2]) > SAME * extent(frame.points)
+    faces = (*_LINES, *_PLANES) if deep else _LINES
+    return [block for kind, block in frame.cells if not kind.startswith(faces)]
+
+
 def _one_body(frame: FieldFrame, chosen: Integers) -> tuple[Integers, Literal["lower", "upper"], tuple[str, ...]]:
     """Where points of both bodies were chosen: those of the lower one."""
-    above = material_above(frame.points, [block for _, block in frame.cells])[chosen]
+    above = material_above(frame.points, _bulk(frame))[chosen]
     if np.any(above < 0) and np.any(above > 0):
         return chosen[above < 0], "lower", ("the surface has points of both bodies: those of the lower one were taken",)
     return chosen, "upper" if np.any(above > 0) else "lower", ()

@@ -66,7 +66,7 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
 def _taken(path: Path, source: _Source, frame: FieldFrame, k: int) -> tuple[Array, Array, Array | None]:
     try:
         return source.take(frame)
-    except KeyError as reason:
+    except (KeyError, IndexError) as reason:
         raise InputError(f"{path}: instant {k} has no field {reason}, which the first one has") from reason
 
 
@@ -124,6 +124,8 @@ def _component(fields: dict[str, Array], name: str) -> Array:
     if name in fields:
         return fields[name]
     whole, _, k = name.rpartition(":")
+    if whole not in fields:
+        raise KeyError(name)
     return np.asarray(fields[whole][:, int(k)])
 
 
