@@ -33,6 +33,7 @@ Examples:
   halfplane fe my.toml --method penalty     finite elements alone
   halfplane fields my.toml --at 12.6 14.1   both bodies for ParaView, pictures
   halfplane score my.csv --scene hertz-paper  somebody else's result
+  halfplane export my.toml --to calculix    a deck for another code
   halfplane diff out/a out/b                two runs, or a run and a baseline
   halfplane paper                           the paper's figures and statements
 Exit codes: 0 within tolerance, 1 outside, 2 bad input, 3 not converged,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -25,13 +25,32 @@ def run(
     budget: Annotated[
         bool, Parameter(negative="", help="Measure where the discrepancy comes from: coarser meshes, other far fields.")
     ] = False,
+    third: Annotated[Literal["calculix"] | None, Parameter(help="A third opinion: runs `ccx` on the exported deck.")] = None,
+    third_limit: Annotated[float, Parameter(help="Seconds after which CalculiX is stopped.")] = 1800.0,
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
 ) -> int:
     """Both engines on one scene: verdict, page and data."""
     from reports import commands
 
-    return commands.run(scene, out, vtu, quiet, finite_elements, budget=budget)
+    limit = None if third is None else third_limit
+    return commands.run(scene, out, vtu, quiet, finite_elements, budget=budget, third_limit=limit)
+
+
+@app.command(sort_key=3, help_epilogue="")
+def export(
+    scene: SceneName,
+    *,
+    to: Annotated[Literal["calculix", "abaqus"], Parameter(help="The dialect of the deck.")],
+    out: Out = None,
+    steps_per_cycle: Annotated[int | None, Parameter(help="Instants of a revolution; turning points come on top.")] = None,
+    cycles: Annotated[int | None, Parameter(help="Revolutions at most.")] = None,
+    quiet: Quiet = False,
+) -> int:
+    """The bodies and the load history as an input deck for another code."""
+    from reports.third import exporting
+
+    return exporting.export(scene, to, out, steps_per_cycle, cycles, quiet)
 
 
 @app.command(sort_key=2, help_epilogue="")

@@ -31,7 +31,14 @@ if TYPE_CHECKING:
 
 
 def run(
-    source: str, out: Path | None, vtu: tuple[str, ...], quiet: bool, options: FiniteElementOptions, *, budget: bool = False
+    source: str,
+    out: Path | None,
+    vtu: tuple[str, ...],
+    quiet: bool,
+    options: FiniteElementOptions,
+    *,
+    budget: bool = False,
+    third_limit: float | None = None,
 ) -> int:
     """Both engines, the verdict, the page; with `budget`, where the errors come from."""
     stages = Stages(quiet)
@@ -40,18 +47,23 @@ def run(
     _times(vtu, "--vtu", scene)
     jobs.load_engines(stages)
     options.settings()
-    more = (("--vtu", *vtu) if vtu else (), ("--budget",) if budget else ())
+    third = () if third_limit is None else ("--third", "calculix", "--third-limit", f"{third_limit:g}")
+    more = (("--vtu", *vtu) if vtu else (), ("--budget",) if budget else (), third)
     command = options.command("run", source, folder, *more)
     try:
         with jobs.naming(source):
-            report = jobs.run(scene, folder, options, stages, vtu=vtu, budget=budget, command=command)
+            report = jobs.run(scene, folder, options, stages, vtu=vtu, budget=budget, command=command, third_limit=third_limit)
     except ConvergenceError as failure:
         return _not_converged(failure, scene, folder)
     _show_verdict(report.comparison)
     _show_budget(report.comparison)
+    _show_third(report)
     met = _show_expected(scene, (report.comparison.reference, report.comparison.result))
     show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in report.seconds.items()], right=(1,))
     say(str(report.page))
+    if report.third is not None and report.third.failure:
+        complain(f"halfplane: {scene.name}: {report.third.failure}")
+        return NOT_CONVERGED
     return WITHIN if report.comparison.passed and met else OUTSIDE
 
 
@@ -182,6 +194,17 @@ def _show_budget(comparison: Comparison) -> None:
     show_table("Where the discrepancy comes from", columns, rows(comparison.budget, full=False), right=range(1, len(columns) - 2))
     say(f"Honest: {comparison.honest}")
     say(cost(comparison.budget))
+
+
+def _show_third(report: jobs.Report) -> None:
+    """Theory, our finite elements and another code, if that was asked."""
+    if report.third is None:
+        return
+    from reports.third.words import heads, rows, sentences
+
+    show_table("A third opinion", heads(report.third), rows(report.comparison, report.third), right=(1, 2, 3))
+    for sentence in sentences(report.third):
+        say(sentence)
 
 
 def _show_expected(scene: Scene, solutions: Sequence[ContactSolution]) -> bool:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, Snapshot
     from reports.comparison import Comparison
     from reports.fields import Instant
+    from reports.third.opinion import ThirdOpinion
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Report:
     comparison: Comparison
     page: Path
     seconds: Mapping[str, float]
+    third: ThirdOpinion | None = None
 
 
 def read(source: str) -> Scene:
@@ -90,8 +92,16 @@ def run(
     vtu: tuple[str, ...] = (),
     budget: bool = False,
     command: str = "",
+    third_limit: float | None = None,
 ) -> Report:
-    """Both engines, the comparison, with `budget` where its errors come from, and the report."""
+    """Both engines, the comparison, with `budget` where its errors come from, and the report.
+
+    With `third_limit`, in seconds, CalculiX' answer stands beside them.
+    """
+    if third_limit is not None:
+        from reports.third.running import find_calculix
+
+        find_calculix()  # before anything is solved
     begun = time.process_time()
     result = solve_finite_elements(scene, options, stages)
     reference = solve_half_plane(scene, stages, result)
@@ -102,13 +112,26 @@ def run(
         comparison = compare(reference, result, polygon_reference=polygon)
     if budget:
         comparison = _with_budget(comparison, options, stages, time.process_time() - begun)
+    third = None if third_limit is None else _third(scene, options, result, third_limit, stages, command)
     with stages.stage("report"):
         from reports.fields import instants_of
         from reports.writing import write
 
         instants = [instant.time for instant in instants_of(vtu, result, "--vtu")]
-        page = write(comparison, out, vtu_instants=instants, command=command, seconds=dict(stages.seconds))
-    return Report(comparison, page, stages.seconds)
+        page = write(comparison, out, vtu_instants=instants, command=command, seconds=dict(stages.seconds), third=third)
+    return Report(comparison, page, stages.seconds, third)
+
+
+def _third(
+    scene: Scene, options: FiniteElementOptions, result: ContactSolution, limit: float, stages: Stages, command: str
+) -> ThirdOpinion:
+    """CalculiX on the exported deck, at the instants a revolution that were asked for, if any were."""
+    from reports.third.opinion import ask_calculix
+    from reports.third.settings import DeckSettings
+
+    steps = options.steps_per_cycle
+    settings = DeckSettings() if steps is None else DeckSettings(steps_per_cycle=steps)
+    return ask_calculix(scene, settings, limit, stages, getattr(result, "scales", None), command)
 
 
 def _with_budget(comparison: Comparison, options: FiniteElementOptions, stages: Stages, plain_seconds: float) -> Comparison:

@@ -33,6 +33,7 @@ def render(
     command: str,
     seconds: Mapping[str, float],
     live: Mapping[str, Any] | None = None,
+    third: Mapping[str, Any] | None = None,
 ) -> str:
     """The HTML text; every word that came from outside is escaped, and no script but the page's own may run.
 
@@ -42,6 +43,7 @@ def render(
     command : what reproduces the page
     seconds : stage -> wall time
     live : what the slider moves through; without it the page has none
+    third : words of the third opinion, where one was asked for
     """
     scene = comparison.scene
     script = (resources.files("reports") / "templates" / "report.js").read_text("utf-8")
@@ -69,6 +71,7 @@ def render(
         engines=[_engine(comparison.reference), _engine(comparison.result)],
         command=command,
         commit=commit(),
+        third=third,
         script=script,
         script_hash=f"sha256-{digest}",
         live=as_script(dict(live) if live else {"instants": 0}),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from reports.live import cycle_data, tables
 from reports.page import render
 from reports.summary import as_json
 
+if TYPE_CHECKING:
+    from reports.third.opinion import ThirdOpinion
+
 
 def write(
     comparison: Comparison,
@@ -27,6 +30,7 @@ def write(
     vtu_instants: Sequence[float] | None = None,
     command: str = "",
     seconds: Mapping[str, float] | None = None,
+    third: ThirdOpinion | None = None,
 ) -> Path:
     """Write the report and return the path of the page.
 
@@ -37,6 +41,7 @@ def write(
     vtu_instants : times at which both bodies are written for ParaView; none by default
     command : what reproduces the report
     seconds : stage -> wall time, for the page
+    third : another code's answer, for a block of the page and files beside it
 
     Raises
     ------
@@ -56,9 +61,22 @@ def write(
             import halfplane_fe
 
             write_fields(halfplane_fe.fields(with_bodies(comparison.result, "--vtu"), vtu_instants), folder / "fields")
-        page = render(comparison, drawings, command, seconds or {}, live_data(comparison, drawings))
+        words = _write_third(comparison, third, folder) if third else None
+        page = render(comparison, drawings, command, seconds or {}, live_data(comparison, drawings), words)
         (folder / "report.html").write_text(page, encoding="utf-8")
     return Path(out) / "report.html"
+
+
+def _write_third(comparison: Comparison, third: ThirdOpinion, folder: Path) -> dict[str, Any]:
+    """Files of a third opinion; returns what the page says of it."""
+    from reports.third.words import as_json as third_json
+    from reports.third.words import page_words
+
+    (folder / "third.inp").write_text(third.text, encoding="utf-8")
+    (folder / "third.json").write_text(third_json(comparison, third), encoding="utf-8")
+    if third.comparison is not None:
+        third.comparison.result.save(folder / "third.nc")
+    return page_words(comparison, third)
 
 
 def time_axis(comparison: Comparison) -> tuple[NDArray[np.float64], str]:

@@ -60,7 +60,7 @@ def _interaction(deck: Deck) -> Iterator[Block]:
 
 
 def _output() -> Iterator[Block]:
-    yield Block("OUTPUT", {"FIELD": None, "TIME POINTS": INSTANTS}, (), "Contact values of the lower face, displacement everywhere.")
+    yield Block("OUTPUT", {"FIELD": None, "TIME POINTS": INSTANTS}, (), "Contact values of the lower face, displacements.")
     yield Block("CONTACT OUTPUT", {"NSET": LOWER_FACE_NODES}, ("CSTRESS, CDISP",))
     yield Block("NODE OUTPUT", {}, ("U, RF",))
     yield Block("OUTPUT", {"HISTORY": None, "TIME POINTS": INSTANTS}, (), "Where the upper plane is, and what it carries.")

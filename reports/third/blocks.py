@@ -107,8 +107,8 @@ def stiffness_words(deck: Deck) -> str:
     """How the stiffness of the contact was chosen."""
     factor = deck.settings.normal_stiffness
     return (
-        f"Pressure per penetration, {factor:g} E*/h with E* = {deck.scales.modulus:.6g} and h = {deck.element_size:.6g} the elements "
-        f"at the edges: at the mean pressure P/(2 a) the faces overlap by {_overlap(deck):.1e} half-widths a."
+        f"Pressure per penetration, {factor:g} E*/h with E* = {deck.scales.modulus:.6g} and h = {deck.element_size:.6g} the "
+        f"elements at the edges: at the mean pressure P/(2 a) the faces overlap by {_overlap(deck):.1e} half-widths a."
     )
 
 
@@ -143,7 +143,7 @@ def lower_support(deck: Deck) -> Block:
 
 def amplitudes(deck: Deck) -> Iterator[Block]:
     """P(t) and Q(t) on total time, and the instants of output on the step time of the second step."""
-    comment = "The scene's loads, straight between the instants of output; total time 0 is the unloaded instant of the scene's path."
+    comment = "The scene's loads, straight between the instants of output; total time 0 is the unloaded instant of its path."
     for name, values in (("NORMAL_LOAD", deck.normal_load), ("TANGENTIAL_LOAD", deck.tangential_load)):
         pairs = np.stack([deck.deck_time, values], axis=1)
         yield Block("AMPLITUDE", {"NAME": name, "TIME": "TOTAL TIME"}, rows(pairs, 4), comment)

@@ -58,7 +58,7 @@ def deck_body(name: str, mesh: BodyMesh, places: Array, first_node: int, first_e
         first_element,
         freeze(places.T),
         freeze(cells.T + first_node, np.int64),
-        freeze(faces + [first_element, 1], np.int64),
+        freeze(faces + np.array([first_element, 1]), np.int64),
         freeze(ends[np.argsort(places[0, ends])] + first_node, np.int64),
         {direction: freeze(nodes + first_node, np.int64) for direction, nodes in _held(mesh).items()},
     )

@@ -16,7 +16,7 @@ from halfplane_fe.solve import surface_grading
 from meshes import MeshSettings
 from reports.third.bodies import DeckBody, deck_body, upper_places
 from reports.third.settings import DeckSettings
-from scenes import Cylinder, HalfPlane, Scene, freeze
+from scenes import Cylinder, HalfPlane, Scene, Shape, freeze
 
 Array = NDArray[np.float64]
 
@@ -145,8 +145,12 @@ def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float)
 
     It need not be right: the touch is no instant of the answer, and all that counts is that the faces meet.
     """
-    depths = [settings.far_radius * scales.half_width]
-    for body in (scene.bodies.lower, scene.bodies.upper):
-        if not isinstance(body, HalfPlane):
-            depths.append(body.radius if isinstance(body, Cylinder) else body.height)
-    return float(2 * load * np.log1p(4 * min(depths) / scales.half_width) / (np.pi * scales.modulus))
+    reach = settings.far_radius * scales.half_width
+    depth = min(_depth(body, reach) for body in (scene.bodies.lower, scene.bodies.upper))
+    return float(2 * load * np.log1p(4 * depth / scales.half_width) / (np.pi * scales.modulus))
+
+
+def _depth(body: Shape, reach: float) -> float:
+    if isinstance(body, HalfPlane):
+        return reach
+    return body.radius if isinstance(body, Cylinder) else body.height
