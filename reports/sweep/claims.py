@@ -10,7 +10,7 @@ import platform
 import time
 from pathlib import Path
 
-from reports.sweep.store import Store, StoreError
+from reports.sweep.store import Store, unwritable
 
 # A claim of another machine is renewed every so many seconds, and given up as lost after so many without.
 RENEWED_EVERY = 20.0
@@ -40,17 +40,13 @@ class Claims:
                 path.unlink(missing_ok=True)
                 continue
             except OSError as reason:
-                raise StoreError(
-                    f"{self._store.folder}: results can't be stored: {reason.strerror}; what was stored before stays"
-                ) from reason
+                raise unwritable(self._store.folder, reason) from reason
             self._held.add(address)
             try:
                 os.write(handle, self._words.encode())
             except OSError as reason:
                 self.drop(address)
-                raise StoreError(
-                    f"{self._store.folder}: results can't be stored: {reason.strerror}; what was stored before stays"
-                ) from reason
+                raise unwritable(self._store.folder, reason) from reason
             finally:
                 os.close(handle)
             return True

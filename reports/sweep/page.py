@@ -11,7 +11,7 @@ from reports.sweep.figures import unit_of
 from reports.sweep.pictures import draw, plain_figures
 from reports.sweep.progress import state_of
 from reports.sweep.store import Store
-from reports.sweep.study import study_of
+from reports.sweep.study import Study, study_of
 from reports.templating import template
 
 # More rows than that are in index.csv alone.
@@ -42,7 +42,7 @@ def write_page(store: Store) -> Path:
         columns=columns,
         rows=[[_cell(row[name]) for name in columns] for row in table.rows[:_ROWS]],
         more=max(0, len(table.rows) - _ROWS),
-        uncertainty=_uncertainty(study.uncertainty),
+        uncertainty=_uncertainty(study),
     )
     path = store.folder / "sweep.html"
     store.write_text(path, page)
@@ -55,10 +55,12 @@ def _cell(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _uncertainty(kind: str) -> str:
+def _uncertainty(study: Study) -> str:
+    if "fe" not in study.engines:
+        return "Theory is exact to rounding at the points and instants at which it is evaluated."
     return {
         "none": "No uncertainty was asked for: no digit here is known to be right.",
         "cheap": "Uncertainty: what a mesh twice as coarse, theory on the polygon of the steps and (for half-planes) a far field "
         "twice as far change a figure by, added up.",
         "budget": "Uncertainty and idealisation error: from the error budget of each point.",
-    }[kind]
+    }[study.uncertainty]

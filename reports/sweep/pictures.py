@@ -171,7 +171,9 @@ def _map(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], 
     ax.set_facecolor("0.82")
     for row, column in zip(*np.nonzero(hidden), strict=True):
         corners = (edges[0][column], edges[0][column + 1], edges[1][row], edges[1][row + 1])
-        ax.fill_between(corners[:2], *corners[2:], facecolor="none", edgecolor="0.2", hatch="////", linewidth=0)
+        ax.fill_between(
+            corners[:2], *corners[2:], facecolor="none", edgecolor="0.2" if signed else "0.95", hatch="////", linewidth=0
+        )
     figure.colorbar(drawn, ax=ax, label=sheet.name)
     _dress(ax, sheet, moving[0], moving[1])
     ax.set_title(key, fontsize=9)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # A scene's words and tolerances change no figure: points that differ in them alone have one result.
 _WORDS = ("name", "title", "purpose", "source", "units", "tolerances", "tags", "expected")
 _MOST = 1_000_000
+_KINDS = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +182,7 @@ def _settings(preset: str, mesh: dict[str, Any], solver: dict[str, Any]) -> tupl
         for key, value in given.items():
             wanted = type(getattr(base, key))
             if not (type(value) is wanted or (wanted is float and type(value) is int)):
-                raise InputError(f"{name}.{key} = {value!r} is refused: it is a {wanted.__name__}")
+                raise InputError(f"{name}.{key} = {value!r} is refused: it is {_KINDS[wanted]}")
         made.append(replace(base, **given))
     return made[0], made[1]
 

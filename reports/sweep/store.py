@@ -144,6 +144,12 @@ class Store:
             raise InputError(f"{path}: can't be read ({reason}); start the sweep again with --resume: results are kept") from reason
 
 
+def unwritable(folder: Path, reason: OSError) -> StoreError:
+    """The sentence of an OSError."""
+    why = _NO_ROOM_WORDS if reason.errno in _NO_ROOM else reason.strerror or str(reason)
+    return StoreError(f"{folder}: results can't be stored: {why}; what was stored before stays")
+
+
 def _umask() -> int:
     """What the user takes away from the rights of new files; mkstemp leaves them to the owner alone."""
     mask = os.umask(0)
@@ -179,5 +185,4 @@ class _writing:
 
     def __exit__(self, _kind: object, reason: BaseException | None, _trace: object) -> None:
         if isinstance(reason, OSError):
-            why = _NO_ROOM_WORDS if reason.errno in _NO_ROOM else reason.strerror or str(reason)
-            raise StoreError(f"{self._folder}: results can't be stored: {why}; what was stored before stays") from reason
+            raise unwritable(self._folder, reason) from reason
