@@ -78,6 +78,7 @@ publish: $(STAMP) ## both engines on the whole library, into reports/published: 
 	@echo "==> publish"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports.publishing $(if $(PAGES),--pages)
+	@$(PY) -m reports.library_page
 
 docs: $(DOCS_STAMP) ## the pages, into docs/_build/html
 	@echo "==> docs: sphinx"
@@ -98,7 +99,7 @@ $(STAMP): pyproject.toml constraints.txt
 	fi
 	@echo "==> .venv: the pinned packages (1.4 GB on disk, once)"
 	@$(PY) -m pip install -c constraints.txt hatchling editables
-	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[test,lint]"
+	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[test,lint,browser,pdf]"
 	@touch $@
 
 $(DOCS_STAMP): $(STAMP)
@@ -110,7 +111,7 @@ constraints: $(STAMP) ## renew constraints.txt with the newest packages (then ru
 	@echo "==> constraints: a throw-away environment with the newest of everything"
 	@$(PY) -m venv --clear .cache/constraints
 	@.cache/constraints/bin/python -m pip install hatchling editables
-	@.cache/constraints/bin/python -m pip install --no-build-isolation -e ".[test,lint,docs,parquet,cluster]"
+	@.cache/constraints/bin/python -m pip install --no-build-isolation -e ".[test,lint,docs,parquet,cluster,browser,pdf]"
 	@{ sed -n '/^#/p' constraints.txt; \
 	   .cache/constraints/bin/python -m pip list --format=freeze --exclude-editable --exclude pip --exclude setuptools; \
 	 } > .cache/constraints.txt

@@ -19,7 +19,9 @@ Array = NDArray[np.float64]
 _SHOWN_OF_CONTACT, _SHOWN_OF_BODY = 6.0, 1.3
 # Share of the sketch that a body takes at least where its label stands inside.
 _WIDE_ENOUGH = 0.62
-_WIDTH, _MOST, _ROOM = 440.0, 400.0, 62.0
+# What the longest line of a label in four lines needs [units of the drawing].
+_LETTERS = 122.0
+_WIDTH, _MOST, _ROOM = 440.0, 310.0, 62.0
 
 
 def sketch(scene: Scene, half_width: float) -> Plate:
@@ -187,7 +189,10 @@ def _label(frame: Frame, scene: Scene, name: str, points: Array) -> str:
     if wide > _WIDE_ENOUGH * frame.width:
         lines = [lines[0], f"{lines[1]} {lines[2]}"] if tall < 90 or wide > 300 else lines
         return _lines(lines, float(x.min()) + wide / 2, level, "middle")
-    return _lines([*lines[0].split(", ", 1), *lines[1:]], float(x.max()) + 14, level, "start")
+    narrow = [*lines[0].split(", ", 1), *lines[1:]]
+    if wide > _LETTERS and tall > 18 * len(narrow):
+        return _lines(narrow, float(x.min()) + wide / 2, level, "middle")
+    return _lines(narrow, float(x.max()) + 14, level, "start")
 
 
 def _lines(lines: list[str], x: float, middle: float, anchor: str) -> str:
@@ -224,5 +229,5 @@ def _samples(scene: Scene) -> tuple[Array, Array]:
 
 def _range(scene: Scene, which: int) -> str:
     loads = _samples(scene)[which]
-    least, most = (number(float(f"{value:.4g}")) for value in (loads.min(), loads.max()))
+    least, most = (number(float(f"{value:.4g}")).replace("-", "−") for value in (loads.min(), loads.max()))
     return f"= {most}" if least == most else f"from {least} to {most}"

@@ -122,7 +122,7 @@ def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) 
         "Load path",
         "The numbers are the chosen instants, in the order of time; the ring is the instant shown.",
         "Path of the loads in the plane of P and Q with the friction cone.",
-        (load_panel(solution, cycle, chosen, "load-path", 400.0),),
+        (load_panel(solution, cycle, chosen, "load-path", 330.0),),
         {"time": time, "part": [str(p) for p in part], "P": normal, "Q": tangential},
         (Key("loop", "cycle"), Key("way-in", "way in"), *cone),
         columns=1,
@@ -168,13 +168,23 @@ def _events(area: marks.Frame, across: Array, up: Array, chosen: Sequence[Event]
     taken: list[Array] = []
     for number, event in enumerate(chosen, start=1):
         here = np.array([x[event.index], y[event.index]])
-        outward = here - np.array([x.mean(), y.mean()])
-        outward = outward / (np.hypot(*outward) or 1.0)
+        place = here + 13 * _outward(x, y, event.index)
         yield marks.element("circle", cx=float(here[0]), cy=float(here[1]), r=3.4, class_="event", data_event=event.index)
-        place = here + 13 * outward
         if all(np.hypot(*(place - other)) > 11 for other in taken):
             taken.append(place)
             yield marks.words(place[0], place[1] + 4, str(number), class_="number", text_anchor="middle", data_event=event.index)
+
+
+def _outward(x: Array, y: Array, k: int) -> Array:
+    """Unit vector across the line at its k-th place, away from the middle of all places."""
+    before, after = max(k - 1, 0), min(k + 1, len(x) - 1)
+    across = np.array([y[before] - y[after], x[after] - x[before]])
+    from_middle = np.array([x[k] - x.mean(), y[k] - y.mean()])
+    if not np.all(np.isfinite(across)) or not np.hypot(*across):
+        across = from_middle
+    if across @ from_middle < 0:
+        across = -across
+    return np.asarray(across / (np.hypot(*across) or 1.0))
 
 
 def _follower(area: marks.Frame, x: str, y: str, across: float, up: float, css: str) -> str:
@@ -199,9 +209,9 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
     return Plate(
         "hysteresis",
         "Hysteresis loop",
-        f"Left: shift of the upper body over the lower. Right: the same less its mean slope, k = "
-        f"{loop_compliance(comparison.expected):.4g} {length} per {load}, which leaves the area, the dissipation "
-        "of the cycle, as it is.",
+        "Left: shift of the upper body over the lower. Right: each less its own mean slope (k = "
+        f"{loop_compliance(comparison.expected):.4g} and {loop_compliance(comparison.found):.4g} {length} per {load}) and mean, "
+        "which leaves the area, the dissipation of the cycle, as it is.",
         "Tangential load over rigid shift for both engines, as it is and sheared so that the loop opens.",
         tuple(
             hysteresis_panel(comparison, chosen, clip, sheared=sheared)
@@ -219,11 +229,10 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
 
 def hysteresis_panel(comparison: Comparison, chosen: Sequence[Event], clip: str, *, sheared: bool) -> str:
     """Q over the shift of both engines; `sheared`: over the shift less its mean slope, so that the loop opens."""
-    slope = loop_compliance(comparison.expected) if sheared else 0.0
     length, series = units(comparison.scene)[1], "V" if sheared else "U"
-    words = f"U − k Q  [{length}]" if sheared else f"rigid shift U  [{length}]"
+    words = f"U − k Q, about its mean  [{length}]" if sheared else f"rigid shift U  [{length}]"
     cycles = (("r", comparison.expected, comparison.reference), ("f", comparison.found, comparison.result))
-    shifts = [cycle.rigid_shift - slope * cycle.tangential_load for _, cycle, _ in cycles]
+    shifts = [(sheared_shift(cycle) if sheared else cycle.rigid_shift) for _, cycle, _ in cycles]
     loads = [cycle.tangential_load for _, cycle, _ in cycles]
     axes = (
         Axis(*limits(*shifts, margin=0.12), words, count=4),
@@ -239,6 +248,12 @@ def hysteresis_panel(comparison: Comparison, chosen: Sequence[Event], clip: str,
     for number, (shift, load, css) in enumerate(zip(shifts, loads, ("now pale", "now"), strict=True)):
         lines.append(_follower(area, f"{series}{number}", "Q", shift[start], load[start], css))
     return panel(area, *axes, lines, f"Tangential load over {words}", clip=clip)
+
+
+def sheared_shift(cycle: Cycle) -> Array:
+    """Shift less the mean slope times Q and less its mean: the loop keeps its area and opens."""
+    shift = cycle.rigid_shift - loop_compliance(cycle) * cycle.tangential_load
+    return np.asarray(shift - shift.mean())
 
 
 def loop_compliance(cycle: Cycle) -> float:

@@ -28,7 +28,7 @@ def mesh(comparison: Comparison, bodies: Sequence[Any]) -> Plate:
     views = (
         ("whole", (low + high) / 2, half),
         ("at the contact", np.zeros(2), 1.35 * max(edge, 1.0)),
-        ("at the edge of the largest contact", np.array([edge, 0.0]), 0.06),
+        ("at the contact's edge", np.array([edge, 0.0]), 0.06),
     )
     paths = {name: _path(lines) for name, lines in zip(("lower", "upper"), sides, strict=True)}
     quality = {

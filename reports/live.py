@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reports.charts.plate import Plate, packed
 from reports.comparison import Comparison
 from reports.definitions import name_of
-from reports.figures_cycle import loop_compliance, places
+from reports.figures_cycle import places, sheared_shift
 from reports.figures_fields import reach
 from reports.instants import Event
 from reports.units import load_unit, units
@@ -59,15 +59,14 @@ def cycle_data(comparison: Comparison, chosen: Sequence[Event], time: Array, tim
     rows = kept_instants(len(found.time), chosen)
     points = kept_points(comparison, len(rows), places(comparison))
     grid = np.ix_(rows, points)
-    slope = loop_compliance(expected)
     series = {
         "t": time,
         "P": found.normal_load,
         "Q": found.tangential_load,
         "U0": expected.rigid_shift,
         "U1": found.rigid_shift,
-        "V0": expected.rigid_shift - slope * expected.tangential_load,
-        "V1": found.rigid_shift - slope * found.tangential_load,
+        "V0": sheared_shift(expected),
+        "V1": sheared_shift(found),
     }
     sizes = {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear), "s": ("slip", 1.0)}
     fields = {}

@@ -9,7 +9,7 @@ from reports.charts.marks import Frame, element, words
 from reports.charts.scale import Scale, labels, ticks
 
 # Room around a frame for the words beside its axes [units of the drawing, in which letters are 12 high].
-LEFT, RIGHT, TOP, BOTTOM = 70.0, 12.0, 12.0, 46.0
+LEFT, RIGHT, TOP, BOTTOM = 72.0, 20.0, 12.0, 46.0
 
 
 @dataclass(frozen=True)

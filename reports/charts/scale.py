@@ -71,6 +71,8 @@ def labels(numbers: Sequence[float]) -> list[str]:
 
 def _label(number: float) -> str:
     text = f"{number:.6g}"
+    if 0 < abs(number) < 1e-3:
+        text = np.format_float_scientific(number, precision=5, trim="-")
     if "e" in text:
         mantissa, power = text.split("e")
         text = f"{mantissa}e{int(power)}"

@@ -33,7 +33,7 @@
     const text = v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e5) ? v.toExponential(3) : String(+v.toPrecision(4));
     return text.replaceAll("-", "−");
   };
-  const tickWords = (v) => (v !== 0 && Math.abs(v) < 1e-4 ? v.toExponential() : String(v)).replaceAll("-", "−");
+  const tickWords = (v) => (v !== 0 && Math.abs(v) < 1e-3 ? v.toExponential() : String(v)).replaceAll("-", "−");
   const nearest = (list, wanted) => list.reduce((best, v, k) => (Math.abs(v - wanted) < Math.abs(list[best] - wanted) ? k : best), 0);
 
   // ---------------------------------------------------------------- places in a panel
