@@ -62,10 +62,12 @@ def _one(
     path: Path, scene: Scene, mapping: Mapping, against: Against, folder: Path, stages: Stages, command: str, *, as_json: bool
 ) -> int:
     with stages.stage("loading"):
-        from reports.score.scoring import score_file
+        from reports.score.scoring import diagnosed, score_file
         from reports.writing import write
     with stages.stage("reading and scoring"):
         comparison = score_file(path, mapping, scene, against=against)
+    with stages.stage("diagnosis"):
+        comparison = diagnosed(comparison)
     with stages.stage("report"):
         page = write(comparison, folder, command=command, seconds=dict(stages.seconds))
     if as_json:

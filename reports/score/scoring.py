@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from numpy.typing import ArrayLike
 
@@ -21,9 +20,6 @@ from reports.score.solution import contact_solution, of_own_file
 from reports.score.surface import SurfaceResult
 from reports.score.tidying import surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
-
-if TYPE_CHECKING:
-    from reports.score.diagnosis import Diagnosis
 
 Against = Literal["exact", "fe"]
 OWN = ".nc"
@@ -72,13 +68,13 @@ def score(
     fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
     series = {"time": time, "normal_load": loads[0] if loads else None, "tangential_load": loads[1] if loads else None}
     result = surface_result(code or "the arrays", code, x, fields, series)
-    return score_surface(result, mapping or Mapping(), asked, against=against)
+    return diagnosed(score_surface(result, mapping or Mapping(), asked, against=against))
 
 
-def score_file(path: Path, mapping: Mapping, scene: Scene, *, against: Against = "exact", polygon: bool = True) -> Comparison:
-    """A result in a file: of the project's own (.nc) as it is, any other through `mapping`."""
+def score_file(path: Path, mapping: Mapping, scene: Scene, *, against: Against = "exact") -> Comparison:
+    """A result in a file, without diagnoses: of the project's own (.nc) as it is, any other through `mapping`."""
     if path.suffix.lower() == OWN and path.is_file():
-        return score_solution(own_solution(path, scene), (), against=against, polygon=polygon)
+        return score_solution(own_solution(path, scene), (), against=against, polygon=True)
     return score_surface(read(path, mapping, scene), mapping, scene, against=against)
 
 
@@ -92,7 +88,7 @@ def own_solution(path: Path, scene: Scene) -> ContactSolution:
 
 
 def score_surface(result: SurfaceResult, mapping: Mapping, scene: Scene, *, against: Against = "exact") -> Comparison:
-    """A result in the common form, guesses applied."""
+    """A result in the common form, guesses applied, without diagnoses."""
     solution, guesses = contact_solution(result, mapping, scene)
     return score_solution(solution, guesses, against=against)
 
@@ -100,7 +96,7 @@ def score_surface(result: SurfaceResult, mapping: Mapping, scene: Scene, *, agai
 def score_solution(
     solution: ContactSolution, guesses: tuple[str, ...], *, against: Against = "exact", polygon: bool = False
 ) -> Comparison:
-    """A solution against a fresh reference, with its diagnoses.
+    """A solution against a fresh reference, without diagnoses.
 
     `polygon` asks for theory on the straight steps between the instants as well, which tells the error of the steps where the
     instants are all the increments of a solver.
@@ -111,16 +107,14 @@ def score_solution(
     like, words = by_same_rule(reference, solution, scales(whole).half_width)
     found = compare(like, solution, polygon_reference=steps, scales_from=whole if WHOLE_CYCLE in missing(solution) else None)
     checks = certificates(reference)
-    found = replace(found, reference=reference, reference_certificates=checks, guesses=guesses, notes=(*words, *found.notes))
-    return replace(found, diagnoses=_diagnoses(found))
+    return replace(found, reference=reference, reference_certificates=checks, guesses=guesses, notes=(*words, *found.notes))
 
 
-def _diagnoses(comparison: Comparison) -> tuple[Diagnosis, ...]:
-    if find_spec("reports.score.diagnosis") is None:
-        return ()
+def diagnosed(comparison: Comparison) -> Comparison:
+    """`comparison` with what its result most likely suffers from."""
     from reports.score.diagnosis import diagnose
 
-    return diagnose(comparison)
+    return replace(comparison, diagnoses=diagnose(comparison))
 
 
 def _exact(solution: ContactSolution) -> ContactSolution:

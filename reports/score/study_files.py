@@ -10,7 +10,7 @@ from reports.comparison import Comparison
 from reports.console import Stages, say, show_table
 from reports.score.mapping import Mapping
 from reports.score.reading import READERS
-from reports.score.scoring import OWN, Against, score_file
+from reports.score.scoring import OWN, Against, diagnosed, score_file
 from reports.score.study import Level, element_size, study
 from scenes import InputError, Scene
 
@@ -51,7 +51,8 @@ def score_folder(folder: Path, mapping: Mapping, scene: Scene, stages: Stages, *
             comparison = score_file(path, mapping, scene, against=against)
             levels.append(Level(path.name, *element_size(path, mapping, comparison), comparison))
     known = study(levels, found.notes)
-    return replace(known.levels[0].comparison, study=known)
+    with stages.stage("diagnosis"):
+        return diagnosed(replace(known.levels[0].comparison, study=known))
 
 
 def run(
