@@ -14,6 +14,7 @@ from reports.charts.scale import limits
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.instants import Event
+from reports.missing import missing
 from reports.sampling import Cycle
 from reports.units import load_unit, units
 from reports.verdicts import Metric
@@ -193,7 +194,9 @@ def _follower(area: marks.Frame, x: str, y: str, across: float, up: float, css: 
 
 
 def moves(comparison: Comparison) -> bool:
-    """Whether tangential load or shift move in the last cycle."""
+    """Whether tangential load or shift move in the last cycle; a result that holds no shift has no loop."""
+    if "rigid_shift" in missing(comparison.result):
+        return False
     expected, found = comparison.expected, comparison.found
     return any(np.ptp(series) != 0 for series in (found.tangential_load, found.rigid_shift, expected.rigid_shift))
 

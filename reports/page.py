@@ -176,14 +176,19 @@ def _dissipations(comparison: Comparison) -> list[dict[str, str]]:
     return [
         {
             "name": name,
-            "value": f"{solution.dissipation:.8g}",
-            "scaled": f"{solution.dissipation / comparison.scales.dissipation:.8g}",
+            "value": _figure(solution.dissipation, "8g"),
+            "scaled": _figure(solution.dissipation / comparison.scales.dissipation, "8g"),
             "loop": "–" if np.isnan(solution.loop_work) else f"{solution.loop_work:.8g}",
             "apart": _apart(solution),
-            "cycles": ", ".join(f"{w:.6g}" for w in solution.cycle_dissipation),
+            "cycles": ", ".join(_figure(w, "6g") for w in solution.cycle_dissipation),
         }
         for name, solution in solutions
     ]
+
+
+def _figure(value: float, form: str) -> str:
+    """A number, or a dash for what a solution does not hold."""
+    return "–" if np.isnan(value) else format(value, f".{form}")
 
 
 def _sentence(text: str) -> str:

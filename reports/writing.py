@@ -16,6 +16,7 @@ from reports.fields import with_bodies, write_fields
 from reports.folder import filled
 from reports.instants import Event, events
 from reports.live import cycle_data, tables
+from reports.missing import missing
 from reports.page import render
 from reports.summary import as_json
 
@@ -81,7 +82,7 @@ def _write_third(comparison: Comparison, third: ThirdOpinion, folder: Path) -> d
 
 def time_axis(comparison: Comparison) -> tuple[NDArray[np.float64], str]:
     """What figures through the last cycle have along their axis of time, and its words."""
-    if comparison.scene.load.path().period is not None:
+    if comparison.scene.load.path().period is not None and comparison.found.whole:
         return comparison.found.fraction, "time / period"
     return comparison.found.time, "time"
 
@@ -119,4 +120,14 @@ def draw(comparison: Comparison) -> tuple[Plate, ...]:
         drawings += [figures_budget.bars(comparison.budget), figures_budget.ladders(comparison.budget)]
     if bodies := getattr(comparison.result, "bodies", ()):
         drawings.append(figures_mesh.mesh(comparison, bodies))
-    return tuple(drawing for drawing in drawings if drawing)
+    left_out = _can_not_be_drawn(comparison)
+    return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
+
+
+def _can_not_be_drawn(comparison: Comparison) -> frozenset[str]:
+    """Names of figures of what a foreign result does not hold: slip, dissipation, more than one instant."""
+    lacking = missing(comparison.result)
+    names = {"slip": {"slip_history"}, "dissipation_density": {"dissipation_density"}}
+    found = set[str]().union(*(names[name] for name in names if name in lacking))
+    alone = {"state_map", "half_widths", "slip_history", "errors"} if len(comparison.found.time) < 2 else set()
+    return frozenset(found | alone)
