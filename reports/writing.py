@@ -129,5 +129,9 @@ def _can_not_be_drawn(comparison: Comparison) -> frozenset[str]:
     lacking = missing(comparison.result)
     names = {"slip": {"slip_history"}, "dissipation_density": {"dissipation_density"}}
     found = set[str]().union(*(names[name] for name in names if name in lacking))
-    alone = {"state_map", "half_widths", "slip_history", "errors"} if len(comparison.found.time) < 2 else set()
+    alone = (
+        {"state_map", "half_widths", "slip_history", "errors", "certificates_result", "certificates_reference"}
+        if len(comparison.found.time) < 2
+        else set()
+    )
     return frozenset(found | alone)
