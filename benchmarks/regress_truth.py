@@ -22,9 +22,10 @@ def truth(scene: Scene) -> mp.mpf | None:
     load, f = scene.load, mp.mpf(scene.friction.coefficient)
     if (closed := _constant_load(scene, f)) is not None:
         return closed
-    if load.kind == "ellipse" and load.phase_degrees in (0.0, 180.0, -180.0):
-        return mp.mpf(0) if _in_proportion(scene) else None
-    if load.kind == "ellipse" and scene.profile.kind in PILES:
+    line = load.kind == "ellipse" and load.phase_degrees in (0.0, 180.0, -180.0)
+    if line and _in_proportion(scene):
+        return mp.mpf(0)
+    if load.kind == "ellipse" and not line and scene.profile.kind in PILES:
         return _steady_ellipse(scene, f)
     if scene.profile.kind != "hertz" or load.kind not in LEGS:
         return None
@@ -56,7 +57,10 @@ def _waves(load: object, normal: list, tangential: list) -> tuple[list[Leg], lis
 LEGS: dict[str, Callable] = {
     "harmonics": lambda load: _waves(load, load.normal_harmonics, load.tangential_harmonics),
     "ellipse": lambda load: _waves(load, [(load.normal_amplitude, 0.0)], [(load.tangential_amplitude, load.phase_degrees)]),
-    "polygon": lambda load: (_straight([(0.0, 0.0), *load.way_in, *load.cycle[:1]]), _straight(list(load.cycle), closed=True)),
+    "polygon": lambda load: (
+        _straight([(0.0, 0.0), *load.way_in]),
+        _straight([load.way_in[-1], *load.cycle], closed=True) if load.cycle else [],
+    ),
     "time_series": lambda load: (_straight(load.series()[:, 1:].tolist()), []),
 }
 """Way in and cycle of each kind of load, in mpmath."""

@@ -2,6 +2,7 @@
 
     make publish            (python -m reports.publishing, some minutes)
     make publish PAGES=1    (... --pages: the pages alone, from the numbers that are there)
+    python -m reports.publishing NAME ...   (the named scenes; all others stay as they are)
 
 Two columns, kept apart. *External*: a closed form, a value with 30 digits or a published one, with its tolerance; nothing
 that we compute goes into it. *Frozen*: our own figures of last time, of both engines with their default settings; they say
@@ -163,17 +164,19 @@ def publish(names: Sequence[str]) -> int:
     """Compute, write, and say what moved; returns how many scenes did."""
     from reports.publishing_figures import picture
 
-    before, kept, moved = values()["scenes"], {}, 0
+    before, moved = values()["scenes"], 0
+    kept = {name: stored for name, stored in before.items() if name in scene_names()}
     for name in names:
         comparison = compute(name)
         kept[name] = json.loads(json.dumps(stored_content(comparison), allow_nan=False))
         replace_text(FOLDER / f"{name}.svg", picture(comparison))
         moved += _say_what_moved(name, before.get(name), kept[name])
+    kept = dict(sorted(kept.items()))
     content = {"written by": "make publish", "settings": "both engines' defaults", "scenes": kept}
     replace_text(FOLDER / "values.json", json.dumps(content, allow_nan=False, indent=1, ensure_ascii=False) + "\n")
     write_pages(kept)
     for path in FOLDER.iterdir():
-        if path.suffix in (".md", ".svg") and path.stem not in (*names, "README"):
+        if path.suffix in (".md", ".svg") and path.stem not in (*kept, "README"):
             path.unlink()
     return moved
 
@@ -199,15 +202,19 @@ def _say_what_moved(name: str, before: Mapping[str, Any] | None, now: Mapping[st
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Publish the whole library; with --pages write its pages anew from values.json."""
+    """Publish the whole library or the scenes named; with --pages write the pages anew from values.json."""
     if not TRUTHS.exists():
         say("reports are published from a checkout: benchmarks/regress.json is not there")
         return 2
     if list(arguments) == ["--pages"]:
         write_pages(values()["scenes"])
         return 0
-    moved = publish(scene_names())
-    say(f"{FOLDER.name}: {len(scene_names())} scenes, {moved} moved; look at `git diff` before you commit")
+    if unknown := set(arguments) - set(scene_names()):
+        say(f"no such scene in the library: {', '.join(sorted(unknown))}")
+        return 2
+    names = tuple(arguments) or scene_names()
+    moved = publish(names)
+    say(f"{FOLDER.name}: {len(names)} scenes, {moved} moved; look at `git diff` before you commit")
     return 0
 
 

@@ -73,7 +73,7 @@ class TimeSeriesLoad(BaseModel):
         low, high = np.min(self.rows.values, axis=0), np.max(self.rows.values, axis=0)
         again = ", again and again" if self.repeats else ""
         return (
-            f"the loads follow {len(self.rows)} measured rows, P from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to "
+            f"the loads follow {len(self.rows)} rows of a record, P from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to "
             f"{high[2]:.6g} {unit}{again}"
         )
 
