@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from reports.score.calculix_dat import DatTable, read_dat
 from reports.score.calculix_frd import read_frd
 from reports.score.calculix_mesh import CalculixMesh
-from reports.score.calculix_surface import SLIP_NOTE, pair_loads, sign_and_factor, tension, times_in, unbalanced
+from reports.score.calculix_surface import SLIP_NOTE, pair_loads, sign_and_factor, times_in
 from reports.score.mapping import Mapping, converted
+from reports.score.resultants import tension, unbalanced
 from reports.score.surface import SurfaceResult
 from reports.score.surface_nodes import material_above, one_plane
 from reports.score.tidying import surface_result
@@ -65,7 +66,7 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
         notes.append(SLIP_NOTE)
     times = np.array(list(stress))
     series = {"time": times_in(path, mapping, times)}
-    loads, said = pair_loads(printed, mapping, times, places.body, places.depth)
+    loads, said = pair_loads(printed, mapping, times, places.depth)
     series |= loads
     notes += said
     x = converted(mapping, "x", places.x)

@@ -20,6 +20,7 @@ from reports.score.calculix_frd import FrdBlock, FrdFile, read_frd
 from reports.score.calculix_mesh import CalculixMesh
 from reports.score.mapping import Mapping, converted
 from reports.score.reading_csv import times_of
+from reports.score.resultants import free_face, tension, unbalanced
 from reports.score.surface import SurfaceResult
 from reports.score.surface_nodes import SAME, Plane, body_of, extent, material_above, one_plane
 from reports.score.tidying import surface_result
@@ -28,7 +29,6 @@ from scenes import InputError, Scene
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_ADDS_UP = 0.02  # below what trapezia over ten elements a half-width lose at a square-root edge
 _WANTED = ("COPEN", "CSLIP1", "CPRESS", "CSHEAR1")
 SLIP_NOTE = "CalculiX' slip holds the elastic slip of its stick stiffness and is 0 at points that are open"
 
@@ -57,7 +57,7 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
         "shear": columns["CSHEAR1"] * sign_and_factor(mapping, "shear", slave.body),
         "slip": columns["CSLIP1"] * sign_and_factor(mapping, "slip", slave.body),
     }
-    return _result(path, mapping, file, slave.plane, fields, np.array([block.time for block in blocks]), slave.body, notes)
+    return _result(path, mapping, file, slave.plane, fields, np.array([block.time for block in blocks]), notes)
 
 
 def sign_and_factor(mapping: Mapping, quantity: Literal["shear", "slip"], body: str) -> float:
@@ -131,14 +131,6 @@ def _scattered(mesh: CalculixMesh, block: FrdBlock, name: str) -> Array:
     return values
 
 
-def tension(pressure: Array) -> list[str]:
-    """A sentence where the contact pulls."""
-    least = float(pressure.min())
-    if least >= 0:
-        return []
-    return [f"the contact pulls at some points, by up to {-least:.4g}: kept as it is (a linear overclosure law allows it)"]
-
-
 def _from_stress(path: Path, mapping: Mapping) -> SurfaceResult:
     """p = -SYY and q = SXY at the lower body's face: the traction on its outward normal +y."""
     file = read_frd(path, ("STRESS",))
@@ -169,15 +161,16 @@ def _from_stress(path: Path, mapping: Mapping) -> SurfaceResult:
         *plane.notes,
     ]
     fields = {"pressure": -factor * stress["SYY"], "shear": factor * stress["SXY"]}
-    return _result(path, mapping, file, plane, fields, np.array([block.time for block in blocks]), "lower", notes)
+    notes += free_face(plane.x, fields["pressure"], fields["shear"])
+    return _result(path, mapping, file, plane, fields, np.array([block.time for block in blocks]), notes)
 
 
 def _result(
-    path: Path, mapping: Mapping, file: FrdFile, plane: Plane, fields: dict[str, Array], times: Array, body: str, notes: list[str]
+    path: Path, mapping: Mapping, file: FrdFile, plane: Plane, fields: dict[str, Array], times: Array, notes: list[str]
 ) -> SurfaceResult:
     """Times and loads added; everything checked and sorted."""
     series = {"time": times_in(path, mapping, times)}
-    loads, said = _loads(path, mapping, times, body, plane.depth)
+    loads, said = _loads(path, mapping, times, plane.depth)
     series |= loads
     notes = [*notes, *said]
     if not file.ended:
@@ -192,29 +185,19 @@ def times_in(path: Path, mapping: Mapping, times: Array) -> Array:
     return times_of(str(path), mapping, len(times)) if mapping.times is not None else converted(mapping, "time", times)
 
 
-def unbalanced(x: Array, pressure: Array, normal_load: Array | None) -> list[str]:
-    """A sentence where the pressure does not add up to the pair's resultant: nodal values of surface-to-surface pairs do not."""
-    if normal_load is None:
-        return []
-    share = float(np.trapezoid(pressure[-1], x) / normal_load[-1])
-    if abs(share - 1) < _ADDS_UP:
-        return []
-    return [f"the last instant's pressures add up to {share:.3f} of the contact pair's resultant: so coarse are the file's values"]
-
-
-def _loads(path: Path, mapping: Mapping, times: Array, body: str, depth: float) -> tuple[dict[str, Array], list[str]]:
+def _loads(path: Path, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
     """P and Q from the .dat file beside it, where there is one."""
     beside = path.with_suffix(".dat")
     if not beside.exists() or not beside.stat().st_size:
         return {}, []
-    return pair_loads(read_dat(beside), mapping, times, body, depth)
+    return pair_loads(read_dat(beside), mapping, times, depth)
 
 
-def pair_loads(file: DatFile, mapping: Mapping, times: Array, body: str, depth: float) -> tuple[dict[str, Array], list[str]]:
+def pair_loads(file: DatFile, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:
     """P and Q (n_times,) of the one contact pair, and what was done to them; nothing where a time has no resultant.
 
-    They are what the upper body does to the lower; the file states the force on the slave face, and `body` is the slave's. `depth`
-    is the thickness of the mesh, 0 where it is a plane one: it counts where the mapping states none.
+    They are what the upper body does to the lower; the file states the force on the slave face, which is the lower body's where its
+    normal looks up. `depth` is the thickness of the mesh, 0 where it is a plane one: it counts where the mapping states none.
     """
     pairs = [pair for pair in file.pairs if mapping.surface in (None, pair.slave, pair.master)]
     if len({(pair.slave, pair.master) for pair in pairs}) > 1:
@@ -222,12 +205,12 @@ def pair_loads(file: DatFile, mapping: Mapping, times: Array, body: str, depth: 
         raise InputError(f"{file.path}: several contact pairs (slave faces {names}); name one by surface of a mapping")
     found = [_at(pairs, time) for time in times]
     # CalculiX writes 0 and NaN for node-to-surface pairs, touching or not: no statement on the loads.
-    forces = np.array([pair.force for pair in found if pair is not None and np.isfinite(pair.normal).all()])
-    if len(forces) < len(times):
+    stated = [pair for pair in found if pair is not None and np.isfinite(pair.normal).all()]
+    on_lower = np.array([pair.force if pair.normal[1] > 0 else -pair.force for pair in stated])
+    if len(stated) < len(times):
         return {}, [
-            f"{file.path.name} states the pair's resultant at {len(forces)} of {len(times)} times: not used"
+            f"{file.path.name} states the pair's resultant at {len(stated)} of {len(times)} times: not used"
         ] if pairs else []
-    on_lower = forces if body == "lower" else -forces
     of_mesh = depth > 0 and "thickness" not in mapping.model_fields_set
     thickness = depth * (mapping.factors.length or 1.0) if of_mesh else 1.0
     normal, tangential = (-on_lower[:, 1] / thickness, on_lower[:, 0] / thickness)

@@ -17,6 +17,7 @@ from meshes import FieldFrame, read_frames
 from reports.score.field_surface import FieldSurface, surface_cells, surface_points
 from reports.score.mapping import Mapping, converted, find_column, listed, plain
 from reports.score.reading_csv import times_of
+from reports.score.resultants import free_face
 from reports.score.surface import SurfaceResult
 from reports.score.surface_nodes import SAME, extent
 from reports.score.tidying import surface_result
@@ -40,6 +41,7 @@ class _Source:
     surface: FieldSurface
     take: _Take
     notes: tuple[str, ...]
+    of_stress: bool = False
 
 
 def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: ARG001 (the readers' common signature)
@@ -60,6 +62,8 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
     x = converted(mapping, "x", source.surface.x)
     fields = {"pressure": pressure, "shear": shear, "slip": slip}
     notes = [*source.notes, *source.surface.notes]
+    if source.of_stress:
+        notes += free_face(x, pressure, shear)
     return surface_result(str(path), mapping.code, x, dict(fields), {"time": _times(path, mapping, frames)}, notes)
 
 
@@ -202,4 +206,4 @@ def _stress(path: Path, frame: FieldFrame, mapping: Mapping, name: str) -> _Sour
         f"no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {surface.body} body's nodal {name} (components "
         f"{order}), which is extrapolated to the surface and coarser than contact tractions",
     )
-    return _Source(surface, take, notes)
+    return _Source(surface, take, notes, of_stress=True)
