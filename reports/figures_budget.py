@@ -31,9 +31,11 @@ def bars(budget: ErrorBudget) -> Plate | None:
     rest = "unexplained" if shown[0].half_planes else "idealisation"
     stacks = [_shares(one) for one in shown]
     ends = [end for shares in stacks for end in (sum(s for s in shares if s > 0), sum(s for s in shares if s < 0))]
-    doubts = [abs(one.total / _tolerance(one)) + (one.uncertainty or 0.0) / _tolerance(one) for one in shown]
-    signs = [math.copysign(d, one.total) for d, one in zip(doubts, shown, strict=True)]
-    axes = Axis(*limits([*ends, *signs, -1.0, 1.0]), "share of the tolerance", count=8), Axis(0.0, float(len(shown)), "", count=0)
+    marks_of_e = [(one.total + side * (one.uncertainty or 0.0)) / _tolerance(one) for one in shown for side in (-1, 1)]
+    axes = (
+        Axis(*limits([*ends, *marks_of_e, -1.0, 1.0]), "share of the tolerance", count=8),
+        Axis(0.0, float(len(shown)), "", count=0),
+    )
     area = frame(*axes, width=900.0, height=_ROW * len(shown) + 60)
     lines = [marks.vertical(area, side, "limit") for side in (-1.0, 1.0)] + [marks.vertical(area, 0.0, "zero")]
     for row, (one, shares) in enumerate(zip(shown, stacks, strict=True)):
@@ -79,7 +81,7 @@ def _shares(one: Budget) -> list[float]:
 
 def _stack(area: marks.Frame, row: int, one: Budget, shares: list[float], names: list[str]) -> Iterator[str]:
     """Name, bars and the mark of E of one metric, in the row counted from below."""
-    yield marks.words(area.x.start + 6, float(area.y.place(row + 0.97)) + 13, one.metric.label, class_="tick")
+    yield marks.words(area.x.start + 6, float(area.y.place(row + 0.97)) + 13, one.metric.label, class_="tick over")
     ends = {True: 0.0, False: 0.0}
     for k, (share, name) in enumerate(zip(shares, names, strict=True)):
         if share:
@@ -108,7 +110,7 @@ def ladders(budget: ErrorBudget) -> Plate | None:
         Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), "element size, over that of the run", log=True),
         Axis(low / 3, 3 * top, "distance from the value at size zero", log=True),
     )
-    area = frame(*axes, width=620.0, height=360.0)
+    area = frame(*axes, width=900.0, height=360.0)
     lines = [
         marks.curve(area, sizes, top * (sizes / sizes[-1]) ** order, f"slope order-{order}", f"order {order}") for order in (1, 2)
     ]

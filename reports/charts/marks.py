@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 import struct
 import zlib
 from collections.abc import Mapping, Sequence
@@ -44,7 +45,9 @@ def attributes(given: Mapping[str, object]) -> str:
 
 
 def element(name: str, content: str = "", /, **given: object) -> str:
-    """An element; `content` is SVG already."""
+    """An element; `content` is SVG already. A place that is no number draws nothing."""
+    if any(isinstance(value, float) and not math.isfinite(value) for value in given.values()):
+        return ""
     return f"<{name}{attributes(given)}>{content}</{name}>" if content else f"<{name}{attributes(given)}/>"
 
 

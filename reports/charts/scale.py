@@ -47,7 +47,7 @@ def ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> list
     """
     if log:
         powers = np.arange(np.ceil(np.log10(low) - 1e-9), np.floor(np.log10(high) + 1e-9) + 1)
-        if len(powers) < 2:
+        if len(powers) < 3:
             powers = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
             steps = [s * 10.0**p for p in powers for s in (1, 2, 5)]
             return [float(f"{s:.12g}") for s in steps if low * (1 - 1e-9) <= s <= high * (1 + 1e-9)]
