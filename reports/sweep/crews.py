@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import threading
@@ -100,23 +101,28 @@ class Dask:
 
     shared_fate = False
 
-    def __init__(self, address: str, width: int | None = None) -> None:
+    def __init__(self, address: str, width: int | None = None, patience: float = 10.0) -> None:
         self._address = address
         self._asked = width
-        self._connect(10.0)
+        self._connect(patience)
 
     def _connect(self, patience: float) -> None:
         client_class = _client_class()
+        # What it loses we say in our own words, once; its tracebacks tell nothing more.
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
         try:
             self._client = client_class(self._address, timeout=patience, set_as_default=False)
-            found = sum(int(worker["nthreads"]) for worker in self._client.scheduler_info(n_workers=-1)["workers"].values())
         except (OSError, TimeoutError) as reason:
+            raise InputError(f"--scheduler {self._address}: no dask scheduler answers there ({type(reason).__name__})") from reason
+        try:
+            self._client.wait_for_workers(1, timeout=patience)
+        except (OSError, TimeoutError) as reason:
+            self._client.close(timeout=1.0)
             raise InputError(
-                f"--scheduler {self._address}: no dask scheduler answers there: {str(reason) or type(reason).__name__}"
+                f"--scheduler {self._address}: the scheduler has no worker: start some, then go on with --resume"
             ) from reason
-        if not found and not self._client.wait_for_workers(1, timeout=patience):
-            found = sum(int(worker["nthreads"]) for worker in self._client.scheduler_info(n_workers=-1)["workers"].values())
-        self.width = self._asked or max(1, found)
+        threads = [int(worker["nthreads"]) for worker in self._client.scheduler_info(n_workers=-1)["workers"].values()]
+        self.width = self._asked or max(1, sum(threads))
         self._executor: Executor = self._client.get_executor(pure=False)
 
     def submit(self, text: str) -> Future[str]:
@@ -142,12 +148,12 @@ class Dask:
             try:
                 self._connect(5.0)
                 return
-            except (InputError, TimeoutError):
+            except InputError:
                 if time.monotonic() > end:
                     raise
 
     def dismiss(self, at_once: bool = False) -> None:
-        self._executor.shutdown(wait=False, cancel_futures=True)
+        self._executor.shutdown(wait=False)  # dask's own cancels what is not begun
         self._client.close(timeout=1.0 if at_once else 10.0)
 
 
