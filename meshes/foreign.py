@@ -139,10 +139,9 @@ def _single(path: Path) -> FieldFrame:
     if read is None:
         raise InputError(f"{path}: no reader for {path.suffix!r} within a collection; it reads {', '.join(readers)}")
     try:
-        mesh = read(path)
+        return _frame(None, read(path))
     except _FAULTS as reason:
         raise _broken(path, reason) from reason
-    return _frame(None, mesh)
 
 
 def _xdmf(path: Path) -> list[FieldFrame]:
@@ -166,6 +165,13 @@ def _frame(time: float | None, mesh: meshio.Mesh) -> FieldFrame:
     flat = np.zeros((len(points), 3))
     flat[:, : points.shape[1]] = points
     blocks = range(len(mesh.cells))
+    for block in mesh.cells:
+        rows = np.asarray(block.data)
+        if rows.size and (rows.min() < 0 or rows.max() >= len(points)):
+            raise ValueError(f"a cell of kind {block.type} names a point that is not there")
+    for name, values in mesh.point_data.items():
+        if len(values) != len(points):
+            raise ValueError(f"{name} has {len(values)} values for {len(points)} points")
     return FieldFrame(
         time,
         flat,

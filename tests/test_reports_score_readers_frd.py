@@ -141,6 +141,7 @@ HEAD = next(line for line in LINE if line.startswith("  100C"))
         (f" -1{40:10d}{number(0)}{number(1)}", f" -1{40:10d}{number(np.nan)}{number(1)}", 5, "finite coordinates"),
         (f" -2{1:10d}{2:10d}", f" -2{1:10d}{'':10}", 12, "a node's number"),
         (f" -1{1:10d}{9:5d}", f" -2{1:10d}{9:5d}", 11, "the head of an element"),
+        (f" -2{1:10d}{2:10d}{3:10d}{40:10d}\n", "", 10, "nodes .-2. of every element, found none of element 1"),
         (" 9999", "    3C", 31, None),
     ],
 )

@@ -103,6 +103,16 @@ def test_a_file_that_is_none_is_refused(tmp_path, name, text, said):
         result(tmp_path / name)
 
 
+def test_cells_of_points_that_are_not_there_are_refused(tmp_path):
+    path = tmp_path / "a.vtk"
+    mesh(**scalars()).write(path, file_format="vtk42", binary=False)
+    text = path.read_text()
+    cells = text.index("CELLS")
+    path.write_text(text[:cells] + text[cells:].replace("\n4 ", "\n4 9", 1).replace("\n4\n", "\n4\n9", 1))
+    with pytest.raises(InputError, match="names a point that is not there"):
+        result(path)
+
+
 @pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".xdmf"])
 def test_a_file_that_breaks_off_anywhere_is_refused(tmp_path, suffix):
     path, cut = tmp_path / f"whole{suffix}", tmp_path / f"cut{suffix}"

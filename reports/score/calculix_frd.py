@@ -181,6 +181,8 @@ def _elements(lines: Lines, header: bytes, found: _Found) -> None:
                 integer_in(lines, line[k : k + label], "a node's number", number) for k in range(3, len(line.rstrip()), label)
             ]
     expect_count(lines, announced, len(heads), "elements", at)
+    if bare := [head[0] for head, own in zip(heads, nodes, strict=True) if not own]:
+        raise lines.refusal(f"nodes (-2) of every element, found none of element {bare[0]}", at)
     found.elements += [FrdElement(*head, tuple(own)) for head, own in zip(heads, nodes, strict=True)]
 
 
