@@ -7,7 +7,7 @@ normal and the tangential problem until neither moves. Where both bodies are hal
 
     gap = g0 - delta - K p + C q >= 0,    slip = U + K q + C p,    C_ij = (beta/E*) length sgn(x_i - x_j)
 
-(K as in discretised_half_plane.py; C both times the same, by reciprocity; beta after Johnson, Contact Mechanics, 1985, section 5.1).
+(K as in discretised_half_plane.py; C both times the same, by reciprocity; beta after Johnson, Contact Mechanics, 1985, section 5.1)
 The sign of beta is that of the mirror image: loads to and fro between +-Q do not see it.
 """
 

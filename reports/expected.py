@@ -94,8 +94,8 @@ def rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
         (
             one.expected.quantity.replace("_", " "),
             one.expected.engine,
-            f"{one.expected.value:.9g}",
-            "none" if math.isnan(one.found) else f"{one.found:.9g}",
+            f"{one.expected.value:.5g}",
+            "none" if math.isnan(one.found) else f"{one.found:.5g}",
             "–" if math.isnan(one.difference) else f"{one.difference:+.1e}",
             f"{one.expected.tolerance:.3g}",
             "yes" if one.met else "no",
@@ -104,7 +104,7 @@ def rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
     ]
 
 
-HEADS = ("quantity", "engine", "expected", "found", "difference", "tolerance", "met")
+HEADS = ("quantity", "engine", "expected", "found", "off", "limit", "met")
 
 
 def content(findings: Iterable[Finding]) -> list[dict[str, Any]]:

@@ -40,7 +40,7 @@ def _silhouette(scene: Scene, shape: Shape, other: Shape, side: float) -> Silhou
     rise = _depth(scene, shape, x)
     if side > 0 and not scene.bodies.faces_are_true:
         gap = scene.profile.height(x)
-        rise = gap / gap[-1] * _GAP * half
+        rise = gap / gap[-1] * min(_GAP * half, _height(shape, half) / 2)
     top = max(_height(shape, half), float(rise.max()))
     face = np.column_stack([x, side * rise])
     corners = [] if isinstance(shape, Cylinder) else [[half, side * top], [-half, side * top]]
