@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -105,8 +106,8 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     return (right - left) / 2
 
 
-def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit) -> Record:
-    """How the run went, step by step; the first entry is the unloaded state."""
+def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()) -> Record:
+    """How the run went, step by step; the first entry is the unloaded state. `notes` are what a reader must know besides."""
     note = audit.note()
     names = run.checks[0] if run.checks else {}
     checks = {name: freeze([0.0, *(check[name] for check in run.checks)]) for name in names}
@@ -126,7 +127,7 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit) -> Record:
         iterations=freeze([0, *(increment.iterations for increment in run.increments)], np.int64),
         certificates={**checks, "energy_balance": freeze(balance / largest)},
         energy={name: freeze(values * scales.load**2 / scales.modulus) for name, values in energies.items()},
-        notes=() if note is None else (note,),
+        notes=(*(() if note is None else (note,)), *notes),
     )
 
 

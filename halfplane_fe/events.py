@@ -156,6 +156,8 @@ def _next_instant(points: list[_Point], end: float) -> float:
 def _first_zero(first: _Point, second: _Point) -> float:
     """Instant at which the first of the rooms, linear through two points, falls through zero; infinite if none does."""
     watched = np.isfinite(first.room)
+    if second.time == first.time:  # two instants that are one to rounding tell no slope
+        return np.inf
     slope = (second.room[watched] - first.room[watched]) / (second.time - first.time)
     falling = slope < 0
     return float(np.min(second.time - second.room[watched][falling] / slope[falling], initial=np.inf))

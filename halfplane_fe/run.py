@@ -35,7 +35,7 @@ class PathRun:
     cycle_starts : index of the state at which each revolution starts
     cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it is not periodic
     steady_from : index of the first revolution that ended as it started
-    cycle_change : per revolution, largest change of a nodal force from its start to its end, over the largest force
+    cycle_change : per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end, over the largest p
     failure : what stopped the run, or None
     """
 
@@ -82,7 +82,7 @@ def run_path(problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, p
             run.cycle_starts.append(first)
             _follow_legs(problem, run, path.cycle_legs(number), pace.steps_per_cycle, pace, progress, f"revolution {number + 1}")
             run.cycle_density.append(_density(problem, run.increments[first:]))
-            run.cycle_change.append(_change(before, run.states[-1]))
+            run.cycle_change.append(_change(before, run.states[-1], problem.friction))
             if run.cycle_change[-1] <= REPEATS:
                 run.steady_from = number
                 break
@@ -119,6 +119,7 @@ def _follow_legs(
     progress(len(pieces), len(pieces), text)
 
 
-def _change(before: InterfaceState, after: InterfaceState) -> float:
-    change = max(np.abs(after.pressure - before.pressure).max(), np.abs(after.shear - before.shear).max())
-    return float(change / np.max(after.pressure))
+def _change(before: InterfaceState, after: InterfaceState, friction: float) -> float:
+    """Largest change of a nodal p, or of a nodal q over f, over the largest p: with little friction all of q is little."""
+    pressure, shear = (np.abs(getattr(after, name) - getattr(before, name)).max() for name in ("pressure", "shear"))
+    return float(max(pressure, shear / min(friction, 1.0) if shear > 0 else 0.0) / np.max(after.pressure))

@@ -25,6 +25,7 @@ from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.pair import check_supports, condensed_pair, initial_gap, meshed_pair
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
+from halfplane_fe.resolution import resolution_notes
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
@@ -217,7 +218,7 @@ def _solution(
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
-        record=record_of(run, scales, audit),
+        record=record_of(run, scales, audit, _notes(scene, run, arrays, grading.edge_size)),
         work=_work(scene, problem, run, condensed, watch.seconds),
         settings={
             "mesh": asdict(mesh),
@@ -232,6 +233,15 @@ def _solution(
         **arrays,
         **own,
     )
+
+
+def _notes(scene: Scene, run: PathRun, arrays: Mapping[str, Any], element: float) -> tuple[str, ...]:
+    """What the mesh does not resolve in the last revolution."""
+    if run.failure is not None:
+        return ()
+    first = run.cycle_starts[-1] + 1 if run.cycle_starts else 1
+    contact, stick = (arrays[name][first:] for name in ("contact_half_width", "stick_half_width"))
+    return tuple(resolution_notes(scene, contact, stick, element, arrays["dissipation"], needs_shear(scene)))
 
 
 def _work(

@@ -8,7 +8,8 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from scenes import ConvergenceError
-from semi_analytic_cases import ellipse, make_scene
+from semi_analytic.contact import contact_of
+from semi_analytic_cases import ellipse, make_scene, polygon
 
 SWIFT = MeshSettings.swift()
 FEW = SolverSettings(steps_per_cycle=24)
@@ -43,3 +44,37 @@ def test_failing_at_the_very_first_increment_is_told_as_such(monkeypatch):
         halfplane_fe.solve(scene, SWIFT, FEW, scales=scales)
     assert len(caught.value.partial.time) == 1
     assert np.isnan(caught.value.partial.permanent_stick_half_width)
+
+
+@pytest.mark.parametrize("friction", [1e-6, 1e-3, 100.0])
+def test_friction_of_any_size_scales_the_shear_and_nothing_else(friction):
+    """Q in proportion to f: W/f^2 is the same. With q counted over p, f = 1e-3 kept its way in: W a third too large."""
+    one, other = (
+        halfplane_fe.solve(make_scene(ellipse(3.0, 1.0, 0.4 * f, 1.6 * f, 70.0), f, radius=100.0), SWIFT, FEW)
+        for f in (1.0, friction)
+    )
+    assert other.dissipation / friction**2 == pytest.approx(one.dissipation, rel=1e-4)  # 2e-5: other touches, other increments
+    assert other.steady_from == one.steady_from
+
+
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [(0.6, None), (0.03, "the dissipation is off by per cents"), (1e-6, "no node slips: a slip zone")],
+)
+def test_slip_zones_that_the_mesh_does_not_see_are_told(share, words):
+    scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 0.5 * share), (1.0, -0.5 * share)]), 0.5, radius=100.0)
+    answer = halfplane_fe.solve(scene, SWIFT, FEW)
+    exact = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
+    assert [words in note for note in answer.record.notes] == [True] if words else answer.record.notes == ()
+    assert (abs(answer.dissipation / exact - 1) > 0.05) == (words is not None)
+
+
+def test_a_flank_that_the_mesh_does_not_see_is_told():
+    """1 - b/a = 1e-3, elements of a/32: the pressure is a quarter off in L2, which the edges' uncertainty does not say."""
+    scene = make_scene(ellipse(), 0.5, flat=1.0)
+    load = float(contact_of(scene.profile, scene.material).load(1.001))
+    scene = make_scene(ellipse(*(np.array([0.75, 0.25, 0.05, 0.2]) * load), 70.0), 0.5, flat=1.0)
+    notes = halfplane_fe.solve(scene, SWIFT, FEW).record.notes
+    assert any("beyond x = 1, where the pressure is steep" in note for note in notes)
+    wide = make_scene(ellipse(*(np.array([0.75, 0.25, 0.05, 0.2])), 70.0), 0.5, flat=0.5)
+    assert not any("steep" in note for note in halfplane_fe.solve(wide, SWIFT, FEW).record.notes)
