@@ -22,6 +22,11 @@ def run(
         tuple[str, ...],
         Parameter(consume_multiple=True, negative="", help='Write both bodies for ParaView at these times, or at "events".'),
     ] = (),
+    stress: Annotated[
+        tuple[str, ...],
+        Parameter(consume_multiple=True, negative="", help='Show von Mises stress on the page at these times, or at "events".'),
+    ] = (),
+    pdf: Annotated[bool, Parameter(negative="", help="Write report.pdf too; needs the extra halfplane[pdf].")] = False,
     budget: Annotated[
         bool, Parameter(negative="", help="Measure where the discrepancy comes from: coarser meshes, other far fields.")
     ] = False,
@@ -34,7 +39,7 @@ def run(
     from reports import commands
 
     limit = None if third is None else third_limit
-    return commands.run(scene, out, vtu, quiet, finite_elements, budget=budget, third_limit=limit)
+    return commands.run(scene, out, vtu, quiet, finite_elements, budget=budget, third_limit=limit, stress=stress, pdf=pdf)
 
 
 @app.command(sort_key=3, help_epilogue="")

@@ -39,20 +39,37 @@ def run(
     *,
     budget: bool = False,
     third_limit: float | None = None,
+    stress: tuple[str, ...] = (),
+    pdf: bool = False,
 ) -> int:
     """Both engines, the verdict, the page; with `budget`, where the errors come from."""
     stages = Stages(quiet)
     scene = jobs.read(source)
     folder = claim(out or default_folder(scene.name))
     _times(vtu, "--vtu", scene)
+    _times(stress, "--stress", scene)
+    if stress:
+        _can_draw(stages)
     jobs.load_engines(stages)
     options.settings()
     third = () if third_limit is None else ("--third", "calculix", "--third-limit", f"{third_limit:g}")
-    more = (("--vtu", *vtu) if vtu else (), ("--budget",) if budget else (), third)
+    asked = (("--vtu", *vtu) if vtu else (), ("--stress", *stress) if stress else (), ("--pdf",) if pdf else ())
+    more = (*asked, ("--budget",) if budget else (), third)
     command = options.command("run", source, folder, *more)
     try:
         with jobs.naming(source):
-            report = jobs.run(scene, folder, options, stages, vtu=vtu, budget=budget, command=command, third_limit=third_limit)
+            report = jobs.run(
+                scene,
+                folder,
+                options,
+                stages,
+                vtu=vtu,
+                budget=budget,
+                command=command,
+                third_limit=third_limit,
+                stress=stress,
+                pdf=pdf,
+            )
     except ConvergenceError as failure:
         return _not_converged(failure, scene, folder)
     _show_verdict(report.comparison)
@@ -214,6 +231,12 @@ def _show_expected(scene: Scene, solutions: Sequence[ContactSolution]) -> bool:
     findings = list(expected.check(scene, solutions))
     if findings:
         show_table("Expected numbers", expected.HEADS, expected.rows(findings), right=(2, 3, 4, 5))
+        missed = sum(not finding.met for finding in findings)
+        say(
+            f"{missed} of {len(findings)} expected numbers are missed."
+            if missed
+            else f"All {len(findings)} expected numbers are met."
+        )
     return all(finding.met for finding in findings)
 
 

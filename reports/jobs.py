@@ -93,6 +93,8 @@ def run(
     budget: bool = False,
     command: str = "",
     third_limit: float | None = None,
+    stress: tuple[str, ...] = (),
+    pdf: bool = False,
 ) -> Report:
     """Both engines, the comparison, with `budget` where its errors come from, and the report.
 
@@ -102,6 +104,10 @@ def run(
         from reports.third.running import find_calculix
 
         find_calculix()  # before anything is solved
+    if pdf:
+        from reports.pdf import require_typst
+
+        require_typst("--pdf")
     begun = time.process_time()
     result = solve_finite_elements(scene, options, stages)
     reference = solve_half_plane(scene, stages, result)
@@ -118,7 +124,16 @@ def run(
         from reports.writing import write
 
         instants = [instant.time for instant in instants_of(vtu, result, "--vtu")]
-        page = write(comparison, out, vtu_instants=instants, command=command, seconds=dict(stages.seconds), third=third)
+        page = write(
+            comparison,
+            out,
+            vtu_instants=instants,
+            command=command,
+            seconds=dict(stages.seconds),
+            third=third,
+            stress_instants=instants_of(stress, result, "--stress"),
+            pdf=pdf,
+        )
     return Report(comparison, page, stages.seconds, third)
 
 

@@ -21,6 +21,7 @@ from reports.page import render
 from reports.summary import as_json
 
 if TYPE_CHECKING:
+    from reports.fields import Instant
     from reports.third.opinion import ThirdOpinion
 
 
@@ -32,6 +33,8 @@ def write(
     command: str = "",
     seconds: Mapping[str, float] | None = None,
     third: ThirdOpinion | None = None,
+    stress_instants: Sequence[Instant] = (),
+    pdf: bool = False,
 ) -> Path:
     """Write the report and return the path of the page.
 
@@ -43,14 +46,20 @@ def write(
     command : what reproduces the report
     seconds : stage -> wall time, for the page
     third : another code's answer, for a block of the page and files beside it
+    stress_instants : where the page shows von Mises' stress; nowhere by default
+    pdf : whether report.pdf is written too, which needs typst
 
     Raises
     ------
     InputError
-        If the folder can't be written to, or VTU is asked of a result without bodies.
+        If the folder can't be written to, VTU or stress is asked of a result without bodies, or a PDF where typst is missing.
     """
     with filled(out) as folder:
         drawings = draw(comparison)
+        if stress_instants:
+            from reports.figures_stress import stress
+
+            drawings += (stress(with_bodies(comparison.result, "--stress"), stress_instants),)
         (folder / "figures").mkdir()
         for drawing in drawings:
             (folder / "figures" / f"{drawing.name}.csv").write_text(drawing.csv(), encoding="utf-8")
@@ -65,6 +74,10 @@ def write(
         words = _write_third(comparison, third, folder) if third else None
         page = render(comparison, drawings, command, seconds or {}, live_data(comparison, drawings), words)
         (folder / "report.html").write_text(page, encoding="utf-8")
+        if pdf:
+            from reports.pdf import write_pdf
+
+            write_pdf(comparison, drawings, folder / "report.pdf", command)
     return Path(out) / "report.html"
 
 
