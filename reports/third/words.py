@@ -84,6 +84,7 @@ def page_words(comparison: Comparison, opinion: ThirdOpinion) -> dict[str, Any]:
 def as_json(comparison: Comparison, opinion: ThirdOpinion) -> str:
     """third.json: the table in numbers; strict JSON."""
     theirs = opinion.comparison
+    known = {metric.key: metric.value for metric in theirs.metrics} if theirs else {}
     content = {
         "format": "halfplane third opinion 1",
         "code": opinion.code,
@@ -106,10 +107,7 @@ def as_json(comparison: Comparison, opinion: ThirdOpinion) -> str:
             }
             for name, unit, figure in figures(comparison)
         },
-        "metrics": {
-            metric.key: {"ours": metric.value, "third": theirs.metric(metric.key).value if theirs else None}
-            for metric in comparison.metrics
-        },
+        "metrics": {metric.key: {"ours": metric.value, "third": known.get(metric.key)} for metric in comparison.metrics},
         "limits": opinion.limits,
         "notes": list(theirs.result.record.notes) + list(theirs.guesses) if theirs else [],
     }
