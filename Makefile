@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest slow bench numbers regress publish docs constraints clean distclean
+.PHONY: help run test lint types contracts pytest slow bench numbers regress publish peers docs constraints clean distclean
 
 PY := .venv/bin/python
 STAMP := .venv/.installed
@@ -25,6 +25,9 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 # gmsh writes the preferences of its window toolkit into the home folder even when no window is opened. Only for our own
 # programs: pip keeps the real home, where a user may have set it up.
 HOME_HERE := HOME="$(CURDIR)/.cache/home"
+
+# Debian packages of other people's codes; one that is added here is installed by `make peers`.
+PEERS := calculix-ccx
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -79,6 +82,13 @@ publish: $(STAMP) ## both engines on the whole library, into reports/published: 
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports.publishing $(if $(PAGES),--pages)
 	@$(PY) -m reports.library_page
+
+peers: ## other people's codes for `run --third` and make slow: CalculiX, a Debian package (asks for root)
+	@echo "==> peers: $(PEERS)"
+	@if dpkg-query -W $(PEERS) >/dev/null 2>&1; then echo "there already"; else \
+	    if [ "$$(id -u)" = 0 ]; then root=""; else root="sudo"; fi; \
+	    $$root apt-get update && $$root apt-get install -y --no-install-recommends $(PEERS); \
+	fi
 
 docs: $(DOCS_STAMP) ## the pages, into docs/_build/html
 	@echo "==> docs: sphinx"
