@@ -81,6 +81,12 @@ class Comparison(Pair):
         """The metrics of the second table."""
         return tuple(metric for metric in self.metrics if not metric.definition.headline)
 
+    def _repr_html_(self) -> str:
+        """For a notebook."""
+        from reports.notebook import comparison_html
+
+        return comparison_html(self)
+
     def metric(self, key: str) -> Metric:
         """The metric of that key; KeyError for an unknown one."""
         return {metric.key: metric for metric in self.metrics}[key]

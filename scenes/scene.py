@@ -14,6 +14,7 @@ from scenes.expected import Expected
 from scenes.harmonics import HarmonicLoad
 from scenes.loads import EllipseLoad, PolygonLoad
 from scenes.materials import FROZEN, Materials, Positive
+from scenes.notebook import scene_html
 from scenes.profiles import FlatRounded, Hertz, Profile
 from scenes.tags import Tag
 from scenes.time_series import TimeSeriesLoad
@@ -82,6 +83,10 @@ class Scene(BaseModel):
                         f"bodies.{name}.width = {body.width:g} goes past the end of the pad's arcs, at {2 * reach:g}: make it less"
                     )
         return self
+
+    def _repr_html_(self) -> str:
+        """For a notebook."""
+        return scene_html(self)
 
     def model_dump_json(self, **options: Any) -> str:
         """The scene as JSON text.

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from scenes.notebook import solution_html
 from scenes.scene import Scene
 
 Array = NDArray[np.float64]
@@ -205,6 +206,10 @@ class ContactSolution:
         """Read what `save` wrote."""
         with xr.open_dataset(path, engine="h5netcdf") as data:
             return cls.from_dataset(data.load())
+
+    def _repr_html_(self) -> str:
+        """For a notebook."""
+        return solution_html(self)
 
     @property
     def last_cycle(self) -> NDArray[np.intp]:

@@ -1,0 +1,44 @@
+"""The PDF: made where typst is, refused in a sentence where it is not, words from outside as data and never as typst's language."""
+
+import importlib.util
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from reports import compare, pdf, write
+from reports.writing import draw
+from scenes import InputError
+from test_reports_synthetic import cattaneo_mindlin, with_fields
+
+TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
+NASTY = '#panic("typst read this") $x$ *b* `code` <label> @ref \\ // </text>'
+
+
+def test_without_typst_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pdf, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"--pdf: it needs typst.*halfplane\[pdf\]"):
+        pdf.require_typst("--pdf")
+
+
+@pytest.mark.skipif(importlib.util.find_spec("typst") is None, reason="typst is not installed: pip install -e .[pdf]")
+def test_a_pdf_is_written_beside_the_page_whatever_the_words(tmp_path: Path) -> None:
+    scene = TRUTH.scene.model_copy(update={"name": NASTY, "title": NASTY, "purpose": NASTY})
+    truth = replace(TRUTH, scene=scene)
+    comparison = compare(truth, with_fields(truth, shear=0.99 * truth.shear, engine=NASTY))
+    write(comparison, tmp_path / "out", command=NASTY, pdf=True)
+    content = (tmp_path / "out" / "report.pdf").read_bytes()
+    assert content.startswith(b"%PDF-")
+    assert len(content) > 50_000
+    write(comparison, tmp_path / "plain")
+    assert not (tmp_path / "plain" / "report.pdf").exists()
+
+
+def test_panels_stand_alone() -> None:
+    """No variable of the page, nothing of other panels, no mark that only a slider moves."""
+    for plate in draw(compare(TRUTH, TRUTH)):
+        for panel in plate.panels:
+            if panel.startswith("<svg"):
+                alone = pdf.standalone(panel, plate.svg())
+                assert "<style>" in alone
+                assert not [word for word in ("var(", "<use", "follow", "{{") if word in alone]
