@@ -16,6 +16,9 @@ from scenes import ContactSolution, freeze
 
 Array = NDArray[np.float64]
 
+# Over a_ref; the rule errs by more only where slip has just turned and the tractions don't show it yet: see the notes of `zones`.
+UNTOLD = 0.05
+
 
 @dataclass(frozen=True, eq=False)
 class _Fields:
@@ -34,12 +37,14 @@ def by_same_rule(reference: ContactSolution, result: ContactSolution, length: fl
     if "state" not in derived(result):
         return reference, ()
     slip = None if "slip" in missing(result) else reference.slip
-    found = zones(_Fields(reference.x, reference.pressure, reference.shear, slip), reference.scene.friction.coefficient)
-    words = [_edges_in_words(reference, found, length)]
+    fields = _Fields(reference.x, reference.pressure, reference.shear, slip)
+    found = zones(fields, reference.scene.friction.coefficient, reference.time)
+    told = _told(reference.stick_edges, found.stick_edges, length)
+    words = [_edges_in_words(reference, found, told, length)]
     known: dict[str, Any] = {
         "state": freeze(found.state, np.int8),
         "contact_edges": freeze(found.contact_edges),
-        "stick_edges": freeze(found.stick_edges),
+        "stick_edges": freeze(np.where(told[:, None], found.stick_edges, np.nan)),
         "contact_half_width": freeze(np.diff(found.contact_edges, axis=1)[:, 0] / 2),
         "stick_half_width": freeze(np.diff(found.stick_edges, axis=1)[:, 0] / 2),
         "permanent_stick_half_width": permanent_stick(found.stick_edges[reference.last_cycle]),
@@ -52,16 +57,26 @@ def by_same_rule(reference: ContactSolution, result: ContactSolution, length: fl
     return replace(reference, **known), tuple(words)
 
 
-def _edges_in_words(reference: ContactSolution, found: Zones, length: float) -> str:
-    off = [float(np.nanmax(np.abs(own - ruled), initial=0.0)) / length for own, ruled in _pairs(reference, found)]
+def _told(own: Array, ruled: Array, length: float) -> NDArray[np.bool_]:
+    """(n_steps,) instants at which the rule finds the reference's own stick edges; all, where those are the fewer."""
+    lacking = np.isnan(own[:, 0]) != np.isnan(ruled[:, 0])
+    off = np.max(np.abs(np.nan_to_num(own - ruled)), axis=1) > UNTOLD * length
+    told = ~(lacking | off)
+    return told if 2 * told.sum() > len(told) else np.ones_like(told)
+
+
+def _edges_in_words(reference: ContactSolution, found: Zones, told: NDArray[np.bool_], length: float) -> str:
+    pairs = (reference.contact_edges, found.contact_edges), (reference.stick_edges[told], found.stick_edges[told])
+    contact, stick = (float(np.nanmax(np.abs(own - ruled), initial=0.0)) / length for own, ruled in pairs)
+    where = (
+        ""
+        if told.all()
+        else f"; at {int((~told).sum())} of {len(told)} instants it can't tell the stick edges, which are not judged"
+    )
     return (
         "States and edges are told by one rule in the result and in the reference; against the reference's own it errs by up to "
-        f"{off[0]:.1e} a_ref at the contact edge and {off[1]:.1e} a_ref at the stick edge."
+        f"{contact:.1e} a_ref at the contact edge and {stick:.1e} a_ref at the stick edge{where}."
     )
-
-
-def _pairs(reference: ContactSolution, found: Zones) -> tuple[tuple[Array, Array], ...]:
-    return (reference.contact_edges, found.contact_edges), (reference.stick_edges, found.stick_edges)
 
 
 def _dissipation(reference: ContactSolution) -> tuple[Mapping[str, Any], str]:

@@ -35,7 +35,7 @@ def contact_solution(result: SurfaceResult, mapping: Mapping, scene: Scene) -> t
     """
     result, guesses = guessed(result, mapping, scene)
     history = matched(result, scene)
-    found = zones(result, scene.friction.coefficient)
+    found = zones(result, scene.friction.coefficient, history.time)
     steps = _last_cycle(scene, history)
     density, notes = _dissipation(result, steps)
     skipped = _skipped(result, history, steps, density)

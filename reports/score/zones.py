@@ -21,6 +21,9 @@ Mask = NDArray[np.bool_]
 # largest movement of the instant. A stick zone ends like the root of the distance: one per cent of f p is a ten-thousandth of a.
 CONE = 0.01
 MOVES = 1e-3
+# An instant at which no point of the contact moves faster than this share of the largest rate of all is at rest: where slip turns,
+# it is the digits of the slip that tell who moves.
+RESTS = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,14 +49,14 @@ class Tractions(Protocol):
     def slip(self) -> Array | None: ...
 
 
-def zones(result: Tractions, friction: float) -> Zones:
+def zones(result: Tractions, friction: float, time: Array) -> Zones:
     """States and edges. In full stick the stick edges are the contact edges, in full slip NaN, as everywhere in the project.
 
     A contact edge lies where the straight line of p^2 through the last two points in contact is 0, a stick edge where that of
     (f p - |q|)^2 is, each no farther than the next point: both are roots of the distance at an edge.
     """
     touching = result.pressure > TOUCHES * result.pressure.max(axis=1, keepdims=True)
-    slips, sense = _slips(result, friction, touching)
+    slips, sense = _slips(result, friction, touching, time)
     state = np.where(touching, np.where(slips, np.where(sense > 0, 2, 3), 1), SurfaceState.OPEN).astype(np.int8)
     contact = np.array([_edges(result.x, row**2, here) for row, here in zip(result.pressure, touching, strict=True)])
     short = friction * result.pressure - np.abs(result.shear)
@@ -68,20 +71,20 @@ def zones(result: Tractions, friction: float) -> Zones:
     return Zones(state, contact, stick, _notes(result, friction))
 
 
-def _slips(result: Tractions, friction: float, touching: Mask) -> tuple[Mask, Array]:
-    """Which points slip, and in which sense."""
-    limit = friction * result.pressure
-    slips = touching & (np.abs(result.shear) >= (1 - CONE) * limit)
+def _slips(result: Tractions, friction: float, touching: Mask, time: Array) -> tuple[Mask, Array]:
+    """Which points slip, and in which sense; the first instant has no step before it, so that there the cone alone tells."""
+    on_cone = touching & (np.abs(result.shear) >= (1 - CONE) * friction * result.pressure)
     sense = np.sign(result.shear)
-    if not friction:
-        slips = touching.copy()
     if result.slip is None or len(result.slip) < 2:
-        return slips, sense
-    moved = np.diff(result.slip, axis=0, prepend=result.slip[:1])
-    largest = np.max(np.abs(np.where(touching, moved, 0.0)), axis=1, keepdims=True)
-    far = (np.abs(moved) > MOVES * largest) & (np.sign(moved) == sense)
-    far[0] = True
-    return slips & far if friction else touching & (np.abs(moved) > MOVES * largest), sense if friction else np.sign(moved)
+        return on_cone, sense
+    moved = np.where(touching[1:], np.diff(result.slip, axis=0), 0.0)
+    largest = np.max(np.abs(moved), axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rate = np.where(largest > 0, largest / np.diff(time)[:, None], 0.0)
+    far = (np.abs(moved) > MOVES * largest) & (rate >= RESTS * np.max(rate))
+    if not friction:
+        return np.vstack([on_cone[:1], far]), np.vstack([sense[:1], np.sign(moved)])
+    return np.vstack([on_cone[:1], on_cone[1:] & far & (np.sign(moved) == sense[1:])]), sense
 
 
 def _edges(x: Array, square: Array, inside: Mask) -> tuple[float, float]:
@@ -113,5 +116,8 @@ def _notes(result: Tractions, friction: float) -> tuple[str, ...]:
     if result.slip is None or len(result.slip) < 2:
         blind = "for want of slip, a point that just came to rest still counts as slipping"
         return (f"states and edges are worked out from its tractions: {touches}; {cone}; {blind}",)
-    moves = f"and its slip has moved with the shear by more than {MOVES:g} of the instant's largest step"
+    moves = (
+        f"and its slip has moved with the shear by more than {MOVES:g} of the instant's largest step, unless no point moves faster "
+        f"than {RESTS:g} of the largest rate"
+    )
     return (f"states and edges are worked out from its tractions and slip: {touches}; {cone} {moves}",)
