@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from reports.sweep.figures import fields_needed, is_metric, take
+from reports.sweep.figures import fields_needed, is_metric, own_doubts, take
 from scenes import ContactSolution, ConvergenceError, PolygonLoad, Scene
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, SolverSettings
     from halfplane_fe.scales import Scales
     from meshes import MeshSettings
+    from reports.verdicts import Metric
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,16 @@ def exact_alone(asked: Asked, scene: Scene) -> ContactSolution:
     return semi_analytic.solve(scene, cycles="steady", fields=fields_needed(asked.figures))
 
 
-def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool = False) -> tuple[Values, dict[str, str]]:
+@dataclass(frozen=True)
+class Evaluated:
+    """Figures by name, why some have no value, and what the solution itself says of how uncertain some are."""
+
+    values: Values
+    notes: dict[str, str]
+    doubts: dict[str, float]
+
+
+def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool = False) -> Evaluated:
     """Every figure that is asked for; against theory on the polygon of the steps if wanted."""
     import semi_analytic
 
@@ -55,7 +66,7 @@ def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool =
         fields = semi_analytic.FIELDS if metrics else fields_needed(asked.figures)
         exact = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
     found = take(asked.figures, fe, exact)
-    values, notes = dict(found.values), dict(found.notes)
+    values, notes, doubts = dict(found.values), dict(found.notes), own_doubts(asked.figures, fe, exact)
     if metrics and exact is not None:
         from reports.comparison import compare
 
@@ -66,9 +77,19 @@ def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool =
         for name in metrics:
             metric = comparison.metric(name)
             values[name] = metric.value
+            doubts[name] = _stated(metric, fe, comparison.scales.half_width)
             if metric.value is None:
                 notes[name] = metric.note or "there is nothing to compare"
-    return {name: values[name] for name in asked.figures}, notes
+    return Evaluated({name: values[name] for name in asked.figures}, notes, doubts)
+
+
+def _stated(metric: Metric, fe: ContactSolution, half_width: float) -> float:
+    """What the result says of a metric's uncertainty: the metric's own, or that of the edges at its instant over a_ref; or 0."""
+    doubts = [metric.uncertainty or 0.0]
+    edges = getattr(fe, f"{metric.key}_uncertainty", None)
+    if edges is not None and metric.time is not None:
+        doubts.append(float(max(edges[int(abs(fe.time - metric.time).argmin())])) / half_width)
+    return max(doubt for doubt in doubts if math.isfinite(doubt))
 
 
 def finite_elements(asked: Asked, question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:

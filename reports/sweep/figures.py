@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ class Quantity:
     value: Callable[[ContactSolution], float]
     words: str
     fields: tuple[str, ...] = ()
+    edges: str = ""  # the field of a finite-element solution that says how far its edges may be from the true ones
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,14 @@ QUANTITIES: dict[str, Quantity] = {
     "stroke": Quantity(lambda s: float(np.ptp(s.rigid_shift[s.last_cycle])), "range of the rigid shift [length]", ("rigid_shift",)),
     "loop_work": Quantity(lambda s: s.loop_work, "closed integral of Q dU [energy / thickness]", ("dissipation",)),
 }
+_CONTACT, _STICK = "contact_edge_uncertainty", "stick_edge_uncertainty"
+for _name, _edges in (
+    ("contact_half_width", _CONTACT),
+    ("largest_half_width", _CONTACT),
+    ("stick_half_width", _STICK),
+    ("permanent_stick_half_width", _STICK),
+):
+    QUANTITIES[_name] = replace(QUANTITIES[_name], edges=_edges)
 PREFIXES = ("fe", "exact", "error")
 
 
@@ -143,6 +152,25 @@ def take(figures: Sequence[str], fe: ContactSolution | None, exact: ContactSolut
         if why:
             notes[name] = why
     return Figures(values, notes)
+
+
+def own_doubts(figures: Sequence[str], fe: ContactSolution, exact: ContactSolution | None) -> dict[str, float]:
+    """What the finite elements themselves say of half-widths: the larger of both edges' uncertainties, the median over the last
+    cycle; of an error, over the half-width of theory.
+    """
+    found: dict[str, float] = {}
+    for name in figures:
+        prefix, quantity = ("", "") if is_metric(name) else parts(name)
+        field_name = QUANTITIES[quantity].edges if quantity and prefix != "exact" else ""
+        if not field_name:
+            continue
+        stated = np.asarray(getattr(fe, field_name))[fe.last_cycle]
+        scale = QUANTITIES[quantity].value(exact) if prefix == "error" and exact is not None else 1.0
+        known = stated.max(axis=1)[np.isfinite(stated).all(axis=1)]
+        doubt = float(np.median(known)) / scale if len(known) and scale else math.nan
+        if math.isfinite(doubt):
+            found[name] = doubt
+    return found
 
 
 def _figure(prefix: str, found: Mapping[str, float]) -> tuple[float | None, str]:

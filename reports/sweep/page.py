@@ -60,7 +60,7 @@ def _uncertainty(study: Study) -> str:
         return "Theory is exact to rounding at the points and instants at which it is evaluated."
     return {
         "none": "No uncertainty was asked for: no digit here is known to be right.",
-        "cheap": "Uncertainty: what a mesh twice as coarse, theory on the polygon of the steps and (for half-planes) a far field "
-        "twice as far change a figure by, added up.",
+        "cheap": "Uncertainty, estimated (docs/sweeps.md): from a mesh twice as coarse, theory on the polygon of the steps and, "
+        "for half-planes, a far field twice as far.",
         "budget": "Uncertainty and idealisation error: from the error budget of each point.",
     }[study.uncertainty]

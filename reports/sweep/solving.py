@@ -87,13 +87,14 @@ def _question(job: Mapping[str, Any]) -> Question:
 def _solve(asked: Asked, question: Question) -> dict[str, Any]:
     if "fe" not in asked.engines:
         exact = exact_alone(asked, question.scene)
-        found = take(asked.figures, None, exact)
-        return _finished(dict(found.values), dict(found.notes), _record(exact))
+        figures = take(asked.figures, None, exact)
+        return _finished(dict(figures.values), dict(figures.notes), _record(exact))
     fe, notes = finite_elements(asked, question)
-    values, more = evaluate(asked, question.scene, fe)
-    notes |= more
+    found = evaluate(asked, question.scene, fe)
+    values = dict(found.values)
+    notes |= found.notes
     if asked.uncertainty == "cheap":
-        values |= cheap_uncertainty(asked, question, fe, values, notes)
+        values |= cheap_uncertainty(asked, question, fe, found, notes)
     if asked.uncertainty == "budget":
         values |= budget(question, fe, values, notes)
     return _finished(values, notes, _record(fe))

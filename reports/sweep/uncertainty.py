@@ -5,41 +5,61 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
-from reports.sweep.evaluating import Asked, Question, Values, evaluate
+from reports.sweep.evaluating import Asked, Evaluated, Question, Values, evaluate
 from reports.sweep.figures import is_metric, parts
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution
+    from meshes import MeshSettings
+
+# Roache's index of two grids, 3/(2^p - 1) with p = 3/2: where tractions end as a root, errors fall no faster.
+_MESH = 1.64
+# A change by twice the distance leaves as much again, if the error falls by the first power of the distance; it falls faster.
+_FAR = 2.0
 
 
-def cheap_uncertainty(asked: Asked, question: Question, fe: FiniteElementSolution, values: Values, notes: dict[str, str]) -> Values:
-    """What one coarser mesh, theory on the polygon of the steps and a farther far field change each figure by, added up."""
+def cheap_uncertainty(
+    asked: Asked, question: Question, fe: FiniteElementSolution, found: Evaluated, notes: dict[str, str]
+) -> Values:
+    """What a coarser mesh, theory on the polygon of the steps and a farther far field change each figure by, added up.
+
+    The mesh is made twice as coarse at the surface and in the bulk, and its share taken as `_MESH` times the change, or as what the
+    solution itself says of its edges where that is more; the far field's as `_FAR` times the change.
+    """
     import halfplane_fe
     from reports.ladders import coarser
 
+    scene = question.scene
     mesh, solver = coarser(question.mesh, question.solver, 2.0)
-    solve = partial(halfplane_fe.solve, question.scene, settings=solver, scales=fe.scales)
-    sources: list[Callable[[], tuple[Values, Values]]] = []
-    coarse = evaluate(asked, question.scene, solve(mesh=mesh))[0]
-    sources.append(lambda: (values, coarse))
+    mesh = replace(mesh, growth=min(1.0, 2 * mesh.growth))
+
+    def solved(cut: MeshSettings) -> Values:
+        return evaluate(asked, scene, halfplane_fe.solve(scene, cut, solver, scales=fe.scales)).values
+
+    coarse = solved(mesh)
+    shares = [(_MESH, found.values, coarse)]
     if "exact" in asked.engines:
-        sources.append(lambda: (values, evaluate(asked, question.scene, fe, polygon=True)[0]))
-    if "half_plane" in (question.scene.bodies.lower.kind, question.scene.bodies.upper.kind) and question.mesh.far_radius <= 500:
-        far = replace(mesh, far_radius=2 * mesh.far_radius)
-        sources.append(lambda: (coarse, evaluate(asked, question.scene, solve(mesh=far))[0]))
-    total: Values = dict.fromkeys(_names(asked), 0.0)
-    for source in sources:
-        one, other = source()
-        for name in total:
-            pair = one[name], other[name]
-            known = total[name]
-            total[name] = None if pair[0] is None or pair[1] is None or known is None else known + abs(pair[0] - pair[1])
-    for name in (name for name, value in total.items() if value is None):
-        notes[f"{name}.uncertainty"] = "one of the runs that it is taken from has no such value"
-    return {f"{name}.uncertainty": value for name, value in total.items()}
+        shares.append((1.0, found.values, evaluate(asked, scene, fe, polygon=True).values))
+    if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind) and question.mesh.far_radius <= 500:
+        shares.append((_FAR, coarse, solved(replace(mesh, far_radius=2 * mesh.far_radius))))
+    total: Values = {}
+    for name in _names(asked):
+        parts_of = [_change(name, *share) for share in shares]
+        if None in parts_of:
+            notes[f"{name}.uncertainty"] = "one of the runs that it is taken from has no such value"
+            total[f"{name}.uncertainty"] = None
+        else:
+            known = [part for part in parts_of if part is not None]
+            total[f"{name}.uncertainty"] = max(known[0], found.doubts.get(name, 0.0)) + sum(known[1:])
+    return total
+
+
+def _change(name: str, factor: float, one: Values, other: Values) -> float | None:
+    """`factor` times what a figure changes by; None where one of the runs has no value."""
+    here, there = one[name], other[name]
+    return None if here is None or there is None else factor * abs(here - there)
 
 
 def _names(asked: Asked) -> list[str]:
