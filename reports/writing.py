@@ -129,6 +129,10 @@ def draw(comparison: Comparison) -> tuple[Plate, ...]:
         figures_checks.certificates("result", comparison.result, comparison.result_certificates),
         figures_checks.certificates("reference", comparison.reference, comparison.reference_certificates),
     ]
+    if comparison.study is not None:
+        from reports.score.study_figure import distances
+
+        drawings.append(distances(comparison.study))
     if comparison.budget is not None:
         drawings += [figures_budget.bars(comparison.budget), figures_budget.ladders(comparison.budget)]
     if bodies := getattr(comparison.result, "bodies", ()):
