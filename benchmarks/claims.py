@@ -28,6 +28,7 @@ import fe_scaling
 import mpmath
 import must_fail
 import numpy as np
+import page
 import penalty
 import real_bodies
 import semi_analytic_batch
@@ -178,6 +179,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Real bodies": real_bodies.rows,
         "Error budget": budget.rows,
         "Error budget: planted faults": blame.rows,
+        "The report": page.rows,
         "Time": times,
     }
 
