@@ -108,7 +108,7 @@ def compare(
     result : the answer judged
     polygon_reference : the reference on the straight steps between the result's instants, which sets the error of
         the steps apart from all others
-    scales_from : what the scales are read off, where the reference holds less than a cycle; the reference if None
+    scales_from : what the scales are read off, where the reference holds few instants; the reference if None
 
     Raises
     ------

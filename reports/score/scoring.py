@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from reports.certificates import certificates
 from reports.comparison import Comparison, compare
 from reports.metrics import scales
-from reports.missing import DERIVED, WHOLE_CYCLE, missing
+from reports.missing import DERIVED, WHOLE_CYCLE, derived
 from reports.score.mapping import Mapping
 from reports.score.reading import read
 from reports.score.rule import by_same_rule
@@ -105,7 +105,7 @@ def score_solution(
     steps = _on_polygon(solution) if polygon and against == "exact" else None
     whole = _whole(solution.scene)
     like, words = by_same_rule(reference, solution, scales(whole).half_width)
-    found = compare(like, solution, polygon_reference=steps, scales_from=whole if WHOLE_CYCLE in missing(solution) else None)
+    found = compare(like, solution, polygon_reference=steps, scales_from=whole if derived(solution) else None)
     checks = certificates(reference)
     return replace(found, reference=reference, reference_certificates=checks, guesses=guesses, notes=(*words, *found.notes))
 
