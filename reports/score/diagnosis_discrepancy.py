@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from reports.comparison import Comparison
 from reports.metrics import norm, over, shares
+from scenes import Scene
 
 Array = NDArray[np.float64]
 Tractions = tuple[Array, Array]
@@ -39,6 +40,9 @@ class Discrepancy:
     expected, found : pressure and shear of reference and result, (k, n) each; where the result has no number, the reference's
     weight : (k, n) of the squares, 0 where the result has no number
     missing : share of the result's tractions that are no numbers
+    scene : the question that `expected` answers: the comparison's, or that with a fault in it that was found before
+    exact : whether `expected` is half-plane theory of `scene`
+    sheared : whether the shear counts
     """
 
     comparison: Comparison
@@ -47,6 +51,9 @@ class Discrepancy:
     found: Tractions
     weight: Array
     missing: float
+    scene: Scene
+    exact: bool
+    sheared: bool = True
 
     @property
     def x(self) -> Array:
@@ -68,10 +75,16 @@ class Discrepancy:
         """Root of the mean square of found less expected, over that of expected."""
         return float(np.sqrt(self.apart(self.expected) / self._squares(self.expected)))
 
+    @property
+    def of_pressure(self) -> Discrepancy:
+        """That of the pressure alone: between like bodies it knows nothing of friction, and tells the rest apart."""
+        return replace(self, sheared=False)
+
     def _squares(self, tractions: Tractions) -> float:
         scales = self.comparison.scales
         pressure, shear = tractions
-        return float(np.sum(self.weight * (np.square(pressure / scales.pressure) + np.square(shear / scales.shear))))
+        squares = np.square(pressure / scales.pressure) + self.sheared * np.square(shear / scales.shear)
+        return float(np.sum(self.weight * squares))
 
     def apart(self, predicted: Tractions) -> float:
         """Weighted square of found less predicted; infinite where the prediction holds a NaN."""
@@ -96,10 +109,11 @@ class Discrepancy:
         pressure, shear = self.errors()
         return pressure <= times * tolerances.pressure and shear <= times * tolerances.shear
 
-    def less(self, predicted: Tractions) -> Discrepancy:
-        """What is left to explain once the fault that predicts this is mended, faults taken to add up."""
-        (p, q), (p_fault, q_fault), (p_ref, q_ref) = self.found, predicted, self.expected
-        return replace(self, found=(p - p_fault + p_ref, q - q_fault + q_ref))
+    def beyond(self, predicted: Tractions, scene: Scene | None) -> Discrepancy:
+        """What is left to explain beyond a fault that predicts this; `scene`: the question whose exact answer that is, if any."""
+        if scene is None or not self.exact:
+            return replace(self, expected=predicted, exact=False)
+        return replace(self, expected=predicted, scene=scene)
 
     def seen_as(self, found: Tractions) -> Discrepancy:
         """The same with other tractions found."""
@@ -120,5 +134,6 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
     in_time = shares(comparison.found.time[rows]) if len(rows) > 1 else np.ones(1)
     weight = known * in_time[:, None] * shares(comparison.found.x)
     expected = np.nan_to_num(expected[0]), np.nan_to_num(expected[1])
+    exact = comparison.reference.engine == "semi_analytic"
     filled = np.where(known, found[0], expected[0]), np.where(known, found[1], expected[1])
-    return Discrepancy(comparison, rows, expected, filled, weight / weight.sum(), float(1 - known.mean()))
+    return Discrepancy(comparison, rows, expected, filled, weight / weight.sum(), float(1 - known.mean()), comparison.scene, exact)

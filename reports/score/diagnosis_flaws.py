@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from reports.metrics import compliance
 from reports.score.diagnosis_discrepancy import Array, Discrepancy, Tractions
 from reports.score.diagnosis_hypothesis import Hypothesis
 from reports.score.diagnosis_model import Flaws, Grid, NotSettledError, grid, march
@@ -24,6 +25,8 @@ INCREMENTS = 32
 # Largest layers and bends looked for, over a/E* and 1/(E* a^2): beyond, nothing is left of the contact that was asked for.
 LARGEST = {"normal_layer": 3.0, "shear_layer": 30.0, "normal_bend": 1.0, "shear_bend": 1.0, "coupling": 1.0}
 START = {"normal_layer": 0.02, "shear_layer": 0.05, "normal_bend": 0.01, "shear_bend": 0.01, "coupling": 0.05}
+# A body that ends sends back P and Q alike, both by the order of 1/L^2 of its size: neither bend is many times the other.
+ALIKE = 4.0
 NEVER_NEGATIVE = ("normal_layer", "shear_layer")
 # Elements over the largest half-width, where nothing travels and where edges do.
 COARSE, FINE = 20, 80
@@ -79,14 +82,20 @@ def flaw_faults(what: Discrepancy, stiffness: Hypothesis | None, offset: Hypothe
         return
     if found := fit(what, model, moved, ("normal_layer",)):
         yield Hypothesis("soft_normal", found[1], {"stiffness": 1 / found[0]["normal_layer"]})
-    if found := fit(what, model, moved, ("normal_bend", "shear_bend")):
+    if (found := fit(what, model, moved, ("normal_bend", "shear_bend"))) and _of_one_body(found[0]):
         yield Hypothesis("small_body", found[1], {"normal": 2 * found[0]["normal_bend"], "shear": 2 * found[0]["shear_bend"]})
-    if not what.comparison.scene.friction.coefficient:
+    if not what.scene.friction.coefficient:
         return
     if found := fit(what, model, start, ("shear_layer",)):
         yield Hypothesis("elastic_slip", found[1], {"stiffness": 1 / found[0]["shear_layer"]})
     yield from _coupling(what, offset)
     yield from _implicit_steps(what, start.model)
+
+
+def _of_one_body(bends: dict[str, float]) -> bool:
+    """Whether two bends are of one sign and of one order: a lone one is a wrong radius, or a soft layer."""
+    quotient = bends["shear_bend"] / bends["normal_bend"]
+    return 1 / ALIKE <= quotient <= ALIKE
 
 
 def _coupling(what: Discrepancy, offset: Hypothesis | None) -> Iterator[Hypothesis]:
@@ -105,8 +114,8 @@ def _coupling(what: Discrepancy, offset: Hypothesis | None) -> Iterator[Hypothes
 
 def model_of(what: Discrepancy, increments: int, *, mirrored: bool = True) -> Model:
     """The model of a discrepancy, stepping through its instants and so many more a cycle (0: through the result's own alone)."""
-    comparison, scene = what.comparison, what.comparison.scene
-    modulus = 2 / comparison.scales.compliance
+    comparison, scene = what.comparison, what.scene
+    modulus = 2 / compliance(scene.material)
     on = grid(_ends(what) if mirrored else _even_ends(what), scene.profile.height, scene.friction.coefficient, modulus)
     path = scene.load.path()
     own = comparison.found
@@ -204,7 +213,7 @@ def _least_squares(what: Discrepancy, model: Model, start: Start, sizes: dict[st
 def _implicit_steps(what: Discrepancy, base: Tractions) -> Iterator[Hypothesis]:
     """One implicit increment from instant to instant of the result: all of P first, in effect, and Q at the last pressure."""
     steps = len(what.comparison.found.time) - 1
-    if what.comparison.scene.load.path().period is None or steps > 2 * INCREMENTS:
+    if what.scene.load.path().period is None or steps > 2 * INCREMENTS:
         return
     try:
         p, q = model_of(what, 0).answer(what, Flaws())

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from reports.score.diagnosis_discrepancy import Discrepancy, Tractions
-from scenes import InputError
+from scenes import InputError, Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,17 +20,19 @@ class Hypothesis:
     fault : its key, see `diagnosis_words.FAULTS`
     predicted : tractions of a result that has just this fault
     figures : what was fitted or measured, by name
-    mend : takes the fault out of the tractions found; None where faults are taken to add up
+    mend : takes the fault out of the tractions found; None where the next fault is looked for beyond what this one predicts
+    scene : the question that `predicted` is the exact answer of; None where there is no such scene
     """
 
     fault: str
     predicted: Tractions
     figures: Mapping[str, float] = field(default_factory=dict)
     mend: Callable[[Tractions], Tractions] | None = None
+    scene: Scene | None = None
 
     def mended(self, what: Discrepancy) -> Discrepancy:
         """What is left to explain without this fault."""
-        return what.less(self.predicted) if self.mend is None else what.seen_as(self.mend(what.found))
+        return what.beyond(self.predicted, self.scene) if self.mend is None else what.seen_as(self.mend(what.found))
 
 
 def possible(predict: Callable[[float], Tractions]) -> Callable[[float], Tractions | None]:
@@ -46,7 +48,7 @@ def possible(predict: Callable[[float], Tractions]) -> Callable[[float], Tractio
 
 
 def fitted(
-    what: Discrepancy, predict: Callable[[float], Tractions], tries: tuple[float, ...], rounds: int = 8
+    what: Discrepancy, predict: Callable[[float], Tractions], tries: tuple[float, ...], rounds: int = 12
 ) -> tuple[float, Tractions] | None:
     """The figure that leaves least of the discrepancy, and its prediction; None where no try has a solution.
 
