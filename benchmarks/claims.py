@@ -20,6 +20,7 @@ from pathlib import Path
 
 import blame
 import budget
+import diagnosis
 import far_field
 import fe_orders
 import fe_peers
@@ -179,6 +180,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Real bodies": real_bodies.rows,
         "Error budget": budget.rows,
         "Error budget: planted faults": blame.rows,
+        "Other people's results: diagnosis of planted faults": diagnosis.rows,
         "The report": page.rows,
         "Time": times,
     }
