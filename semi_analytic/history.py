@@ -31,7 +31,7 @@ from semi_analytic.legs import (
     time_of,
 )
 from semi_analytic.memory import Curve, Piece, append, clip, cut, flat, level_on, pieces, same, slipped_load, value_on
-from semi_analytic.rounding import repeats_within
+from semi_analytic.rounding import repeats_within, slipped_share
 
 Array = NDArray[np.float64]
 
@@ -316,7 +316,7 @@ def follow(way_in: Sequence[Leg], turns: Iterable[Turn], friction: float, *, rep
         cycle, curve = march(curve, turn.legs, friction, turn.delay)
         cycles.append(cycle)
         states.append(curve)
-        if steady is None and same(states[-2], curve, friction, repeats_within(cycle)):
+        if steady is None and same(states[-2], curve, friction, repeats_within(slipped_share(cycle))):
             steady = number
             if repeat:
                 break

@@ -31,16 +31,15 @@ def slipped_share(spans: Sequence[Span]) -> float:
     return deepest / largest if largest > 0 else 0.0
 
 
-def repeats_within(cycle: Sequence[Span]) -> float:
-    """Share of f P within which a cycle counts as repeated: 1e-12, but no more than 1e-4 of what slips, down to rounding."""
-    return min(_REPEATS, max(_OF_SLIP * slipped_share(cycle), _LEAST))
+def repeats_within(share: float) -> float:
+    """Share of f P within which a cycle counts as repeated: 1e-12, but no more than 1e-4 of what slips (`share` of P)."""
+    return min(_REPEATS, max(_OF_SLIP * share, _LEAST))
 
 
-def rounding_of_slip(spans: Sequence[Span]) -> float:
-    """Relative error of d by the last digits of P; 0 where that is below what closed forms promise, or nothing slips.
+def rounding_of_slip(share: float) -> float:
+    """Relative error of d = `share` P by the last digits of P; 0 where that is below what closed forms promise, or nothing slips.
 
     Three times as much counts for W, one and a half times for the slip s.
     """
-    share = slipped_share(spans)
     error = _DIGITS * _EPS / share if share > 0 else 0.0
     return error if 3 * error > _PROMISED else 0.0

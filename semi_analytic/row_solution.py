@@ -19,6 +19,7 @@ from semi_analytic.errors import field_errors
 from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.proofs import certificates, ending
 from semi_analytic.question import FIELDS, folded, spread
+from semi_analytic.rounding import rounding_of_slip
 from semi_analytic.route import Cycles
 from semi_analytic.time_series import Series, calendar_of, follow, instants_of
 
@@ -67,11 +68,15 @@ def solve_rows(scene: Scene, x: Array | None, time: Array | None, cycles: Cycles
 
 
 def _work_errors(fields: frozenset[str], series: Series) -> dict[str, float]:
-    """Estimates of dissipation over itself and of the density over its largest value; none for closed forms."""
+    """Estimates of dissipation over itself and of the density over its largest value; for closed forms only that of rounding."""
     last = series.passes[series.calendar.covered[-1]]
-    if "dissipation" not in fields or not last.doubt:
+    if "dissipation" not in fields or not last.work:
         return {}
-    error = last.doubt / last.work
+    # Every row rounds the fronts again: 5 % at 1e-12 of f P in 2,400 rows, where four lines have 1e-5.
+    rounding = rounding_of_slip(last.deepest / float(np.max(series.calendar.rows[:, 1])))
+    error = last.doubt / last.work + 3 * math.sqrt(last.slips) * rounding
+    if not error:
+        return {}
     return {name: error for name in ("dissipation", "dissipation_density") if name in fields}
 
 

@@ -61,7 +61,7 @@ class Pass:
     each : (rows,) work in the step that ends at each row, where work was wanted
     front, held, direction : (n,) P_c, M(P_c) and direction of slip at the instants
     curves : the pieces below the front at the instants, where they were wanted
-    least : the lowest front
+    least, deepest : the lowest front P_c, the largest P - P_c
     rows, slips, alive, dropped : counts
     """
 
@@ -75,6 +75,7 @@ class Pass:
     direction: list[NDArray[np.int8]] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
     least: float = math.inf
+    deepest: float = 0.0
     rows: int = 0
     slips: int = 0
     alive: int = 0
@@ -159,6 +160,8 @@ def _advance(
         left.direction.append(followed.direction[step])
     if wanted.work:
         work = slip_work(contact, followed.records)
+        slipped = followed.records.load_after - followed.records.front_after
+        left.deepest = max(left.deepest, float(np.max(slipped, initial=0.0)))
         ahead = followed.records.direction > 0
         left.forward, left.reverse = left.forward + float(np.sum(work[ahead])), left.reverse + float(np.sum(work[~ahead]))
         left.doubt += work_error(contact, followed.records)

@@ -19,7 +19,7 @@ from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.friction_work import closed_integral_and_rounding, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
 from semi_analytic.question import FIELDS, Question, arrays_of, ask, checked
-from semi_analytic.rounding import rounding_of_slip
+from semi_analytic.rounding import rounding_of_slip, slipped_share
 from semi_analytic.route import Cycles
 from semi_analytic.row_solution import solve_rows
 from semi_analytic.time_series import is_long
@@ -83,7 +83,7 @@ def solve(
     evaluated = clock.perf_counter()
     work_done = _dissipations(question)
     errors = field_errors(question, snapshot, series, grids)
-    if "slip" in question.fields and (rounding := 1.5 * rounding_of_slip(question.route.history.spans)):
+    if "slip" in question.fields and (rounding := 1.5 * rounding_of_slip(slipped_share(question.route.history.spans))):
         errors["slip"] = errors.get("slip", 0.0) + rounding
     errors |= {name: doubt for name, doubt in work_done.doubts.items() if doubt and name in question.fields}
     seconds = {
@@ -152,7 +152,9 @@ def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
         return _unit_of_work(question) * float(forward[0] + reverse[0]), 0.0
     spans = question.route.history.cycles[number]
     split = global_dissipation(question.contact, question.modulus, spans)
-    return float(split.total), (float(split.error / split.total) if split.error else 0.0) + 3 * rounding_of_slip(spans)
+    return float(split.total), (float(split.error / split.total) if split.error else 0.0) + 3 * rounding_of_slip(
+        slipped_share(spans)
+    )
 
 
 def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
@@ -164,7 +166,7 @@ def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
     spans = question.route.history.cycles[number]
     split = pointwise_dissipation(question.contact, question.modulus, spans, x)
     worst = float(np.max(split.error))
-    return split.total, (worst / float(np.max(split.total)) if worst else 0.0) + 3 * rounding_of_slip(spans)
+    return split.total, (worst / float(np.max(split.total)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
 
 
 def _loop(question: Question) -> Ellipses:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from scenes import InputError, Scene, TimeSeriesLoad
 from semi_analytic.contact import Contact
+from semi_analytic.rounding import repeats_within
 from semi_analytic.route import Cycles
 from semi_analytic.rows import Instants, Pass, Wanted, check_rows, run
 from semi_analytic.snapshot import Snapshot
@@ -23,7 +24,6 @@ Array = NDArray[np.float64]
 LONG = 1000
 """Rows from which on a series is followed through the stack: below, leg by leg."""
 
-_REPEATS = 1e-12
 _SLACK = 1e-9
 _NEAR = 1e-12
 _INSTANTS = 400
@@ -112,20 +112,23 @@ def _steady_cycle(rows: Array, friction: float, most: int) -> tuple[int | None, 
     """Index of the first cycle that ends as it began, None if none of `most` does; how many were followed."""
     stack = Stack(friction)
     follow_rows(stack, rows[:2, 1], rows[:2, 2])
+    # No front goes deeper below P than the way of Q -+ f P on the lines of slip.
+    ways = (float(np.ptp(rows[1:, 2] + sign * friction * rows[1:, 1])) for sign in (-1, 1))
+    share = max(ways) / (2 * friction * float(np.max(rows[:, 1]))) if friction > 0 else 1.0
     for number in range(most):
         before = stack.copy()
         follow_rows(stack, rows[2:, 1], rows[2:, 2])
-        if _alike(before, stack):
+        if _alike(before, stack, repeats_within(share)):
             return number, number + 1
     return None, most
 
 
-def _alike(one: Stack, other: Stack) -> bool:
-    """Whether two curves agree to rounding at the knots of both."""
+def _alike(one: Stack, other: Stack, tolerance: float) -> bool:
+    """Whether two curves agree within `tolerance` f P at the knots of both."""
     top = max(one.loads[-1], other.loads[-1])
     knots = np.union1d(one.loads, other.loads)
     first, second = (np.interp(knots, curve.loads, curve.forces) for curve in (one, other))
-    return bool(np.all(np.abs(first - second) <= _REPEATS * one.friction * top))
+    return bool(np.all(np.abs(first - second) <= tolerance * one.friction * top))
 
 
 def instants_of(calendar: Calendar, cycles: Cycles, few: bool) -> Array:
