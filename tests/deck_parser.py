@@ -23,7 +23,6 @@ _BOTH = {
     "CONTACT PAIR": (("INTERACTION", "TYPE"), (), "ww"),
     "EQUATION": ((), (), "equation"),
     "AMPLITUDE": (("NAME", "TIME"), (), "f+"),
-    "TIME POINTS": (("NAME",), (), "f+"),
     "STEP": (("NLGEOM", "INC"), (), ""),
     "STATIC": ((), (), "ffff"),
     "BOUNDARY": ((), ("OP",), "boundary"),
@@ -34,19 +33,19 @@ CALCULIX = _BOTH | {
     "SURFACE INTERACTION": (("NAME",), (), ""),
     "FRICTION": ((), (), "ff"),
     "CONTROLS": (("PARAMETERS",), (), "n+"),
-    "CONTACT FILE": (("TIME POINTS",), (), "w+"),
-    "CONTACT PRINT": (("SLAVE", "MASTER", "TIME POINTS"), (), "w+"),
-    "NODE PRINT": (("NSET", "TIME POINTS"), (), "w+"),
+    "CONTACT FILE": (("FREQUENCY",), (), "w+"),
+    "CONTACT PRINT": (("SLAVE", "MASTER", "FREQUENCY"), (), "w+"),
+    "NODE PRINT": (("NSET", "FREQUENCY"), (), "w+"),
 }
 ABAQUS = _BOTH | {
     "SURFACE INTERACTION": (("NAME",), (), "f"),
     "FRICTION": (("ELASTIC SLIP",), (), "f"),
-    "OUTPUT": (("TIME POINTS",), ("FIELD", "HISTORY"), ""),
+    "OUTPUT": (("FREQUENCY",), ("FIELD", "HISTORY"), ""),
     "CONTACT OUTPUT": (("NSET",), (), "w+"),
     "NODE OUTPUT": ((), ("NSET",), "w+"),
 }
 _IN_STEP = {"STATIC", "CLOAD", "CONTROLS", "END STEP"}
-_ONLY_BEFORE = {"NODE", "ELEMENT", "NSET", "SURFACE", "MATERIAL", "ELASTIC", "EQUATION", "AMPLITUDE", "TIME POINTS", "CONTACT PAIR"}
+_ONLY_BEFORE = {"NODE", "ELEMENT", "NSET", "SURFACE", "MATERIAL", "ELASTIC", "EQUATION", "AMPLITUDE", "CONTACT PAIR"}
 
 
 class DeckError(ValueError):

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from reports.third import blocks
-from reports.third.blocks import CONTACT, INSTANTS, LOWER_FACE_NODES, REFERENCE, Block, number
+from reports.third.blocks import AT_THE_END, CONTACT, LOWER_FACE_NODES, REFERENCE, Block, number
 from reports.third.deck import Deck
 
 _ABOUT = (
@@ -40,10 +40,7 @@ def _blocks(deck: Deck) -> Iterator[Block]:
     yield from blocks.amplitudes(deck)
     yield from blocks.touch(deck)
     yield Block("END STEP")
-    yield from blocks.history(deck)
-    yield from blocks.loading(deck)
-    yield from _output()
-    yield Block("END STEP")
+    yield from blocks.history(deck, [*blocks.loading(deck), *_output()])
 
 
 def _interaction(deck: Deck) -> Iterator[Block]:
@@ -60,8 +57,8 @@ def _interaction(deck: Deck) -> Iterator[Block]:
 
 
 def _output() -> Iterator[Block]:
-    yield Block("OUTPUT", {"FIELD": None, "TIME POINTS": INSTANTS}, (), "Contact values of the lower face, displacements.")
+    yield Block("OUTPUT", {"FIELD": None, "FREQUENCY": AT_THE_END}, (), "Contact values of the lower face, displacements.")
     yield Block("CONTACT OUTPUT", {"NSET": LOWER_FACE_NODES}, ("CSTRESS, CDISP",))
     yield Block("NODE OUTPUT", {}, ("U, RF",))
-    yield Block("OUTPUT", {"HISTORY": None, "TIME POINTS": INSTANTS}, (), "Where the upper plane is, and what it carries.")
+    yield Block("OUTPUT", {"HISTORY": None, "FREQUENCY": AT_THE_END}, (), "Where the upper plane is, and what it carries.")
     yield Block("NODE OUTPUT", {"NSET": REFERENCE}, ("U1, U2, CF1, CF2",))

@@ -13,7 +13,9 @@ from reports.third.deck import Deck
 
 # The longest line and the longest number that CalculiX reads.
 LINE, NUMBER = 132, 20
-LOWER_FACE, UPPER_FACE, CONTACT, INSTANTS = "LOWER_FACE", "UPPER_FACE", "CONTACT", "INSTANTS"
+LOWER_FACE, UPPER_FACE, CONTACT = "LOWER_FACE", "UPPER_FACE", "CONTACT"
+# Increments between two outputs: more than a step has, so that only its last is written.
+AT_THE_END = "1000000"
 REFERENCE, LOWER_FACE_NODES = "PLANE", "LOWER_FACE_NODES"
 
 
@@ -142,14 +144,12 @@ def lower_support(deck: Deck) -> Block:
 
 
 def amplitudes(deck: Deck) -> Iterator[Block]:
-    """P(t) and Q(t) on total time, and the instants of output on the step time of the second step."""
+    """P(t) and Q(t) on total time."""
     comment = "The scene's loads, straight between the instants of output; total time 0 is the unloaded instant of its path."
     for name, values in (("NORMAL_LOAD", deck.normal_load), ("TANGENTIAL_LOAD", deck.tangential_load)):
         pairs = np.stack([deck.deck_time, values], axis=1)
         yield Block("AMPLITUDE", {"NAME": name, "TIME": "TOTAL TIME"}, rows(pairs, 4), comment)
         comment = ""
-    words = "Instants of output, in the time of the second step: turning points of the loads, and even steps between them."
-    yield Block("TIME POINTS", {"NAME": INSTANTS}, rows(np.cumsum(deck.increments), 4), words)
 
 
 def touch(deck: Deck) -> Iterator[Block]:
@@ -165,16 +165,22 @@ def touch(deck: Deck) -> Iterator[Block]:
     yield Block("BOUNDARY", {}, moved)
 
 
-def history(deck: Deck) -> Iterator[Block]:
-    """The second step up to its loads: the way in and every revolution."""
-    steps = deck.increments
-    words = "Step 2, the scene's loads: way in and cycles. Increments end at the instants of output and are halved where need be."
-    yield Block("STEP", {"NLGEOM": "NO", "INC": "1000000"}, (), words)
-    yield Block("STATIC", {}, (", ".join(map(number, (steps[0], steps.sum(), 1e-4 * steps.min(), steps.max()))),))
+def history(deck: Deck, first: Iterable[Block]) -> Iterator[Block]:
+    """A step to each instant of output; `first` is what the first of them says and the others keep."""
+    words = (
+        "Step 2 and all others, the scene's loads: way in and cycles, a step to each instant of output. Every step is one "
+        "increment, halved where need be; its last one is written. What is said here holds in every step that follows."
+    )
+    for duration in deck.increments.tolist():
+        yield Block("STEP", {"NLGEOM": "NO", "INC": "1000"}, (), words)
+        yield Block("STATIC", {}, (", ".join(map(number, (duration, duration, 1e-4 * duration, duration))),))
+        yield from first
+        yield Block("END STEP")
+        words, first = "", ()
 
 
 def loading(deck: Deck) -> Iterator[Block]:
-    """What the second step holds and loads."""
+    """What the steps after the touch hold and load."""
     along = () if deck.slides_along_x else (f"{deck.reference}, 1, 1, 0.",)
     words = "The upper plane is let go" + (
         "." if deck.slides_along_x else " along y; there is no friction, and nothing else holds it along x."

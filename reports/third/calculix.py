@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from reports.third import blocks
-from reports.third.blocks import CONTACT, INSTANTS, LOWER_FACE, REFERENCE, UPPER_FACE, Block, number
+from reports.third.blocks import AT_THE_END, CONTACT, LOWER_FACE, REFERENCE, UPPER_FACE, Block, number
 from reports.third.deck import Deck
 
 _ABOUT = (
@@ -37,12 +37,14 @@ def _blocks(deck: Deck) -> Iterator[Block]:
     yield from blocks.amplitudes(deck)
     yield from blocks.touch(deck)
     yield Block("END STEP")
-    yield from blocks.history(deck)
+    yield from blocks.history(deck, [*_first(deck)])
+
+
+def _first(deck: Deck) -> Iterator[Block]:
     yield Block("CONTROLS", {"PARAMETERS": "FIELD"}, (f"{number(_RESIDUAL)}, {number(_CORRECTION)}",), "Residual and correction.")
     yield Block("CONTROLS", {"PARAMETERS": "CONTACT"}, (_CONTACT,))
     yield from blocks.loading(deck)
     yield from _output()
-    yield Block("END STEP")
 
 
 def _interaction(deck: Deck) -> Iterator[Block]:
@@ -59,7 +61,7 @@ def _interaction(deck: Deck) -> Iterator[Block]:
 
 
 def _output() -> Iterator[Block]:
-    pair = {"SLAVE": LOWER_FACE, "MASTER": UPPER_FACE, "TIME POINTS": INSTANTS}
-    yield Block("CONTACT FILE", {"TIME POINTS": INSTANTS}, ("CDIS, CSTR",), "Contact values at the nodes of the lower face.")
+    pair = {"SLAVE": LOWER_FACE, "MASTER": UPPER_FACE, "FREQUENCY": AT_THE_END}
+    yield Block("CONTACT FILE", {"FREQUENCY": AT_THE_END}, ("CDIS, CSTR",), "Contact values at the nodes of the lower face.")
     yield Block("CONTACT PRINT", pair, ("CF",), "Resultant of the contact: it must be P and Q.")
-    yield Block("NODE PRINT", {"NSET": REFERENCE, "TIME POINTS": INSTANTS}, ("U",), "Where the upper plane is.")
+    yield Block("NODE PRINT", {"NSET": REFERENCE, "FREQUENCY": AT_THE_END}, ("U",), "Where the upper plane is.")
