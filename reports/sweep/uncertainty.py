@@ -33,17 +33,16 @@ def cheap_uncertainty(
 
     scene = question.scene
     mesh, solver = coarser(question.mesh, question.solver, 2.0)
-    mesh = replace(mesh, growth=min(1.0, 2 * mesh.growth))
 
     def solved(cut: MeshSettings) -> Values:
         return evaluate(asked, scene, halfplane_fe.solve(scene, cut, solver, scales=fe.scales)).values
 
-    coarse = solved(mesh)
-    shares = [(_MESH, found.values, coarse)]
+    shares = [(_MESH, found.values, solved(replace(mesh, growth=min(1.0, 2 * mesh.growth))))]
     if "exact" in asked.engines:
         shares.append((1.0, found.values, evaluate(asked, scene, fe, polygon=True).values))
     if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind) and question.mesh.far_radius <= 500:
-        shares.append((_FAR, coarse, solved(replace(mesh, far_radius=2 * mesh.far_radius))))
+        # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
+        shares.append((_FAR, solved(mesh), solved(replace(mesh, far_radius=2 * mesh.far_radius))))
     total: Values = {}
     for name in _names(asked):
         parts_of = [_change(name, *share) for share in shares]
