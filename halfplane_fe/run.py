@@ -110,13 +110,16 @@ def _follow_legs(
     def allowed(time: float) -> float:
         return pace.step_tolerance * reference * time / duration
 
+    def said() -> str:
+        return f"{text}, {len(run.increments)} steps, {problem.work['contact iterations']} contact iterations"
+
     for done, piece in enumerate(pieces):
-        progress(done, len(pieces), text)
+        progress(done, len(pieces), said())
         for increment in follow(problem, run.states[-1], piece, pace.load, allowed):
             run.checks.append(certificates(problem, run.states[-1], increment.solved))
             run.increments.append(increment)
             run.states.append(increment.state)
-    progress(len(pieces), len(pieces), text)
+    progress(len(pieces), len(pieces), said())
 
 
 def _change(before: InterfaceState, after: InterfaceState, friction: float) -> float:

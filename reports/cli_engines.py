@@ -32,6 +32,7 @@ def run(
     ] = False,
     third: Annotated[Literal["calculix"] | None, Parameter(help="A third opinion: runs `ccx` on the exported deck.")] = None,
     third_limit: Annotated[float, Parameter(help="Seconds after which CalculiX is stopped.")] = 1800.0,
+    json: Annotated[bool, Parameter(negative="", help="The verdict as JSON on stdout, and nothing else there.")] = False,
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
 ) -> int:
@@ -39,7 +40,18 @@ def run(
     from reports import commands
 
     limit = None if third is None else third_limit
-    return commands.run(scene, out, vtu, quiet, finite_elements, budget=budget, third_limit=limit, stress=stress, pdf=pdf)
+    return commands.run(
+        scene,
+        out,
+        vtu,
+        quiet,
+        finite_elements,
+        budget=budget,
+        third_limit=limit,
+        stress=stress,
+        pdf=pdf,
+        as_json=json,
+    )
 
 
 @app.command(sort_key=3, help_epilogue="")

@@ -41,6 +41,7 @@ def run(
     third_limit: float | None = None,
     stress: tuple[str, ...] = (),
     pdf: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Both engines, the verdict, the page; with `budget`, where the errors come from."""
     stages = Stages(quiet)
@@ -71,17 +72,41 @@ def run(
                 pdf=pdf,
             )
     except ConvergenceError as failure:
+        if as_json:
+            from reports.machine import failure_json
+
+            say(failure_json(scene.name, str(failure), NOT_CONVERGED))
+            return NOT_CONVERGED
         return _not_converged(failure, scene, folder)
+    if as_json:
+        return _say_json(report)
     _show_verdict(report.comparison)
     _show_budget(report.comparison)
     _show_third(report)
     met = _show_expected(scene, (report.comparison.reference, report.comparison.result))
     show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in report.seconds.items()], right=(1,))
     say(str(report.page))
+    return _outcome(report, met=met)
+
+
+def _outcome(report: jobs.Report, *, met: bool) -> int:
+    """The exit code of a run; a third opinion that failed is told."""
     if report.third is not None and report.third.failure:
-        complain(f"halfplane: {scene.name}: {report.third.failure}")
+        complain(f"halfplane: {report.comparison.scene.name}: {report.third.failure}")
         return NOT_CONVERGED
     return WITHIN if report.comparison.passed and met else OUTSIDE
+
+
+def _say_json(report: jobs.Report) -> int:
+    """The verdict for programs, alone on stdout."""
+    from reports import expected
+    from reports.machine import verdict_json
+
+    comparison = report.comparison
+    findings = list(expected.check(comparison.scene, (comparison.reference, comparison.result)))
+    code = _outcome(report, met=all(finding.met for finding in findings))
+    say(verdict_json(report, findings, code))
+    return code
 
 
 def exact(source: str, out: Path | None, quiet: bool) -> int:
@@ -198,7 +223,7 @@ def _show_verdict(comparison: Comparison) -> None:
         [(m.label, value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in comparison.headlines],
         right=(1, 3),
     )
-    say(verdict(comparison))
+    say(verdict(comparison), "bold green" if comparison.passed else "bold red")
 
 
 def _show_budget(comparison: Comparison) -> None:

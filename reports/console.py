@@ -17,49 +17,93 @@ Report = Callable[[int, int | None, str], None]
 _LINE_EVERY = 2.0
 
 
+class TimeLeft:
+    """How long the rest of a part takes if it goes on as it began; a part is one count from 0 to its total: a revolution."""
+
+    def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._clock, self._begun, self._done, self._total = clock, clock(), 0, 0
+
+    def words(self, done: int, total: int | None) -> str:
+        """Of the part that `done` of `total` belong to; empty before anything can be said of it.
+
+        >>> clock = iter([0.0, 0.0, 3.0]).__next__
+        >>> left = TimeLeft(clock)
+        >>> left.words(0, 4), left.words(1, 4)
+        ('', '9 s left')
+        """
+        now = self._clock()
+        if total is None or done < self._done or total != self._total or not done:
+            self._begun = now
+        self._done, self._total = done, total or 0
+        if not done or not total or now <= self._begun:
+            return ""
+        left = (now - self._begun) / done * (total - done)
+        return f"{left:.0f} s left" if left < 100 else f"{left / 60:.0f} min left"
+
+
 class Stages:
-    """Runs the stages of a job one after the other, shows each, and keeps their wall times in `seconds`."""
+    """Runs the stages of a job one after the other, shows each, and keeps their wall times in `seconds`, every line in `log`."""
 
     def __init__(self, quiet: bool = False) -> None:
-        self.console = Console(stderr=True, quiet=quiet, highlight=False)
+        self.console = Console(stderr=True, quiet=quiet, highlight=False, soft_wrap=True)
         self.seconds: dict[str, float] = {}
+        self.log: list[str] = []
 
     @contextmanager
     def stage(self, name: str) -> Generator[Report, None, None]:
         """Times a stage; yields report(done, total or None, text)."""
         start = time.perf_counter()
+        self.note(f"{name} ...")
         show = self._bar if self.console.is_terminal else self._lines
+        last = ""
+
         with show(name) as report:
-            yield report
+
+            def kept(done: int, total: int | None, text: str) -> None:
+                nonlocal last
+                if total and done == total and text != last:
+                    last = text
+                    self.note(f"  {text}")
+                report(done, total, text)
+
+            yield kept
         self.seconds[name] = time.perf_counter() - start
+        self.note(f"{name}: {self.seconds[name]:.2f} s")
         self.console.print(Text(f"{name}: {self.seconds[name]:.2f} s"))
+
+    def note(self, text: str) -> None:
+        """A line of the log, with the time of the day."""
+        self.log.append(f"{time.strftime('%H:%M:%S')}  {text}")
 
     @contextmanager
     def _bar(self, name: str) -> Generator[Report, None, None]:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+        left = TimeLeft()
         with Progress(*columns, console=self.console, transient=True) as progress:
             task = progress.add_task(name, total=None)
 
             def report(done: int, total: int | None, text: str) -> None:
                 from rich.markup import escape
 
-                progress.update(task, completed=done, total=total, description=escape(f"{name}: {text}"))
+                words = ", ".join(filter(None, (text, left.words(done, total))))
+                progress.update(task, completed=done, total=total, description=escape(f"{name}: {words}"))
 
             yield report
 
     @contextmanager
     def _lines(self, name: str) -> Generator[Report, None, None]:
-        shown = time.perf_counter()
+        shown, left = time.perf_counter(), TimeLeft()
         self.console.print(Text(f"{name} ..."))
 
         def report(done: int, total: int | None, text: str) -> None:
             nonlocal shown
+            words = left.words(done, total)
             if time.perf_counter() - shown >= _LINE_EVERY:
                 shown = time.perf_counter()
-                of = f" of {total}" if total else ""
-                self.console.print(Text(f"  {name}: {text} {done}{of}"))
+                of = f"{done} of {total} stretches" if total else ""
+                self.console.print(Text(f"  {name}: {', '.join(filter(None, (text, of, words)))}"))
 
         yield report
 
@@ -80,9 +124,9 @@ def _coloured(cell: str) -> Text:
     return Text(cell, style=style)
 
 
-def say(text: str) -> None:
-    """A line on stdout, taken literally and never broken."""
-    Console(highlight=False, soft_wrap=True).print(Text(text))
+def say(text: str, style: str = "") -> None:
+    """A line on stdout, taken literally and never broken; `style` where the terminal has colours."""
+    Console(highlight=False, soft_wrap=True).print(Text(text, style=style))
 
 
 def complain(text: str) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from scenes import InputError
 
 MANIFEST = "manifest.json"
-_RESULTS = (MANIFEST, "report.html", "report.pdf", "comparison.json", "scene.json", "reference.nc", "result.nc")
+_RESULTS = (MANIFEST, "report.html", "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
 
 
 def default_folder(name: str) -> Path:

@@ -133,6 +133,7 @@ def run(
             third=third,
             stress_instants=instants_of(stress, result, "--stress"),
             pdf=pdf,
+            log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
         )
     return Report(comparison, page, stages.seconds, third)
 

@@ -19,6 +19,7 @@ from reports.live import cycle_data, tables
 from reports.missing import missing
 from reports.page import render
 from reports.summary import as_json
+from reports.wording import verdict
 
 if TYPE_CHECKING:
     from reports.fields import Instant
@@ -35,6 +36,7 @@ def write(
     third: ThirdOpinion | None = None,
     stress_instants: Sequence[Instant] = (),
     pdf: bool = False,
+    log: Sequence[str] = (),
 ) -> Path:
     """Write the report and return the path of the page.
 
@@ -48,6 +50,7 @@ def write(
     third : another code's answer, for a block of the page and files beside it
     stress_instants : where the page shows von Mises' stress; nowhere by default
     pdf : whether report.pdf is written too, which needs typst
+    log : lines of run.log; without any there is none
 
     Raises
     ------
@@ -74,6 +77,8 @@ def write(
         words = _write_third(comparison, third, folder) if third else None
         page = render(comparison, drawings, command, seconds or {}, live_data(comparison, drawings), words)
         (folder / "report.html").write_text(page, encoding="utf-8")
+        if log:
+            (folder / "run.log").write_text("\n".join([*log, verdict(comparison)]) + "\n", encoding="utf-8")
         if pdf:
             from reports.pdf import write_pdf
 

@@ -1,0 +1,76 @@
+"""What `halfplane run` tells: progress with steps and time left, the log in the folder, the verdict for programs."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from reports import commands, jobs
+from reports.cli import main
+from reports.console import Stages, TimeLeft
+from reports.machine import FORMAT
+from scenes import ConvergenceError, Record, freeze
+from test_cli_commands import COARSE, halfplane
+
+
+class TestMachine:
+    def test_stdout_is_one_json_document_and_the_folder_has_a_log(self, tmp_path: Path) -> None:
+        done = halfplane(tmp_path, "run", "cattaneo-mindlin", "--json", *COARSE)
+        told = json.loads(done.stdout)
+        assert done.returncode == told["exit_code"] == 1
+        assert told["format"] == FORMAT
+        assert told["passed"] is False
+        assert told["metrics"]["dissipation"]["accurate"] is False
+        whole = json.loads((tmp_path / "out" / "cattaneo-mindlin" / "comparison.json").read_text(encoding="utf-8"))
+        assert told["metrics"]["shear"]["value"] == whole["metrics"]["shear"]["value"]
+        assert (tmp_path / told["page"]).is_file()
+        log = (tmp_path / "out" / "cattaneo-mindlin" / "run.log").read_text(encoding="utf-8")
+        assert "halfplane run cattaneo-mindlin --element-size 0.25" in log.splitlines()[0]
+        assert "revolution 1, " in log
+        assert " contact iterations" in log
+        assert whole["verdict"]["sentence"] in log
+        assert "finite elements: " in done.stderr
+
+    def test_no_convergence_is_json_too(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        record = Record(False, "not converged", "step 3 does not converge", freeze([1], int))
+
+        def fails(*arguments: object, **options: object) -> None:
+            raise ConvergenceError("step 3 does not converge", record)
+
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(jobs, "run", fails)
+        assert main(["run", "cattaneo-mindlin", "--quiet", "--json"]) == commands.NOT_CONVERGED
+        told = json.loads(capsys.readouterr().out)
+        assert told["exit_code"] == commands.NOT_CONVERGED
+        assert "step 3" in told["error"]
+
+
+class TestProgress:
+    def test_time_left_is_that_of_the_part_and_starts_anew_with_the_next(self) -> None:
+        clock = iter([0.0, 10.0, 12.0, 14.0, 20.0, 21.0]).__next__
+        left = TimeLeft(clock)
+        assert left.words(0, 5) == ""
+        assert left.words(1, 5) == "8 s left"
+        assert left.words(2, 5) == "6 s left"
+        assert left.words(0, 5) == ""
+        assert left.words(1, 5) == "4 s left"
+
+    def test_nothing_is_said_of_work_without_a_total(self) -> None:
+        assert TimeLeft(iter([0.0, 1.0]).__next__).words(3, None) == ""
+
+    def test_piped_lines_are_plain_and_whole(self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+        monkeypatch.setattr("reports.console._LINE_EVERY", 0.0)
+        stages = Stages()
+        with stages.stage("finite elements") as report:
+            for done in range(4):
+                report(done, 3, f"revolution 1, {100 * done} steps, {250 * done} contact iterations, " + "and more words " * 6)
+        lines = capsys.readouterr().err.splitlines()
+        assert lines[0] == "finite elements ..."
+        assert lines[3].startswith("  finite elements: revolution 1, 200 steps, 500 contact iterations")
+        assert "2 of 3 stretches" in lines[3]
+        assert len(lines) == 6
+        assert not [line for line in lines if "\x1b" in line]
+        assert stages.log[0][10:] == "finite elements ..."
+        assert "300 steps" in stages.log[1]
