@@ -319,6 +319,8 @@ def init(file: Path, start: str, bodies: bool) -> int:
     for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
         _write_new(path, content)
     with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
+    if start:
+        say(f"{file}: its expected numbers are those of {start}: change them, or take them out, when you change the question")
     say(f"{file}{with_it}: edit it, then `halfplane check {file}` and `halfplane run {file}`")
     return WITHIN
 
