@@ -251,6 +251,18 @@ def test_times_outside_the_path_or_backwards_are_refused():
         _score(solution, time=solution.time[::-1])
 
 
+@pytest.mark.parametrize("times", [np.linspace(0, 1, 25), np.linspace(0, 1, 25) + exact().time])
+def test_a_solvers_own_times_are_given_up_for_the_loads_unless_the_mapping_vouches_for_them(times, tmp_path):
+    table = rows(exact())
+    table["time"] = np.repeat(times, len(X))
+    path = written(table, tmp_path / "own-times.csv")
+    found = score_file(path, Mapping(), exact().scene)
+    assert found.passed
+    assert any(sentence.startswith("the file's times can't be those of the scene's path") for sentence in found.guesses)
+    with pytest.raises(InputError, match=r"outside the scene's path|its history is not the scene's"):
+        score_file(path, Mapping.model_validate({"columns": {"time": "time"}}), exact().scene)
+
+
 def test_times_printed_to_six_digits_still_hold_a_whole_cycle():
     solution = exact("hertz-paper")
     printed = [float(f"{t:.6g}") for t in solution.time]

@@ -157,7 +157,8 @@ def extent(result: SurfaceResult) -> tuple[float, float]:
 
 def resultants(result: SurfaceResult) -> tuple[Array, Array]:
     """int p dx and int q dx by the trapezoidal rule, (n_steps,) each [force / thickness]."""
-    return np.trapezoid(result.pressure, result.x, axis=1), np.trapezoid(result.shear, result.x, axis=1)
+    normal, tangential = (np.asarray(np.trapezoid(field, result.x, axis=1)) for field in (result.pressure, result.shear))
+    return normal, tangential
 
 
 def oddities(result: SurfaceResult, tangential: Array, scene: Scene) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,16 +25,20 @@ _AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Times of the scene's path, (n_steps,), with P and Q there, and sentences on how they were found."""
+    """Times of the scene's path, (n_steps,), with P and Q there, sentences on how they were found, and what was guessed."""
 
     time: Array
     normal_load: Array
     tangential_load: Array
     notes: tuple[str, ...]
+    guess: str = ""
 
 
-def matched(result: SurfaceResult, scene: Scene) -> History:
+def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
     """The instants of `result` on the path of `scene`.
+
+    Times that nobody vouches for (a solver's own, counted anew in each step) are given up where they can't be the scene's and the
+    loads or the tractions tell better.
 
     Raises
     ------
@@ -43,10 +47,24 @@ def matched(result: SurfaceResult, scene: Scene) -> History:
     """
     path = scene.load.path()
     if result.time is not None:
-        return _by_time(result, path, scene)
+        try:
+            return _by_time(result, path, scene)
+        except InputError as fault:
+            other = None if sure_of_times else _without_times(result, scene)
+            if other is None:
+                raise
+            why = str(fault).removeprefix(f"{result.source}: ").split(";", maxsplit=1)[0]
+            return replace(other, guess=f"the file's times can't be those of the scene's path and were not used ({why})")
     if result.normal_load is not None and result.tangential_load is not None:
         return _by_loads(result, path, scene, (result.normal_load, result.tangential_load), STATED, "the loads that it states")
     return _by_resultants(result, path, scene)
+
+
+def _without_times(result: SurfaceResult, scene: Scene) -> History | None:
+    try:
+        return matched(replace(result, time=None), scene)
+    except InputError:
+        return None
 
 
 def _by_resultants(result: SurfaceResult, path: LoadPath, scene: Scene) -> History:

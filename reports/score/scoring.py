@@ -75,7 +75,8 @@ def score_file(path: Path, mapping: Mapping, scene: Scene, *, against: Against =
     """A result in a file, without diagnoses: of the project's own (.nc) as it is, any other through `mapping`."""
     if path.suffix.lower() == OWN and path.is_file():
         return score_solution(own_solution(path, scene), (), against=against, polygon=True)
-    return score_surface(read(path, mapping, scene), mapping, scene, against=against)
+    sure = mapping.times is not None or mapping.columns.time is not None
+    return score_surface(read(path, mapping, scene), mapping, scene, against=against, sure_of_times=sure)
 
 
 def own_solution(path: Path, scene: Scene) -> ContactSolution:
@@ -87,9 +88,11 @@ def own_solution(path: Path, scene: Scene) -> ContactSolution:
     return of_own_file(solution, str(path), scene)
 
 
-def score_surface(result: SurfaceResult, mapping: Mapping, scene: Scene, *, against: Against = "exact") -> Comparison:
+def score_surface(
+    result: SurfaceResult, mapping: Mapping, scene: Scene, *, against: Against = "exact", sure_of_times: bool = True
+) -> Comparison:
     """A result in the common form, guesses applied, without diagnoses."""
-    solution, guesses = contact_solution(result, mapping, scene)
+    solution, guesses = contact_solution(result, mapping, scene, sure_of_times=sure_of_times)
     return score_solution(solution, guesses, against=against)
 
 

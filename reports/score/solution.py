@@ -22,7 +22,9 @@ LACKING = "not in the result"
 FEWEST = 8
 
 
-def contact_solution(result: SurfaceResult, mapping: Mapping, scene: Scene) -> tuple[ContactSolution, tuple[str, ...]]:
+def contact_solution(
+    result: SurfaceResult, mapping: Mapping, scene: Scene, *, sure_of_times: bool = True
+) -> tuple[ContactSolution, tuple[str, ...]]:
     """The solution that `result` amounts to, and what was guessed on the way, in sentences.
 
     Nothing is filled in: what the result does not hold is NaN, named in `work.skipped`, and left out of the comparison. Worked
@@ -34,7 +36,7 @@ def contact_solution(result: SurfaceResult, mapping: Mapping, scene: Scene) -> t
         For a history that is not the scene's.
     """
     result, guesses = guessed(result, mapping, scene)
-    history = matched(result, scene)
+    history = matched(result, scene, sure_of_times=sure_of_times)
     found = zones(result, scene.friction.coefficient, history.time)
     steps = _last_cycle(scene, history)
     density, notes = _dissipation(result, steps)
@@ -60,7 +62,7 @@ def contact_solution(result: SurfaceResult, mapping: Mapping, scene: Scene) -> t
         work=Work({"instants": len(history.time), "points": len(result.x)}, skipped),
         settings=_settings(result, mapping, stated=stated),
     )
-    return solution, (*guesses, *oddly)
+    return solution, (*guesses, *([history.guess] if history.guess else []), *oddly)
 
 
 def _series(result: SurfaceResult, history: History, found: Zones) -> dict[str, Any]:

@@ -62,7 +62,8 @@ def frames_of(path: Path, table: TextTable, mapping: Mapping) -> SurfaceResult |
     fields = {name: _stack(path, name, grouped[name], frames) for name in ("pressure", "shear", "slip")}
     if fields["shear"] is None:
         raise InputError(f"{path}: the frames have a pressure and no shear; a column such as CSHEAR1 is needed for each of them")
-    places = _stack(path, "x", grouped["x"], frames) if len(grouped["x"]) > 1 else grouped["x"][0][1]
+    own_places = _stack(path, "x", grouped["x"], frames) if len(grouped["x"]) > 1 else None
+    places = grouped["x"][0][1] if own_places is None else own_places
     return surface_result(
         str(path), mapping.code, places, dict(fields), {"time": _times(path, mapping, heads, frames)}, _notes(heads, frames)
     )
