@@ -13,7 +13,7 @@ from reports.third.blocks import number
 from reports.third.calculix import calculix_deck
 from reports.third.deck import Deck, build_deck
 from reports.third.settings import DeckSettings
-from scenes import InputError, load_scene
+from scenes import InputError, load_scene, scene_names
 
 COARSE = DeckSettings(element_size=1 / 8, edge_element_size=1 / 16, far_radius=20.0, growth=0.6, steps_per_cycle=16)
 SCENES = ("hertz-paper", "cattaneo-mindlin", "pad-on-block", "layer", "cylinder-roller-frictionless")
@@ -189,3 +189,12 @@ def test_numbers_fit_into_what_calculix_reads() -> None:
     values = [1 / 3, -1e-7 / 3, 123456789.123456789, -2e300 / 3, 5e-324, 0.0]
     assert all(len(number(v)) <= 20 and "." in number(v) for v in values)
     assert np.allclose([float(number(v)) for v in values], values, rtol=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", scene_names())
+def test_every_scene_of_the_library_makes_a_deck_in_both_dialects(name: str) -> None:
+    deck = build_deck(load_scene(name), COARSE)
+    assert min(deck.lower.areas().min(), deck.upper.areas().min()) > 0
+    assert parse(calculix_deck(deck), CALCULIX)
+    assert parse(abaqus_deck(deck), ABAQUS)

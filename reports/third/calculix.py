@@ -54,8 +54,8 @@ def _interaction(deck: Deck) -> Iterator[Block]:
     friction = deck.scene.friction.coefficient
     if friction:
         words = (
-            f"Friction coefficient, and shear per elastic slip while faces stick: {deck.settings.stick_stiffness:g} E*/h; stiffer "
-            "ones let CalculiX fail to converge, softer ones creep."
+            f"Friction coefficient, and shear per elastic slip while faces stick: {deck.settings.stick_stiffness:g} E*/h; much "
+            "stiffer ones let CalculiX fail to converge, softer ones creep."
         )
         yield Block("FRICTION", {}, (f"{number(friction)}, {number(deck.stick_slope)}",), words)
 
