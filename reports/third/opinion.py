@@ -115,8 +115,8 @@ def limits(deck: Deck) -> tuple[str, ...]:
         slip = friction * pressure / deck.stick_slope / unit
         found.insert(
             1,
-            f"Faces that stick creep elastically, by up to {slip:.1e} a at the largest mean pressure; at a stick slope of 1000 E*/h it "
-            "does not converge.",
+            f"Faces that stick creep elastically, by up to {slip:.1e} a at the largest mean pressure; at a stick slope of "
+            "1000 E*/h it does not converge.",
         )
         if _varies(deck):
             found.insert(
