@@ -117,9 +117,10 @@ def _by_time(result: SurfaceResult, path: LoadPath, scene: Scene) -> History:
         )
     beyond = np.flatnonzero((time < first) | (time > last))
     if len(beyond):
+        rounds = f" in {scene.cycles} cycles" if path.period is not None else ""
         raise InputError(
             f"{result.source}: instant {beyond[0] + 1} is at time {time[beyond[0]]:.6g}, outside the scene's path, which goes from "
-            f"{first:.6g} to {last:.6g} in {scene.cycles} cycles; state each instant's time there by the key times of a mapping"
+            f"{first:.6g} to {last:.6g}{rounds}; state each instant's time there by the key times of a mapping"
         )
     normal, tangential = path.at(time)
     _refuse_other_loads(result, time, normal, tangential)

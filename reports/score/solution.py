@@ -130,7 +130,8 @@ def _skipped(result: SurfaceResult, history: History, steps: NDArray[np.intp], d
         lacking[WHOLE_CYCLE] = (count, f"{LACKING}, which goes from time {history.time[0]:.6g} to {history.time[-1]:.6g}")
     if np.isnan(density).any():
         few = f", for a cycle of {len(steps)} instants is too coarse to work it out (less than {FEWEST})"
-        why = "; it takes slip" if result.slip is None else "; it takes a whole cycle" if not len(steps) else few
+        whole = "; it takes a whole cycle, or a whole path from the unloaded start"
+        why = "; it takes slip" if result.slip is None else whole if not len(steps) else few
         lacking |= dict.fromkeys(("dissipation", "dissipation_density"), (count, LACKING + why))
     return lacking
 
