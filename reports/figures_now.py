@@ -8,17 +8,17 @@ import numpy as np
 
 from reports.charts.plate import Plate
 from reports.comparison import Comparison
-from reports.figures_cycle import hysteresis_panel, load_panel, moves
 from reports.figures_fields import traction_keys, traction_panels, zones
+from reports.figures_loops import first_shown, hysteresis_panel, load_panel, moves
 from reports.instants import Event
 
 _WIDTH = 560.0
 
 
 def now(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
-    """Both engines at the first chosen instant; axes hold the whole cycle, so that nothing leaves them as it moves."""
+    """Both engines at the chosen instant with most slip; axes hold the whole cycle, so that nothing leaves them as it moves."""
     expected, found = comparison.expected, comparison.found
-    start, every = chosen[0].index, range(len(found.time))
+    start, every = first_shown(found, chosen), range(len(found.time))
     tractions, difference = traction_panels(comparison, start, every, "now", (_WIDTH, 300.0), live=True)
     loops = [load_panel(comparison.result, found, chosen, "now-loads", 300.0)]
     if moves(comparison):

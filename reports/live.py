@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from reports.charts.plate import Plate, packed
 from reports.comparison import Comparison
 from reports.definitions import name_of
-from reports.figures_cycle import places, sheared_shift
+from reports.figures_cycle import places
 from reports.figures_fields import reach
+from reports.figures_loops import first_shown, sheared_shift
 from reports.instants import Event
 from reports.units import load_unit, units
 
@@ -85,6 +86,7 @@ def cycle_data(comparison: Comparison, chosen: Sequence[Event], time: Array, tim
         "fields": fields,
         "states": base64.b64encode(states.tobytes()).decode(),
         "events": [[int(np.flatnonzero(rows == event.index)[0]), event.label] for event in chosen],
+        "start": int(np.flatnonzero(rows == first_shown(found, chosen))[0]),
         "slip_points": [int(np.flatnonzero(points == place)[0]) for place in places(comparison)],
         "time_words": time_words,
         "load_unit": load_unit(comparison.scene),

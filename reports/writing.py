@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports import figures_bodies, figures_budget, figures_checks, figures_cycle, figures_fields, figures_mesh, figures_now
+from reports import (
+    figures_bodies,
+    figures_budget,
+    figures_checks,
+    figures_cycle,
+    figures_fields,
+    figures_loops,
+    figures_mesh,
+    figures_now,
+)
 from reports.charts.plate import Plate
 from reports.comparison import Comparison
 from reports.fields import with_bodies, write_fields
@@ -121,9 +130,9 @@ def draw(comparison: Comparison) -> tuple[Plate, ...]:
     chosen, (time, words) = chosen_instants(comparison), time_axis(comparison)
     drawings: list[Plate | None] = [
         figures_bodies.sketch(comparison.scene, comparison.scales.half_width),
-        figures_cycle.load_path(comparison.result, comparison.found, chosen),
+        figures_loops.load_path(comparison.result, comparison.found, chosen),
         figures_now.now(comparison, chosen),
-        figures_cycle.hysteresis(comparison, chosen),
+        figures_loops.hysteresis(comparison, chosen),
         figures_fields.state_map(comparison, time, words),
         figures_cycle.half_widths(comparison, time, words),
         figures_cycle.slip_histories(comparison, time, words),

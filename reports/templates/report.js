@@ -282,5 +282,5 @@
   find("#controls").hidden = false;
   document.documentElement.classList.add("scripted-page");
   if (reduced) document.documentElement.classList.add("still");
-  show(data.events.length ? data.events[0][0] : 0);
+  show(data.start);
 })();
