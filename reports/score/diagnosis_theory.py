@@ -67,7 +67,7 @@ def _stiffness(what: Discrepancy) -> Iterator[Hypothesis]:
     traction times k, by linearity: their resultants are k times too large.
     """
     scene = what.scene
-    tries = tuple(np.log([0.2, 0.5, 0.75, 0.9, 0.97, 1.03, 1.1, 1.33, 2.0, 5.0]))
+    tries = tuple(np.log([0.2, 0.5, 0.75, 0.9, 0.97, 1.0, 1.03, 1.1, 1.33, 2.0, 5.0]))
     if fit := fitted(what.of_pressure, lambda m: answer(what, stiffer(scene, np.exp(m))), tries):
         m = float(np.exp(fit[0]))
         yield Hypothesis("stiffness", fit[1], {"factor": m}, scene=stiffer(scene, m))
@@ -92,7 +92,7 @@ def _offset(what: Discrepancy) -> Iterator[Hypothesis]:
     centre = float(np.clip(centres[0] - centres[1], -2 * half, 2 * half))
     tries = tuple(centre + half * step for step in (-0.1, -0.02, 0.0, 0.02, 0.1))
     fit = fitted(what.of_pressure, lambda d: answer(what, what.scene, offset=d), tries)
-    if fit and abs(fit[0]) > 1e-3 * half:
+    if fit and abs(fit[0]) > 1e-4 * half:
         d = fit[0]
         yield Hypothesis("offset", fit[1], {"distance": d / half})
 
@@ -106,7 +106,7 @@ def _friction(what: Discrepancy) -> Iterator[Hypothesis]:
     """Another f; and one at which nothing slips, where q is that of bonded faces, infinite at the edges."""
     scene = what.scene
     f = scene.friction.coefficient
-    tries = tuple(np.log([0.4, 0.6, 0.8, 0.9, 0.97, 1.03, 1.1, 1.25, 1.7, 2.5, 4.0]))
+    tries = tuple(np.log([0.4, 0.6, 0.8, 0.9, 0.97, 1.0, 1.03, 1.1, 1.25, 1.7, 2.5, 4.0]))
     if fit := fitted(what, lambda factor: answer(what, with_friction(scene, f * np.exp(factor))), tries):
         factor = float(np.exp(fit[0]))
         yield Hypothesis("friction", fit[1], {"factor": factor}, scene=with_friction(scene, f * factor))
