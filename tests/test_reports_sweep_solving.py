@@ -14,6 +14,7 @@ from halfplane_fe import SolverSettings
 from halfplane_fe import solve as solve_fe
 from meshes import MeshSettings
 from reports.comparison import compare
+from reports.sweep.evaluating import _scales_of
 from reports.sweep.points import expand
 from reports.sweep.solving import solve_task
 from reports.sweep.study import Study, study_of
@@ -78,7 +79,9 @@ def test_an_answer_is_the_same_alone_and_in_company() -> None:
 
 def test_points_that_share_their_bodies_condense_them_once() -> None:
     axes = [{"name": "f", "key": "friction.coefficient", "values": [1.0, 1.5, 2.0]}]
+    _scales_of.cache_clear()
     found = answers(fe_study(axes=axes, figures=["fe.dissipation"]))
+    assert _scales_of.cache_info().misses == 1  # and one coarse run for all
     assert [answer["record"]["counts"]["condensations"] for answer in found] == [1, 0, 0]
     own = answers(fe_study(axes=axes, figures=["fe.dissipation"], share_condensations=False))
     for shared, single in zip(found, own, strict=True):  # another mesh of the same size: coarse, so a few per cent

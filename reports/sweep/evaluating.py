@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from reports.sweep.figures import fields_needed, is_metric, own_doubts, take
-from scenes import ContactSolution, ConvergenceError, PolygonLoad, Scene
+from scenes import ContactSolution, ConvergenceError, Friction, PolygonLoad, Scene
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, SolverSettings
@@ -38,6 +38,8 @@ class Question:
 
 
 Values = dict[str, float | None]
+# They move no number, and would keep points of one group apart.
+_WORDS = ("name", "title", "purpose", "source", "tolerances")
 
 
 def exact_alone(asked: Asked, scene: Scene) -> ContactSolution:
@@ -111,13 +113,12 @@ def finite_elements(asked: Asked, question: Question) -> tuple[FiniteElementSolu
 
 
 def _shared_scales(scene: Scene) -> Scales:
-    """Those of the same bodies under the largest load alone; fine elements everywhere in the contact."""
+    """Those of the same bodies under the largest load alone, without friction: one for a group, whichever points it has."""
     from halfplane_fe.scales import largest_load
 
-    still = scene.model_copy(
-        update={"load": PolygonLoad(way_in=((largest_load(scene), 0.0),)), "name": "", "title": "", "purpose": ""}
-    )
-    still = still.model_copy(update={"source": "", "tolerances": type(scene.tolerances)(), "cycles": 1})
+    changed = {"friction": Friction(coefficient=0.0), "load": PolygonLoad(way_in=((largest_load(scene), 0.0),)), "cycles": 1}
+    words = {name: Scene.model_fields[name].get_default(call_default_factory=True) for name in _WORDS}
+    still = scene.model_copy(update=words | changed)
     return _scales_of(still.model_dump_json())
 
 
