@@ -121,7 +121,7 @@ def limits(deck: Deck) -> tuple[str, ...]:
         if _varies(deck):
             found.insert(
                 2,
-                "Under varying normal load its friction history is off by more than its mesh explains: +8 % of the dissipation of "
+                "Under varying normal load its friction history is off by more than its mesh explains: +6 % of the dissipation of "
                 "hertz-paper at a/40, against +2 % of cattaneo-mindlin's at constant load (docs/third.md).",
             )
     if deck.scene.bodies.lower.kind == "half_plane" or deck.scene.bodies.upper.kind == "half_plane":
