@@ -167,6 +167,14 @@ def test_keys_step_jump_and_play(visit: Callable[..., Any]) -> None:
     assert pressed("ArrowRight") == stopped + 1
 
 
+def test_the_slider_stays_in_sight_beside_what_it_moves(visit: Callable[..., Any]) -> None:
+    page = visit("nasty")
+    for figure in ("state_map", "slip_history", "errors"):
+        page.locator(f"#{figure}").evaluate("(e) => e.scrollIntoView()")
+        box = page.locator("#controls").bounding_box()
+        assert 0 <= box["y"] < 100
+
+
 def test_chosen_instants_have_buttons(visit: Callable[..., Any]) -> None:
     page = visit("nasty")
     chips = page.locator("#events button")
