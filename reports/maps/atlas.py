@@ -1,0 +1,174 @@
+"""Which maps there are: their studies, what each is drawn and fitted over, and what theory predicts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from scenes import InputError
+
+STUDIES = Path(__file__).with_name("studies")
+PUBLISHED = Path(__file__).parents[1] / "published" / "maps"
+
+WORDS = {
+    "error.dissipation": "dissipation",
+    "error.peak_dissipation": "peak dissipation",
+    "error.p0": "peak pressure p0",
+    "error.contact_half_width": "contact half-width a",
+    "error.permanent_stick_half_width": "permanent stick half-width",
+    "error.stick_half_width": "stick half-width c",
+}
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One study as it is drawn and fitted.
+
+    Attributes
+    ----------
+    study : name of the file in studies/
+    across, up : columns of the map's two axes; `up` empty: lines over `across`
+    panels : column whose values have a panel each; empty for one panel
+    small : the small parameter s, in words; `inverse`: s is 1/across, else across itself
+    expected : exponent of s that theory predicts; None where no law is sought
+    prediction : why
+    within : sentence of the designer's table, "height / a >" or "a / R <"
+    """
+
+    study: str
+    across: str
+    up: str
+    panels: str
+    small: str
+    inverse: bool
+    expected: float | None
+    prediction: str
+    within: str
+
+
+@dataclass(frozen=True)
+class Map:
+    """A page: its charts, and studies of points that no law was fitted to."""
+
+    name: str
+    title: str
+    question: str
+    charts: tuple[Chart, ...]
+    held_out: tuple[str, ...] = ()
+
+    @property
+    def studies(self) -> tuple[str, ...]:
+        """Every study of the page."""
+        return (*(chart.study for chart in self.charts), *self.held_out)
+
+
+_SIZE = (
+    "a finite body adds a smooth, even term to the surface's Green's function, -(x - ξ)² κ/2 in its leading order with κ ~ 1/h²: "
+    "relative errors are O((a/h)²) at fixed width/height"
+)
+_CURVED = (
+    "an arc's next term, x⁴/(8 R³), changes the gap by (a/R)² of itself, and turning normals change sign with x: errors even in a/R"
+)
+_BETA = (
+    "y-mirror swaps the bodies (β → −β, Q → −Q), x-mirror restores Q: p0 and W are even in β, so O(β²) at fixed f; "
+    "pressing makes shear ~ β p that friction f p holds, so W goes with (β/f)²"
+)
+MAPS = {
+    m.name: m
+    for m in (
+        Map(
+            "block",
+            "Two equal blocks: height and width",
+            "How high and how wide must two equal blocks be?",
+            (Chart("block", "height", "aspect", "base", "a/h", True, 2.0, _SIZE, "height / a >"),),
+            ("block-held-out",),
+        ),
+        Map(
+            "one-block",
+            "One block under a half-plane: height, width and friction",
+            "How high must a block be whose partner is large?",
+            (
+                Chart(
+                    "one-block",
+                    "height",
+                    "aspect",
+                    "f",
+                    "a/h",
+                    True,
+                    2.0,
+                    _SIZE + "; besides, normal and shear tractions feel each other by a term O(a/h) that counts in its square only",
+                    "height / a >",
+                ),
+            ),
+        ),
+        Map(
+            "curvature",
+            "True arcs: a cylinder and a flat pad with rounded edges",
+            "How small must the contact be against the radius?",
+            (
+                Chart("cylinder", "curvature", "", "f", "a/R", False, 2.0, _CURVED, "a / R <"),
+                Chart("pad", "curvature", "flat", "", "a/R", False, 2.0, _CURVED, "a / R <"),
+            ),
+        ),
+        Map(
+            "unlike",
+            "Unlike materials: Dundurs' beta against friction",
+            "May normal and shear tractions be taken as uncoupled?",
+            (Chart("unlike", "beta", "f", "", "beta", False, 2.0, _BETA, "beta <"),),
+            ("unlike-held-out",),
+        ),
+        Map(
+            "loop",
+            "The loop: where the same bodies hurt most",
+            "Under which loop does a body's error hurt dissipation most?",
+            (Chart("loop", "phase", "margin", "amplitude", "", False, None, "", ""),),
+        ),
+        Map(
+            "limits",
+            "The engines' own limits: mesh, far field, steps",
+            "What is left between the engines where the bodies are half-planes?",
+            (
+                Chart(
+                    "limits-mesh",
+                    "mesh",
+                    "",
+                    "",
+                    "size/a",
+                    False,
+                    1.5,
+                    "tractions end as a root at contact and stick edges: 3/2 of an element's size there",
+                    "element / a <",
+                ),
+                Chart(
+                    "limits-far",
+                    "far",
+                    "",
+                    "",
+                    "a/L",
+                    True,
+                    4.0,
+                    "the arc follows the point forces of P and Q; the next multipole of like bodies is O((a/L)⁴)",
+                    "L / a >",
+                ),
+                Chart(
+                    "limits-step",
+                    "step",
+                    "",
+                    "",
+                    "1/steps",
+                    True,
+                    2.0,
+                    "chords of a smooth loop: second order in the step",
+                    "steps >",
+                ),
+            ),
+        ),
+    )
+}
+
+
+def map_named(name: str) -> Map:
+    """A map by name; InputError names those that there are."""
+    if name not in MAPS:
+        raise InputError(f"map {name!r}: there is none; known: {', '.join(MAPS)}, or all")
+    return MAPS[name]

@@ -1,0 +1,161 @@
+"""Half-plane theory's figures corrected for two equal finite blocks: cheap, with a stated range, outside the half-plane engine.
+
+What the blocks add to the curvature under load is known (smooth walls and rollers: sums over images) or fitted (free sides, fixed
+base: constants in published/maps/laws.json, from the map `block`); what that does to a cycle follows for every loop by
+`reports.maps.quadratic`. Nothing here was fitted to any loop but the paper's.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.maps.layers import curvature_sum
+from reports.maps.quadratic import Curvatures, dissipation_error
+from scenes import Hertz, InputError, Scene
+from scenes.bodies import Block
+
+Array = NDArray[np.float64]
+LAWS = Path(__file__).parents[1] / "published" / "maps" / "laws.json"
+# Where the held-out points of the map were tried: see docs/maps.md for what is left there.
+LEAST_HEIGHT = 3.6  # half-widths at the largest load
+LEAST_ASPECT, POISSON = 1.0, (0.25, 0.35)
+_PER_LEG = 150
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What two equal blocks do to half-plane theory, each as its figure over theory's, less 1.
+
+    Attributes
+    ----------
+    dissipation : of the last cycle
+    peak_pressure, contact_half_width : at the largest load
+    added : what the blocks add to the curvature of the gap, over 1/R, under the largest load
+    height, aspect : of the blocks, over a at the largest load by half-plane theory, and width over height
+    """
+
+    dissipation: float
+    peak_pressure: float
+    contact_half_width: float
+    added: Curvatures
+    height: float
+    aspect: float
+
+
+def added_curvatures(base: str, aspect: float, slenderness: float, poisson_ratio: float = 0.3) -> Curvatures:
+    """nu and tau of two equal blocks at a/height = `slenderness`; `base` "fixed" (sides free) or "rollers" (sides guided).
+
+    >>> added = added_curvatures("rollers", 2.0, 0.1)
+    >>> round(added.normal, 5), round(added.tangential, 5)
+    (0.00543, 0.00157)
+    """
+    if base == "rollers":
+        sums = [curvature_sum("rollers", tangential=way, poisson_ratio=poisson_ratio, aspect=aspect) for way in (False, True)]
+        return Curvatures(*(-value / 2 * slenderness**2 for value in sums))
+    normal, tangential = _fitted(aspect)
+    return Curvatures(normal * slenderness**2, tangential * slenderness**2)
+
+
+def _fitted(aspect: float) -> tuple[float, float]:
+    """N and T of a block with free sides on a fixed base: fitted at some aspects, the layer's at infinity, by PCHIP between."""
+    from scipy.interpolate import PchipInterpolator
+
+    nodes = _constants()
+    inverse = np.array([0.0, *sorted(1 / a for a, _, _ in nodes)])
+    limits = [-curvature_sum("fixed", tangential=way) / 2 for way in (False, True)]
+    found = []
+    for column, limit in zip((1, 2), limits, strict=True):
+        values = [limit, *(node[column] for node in sorted(nodes, key=lambda node: 1 / node[0]))]
+        found.append(float(np.exp(PchipInterpolator(inverse, np.log(values))(1 / aspect))))
+    return found[0], found[1]
+
+
+@lru_cache(maxsize=1)
+def _constants() -> tuple[tuple[float, float, float], ...]:
+    """(aspect, N, T) of the published fit."""
+    rows = json.loads(LAWS.read_text(encoding="utf-8"))["curvatures"]
+    return tuple((row["aspect"], row["normal"], row["tangential"]) for row in rows)
+
+
+def correction(scene: Scene) -> Correction:
+    """What two equal blocks do to the half-plane figures of a scene.
+
+    Raises
+    ------
+    InputError
+        Where the correction was not derived or not tried: other than two equal blocks of one material, a profile other than Hertz,
+        a path without a cycle, sides or Poisson's ratio other than in the maps, blocks too low or narrower than high.
+    """
+    block = _block(scene)
+    path = scene.load.path()
+    if not path.cycle:
+        raise InputError(f"{scene.name or 'scene'}: load: the path has no cycle, and the correction is that of a cycle")
+    times = _times(path.start, path.cycle_start, path.period)
+    loads = [path.at(t) for t in times]
+    normal = np.array([float(p) for p, _ in loads])
+    tangential = np.array([float(q) for _, q in loads])
+    largest = float(normal.max())
+    half_width = _hertz(scene, largest)
+    height, aspect = block.height / half_width, block.width / block.height
+    _check_range(block, height, aspect, scene)
+    added = added_curvatures(block.base, aspect, 1 / height, scene.material.lower.poisson_ratio)
+    cycle = int(np.sum(times > path.cycle_start + path.period * (1 + 1e-9)))
+    error = dissipation_error(normal / largest, tangential / largest, scene.friction.coefficient, added, cycle)
+    return Correction(error, added.pressure_error(), added.half_width_error(), added, height, aspect)
+
+
+def corrected_dissipation(scene: Scene, value: float) -> float:
+    """Half-plane theory's dissipation `value` of a scene with two equal blocks, corrected for their size; see `correction`."""
+    return value * (1 + correction(scene).dissipation)
+
+
+def _times(start: float, cycle_start: float, period: float) -> Array:
+    """Way in and two cycles; the corners of polygons are among them, for legs last one unit."""
+    legs = max(1, round(period)) if abs(period - round(period)) < 1e-9 else 4
+    way = np.linspace(start, cycle_start, _PER_LEG * max(1, round(cycle_start - start)) + 1)[1:]
+    return np.concatenate([way, cycle_start + np.linspace(0, 2 * period, 2 * legs * _PER_LEG + 1)[1:]])
+
+
+def _hertz(scene: Scene, load: float) -> float:
+    # notation: a^2 = 4 P R/(pi E*)
+    compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (scene.material.lower, scene.material.upper))
+    assert isinstance(scene.profile, Hertz)
+    return math.sqrt(4 * load * scene.profile.radius * compliance / math.pi)
+
+
+def _block(scene: Scene) -> Block:
+    """The one shape of both bodies."""
+    lower, upper, where = scene.bodies.lower, scene.bodies.upper, scene.name or "scene"
+    if not isinstance(lower, Block) or lower != upper:
+        raise InputError(f"{where}: bodies: the correction is for two equal blocks; take `halfplane run` for these")
+    if scene.material.lower != scene.material.upper:
+        raise InputError(f"{where}: material: the correction is for two blocks of one material; take `halfplane run`")
+    if not isinstance(scene.profile, Hertz):
+        raise InputError(f"{where}: profile.kind = {scene.profile.kind!r}: the correction is for 'hertz'; take `halfplane run`")
+    if (lower.base, lower.sides) not in (("fixed", "free"), ("rollers", "guided")):
+        raise InputError(
+            f"{where}: bodies: base = {lower.base!r} with sides = {lower.sides!r} is in no map; "
+            "the correction is for fixed and free, or rollers and guided"
+        )
+    return lower
+
+
+def _check_range(block: Block, height: float, aspect: float, scene: Scene) -> None:
+    where, ratio = scene.name or "scene", scene.material.lower.poisson_ratio
+    if height < LEAST_HEIGHT:
+        raise InputError(
+            f"{where}: bodies: height = {height:.3g} half-widths is refused: the correction holds from {LEAST_HEIGHT:g} on"
+        )
+    if aspect < LEAST_ASPECT:
+        raise InputError(f"{where}: bodies: width/height = {aspect:.3g} is refused: the correction holds from {LEAST_ASPECT:g} on")
+    if block.base == "fixed" and not POISSON[0] <= ratio <= POISSON[1]:
+        raise InputError(
+            f"{where}: material.poisson_ratio = {ratio:g} is refused: the correction was fitted at 0.3 and holds in {POISSON}"
+        )
