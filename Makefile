@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest slow bench numbers regress publish peers docs constraints clean distclean
+.PHONY: help run test lint types contracts pytest slow bench stress numbers regress publish peers docs constraints clean distclean
 
 PY := .venv/bin/python
 STAMP := .venv/.installed
@@ -67,6 +67,10 @@ bench: $(STAMP) ## benchmarks, one process
 	@echo "==> benchmarks"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(PY) -m pytest benchmarks --benchmark-only --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+
+stress: $(STAMP) ## both engines at the ends of what a scene may ask, into docs/stress.md
+	@echo "==> stress"
+	@$(ONE_THREAD) HALFPLANE_CACHE=off $(PY) benchmarks/stress.py
 
 numbers: $(STAMP) ## measure every promised number, print it, write docs/numbers.md
 	@echo "==> numbers"

@@ -36,6 +36,7 @@ import semi_analytic_batch
 import semi_analytic_extremes
 import semi_analytic_histories
 import semi_analytic_precision
+import stress
 from claim import Row, table
 from regress_truth import DIGITS, modulus, truth
 
@@ -178,6 +179,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Finite elements: penalty and exact law": penalty.penalty,
         "Finite elements: planted faults": must_fail.must_fail,
         "Real bodies": real_bodies.rows,
+        "Numerical stress": stress.rows,
         "Error budget": budget.rows,
         "Error budget: planted faults": blame.rows,
         "Other people's results: diagnosis of planted faults": diagnosis.rows,
