@@ -1,5 +1,5 @@
 """The command line `halfplane`, from its words to an exit code. Each module that is imported here registers its commands; what a
-command does is in `commands`, and heavy packages are loaded there."""
+command does is in `commands_engines`, `commands_scenes` and `commands_machine`, and heavy packages are loaded there."""
 
 from __future__ import annotations
 

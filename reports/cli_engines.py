@@ -37,10 +37,10 @@ def run(
     finite_elements: FiniteElementOptions = _DEFAULTS,
 ) -> int:
     """Both engines on one scene: verdict, page and data."""
-    from reports import commands
+    from reports import commands_engines
 
     limit = None if third is None else third_limit
-    return commands.run(
+    return commands_engines.run(
         scene,
         out,
         vtu,
@@ -73,17 +73,17 @@ def export(
 @app.command(sort_key=2, help_epilogue="")
 def exact(scene: SceneName, *, out: Out = None, quiet: Quiet = False) -> int:
     """Half-plane theory alone: summary, NetCDF and CSV, no page."""
-    from reports import commands
+    from reports import commands_engines
 
-    return commands.exact(scene, out, quiet)
+    return commands_engines.exact(scene, out, quiet)
 
 
 @app.command(sort_key=3, help_epilogue="")
 def fe(scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elements: FiniteElementOptions = _DEFAULTS) -> int:
     """Finite elements alone: summary, NetCDF and CSV, no page."""
-    from reports import commands
+    from reports import commands_engines
 
-    return commands.fe(scene, out, quiet, finite_elements)
+    return commands_engines.fe(scene, out, quiet, finite_elements)
 
 
 @app.command(sort_key=3, help_epilogue="")
@@ -100,9 +100,9 @@ def fields(
     finite_elements: FiniteElementOptions = _DEFAULTS,
 ) -> int:
     """Displacement and stress in both bodies: files for ParaView, pictures of stress and mesh."""
-    from reports import commands
+    from reports import commands_engines
 
-    return commands.fields(scene, at, out, pictures, quiet, finite_elements)
+    return commands_engines.fields(scene, at, out, pictures, quiet, finite_elements)
 
 
 @app.command(sort_key=3, help_epilogue="")
@@ -110,6 +110,6 @@ def paper(
     *, out: Annotated[Path | None, Parameter(help="Folder for the results; out/paper if left out.")] = None, quiet: Quiet = False
 ) -> int:
     """The paper again from half-plane theory: its figures, statements and misprints."""
-    from reports import commands
+    from reports import commands_engines
 
-    return commands.paper(out, quiet)
+    return commands_engines.paper(out, quiet)

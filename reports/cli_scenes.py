@@ -19,9 +19,9 @@ def scenes(
     json: Annotated[bool, Parameter(negative="", help="As JSON.")] = False,
 ) -> int:
     """The library of scenes, with a small sketch each: the bodies (a flat gap exaggerated), and Q over P."""
-    from reports import commands
+    from reports import commands_scenes
 
-    return commands.scenes(name, tag, json)
+    return commands_scenes.scenes(name, tag, json)
 
 
 @app.command(sort_key=5, help_epilogue="")
@@ -34,30 +34,30 @@ def init(
     bodies: Annotated[bool, Parameter(negative="", help="The example with a block and a pad in place of half-planes.")] = False,
 ) -> int:
     """Write a commented scene to start from; never over a file that exists."""
-    from reports import commands
+    from reports import commands_scenes
 
-    return commands.init(file, start, bodies)
+    return commands_scenes.init(file, start, bodies)
 
 
 @app.command(sort_key=6, help_epilogue="")
 def check(scene: SceneName) -> int:
     """Read a scene, and see whether its loads stay clear of gross sliding and separation."""
-    from reports import commands
+    from reports import commands_scenes
 
-    return commands.check(scene)
+    return commands_scenes.check(scene)
 
 
 @app.command(sort_key=7, help_epilogue="")
 def schema() -> int:
     """The JSON schema of a scene file, for editors."""
-    from reports import commands
+    from reports import commands_scenes
 
-    return commands.schema()
+    return commands_scenes.schema()
 
 
 @app.command(sort_key=8, help_epilogue="")
 def doctor(*, out: Out = None) -> int:
     """Can this machine do the work?"""
-    from reports import commands
+    from reports import commands_machine
 
-    return commands.doctor(out)
+    return commands_machine.doctor(out)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from reports import commands, jobs
+from reports import commands_engines, jobs
 from reports.cli import main
 from reports.console import Stages, TimeLeft
 from reports.machine import FORMAT
@@ -41,9 +41,9 @@ class TestMachine:
 
         monkeypatch.chdir(tmp_path)
         monkeypatch.setattr(jobs, "run", fails)
-        assert main(["run", "cattaneo-mindlin", "--quiet", "--json"]) == commands.NOT_CONVERGED
+        assert main(["run", "cattaneo-mindlin", "--quiet", "--json"]) == commands_engines.NOT_CONVERGED
         told = json.loads(capsys.readouterr().out)
-        assert told["exit_code"] == commands.NOT_CONVERGED
+        assert told["exit_code"] == commands_engines.NOT_CONVERGED
         assert "step 3" in told["error"]
 
 

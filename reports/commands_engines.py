@@ -1,0 +1,205 @@
+"""What the commands that solve do, once their options are read: solve, write, show, and choose the exit code."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+from reports import jobs
+from reports.application import NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.console import Stages, complain, say, show_table
+from reports.folder import claim, default_folder
+from reports.options import FiniteElementOptions
+from reports.tables import show_budget, show_expected, show_fields, show_third, show_verdict
+from scenes import ContactSolution, ConvergenceError, InputError, Scene
+
+
+def run(
+    source: str,
+    out: Path | None,
+    vtu: tuple[str, ...],
+    quiet: bool,
+    options: FiniteElementOptions,
+    *,
+    budget: bool = False,
+    third_limit: float | None = None,
+    stress: tuple[str, ...] = (),
+    pdf: bool = False,
+    as_json: bool = False,
+) -> int:
+    """Both engines, the verdict, the page; with `budget`, where the errors come from."""
+    stages = Stages(quiet)
+    scene = jobs.read(source)
+    folder = claim(out or default_folder(scene.name))
+    _times(vtu, "--vtu", scene)
+    _times(stress, "--stress", scene)
+    if stress:
+        _can_draw(stages)
+    jobs.load_engines(stages)
+    options.settings()
+    third = () if third_limit is None else ("--third", "calculix", "--third-limit", f"{third_limit:g}")
+    asked = (("--vtu", *vtu) if vtu else (), ("--stress", *stress) if stress else (), ("--pdf",) if pdf else ())
+    more = (*asked, ("--budget",) if budget else (), third)
+    command = options.command("run", source, folder, *more)
+    try:
+        with jobs.naming(source):
+            report = jobs.run(
+                scene,
+                folder,
+                options,
+                stages,
+                vtu=vtu,
+                budget=budget,
+                command=command,
+                third_limit=third_limit,
+                stress=stress,
+                pdf=pdf,
+            )
+    except ConvergenceError as failure:
+        if as_json:
+            from reports.machine import failure_json
+
+            say(failure_json(scene.name, str(failure), NOT_CONVERGED))
+            return NOT_CONVERGED
+        return _not_converged(failure, scene, folder)
+    if as_json:
+        return _say_json(report)
+    show_verdict(report.comparison)
+    show_budget(report.comparison)
+    show_third(report)
+    met = show_expected(scene, (report.comparison.reference, report.comparison.result))
+    show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in report.seconds.items()], right=(1,))
+    say(str(report.page))
+    return _outcome(report, met=met)
+
+
+def _outcome(report: jobs.Report, *, met: bool) -> int:
+    """The exit code of a run; a third opinion that failed is told."""
+    if report.third is not None and report.third.failure:
+        complain(f"halfplane: {report.comparison.scene.name}: {report.third.failure}")
+        return NOT_CONVERGED
+    return WITHIN if report.comparison.passed and met else OUTSIDE
+
+
+def _say_json(report: jobs.Report) -> int:
+    """The verdict for programs, alone on stdout."""
+    from reports import expected
+    from reports.machine import verdict_json
+
+    comparison = report.comparison
+    findings = list(expected.check(comparison.scene, (comparison.reference, comparison.result)))
+    code = _outcome(report, met=all(finding.met for finding in findings))
+    say(verdict_json(report, findings, code))
+    return code
+
+
+def exact(source: str, out: Path | None, quiet: bool) -> int:
+    """Half-plane theory alone."""
+    return _alone(source, out, quiet, jobs.solve_half_plane)
+
+
+def fe(source: str, out: Path | None, quiet: bool, options: FiniteElementOptions) -> int:
+    """Finite elements alone."""
+    return _alone(source, out, quiet, lambda scene, stages: jobs.solve_finite_elements(scene, options, stages))
+
+
+def fields(source: str, at: tuple[str, ...], out: Path | None, pictures: bool, quiet: bool, options: FiniteElementOptions) -> int:
+    """Finite elements, and both bodies at chosen instants for ParaView and as pictures."""
+    stages = Stages(quiet)
+    scene = jobs.read(source)
+    folder = claim(out or default_folder(scene.name))
+    at = at or ("events",)
+    _times(at, "--at", scene)
+    if pictures:
+        _can_draw(stages)
+    jobs.load_engines(stages)
+    command = options.command("fields", source, folder, ("--at", *at), () if pictures else ("--no-pictures",))
+    try:
+        with jobs.naming(source):
+            solution = jobs.solve_finite_elements(scene, options, stages)
+            report = jobs.fields(solution, folder, at, stages, pictures=pictures, command=command)
+    except ConvergenceError as failure:
+        return _not_converged(failure, scene, folder)
+    show_fields(scene, report)
+    say(str(folder / "fields" / "fields.pvd"))
+    return WITHIN
+
+
+def _times(words: tuple[str, ...], option: str, scene: Scene) -> None:
+    """InputError for a word that is neither a time of the path nor "events", before anything is solved."""
+    from reports.fields import instant_of
+
+    legs = list(scene.load.path().legs(scene.cycles))
+    for word in words:
+        if word != "events":
+            instant_of(word, option, float(legs[0].start), float(legs[-1].end))
+
+
+def _can_draw(stages: Stages) -> None:
+    """InputError where nothing can be drawn: found in a process of its own, for some libraries bring theirs down."""
+    from reports.doctor import drawing
+
+    with stages.stage("can pictures be drawn?"):
+        finding = drawing()
+    if not finding.good:
+        raise InputError(f"pictures can't be drawn here: {finding.found}; --no-pictures leaves them out")
+
+
+def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
+    from reports.single import is_admissible, summary_rows, write_solution
+
+    stages = Stages(quiet)
+    scene = jobs.read(source)
+    folder = claim(out or default_folder(scene.name))
+    jobs.load_engines(stages)
+    try:
+        with jobs.naming(source):
+            solution = solve(scene, stages)
+    except ConvergenceError as failure:
+        return _not_converged(failure, scene, folder)
+    path = write_solution(solution, folder)
+    show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+    met = show_expected(scene, (solution,))
+    say(str(path))
+    return WITHIN if is_admissible(solution) and met else OUTSIDE
+
+
+def _not_converged(failure: ConvergenceError, scene: Scene, folder: Path) -> int:
+    """Show the record, keep the steps solved so far."""
+    from reports.single import summary_rows, write_solution
+
+    complain(f"halfplane: {scene.name}: not converged: {failure}")
+    if failure.partial is None:
+        complain("halfplane: no step was solved, so nothing was written")
+        return NOT_CONVERGED
+    path = write_solution(failure.partial, folder, name="partial")
+    show_table("Steps solved before it failed", ("quantity", "value"), summary_rows(failure.partial))
+    say(str(path))
+    return NOT_CONVERGED
+
+
+def paper(out: Path | None, quiet: bool) -> int:
+    """The paper's figures and both tables; outside if a misprint is not proven."""
+    stages = Stages(quiet)
+    folder = claim(out or default_folder("paper"))
+    with stages.stage("loading"):
+        from reports.paper import page
+        from reports.paper.tables import proven_in_words
+    command = shlex.join(["halfplane", "paper", "--out", str(folder)])
+    report = page.write(folder, stages, command)
+    show_table(
+        "What the paper states in words",
+        ("statement", "where", "the paper", "computed", "verdict"),
+        [(row.key, row.where, row.words, row.computed, row.verdict.value) for row in report.statements],
+    )
+    show_table(
+        "Misprints of the paper",
+        ("where", "printed", "right", "proof", "proven"),
+        [(row.key, row.printed, row.right, row.proof, proven_in_words(row)) for row in report.misprints],
+    )
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in page.tally(report.statements).items())
+    proven = sum(row.proven is True for row in report.misprints)
+    say(f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints: {proven} proven by evaluation")
+    say(str(report.page))
+    return WITHIN if report.proven else OUTSIDE

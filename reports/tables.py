@@ -1,0 +1,85 @@
+"""The tables of a run on the terminal: verdict, budget, third opinion, expected numbers, fields."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from reports.console import say, show_table
+from scenes import ContactSolution, Scene
+
+if TYPE_CHECKING:
+    from reports.comparison import Comparison
+    from reports.jobs import FieldsReport, Report
+
+
+def show_verdict(comparison: Comparison) -> None:
+    """The headline metrics with their tolerances, and the verdict in a sentence."""
+    from reports.wording import accuracy_of, tolerance_of, unit_of, value_of, verdict
+
+    scene = comparison.scene
+    show_table(
+        scene.title or scene.name,
+        ("metric", "discrepancy", "as a share", "tolerance", "accurate"),
+        [(m.label, value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in comparison.headlines],
+        right=(1, 3),
+    )
+    say(verdict(comparison), "bold green" if comparison.passed else "bold red")
+
+
+def show_budget(comparison: Comparison) -> None:
+    """Where the errors come from, if that was measured."""
+    if comparison.budget is None:
+        return
+    from reports.budget_words import cost, heads, rows
+
+    columns = heads(comparison.budget, full=False)
+    show_table("Where the discrepancy comes from", columns, rows(comparison.budget, full=False), right=range(1, len(columns) - 2))
+    say(f"Honest: {comparison.honest}")
+    say(cost(comparison.budget))
+
+
+def show_third(report: Report) -> None:
+    """Theory, our finite elements and another code, if that was asked."""
+    if report.third is None:
+        return
+    from reports.third.words import heads, rows, sentences
+
+    show_table("A third opinion", heads(report.third), rows(report.comparison, report.third), right=(1, 2, 3))
+    for sentence in sentences(report.third):
+        say(sentence)
+
+
+def show_expected(scene: Scene, solutions: Sequence[ContactSolution]) -> bool:
+    """The numbers that the scene expects beside those found; whether all are met."""
+    from reports import expected
+
+    findings = list(expected.check(scene, solutions))
+    if findings:
+        show_table("Expected numbers", expected.HEADS, expected.rows(findings), right=(2, 3, 4, 5))
+        missed = sum(not finding.met for finding in findings)
+        say(
+            f"{missed} of {len(findings)} expected numbers are missed."
+            if missed
+            else f"All {len(findings)} expected numbers are met."
+        )
+    return all(finding.met for finding in findings)
+
+
+def show_fields(scene: Scene, report: FieldsReport) -> None:
+    """The instants with their largest stress, and what was written."""
+    from reports.fields import peak
+    from reports.units import load_unit, number, units
+
+    _, length, stress = units(scene)
+    rows = []
+    for instant, snapshot in report.instants:
+        most = peak(snapshot)
+        values = (snapshot.time, snapshot.normal_load, snapshot.tangential_load, most.value)
+        place = f"{most.body} ({most.place[0]:.3g}, {most.place[1]:.3g})"
+        rows.append((instant.label, *map(number, values), place))
+    load = load_unit(scene)
+    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"largest von Mises [{stress}]", f"where (x, y) [{length}]")
+    show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3, 4))
+    counts = {kind: sum(name.endswith(kind) for name in report.files) for kind in (".vtu", ".png")}
+    say(f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures, and what they are in fields/fields.json")
