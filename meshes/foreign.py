@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import struct
 import zlib
 from collections.abc import Iterator, Sequence
@@ -14,12 +13,12 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InputError
+from scenes import InputError, bounded
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-LARGEST = 2**30  # bytes a file
+LARGEST, UNPACKED = 2**29, 2**31  # bytes: of a file, of memory that one may take
 
 # What meshio, the XML parser and numpy raise on files that are broken off or are none; meshio checks some forms by `assert`.
 _FAULTS = (
@@ -67,19 +66,21 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
     Raises
     ------
     InputError
-        File and what is wrong: can't be read, broken, larger than 1 GB, no instant, a file of the collection missing.
+        File and what is wrong: can't be read, broken, larger than half a GB (2 GB unpacked), no instant, a file of the collection
+        missing.
     """
     path = Path(path)
     _check_size(path)
     kind = path.suffix.lower()
     try:
-        if kind == ".pvd":
-            return _collected(path, list(_pvd_entries(path)))
-        if kind == ".series":
-            return _collected(path, list(_series_entries(path)))
-        if kind in {".xdmf", ".xmf"}:
-            return _xdmf(path)
-        return [_single(path)]
+        with bounded.within_memory(path, UNPACKED):
+            if kind == ".pvd":
+                return _collected(path, list(_pvd_entries(path)))
+            if kind == ".series":
+                return _collected(path, list(_series_entries(path)))
+            if kind in {".xdmf", ".xmf"}:
+                return _xdmf(path)
+            return [_single(path)]
     except InputError:
         raise
     except _FAULTS as reason:
@@ -93,13 +94,9 @@ def _broken(path: Path, reason: Exception) -> InputError:
 
 def _check_size(path: Path) -> None:
     try:
-        size = path.stat().st_size
+        bounded.check_size(path, "the result", LARGEST, "write the contact surface alone")
     except OSError as reason:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
-    if size > LARGEST:
-        raise InputError(
-            f"{path}: {size / 1e9:.3g} GB, and files up to {LARGEST / 1e9:.3g} GB are read; write the contact surface alone"
-        )
 
 
 def _pvd_entries(path: Path) -> Iterator[tuple[float, Path]]:
@@ -111,7 +108,7 @@ def _pvd_entries(path: Path) -> Iterator[tuple[float, Path]]:
 
 
 def _series_entries(path: Path) -> Iterator[tuple[float, Path]]:
-    for entry in json.loads(path.read_text(encoding="utf-8"))["files"]:
+    for entry in bounded.parsed_json(path.read_text(encoding="utf-8"))["files"]:
         yield float(entry["time"]), path.parent / str(entry["name"])
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from scenes import ContactSolution, InputError, Scene
+from scenes.bounded import parsed_json, text_of
 
 BASELINE, COMPARISON, SOLUTION = "halfplane baseline 1", "halfplane comparison 1", "halfplane solution 1"
 # What is said about a scene, and what is demanded of an answer, moves no figure of the answer.
@@ -232,8 +233,10 @@ def _slug(text: str) -> str:
 
 def _json(path: Path, source: str | Path) -> dict[str, Any]:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as reason:
+        content = parsed_json(text_of(path, "the file"))
+    except InputError:
+        raise
+    except ValueError as reason:
         raise InputError(f"{source}: this can't be read as JSON: {_first_line(reason)}") from reason
     if not isinstance(content, dict):
         raise InputError(f"{source}: this is JSON, but neither a run nor a baseline of halfplane")

@@ -190,4 +190,7 @@ def is_baseline(path: Path) -> bool:
     """Whether a file says that it is a baseline, whole or spoilt."""
     from reports.baseline import BASELINE
 
-    return path.is_file() and BASELINE in path.read_text(encoding="utf-8", errors="replace")[:200]
+    if not path.is_file():
+        return False
+    with path.open(encoding="utf-8", errors="replace") as file:
+        return BASELINE in file.read(200)

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from scenes import InputError
+from scenes.bounded import parsed_json, text_of
 
 MANIFEST = "manifest.json"
 _RESULTS = (MANIFEST, "report.html", "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
@@ -76,6 +77,8 @@ def _unwritable(out: str | Path, reason: OSError) -> InputError:
 def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None:
     """InputError if one of `names` is in `folder` already and no manifest of ours lists it."""
     for name in sorted(set(names) - set(_owned(folder))):
+        if not _lies_in(folder, name):
+            raise InputError(f"--out {out}: {name} would be written outside, through a link; name another folder")
         if os.path.lexists(folder / name):
             raise InputError(f"--out {out}: {name} is there already and halfplane did not write it; name another folder or move it")
 
@@ -106,12 +109,20 @@ def _write_manifest(staging: Path, kept: Iterable[str]) -> None:
 def _owned(folder: Path) -> list[str]:
     """Files in `folder` that an earlier run listed as its own; a manifest that is not ours lists none."""
     try:
-        stored = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        stored = parsed_json(text_of(folder / MANIFEST, "the manifest"))
     except (OSError, ValueError):
         return []
-    if not isinstance(stored, dict) or stored.get("written by") != "halfplane":
+    if not isinstance(stored, dict) or stored.get("written by") != "halfplane" or not isinstance(stored.get("files"), list):
         return []
-    return [str(name) for name in stored.get("files", []) if not Path(str(name)).is_absolute() and ".." not in str(name)]
+    return [name for name in stored["files"] if isinstance(name, str) and _lies_in(folder, name)]
+
+
+def _lies_in(folder: Path, name: str) -> bool:
+    """Whether a file of that name lies in `folder` itself: not above it, and not behind a link that leads out of it."""
+    try:
+        return bool(name) and (folder / name).parent.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError):
+        return False
 
 
 def _move(staging: Path, folder: Path) -> None:

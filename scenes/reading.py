@@ -13,6 +13,7 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from scenes.bounded import TEXT, TOML, parsed_json, shown, text_of
 from scenes.errors import InputError
 from scenes.scene import Scene
 
@@ -89,15 +90,12 @@ def _parse(path: Path) -> dict[str, Any]:
     """The raw mapping in a file."""
     if path.suffix not in (".toml", ".json"):
         raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as reason:
-        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
-        raise InputError(f"{path}: the scene file can't be read: {why}") from reason
+    most = TOML if path.suffix == ".toml" else TEXT
+    text = text_of(path, "the scene file", most, "put long tables into a CSV file beside it, named by the key `file`")
     if not text.strip():
         raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
     try:
-        data = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
+        data = tomllib.loads(text) if path.suffix == ".toml" else parsed_json(text)
     except (ValueError, RecursionError) as reason:  # the parsers' own errors, numbers of thousands of digits, thousands of brackets
         raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {reason}") from reason
     if not isinstance(data, dict):
@@ -113,6 +111,8 @@ def _check(data: dict[str, Any], where: str, name: str, folder: Path) -> Scene:
         return Scene.model_validate_json(text, strict=True, context={"folder": folder})
     except ValidationError as faults:
         raise InputError(_sentence(where, data, faults)) from faults
+    except RecursionError as reason:  # keys with thousands of dots
+        raise InputError(f"{where}: its tables are nested too deeply") from reason
 
 
 def _key(fault: ErrorDetails, data: dict[str, Any]) -> str:
@@ -143,7 +143,7 @@ def _sentence(where: str, data: dict[str, Any], faults: ValidationError) -> str:
     match fault["type"]:
         case "extra_forbidden":
             hint = _did_you_mean(str(fault["loc"][-1]), _keys())
-            return f"{where}: unknown key {key} = {value!r};{hint} `halfplane schema` lists the keys{more}"
+            return f"{where}: unknown key {key} = {shown(value)};{hint} `halfplane schema` lists the keys{more}"
         case "missing" if isinstance(value, dict):
             return f"{where}: the key {key} is missing; `halfplane schema` lists the keys{more}"
         case "missing":
@@ -154,4 +154,4 @@ def _sentence(where: str, data: dict[str, Any], faults: ValidationError) -> str:
             key, value, rule = f"{key}.kind", value["kind"], f"should be {fault['ctx']['expected_tags'].replace(', ', ' or ')}"
         case "value_error":
             return f"{where}: {key} is refused: {rule}{more}" if key else f"{where}: {rule}{more}"
-    return f"{where}: {key} = {value!r} is refused: {rule}{more}"
+    return f"{where}: {key} = {shown(value)} is refused: {rule}{more}"

@@ -13,6 +13,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from scenes.errors import InputError
+from scenes.netcdf import first_line, stored_dataset
 from scenes.notebook import solution_html
 from scenes.scene import Scene
 
@@ -203,9 +205,12 @@ class ContactSolution:
 
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
-        """Read what `save` wrote."""
-        with xr.open_dataset(path, engine="h5netcdf") as data:
-            return cls.from_dataset(data.load())
+        """Read what `save` wrote; InputError for a file that can't be read, is too large or of another form."""
+        data = stored_dataset(Path(path), _form())
+        try:
+            return cls.from_dataset(data)
+        except (ArithmeticError, AttributeError, KeyError, RecursionError, TypeError, ValueError) as reason:
+            raise InputError(f"{path}: the solution can't be read: {first_line(reason)}") from reason
 
     def _repr_html_(self) -> str:
         """For a notebook."""
@@ -235,4 +240,13 @@ _PER_STEP = (
     "rigid_approach",
 )
 _EDGES = ("contact_edges", "stick_edges")
+
+
+def _form() -> Mapping[str, tuple[str, ...]]:
+    """Dimensions of every array of a stored answer."""
+    points: dict[str, tuple[str, ...]] = {"x": ("point",), "dissipation_density": ("point",), "cycle_dissipation": ("cycle",)}
+    steps = dict.fromkeys((*_PER_STEP, "time", "iterations"), ("step",))
+    return {**points, **steps, **dict.fromkeys(_EDGES, ("step", "side")), **dict.fromkeys(_ON_GRID, ("step", "point"))}
+
+
 _ON_GRID = ("pressure", "shear", "slip", "state")

@@ -14,7 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
+from scenes.bounded import TEXT, check_size, shown
+
 Array = NDArray[np.float64]
+
+# Rows of a table, characters of a row: what is longer would take gigabytes on its way through the engines.
+MOST_ROWS, _LONGEST = 2_000_000, 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +97,8 @@ def read_table(path: Path, names: tuple[str, ...]) -> Table:
         One sentence that names file, line and rule.
     """
     try:
+        check_size(path, "the table", TEXT, "thin it out")
+        _check_rows(path)
         with path.open(encoding="utf-8") as file:
             head = list(itertools.islice(_numbered(file), 1))
     except (OSError, UnicodeDecodeError) as reason:
@@ -124,6 +131,18 @@ def line_of(path: Path, row: int, names: tuple[str, ...]) -> int:
         return next(itertools.islice(every, row, None))[0]
 
 
+def _check_rows(path: Path) -> None:
+    """ValueError for more lines than are read, or one too long to be a row; counted before anything of it is kept."""
+    number = 0
+    with path.open("rb") as file:
+        while line := file.readline(_LONGEST + 1):
+            number += 1
+            if len(line) > _LONGEST:
+                raise ValueError(f"{path}, line {number}: more than {_LONGEST:,} characters are no row of a table")
+            if number > MOST_ROWS:
+                raise ValueError(f"{path}: the table has more than {MOST_ROWS:,} lines, the most that are read; thin it out")
+
+
 def _numbered(lines: Iterator[str] | Any) -> Iterator[tuple[int, str]]:
     """(line number, text) of the lines that hold anything."""
     for number, line in enumerate(lines, start=1):
@@ -138,7 +157,7 @@ def _header_lines(path: Path, first: tuple[int, str], names: tuple[str, ...]) ->
     if any(_is_number(cell) for cell in cells):
         return 0
     if [cell.lower() for cell in cells] != [name.lower() for name in names]:
-        raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {text!r}")
+        raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {shown(text)}")
     return number
 
 
@@ -158,8 +177,8 @@ def _first_fault(path: Path, skip: int, names: tuple[str, ...]) -> str:
                 continue
             cells = text.split(",")
             if len(cells) != len(names):
-                return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {text!r}"
+                return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {shown(text)}"
             for name, cell in zip(names, cells, strict=True):
                 if not _is_number(cell) or not np.isfinite(float(cell)):
-                    return f"{path}, line {number}: {name} = {cell.strip()!r} is not a finite number"
+                    return f"{path}, line {number}: {name} = {shown(cell.strip())} is not a finite number"
     return f"{path}: no row of numbers; {len(names)} columns {', '.join(names)} are needed"

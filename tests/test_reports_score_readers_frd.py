@@ -190,9 +190,9 @@ def test_another_kind_of_file_is_refused(tmp_path):
 def test_a_file_that_is_too_large_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(calculix_frd, "LARGEST", 100)
     path = written(tmp_path, GOOD)
-    with pytest.raises(InputError, match="GB are read"):
+    with pytest.raises(InputError, match="at most 100 bytes are read"):
         read_frd(path)
-    with pytest.raises(InputError, match="GB are read"):
+    with pytest.raises(InputError, match="at most 100 bytes are read"):
         read_dat(path)
 
 

@@ -79,7 +79,7 @@ def read_dat(path: str | Path) -> DatFile:
     Raises
     ------
     InputError
-        File, line and what was expected: a row that is no row of its table, resultants that break off; or a file of more than 1 GB.
+        File, line and what was expected: a row that is no row of its table, resultants that break off; a file of over half a GB.
     """
     path = Path(path)
     check_size(path)

@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from reports.score.calculix_records import Array, Integers, Lines, expect_count, integer_in, number_in, shown, table
-from scenes import InputError
+from scenes import InputError, bounded
 
-LARGEST = 2**30  # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside the engines
+LARGEST = 2**29  # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside the engines
 WIDTH = 12  # characters a number
 _LABELS = {0: 5, 1: 10}  # characters of a node's number in the short and in the long form
 
@@ -92,7 +92,7 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",)) -> FrdFile
     ------
     InputError
         File, line and what was expected there: not ASCII, broken off, a record that is not of fixed width, a number that is none,
-        fewer records than announced; or a file of more than 1 GB.
+        fewer records than announced; or a file of more than half a GB.
     """
     path = Path(path)
     check_size(path)
@@ -123,11 +123,10 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",)) -> FrdFile
 
 def check_size(path: Path) -> None:
     """InputError where the file is too large to be read whole."""
-    size = path.stat().st_size
-    if size > LARGEST:
-        raise InputError(
-            f"{path}: {size / 1e9:.3g} GB, and files up to {LARGEST / 1e9:.3g} GB are read; write fewer sets or frames into it"
-        )
+    try:
+        bounded.check_size(path, "the result", LARGEST, "write fewer sets or frames into it")
+    except OSError as reason:
+        raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 
 
 @dataclass

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from scenes import InputError
+from scenes.bounded import TOML, shown, text_of
 
 Array = NDArray[np.float64]
 Quantity = Literal["time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"]
@@ -104,10 +105,10 @@ def load_mapping(source: str | Path | None) -> Mapping:
         return Mapping()
     path = Path(source)
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as reason:
-        raise InputError(f"{path}: the mapping file can't be read: {reason.strerror}") from reason
-    except ValueError as reason:
+        data = tomllib.loads(text_of(path, "the mapping file", TOML))
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as reason:
         raise InputError(f"{path}: the mapping file is not valid TOML: {reason}") from reason
     try:
         return Mapping.model_validate(data)
@@ -119,8 +120,8 @@ def _sentence(path: Path, faults: ValidationError) -> str:
     fault = faults.errors()[0]
     key = ".".join(map(str, fault["loc"]))
     if fault["type"] == "extra_forbidden":
-        return f"{path}: unknown key {key} = {fault['input']!r}; `halfplane score --mapping-example` shows the keys"
-    return f"{path}: {key} = {fault['input']!r} is refused: {fault['msg'].removeprefix('Input ')}"
+        return f"{path}: unknown key {key} = {shown(fault['input'])}; `halfplane score --mapping-example` shows the keys"
+    return f"{path}: {key} = {shown(fault['input'])} is refused: {fault['msg'].removeprefix('Input ')}"
 
 
 def plain(name: str) -> str:

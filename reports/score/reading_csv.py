@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from array import array
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,8 +15,12 @@ from reports.score.surface import SurfaceResult
 from reports.score.tidying import surface_result
 from reports.score.wide import frames_of, has_frames
 from scenes import InputError, Scene
+from scenes.bounded import shown, text_of
 
 Array = NDArray[np.float64]
+# Lines of a table of text; a cycle of a thousand instants at a thousand points has half as many.
+MOST_ROWS = 2_000_000
+_THIN = "write the contact surface alone, and fewer instants"
 _ROWS: tuple[Quantity, ...] = ("time", "frame", "normal_load", "tangential_load", "x", "pressure", "shear", "slip")
 
 
@@ -110,12 +115,11 @@ def _constant(source: str, name: str, values: Array | None, by: str) -> Array | 
 
 def read_table(path: Path) -> TextTable:
     """The numbers below the first line of names; InputError for a line of another length or a cell that is no number."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as reason:
-        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
-        raise InputError(f"{path}: the result can't be read: {why}") from reason
+    text = text_of(path, "the result", advice=_THIN)
+    if text.count("\n") > MOST_ROWS:
+        raise InputError(f"{path}: the result has more than {MOST_ROWS:,} lines, the most that are read; {_THIN}")
     lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith(("#", "**"))]
+    del text
     if not lines:
         raise InputError(f"{path}: the file is empty; a line of names and rows of numbers are needed")
     (first, head), rows = lines[0], lines[1:]
@@ -127,8 +131,10 @@ def read_table(path: Path) -> TextTable:
         )
     if not rows:
         raise InputError(f"{path}: no row of numbers below the names {', '.join(names)}")
-    values = np.array([_cells(path, line, text, mark, names) for line, text in rows])
-    return TextTable(names, values, tuple(line for line, _ in rows))
+    values = array("d")
+    for line, row in rows:
+        values.extend(_cells(path, line, row, mark, names))
+    return TextTable(names, np.array(values).reshape(len(rows), len(names)), tuple(line for line, _ in rows))
 
 
 def _cells(path: Path, line: int, text: str, mark: str | None, names: tuple[str, ...]) -> list[float]:
@@ -140,7 +146,7 @@ def _cells(path: Path, line: int, text: str, mark: str | None, names: tuple[str,
     numbers = [_number(cell.replace(",", ".") if mark == ";" else cell) for cell in cells]
     for name, cell, number in zip(names, cells, numbers, strict=True):
         if number is None or not math.isfinite(number):
-            raise InputError(f"{path}, line {line}: {name} = {cell!r} is not a finite number; mend the cell or leave out the row")
+            raise InputError(f"{path}, line {line}: {name} = {shown(cell)} is not a finite number; mend it or leave out the row")
     return [float(number) for number in numbers if number is not None]
 
 

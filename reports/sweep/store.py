@@ -13,6 +13,7 @@ import errno
 import hashlib
 import json
 import os
+import re
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +21,10 @@ from pathlib import Path
 from typing import Any
 
 from scenes import InputError
+from scenes.bounded import parsed_json, shown
 
 _FORMAT = "halfplane sweep 1"
+_ADDRESS = re.compile("[0-9a-f]{64}")
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _NO_ROOM_WORDS = "there is no room left on the disk"
 
@@ -98,7 +101,7 @@ class Store:
         """The result of an address; None where there is none. A file that is damaged is set aside, and there is none."""
         path = self.path(address)
         try:
-            stored = json.loads(path.read_text(encoding="utf-8"))
+            stored = parsed_json(path.read_text(encoding="utf-8"))
             result = stored["result"]
             whole = stored["format"] == _FORMAT and stored["sha256"] == _sum(canonical(result)) and result["address"] == address
         except FileNotFoundError:
@@ -133,8 +136,8 @@ class Store:
         """
         path = self.folder / "sweep.json"
         try:
-            stored = json.loads(path.read_text(encoding="utf-8"))
-            points = tuple(Planned(int(p["number"]), str(p["address"]), dict(p["coordinates"])) for p in stored["points"])
+            stored = parsed_json(path.read_text(encoding="utf-8"))
+            points = tuple(Planned(int(p["number"]), _address(p["address"]), dict(p["coordinates"])) for p in stored["points"])
             return dict(stored["study"]), points
         except FileNotFoundError:
             raise InputError(
@@ -142,6 +145,13 @@ class Store:
             ) from None
         except (OSError, ValueError, KeyError, TypeError) as reason:
             raise InputError(f"{path}: can't be read ({reason}); start the sweep again with --resume: results are kept") from reason
+
+
+def _address(text: Any) -> str:
+    """An address out of a file: 64 hexadecimal digits, for it becomes the name of one."""
+    if not isinstance(text, str) or not _ADDRESS.fullmatch(text):
+        raise ValueError(f"{shown(text)} is no address of a result")
+    return text
 
 
 def unwritable(folder: Path, reason: OSError) -> StoreError:

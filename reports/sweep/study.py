@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 from reports.sweep.axes import Axis, Value
 from reports.sweep.figures import check_figures
 from scenes import InputError, Scene, load_scene
+from scenes.bounded import TOML, parsed_json, shown, text_of
 from scenes.materials import FROZEN
 
 Engine = Literal["fe", "exact"]
@@ -78,13 +79,9 @@ def load_study(source: str | Path) -> Study:
         One sentence that names file, key, value and rule.
     """
     path = Path(source)
+    text = text_of(path, "the study", TOML)
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as reason:
-        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
-        raise InputError(f"{source}: the study can't be read: {why}") from reason
-    try:
-        data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+        data = parsed_json(text) if path.suffix == ".json" else tomllib.loads(text)
     except (ValueError, RecursionError) as reason:
         raise InputError(f"{source}: not valid {'JSON' if path.suffix == '.json' else 'TOML'}: {reason}") from reason
     if not isinstance(data, dict):
@@ -102,6 +99,8 @@ def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
         return Study.model_validate_json(json.dumps(data, default=str), strict=True)
     except ValidationError as faults:
         raise InputError(f"{where}: {_sentence(faults)}") from faults
+    except RecursionError as reason:  # keys with thousands of dots
+        raise InputError(f"{where}: its tables are nested too deeply") from reason
 
 
 def _sentence(faults: ValidationError) -> str:
@@ -117,4 +116,4 @@ def _sentence(faults: ValidationError) -> str:
     rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     if fault["type"] == "value_error":
         return f"{key + ': ' if key else ''}{rule}{more}"
-    return f"{key} = {fault['input']!r} is refused: {rule}{more}"
+    return f"{key} = {shown(fault['input'])} is refused: {rule}{more}"

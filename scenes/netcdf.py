@@ -1,0 +1,56 @@
+"""Stored answers read back: the form checked by names, dimensions and sizes before any array is unpacked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from scenes.bounded import SOLUTION, check_size, in_words, shown, within_memory
+from scenes.errors import InputError
+
+# What the libraries raise on files that are broken off, spoilt or something else.
+_FAULTS = (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RuntimeError, OverflowError)
+WHAT = "the solution"
+
+
+def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
+    """The dataset in a NetCDF file, in memory, with every variable of `form` (name -> dimensions) there and made of numbers.
+
+    Raises
+    ------
+    InputError
+        One sentence: it can't be read, is larger than the limit once unpacked, or is of another form.
+    """
+    try:
+        check_size(path, WHAT, SOLUTION)
+        with within_memory(path, 2 * SOLUTION), xr.open_dataset(path, engine="h5netcdf") as data:
+            _check_form(path, data, form)
+            return data.load()
+    except InputError:
+        raise
+    except _FAULTS as reason:
+        raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
+
+
+def first_line(reason: BaseException) -> str:
+    """The first line of an error's text, its beginning; its kind where it says nothing."""
+    lines = str(reason).splitlines()
+    return shown(lines[0])[1:-1] if lines and lines[0] else type(reason).__name__
+
+
+def _check_form(path: Path, data: xr.Dataset, form: Mapping[str, tuple[str, ...]]) -> None:
+    unpacked = sum(int(np.prod(variable.shape, dtype=object)) * variable.dtype.itemsize for variable in data.variables.values())
+    if unpacked > SOLUTION:
+        raise InputError(f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {in_words(SOLUTION)} are read")
+    for name, dimensions in form.items():
+        if name not in data.variables:
+            raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
+        variable = data.variables[name]
+        if variable.dims != dimensions or variable.dtype.kind not in "fiu":
+            raise InputError(
+                f"{path}: {WHAT} can't be read: {name} should be numbers over {' and '.join(dimensions)}, and is "
+                f"{variable.dtype} over {' and '.join(map(str, variable.dims)) or 'nothing'}"
+            )
