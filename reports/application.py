@@ -36,6 +36,7 @@ Examples:
   halfplane export my.toml --to calculix    a deck for another code
   halfplane diff out/a out/b                two runs, or a run and a baseline
   halfplane sweep study.toml                a scene over axes of its keys
+  halfplane advise my.toml                  may half-plane theory be used?
   halfplane paper                           the paper's figures and statements
 Exit codes: 0 within tolerance, 1 outside, 2 bad input, 3 not converged,
             130 interrupted.

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from cyclopts import CycloptsError
 
-from reports import cli_engines, cli_results, cli_scenes, cli_sweep  # noqa: F401 (they register themselves)
+from reports import cli_engines, cli_maps, cli_results, cli_scenes, cli_sweep  # noqa: F401 (they register themselves)
 from reports.application import BAD_INPUT, INTERRUPTED, WITHIN, app
 
 

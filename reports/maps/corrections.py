@@ -95,7 +95,7 @@ def correction(scene: Scene) -> Correction:
     """
     block = _block(scene)
     path = scene.load.path()
-    if not path.cycle:
+    if path.period is None:
         raise InputError(f"{scene.name or 'scene'}: load: the path has no cycle, and the correction is that of a cycle")
     times = _times(path.start, path.cycle_start, path.period)
     loads = [path.at(t) for t in times]
@@ -108,6 +108,8 @@ def correction(scene: Scene) -> Correction:
     added = added_curvatures(block.base, aspect, 1 / height, scene.material.lower.poisson_ratio)
     cycle = int(np.sum(times > path.cycle_start + path.period * (1 + 1e-9)))
     error = dissipation_error(normal / largest, tangential / largest, scene.friction.coefficient, added, cycle)
+    if math.isnan(error):
+        raise InputError(f"{scene.name or 'scene'}: load: half-plane theory dissipates nothing here, so nothing is relative to it")
     return Correction(error, added.pressure_error(), added.half_width_error(), added, height, aspect)
 
 

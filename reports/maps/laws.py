@@ -98,7 +98,7 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
 def _solve(target: Array, columns: Sequence[Array], weight: Array) -> tuple[Array, Array, float]:
     """Coefficients of the columns, their covariance and the reduced chi squared."""
     design = np.stack(columns, axis=1) * weight[:, None]
-    covariance = np.linalg.inv(design.T @ design)
+    covariance: Array = np.asarray(np.linalg.inv(design.T @ design), dtype=np.float64)
     found = covariance @ (design.T @ (weight * target))
     rest = weight * target - design @ found
     return found, covariance, float(rest @ rest) / max(len(target) - len(columns), 1)
@@ -152,4 +152,5 @@ def _with_doubt(
     # Weights e/u stay those of the errors as measured; a shift through 0 leaves a twentieth.
     moved = [np.maximum(e + way * u, 0.05 * e) for way in (-1.0, 1.0)]
     shared = np.max([np.abs(fit(x, there, u * there / e)[0] - found) for there in moved], axis=0)
-    return found, np.hypot(widen * np.sqrt(np.diag(covariance)), shared), misfit
+    doubt: Array = np.asarray(np.hypot(widen * np.sqrt(np.diag(covariance)), shared), dtype=np.float64)
+    return found, doubt, misfit

@@ -51,6 +51,6 @@ def curvature_sum(base: Base, *, tangential: bool = False, poisson_ratio: float 
         return float(quad(lambda w: (layer(np.array(w)) - 1) * w, 1e-12, _FAR, limit=200)[0])
     step = 2 * np.pi / aspect
     number = np.arange(1, int(_FAR / step) + 2)
-    w = (number - 0.5 if tangential else number) * step
+    w: Array = np.asarray((number - 0.5 if tangential else number) * step, dtype=np.float64)
     images = step**2 / 24 if tangential else -(step**2) / 12
     return float(np.sum((layer(w) - 1) * w * step)) + float(images)

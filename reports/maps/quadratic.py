@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 _CELLS = 800
 _STEPS = 600
+_NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -61,9 +62,11 @@ def dissipation(normal_load: Array, tangential_load: Array, friction: float, add
 
 
 def dissipation_error(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int) -> float:
-    """Friction work over that of half-planes on the same path and steps, less 1; see `dissipation`."""
+    """Friction work over that of half-planes on the same path and steps, less 1; NaN where these dissipate nothing."""
     path = (normal_load, tangential_load, friction)
-    return dissipation(*path, added, last) / dissipation(*path, Curvatures(0.0, 0.0), last) - 1
+    plain = dissipation(*path, Curvatures(0.0, 0.0), last)
+    # Full stick leaves rounding, of the order of 1e-16.
+    return dissipation(*path, added, last) / plain - 1 if plain > _NOTHING * friction**2 else float("nan")
 
 
 def _shifts(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures) -> Array:

@@ -35,10 +35,15 @@ class Readings:
         return np.array([float(row[column]) if row[column] else np.nan for row in self.rows])
 
     def errors(self, figure: str) -> tuple[Array, Array]:
-        """A figure (n,) and its uncertainty (n,), NaN where none was asked for."""
+        """A figure (n,) and its uncertainty (n,), NaN where there is none.
+
+        An error of -1 to the last digit is none either: the finite elements stick throughout, and theory's figure is rounding.
+        """
         doubt = f"{figure}.uncertainty"
         known = doubt in self.columns
-        return self.numbers(figure), self.numbers(doubt) if known else np.full(len(self.rows), np.nan)
+        error = self.numbers(figure)
+        error[error == -1.0] = np.nan
+        return error, self.numbers(doubt) if known else np.full(len(self.rows), np.nan)
 
     @property
     def figures(self) -> tuple[str, ...]:

@@ -1,0 +1,81 @@
+"""What `halfplane map` does: sweep the studies of a map, publish tables, laws, drawings and pages."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+from reports.application import NOT_CONVERGED, WITHIN
+from reports.console import say
+from reports.maps import fitting, index, pages
+from reports.maps.atlas import MAPS, PUBLISHED, STUDIES, Map, map_named
+from reports.maps.readings import as_csv, read
+from scenes import InputError
+
+_DIGITS = 6
+
+
+def make(name: str, out: Path | None, stores: Path, workers: int | None, *, remake: bool, pages_only: bool, quiet: bool) -> int:
+    """Run the studies of a map, or of all, and write tables and pages into `out`; 3 where a point failed."""
+    from reports.sweep import command, read_index
+
+    folder, code = out or PUBLISHED, WITHIN
+    wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
+    folder.mkdir(parents=True, exist_ok=True)
+    for asked in wanted if not pages_only else ():
+        for study in asked.studies:
+            store = stores / study
+            if remake and store.exists():
+                shutil.rmtree(store)
+            source = str(STUDIES / f"{study}.toml")
+            code = max(code, command.sweep(source, store, "processes", "", workers, True, quiet))
+            (folder / f"{study}.csv").write_text(as_csv(read_index(store)), encoding="utf-8")
+            if code > NOT_CONVERGED:
+                return code
+    write(folder, [m for m in MAPS.values() if _is_there(m, folder)])
+    say(str(folder / "README.md"))
+    return code
+
+
+def write(folder: Path, there: list[Map]) -> None:
+    """Laws, drawings and pages of the maps whose tables are in `folder`.
+
+    Raises
+    ------
+    InputError
+        Where there is none.
+    """
+    if not there:
+        raise InputError(f"{folder}: no map has all its tables here; make them by `halfplane map all`")
+    (folder / "laws.json").write_text(laws_text(folder, there), encoding="utf-8")
+    for asked in there:
+        for chart in asked.charts:
+            for name, svg, _ in pages.drawings(chart, read(folder, chart.study)):
+                (folder / name).write_text(svg, encoding="utf-8")
+        (folder / f"{asked.name}.md").write_text(pages.page(asked, folder), encoding="utf-8")
+    (folder / "README.md").write_text(index.page(folder, there), encoding="utf-8")
+
+
+def laws_text(folder: Path, there: list[Map]) -> str:
+    """laws.json: the laws of every map, and the constants that the corrections take."""
+    rows: list[dict[str, Any]] = []
+    for asked in there:
+        for chart in asked.charts:
+            rows += fitting.as_rows(chart.study, fitting.lines(chart, read(folder, chart.study)))
+    content = {"laws": rows, "curvatures": fitting.curvatures(rows)}
+    return json.dumps(_rounded(content), indent=1) + "\n"
+
+
+def _rounded(value: Any) -> Any:
+    """Six digits, so that a last place that another machine gives otherwise makes no new file."""
+    if isinstance(value, float):
+        return float(f"{value:.{_DIGITS}g}")
+    if isinstance(value, dict):
+        return {key: _rounded(part) for key, part in value.items()}
+    return [_rounded(part) for part in value] if isinstance(value, list) else value
+
+
+def _is_there(asked: Map, folder: Path) -> bool:
+    return all((folder / f"{study}.csv").exists() for study in asked.studies)

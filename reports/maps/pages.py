@@ -1,0 +1,135 @@
+"""The page of a map: markdown with its answer, figures, the designer's table, laws, what is left after correction, and its cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from reports.maps import answers
+from reports.maps.atlas import WORDS, Chart, Map
+from reports.maps.fitting import Line, lines
+from reports.maps.limits import bound, words
+from reports.maps.pictures import AXES, heat, slopes
+from reports.maps.readings import Readings, read
+
+_LEVELS = (0.01, 0.05, 0.1)
+_TABLED = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
+_DRAWN = _TABLED
+
+
+def figures_of(readings: Readings, wanted: Sequence[str] = _DRAWN) -> list[str]:
+    """Those of `wanted` that a table has."""
+    return [name for name in wanted if name in readings.figures]
+
+
+def drawings(chart: Chart, readings: Readings) -> Iterator[tuple[str, str, str]]:
+    """(file name, SVG, caption) of a chart."""
+    if chart.up:
+        caption = "Error of half-plane theory over both axes; lines at 1, 5 and 10 %; hatched: not resolved, |error| ≤ uncertainty."
+        yield f"{chart.study}-map.svg", heat(chart, readings, figures_of(readings)), caption
+    if chart.expected is not None:
+        found = list(lines(chart, readings))
+        caption = (
+            "Error over the small parameter, bars: uncertainty, hollow: not resolved; lines: the law with its next term, over its "
+            "range; dotted: the predicted slope."
+        )
+        yield f"{chart.study}-law.svg", slopes(chart, found, figures_of(readings)), caption
+
+
+def page(asked: Map, folder: Path) -> str:
+    """Markdown of a map from the tables in `folder`."""
+    parts = [f"# {asked.title}", f"<!-- written by `halfplane map {asked.name}` -->"]
+    parts += [f"**{asked.question}** {answers.answer(asked, folder)}"]
+    for chart in asked.charts:
+        readings = read(folder, chart.study)
+        found = [line for line in lines(chart, readings) if line.figure in _DRAWN]
+        if len(asked.charts) > 1:
+            parts.append(f"## {chart.study}")
+        for name, _, caption in drawings(chart, readings):
+            parts.append(f"![{caption}]({name})\n\n*{caption}*")
+        if chart.expected is not None:
+            parts += _within(chart, found) + _laws(chart, found)
+    parts += answers.more(asked, folder)
+    parts += _cost(asked, folder)
+    return "\n\n".join(parts) + "\n"
+
+
+def _within(chart: Chart, found: Sequence[Line]) -> list[str]:
+    rows = []
+    for line in found:
+        cells = [words(bound(line, level), chart.inverse) for level in _LEVELS]
+        rows.append([WORDS[line.figure], _place(line), *cells])
+    head = ["figure", "where", *(f"within {100 * level:g} % if {chart.within}" for level in _LEVELS)]
+    note = (
+        'Read off the points with |error| + uncertainty, rounded to the safe side; "all tried": the whole range of the study; '
+        "*: extrapolated by the law."
+    )
+    return ["## Within 1, 5 and 10 %" if not chart.study.startswith("limits") else "", table(head, rows), note]
+
+
+def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
+    rows = []
+    for line in found:
+        law = line.law
+        if law is None:
+            few = int(np.sum(np.abs(line.error) > line.uncertainty))
+            rows.append(
+                [WORDS[line.figure], _place(line), f"no law: {few} resolved points of one sign, five needed", "", "", "", ""]
+            )
+            continue
+        verdict = "agrees with" if law.agrees() else "**differs from**"
+        rows.append(
+            [
+                WORDS[line.figure],
+                _place(line),
+                f"{law.order:.2f} ± {law.order_doubt:.2f}",
+                f"{verdict} {law.expected:g}",
+                f"{law.sign * law.fixed:.3g} ± {law.fixed_doubt:.2g}",
+                f"{law.smallest:.3g} to {law.largest:.3g} ({law.points})",
+                "no asymptotic range found" if law.bent else f"{law.misfit:.2g}",
+            ]
+        )
+    head = [
+        "figure",
+        "where",
+        "exponent",
+        "theory",
+        f"constant at exponent {chart.expected:g}",
+        f"range of {chart.small} (points)",
+        "χ²",
+    ]
+    prediction = f"Predicted exponent {chart.expected:g}: {chart.prediction}."
+    how = (
+        "Fits of log |error| = log C + n log s + d s², weighted; intervals 95 %, of independent errors and of one that all points "
+        "share. An interval wider than ±0.3 decides little."
+    )
+    return ["### Laws", prediction, table(head, rows), how]
+
+
+def _place(line: Line) -> str:
+    return ", ".join(f"{AXES.get(name, name)} {value}" for name, value in line.at.items()) or "all"
+
+
+def _cost(asked: Map, folder: Path) -> list[str]:
+    rows = []
+    for study in asked.studies:
+        readings = read(folder, study)
+        seconds = readings.numbers("seconds")
+        rows.append(
+            [f"[{study}]({study}.csv)", str(len(readings.rows)), f"{np.nanmedian(seconds):.1f}", f"{np.nansum(seconds) / 60:.1f}"]
+        )
+    head = ["study", "points", "median seconds of a point", "minutes in all"]
+    how = (
+        f"`halfplane map {asked.name}` runs what has no result yet and writes this page; `--remake` starts afresh. Times are by "
+        "the clock of one process on a busy machine, uncertainty runs included. Uncertainty: two meshes, theory on the polygon of "
+        "the steps, and a farther far field (docs/sweeps.md)."
+    )
+    return ["## How it was made", how, table(head, rows)]
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A markdown table."""
+    made = [" | ".join(cells) for cells in (head, ["---"] * len(head), *rows)]
+    return "\n".join(f"| {line} |" for line in made)

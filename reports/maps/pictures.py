@@ -1,0 +1,167 @@
+"""The drawings of a map: errors over its two axes with lines at 1, 5 and 10 %, and over the small parameter with their laws."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.maps.atlas import WORDS, Chart
+from reports.maps.fitting import Line
+from reports.maps.readings import Readings
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+# Okabe and Ito's colours, told apart by most eyes; marks differ too.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#333333", "#56b4e9", "#e69f00")
+_MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
+_LEVELS = (1.0, 5.0, 10.0)
+_LEAST, _MOST = 0.02, 80.0  # per cent, the colours' ends
+AXES = {
+    "height": "height / a",
+    "aspect": "width / height",
+    "curvature": "a / R",
+    "flat": "b / a",
+    "beta": "Dundurs' β",
+    "f": "friction f",
+    "phase": "phase, degrees",
+    "margin": "distance from sliding",
+    "amplitude": "P1/P0",
+    "base": "base",
+}
+_EVEN = ("phase",)
+_MARKED = tuple(digit * 10.0**power for power in range(-4, 1) for digit in (1, 2, 5))
+
+
+def heat(chart: Chart, readings: Readings, figures: Sequence[str]) -> str:
+    """SVG: a row for each figure, a column for each panel; |error| in per cent, hatched where it is not resolved."""
+    from matplotlib.colors import LogNorm
+    from matplotlib.figure import Figure
+
+    parts = list(readings.parts((chart.panels,)))
+    paper = Figure(figsize=(1.2 + 3.4 * len(parts), 2.7 * len(figures)), layout="constrained")
+    drawings = paper.subplots(len(figures), len(parts), squeeze=False, sharex=True, sharey=True)
+    norm = LogNorm(_LEAST, _MOST)
+    drawn: Any = None
+    for row, figure in zip(drawings, figures, strict=True):
+        for ax, (at, part) in zip(row, parts, strict=True):
+            drawn = _panel(ax, chart, part, figure, norm)
+            where = ", ".join(f"{AXES.get(name, name)} = {value}" for name, value in at.items())
+            ax.set_title(f"{WORDS[figure]}{'; ' + where if where else ''}", fontsize=9)
+    for ax in drawings[-1]:
+        ax.set_xlabel(AXES.get(chart.across, chart.across))
+    for ax in drawings[:, 0]:
+        ax.set_ylabel(AXES.get(chart.up, chart.up))
+    bar = paper.colorbar(drawn, ax=drawings, label="|error of half-plane theory|, %", shrink=0.8)
+    bar.set_ticks([0.1, 1, 5, 10, 50], labels=["0.1", "1", "5", "10", "50"])
+    return _svg(paper)
+
+
+def _panel(ax: Axes, chart: Chart, part: Readings, figure: str, norm: Any) -> Any:
+    error, doubt = part.errors(figure)
+    x, y = np.unique(part.numbers(chart.across)), np.unique(part.numbers(chart.up))
+    size = np.full((len(y), len(x)), np.nan)
+    hidden = np.zeros(size.shape, dtype=bool)
+    place = (np.searchsorted(y, part.numbers(chart.up)), np.searchsorted(x, part.numbers(chart.across)))
+    size[place], hidden[place] = 100 * np.abs(error), ~(np.abs(error) > doubt)
+    # Colours are of cells, lines of the values at their middles; both axes go by factors but for angles.
+    across, up = (value if name in _EVEN else np.log(value) for name, value in ((chart.across, x), (chart.up, y)))
+    borders = [_borders(middle) for middle in (across, up)]
+    drawn = ax.pcolormesh(*borders, np.clip(size, _LEAST, _MOST), cmap="viridis", norm=norm)
+    for j, i in zip(*np.nonzero(hidden & np.isfinite(size)), strict=True):
+        ax.fill_between(
+            borders[0][i : i + 2], *borders[1][j : j + 2], facecolor="none", edgecolor="white", hatch="/////", linewidth=0
+        )
+    if min(size.shape) > 1:
+        # Between points by the logarithm, as errors go by powers.
+        height = np.log10(np.maximum(size, 1e-4))
+        lines = ax.contour(across, up, height, levels=np.log10(_LEVELS), colors="white", linewidths=(1.0, 1.6, 2.2))
+        lines.clabel(fmt=lambda level: f"{10**level:.3g} %", fontsize=8)
+    ax.set_facecolor("0.8")
+    _ticks(ax.xaxis, across, x)
+    _ticks(ax.yaxis, up, y)
+    return drawn
+
+
+def _borders(middle: Array) -> Array:
+    if len(middle) == 1:
+        return np.array([middle[0] - 0.5, middle[0] + 0.5])
+    inner = (middle[1:] + middle[:-1]) / 2
+    return np.concatenate([[2 * middle[0] - inner[0]], inner, [2 * middle[-1] - inner[-1]]])
+
+
+def _ticks(axis: Any, at: Array, values: Array) -> None:
+    every = 1 if len(values) <= 6 else 2
+    axis.set_ticks(at[::every], labels=[f"{value:.2g}" for value in values[::every]])
+
+
+def slopes(chart: Chart, found: Sequence[Line], figures: Sequence[str]) -> str:
+    """SVG: a panel for each figure; |error| over the small parameter, hollow where unresolved, laws, the predicted slope."""
+    from matplotlib.figure import Figure
+
+    across = min(2, len(figures))
+    down = -(-len(figures) // across)
+    paper = Figure(figsize=(4.6 * across, 3.6 * down + 0.6), layout="constrained")
+    drawings = paper.subplots(down, across, squeeze=False).ravel()
+    for spare in drawings[len(figures) :]:
+        spare.remove()
+    for ax, figure in zip(drawings, figures, strict=False):
+        chosen = [line for line in found if line.figure == figure]
+        for number, line in enumerate(chosen):
+            _line(ax, line, number)
+        _reference(ax, chart, chosen)
+        ax.set_xscale("log")
+        ax.set_yscale("log")
+        ax.set_title(WORDS[figure], fontsize=9)
+        ends = [float(end) for line in chosen for end in (line.s.min(), line.s.max())]
+        marks = [mark for mark in _MARKED if min(ends) * 0.9 <= mark <= max(ends) * 1.1]
+        ax.set_xticks(marks, labels=[f"{mark:g}" for mark in marks])
+        ax.set_xticks([], minor=True)
+        ax.set_xlabel(chart.small)
+        ax.set_ylabel("|error|, %")
+    handles, labels = drawings[0].get_legend_handles_labels()
+    paper.legend(handles, labels, loc="outside lower center", ncols=min(4, len(labels)), fontsize=8, frameon=False)
+    return _svg(paper)
+
+
+def _line(ax: Axes, line: Line, number: int) -> None:
+    colour, mark = COLOURS[number % len(COLOURS)], _MARKS[number % len(_MARKS)]
+    size, doubt = 100 * np.abs(line.error), 100 * line.uncertainty
+    seen = ~(size <= doubt)
+    words = ", ".join(f"{AXES.get(name, name)} {value}" for name, value in line.at.items()) or "points"
+    low = np.minimum(np.nan_to_num(doubt), 0.999 * size)
+    ax.errorbar(line.s, size, yerr=[low, np.nan_to_num(doubt)], fmt="none", ecolor=colour, elinewidth=0.6, alpha=0.5)
+    ax.plot(line.s[seen], size[seen], mark, color=colour, markersize=4, label=words)
+    ax.plot(line.s[~seen], size[~seen], mark, markerfacecolor="white", color=colour, markersize=4)
+    if line.law is not None:
+        s = np.geomspace(line.law.smallest, line.law.largest, 40)
+        ax.plot(s, [100 * abs(line.law.value(float(here))) for here in s], color=colour, linewidth=1)
+
+
+def _reference(ax: Axes, chart: Chart, chosen: Sequence[Line]) -> None:
+    if chart.expected is None or not chosen:
+        return
+    s = np.concatenate([line.s for line in chosen])
+    size = np.concatenate([np.abs(line.error) for line in chosen])
+    known = np.isfinite(size) & (size > 0)
+    ends = np.array([s.min(), s.max()])
+    level = 60 * float(np.nanmax(size[known])) * (ends / ends[1]) ** chart.expected
+    ax.plot(ends, level, color="0.4", linestyle=":", linewidth=1.2, label=f"slope {chart.expected:g}, predicted")
+    floor = max(100 * float(np.nanmin(size[known])) / 2, 1e-3)
+    ax.set_ylim(bottom=floor)
+
+
+def _svg(figure: Figure) -> str:
+    import matplotlib as mpl
+
+    text = io.StringIO()
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "halfplane", "font.size": 9, "hatch.linewidth": 0.5}):
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), flags=re.DOTALL)
