@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest slow bench stress numbers regress publish peers docs constraints clean distclean
+.PHONY: help run test lint types contracts pytest slow bench stress numbers regress publish maps peers docs constraints clean distclean
 
 PY := .venv/bin/python
 STAMP := .venv/.installed
@@ -86,6 +86,11 @@ publish: $(STAMP) ## both engines on the whole library, into reports/published: 
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports.publishing $(if $(PAGES),--pages)
 	@$(PY) -m reports.library_page
+
+maps: $(STAMP) ## studies of the idealisation error, into reports/published/maps: tables, laws, pages (PAGES=1: pages alone)
+	@echo "==> maps"
+	@mkdir -p "$$TMPDIR" .cache/home
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports map all $(if $(PAGES),--pages)
 
 peers: ## other people's codes for `run --third` and make slow: CalculiX, a Debian package (asks for root)
 	@echo "==> peers: $(PEERS)"
