@@ -8,6 +8,7 @@ SHELL := /bin/bash
 PY := .venv/bin/python
 STAMP := .venv/.installed
 DOCS_STAMP := .venv/.installed-docs
+PEERS_STAMP := .peers/.installed
 PYTEST_ARGS ?=
 
 export XDG_CACHE_HOME := $(CURDIR)/.cache
@@ -92,12 +93,23 @@ maps: $(STAMP) ## studies of the idealisation error, into reports/published/maps
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports map all $(if $(PAGES),--pages)
 
-peers: ## other people's codes for `run --third` and make slow: CalculiX, a Debian package (asks for root)
+peers: $(STAMP) ## other people's codes: CalculiX, a Debian package (asks for root), and Kratos, wheels (into .peers)
 	@echo "==> peers: $(PEERS)"
 	@if dpkg-query -W $(PEERS) >/dev/null 2>&1; then echo "there already"; else \
 	    if [ "$$(id -u)" = 0 ]; then root=""; else root="sudo"; fi; \
 	    $$root apt-get update && $$root apt-get install -y --no-install-recommends $(PEERS); \
 	fi
+	@echo "==> peers: the wheels of peers.txt, into .peers"
+	@$(MAKE) --no-print-directory $(PEERS_STAMP)
+
+examples: $(STAMP) ## docs/examples/score made anew with CalculiX and Kratos (after make peers), scored, their READMEs filled
+	@echo "==> examples: CalculiX"
+	@$(HOME_HERE) $(ONE_THREAD) docs/examples/score/calculix/make.sh
+	@echo "==> examples: Kratos"
+	@$(ONE_THREAD) docs/examples/score/kratos/make.sh
+	@echo "==> examples: a path table"
+	@$(HOME_HERE) $(ONE_THREAD) docs/examples/score/abaqus/make.sh
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/examples/score/measure.py
 
 docs: $(DOCS_STAMP) ## the pages, into docs/_build/html
 	@echo "==> docs: sphinx"
@@ -126,6 +138,12 @@ $(DOCS_STAMP): $(STAMP)
 	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[docs]"
 	@touch $@
 
+$(PEERS_STAMP): peers.txt
+	@mkdir -p "$$TMPDIR"
+	@$(PY) -m venv --clear .peers
+	@.peers/bin/python -m pip install -r peers.txt
+	@touch $@
+
 constraints: $(STAMP) ## renew constraints.txt with the newest packages (then run make test)
 	@echo "==> constraints: a throw-away environment with the newest of everything"
 	@$(PY) -m venv --clear .cache/constraints
@@ -142,5 +160,5 @@ clean: ## remove results and the tools' caches, keep .venv
 	rm -rf out dist docs/_build .cache/mypy .cache/ruff .cache/pytest .cache/import-linter .cache/hypothesis .cache/doctrees .cache/tmp
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
-distclean: clean ## remove .venv and every cache too
-	rm -rf .venv .cache
+distclean: clean ## remove .venv, .peers and every cache too
+	rm -rf .venv .peers .cache
