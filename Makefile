@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest slow bench stress numbers regress publish maps peers docs constraints clean distclean
+.PHONY: help run test lint types contracts pytest slow bench stress numbers regress publish maps peers examples docs constraints clean distclean
 
 PY := .venv/bin/python
 STAMP := .venv/.installed
