@@ -67,7 +67,9 @@ _SIZE = (
     "relative errors are O((a/h)²) at fixed width/height"
 )
 _CURVED = (
-    "an arc's next term, x⁴/(8 R³), changes the gap by (a/R)² of itself, and turning normals change sign with x: errors even in a/R"
+    "an arc's next term, x⁴/(8 R³), changes the gap by (a/R)² of itself (alone: a by −3/16, p0 by +1/16 of (a/R)²); the "
+    "normals' turning is odd in the curvature of the line between the faces, which y-mirror reverses, so that it counts in its "
+    "square; a body of size R adds its own O((a/R)²)"
 )
 _BETA = (
     "y-mirror swaps the bodies (β → −β, Q → −Q), x-mirror restores Q: p0 and W are even in β, so O(β²) at fixed f; "

@@ -26,7 +26,7 @@ LAWS = Path(__file__).parents[1] / "published" / "maps" / "laws.json"
 # Where the held-out points of the map were tried: see docs/maps.md for what is left there.
 LEAST_HEIGHT = 3.6  # half-widths at the largest load
 LEAST_ASPECT, POISSON = 1.0, (0.25, 0.35)
-_PER_LEG = 150
+_PER_LEG = 80
 
 
 @dataclass(frozen=True)

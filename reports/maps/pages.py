@@ -28,7 +28,11 @@ def drawings(chart: Chart, readings: Readings) -> Iterator[tuple[str, str, str]]
     """(file name, SVG, caption) of a chart."""
     if chart.up:
         caption = "Error of half-plane theory over both axes; lines at 1, 5 and 10 %; hatched: not resolved, |error| ≤ uncertainty."
-        yield f"{chart.study}-map.svg", heat(chart, readings, figures_of(readings)), caption
+        yield (
+            f"{chart.study}-map.svg",
+            heat(chart, readings, figures_of(readings, _DRAWN if chart.expected else _DRAWN[:2])),
+            caption,
+        )
     if chart.expected is not None:
         found = list(lines(chart, readings))
         caption = (

@@ -36,6 +36,7 @@ AXES = {
     "amplitude": "P1/P0",
     "base": "base",
 }
+_BAR = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 3, 4, 5, 6, 8, 10, 20, 50)
 _EVEN = ("phase",)
 _MARKED = tuple(digit * 10.0**power for power in range(-4, 1) for digit in (1, 2, 5))
 
@@ -48,7 +49,8 @@ def heat(chart: Chart, readings: Readings, figures: Sequence[str]) -> str:
     parts = list(readings.parts((chart.panels,)))
     paper = Figure(figsize=(1.2 + 3.4 * len(parts), 2.7 * len(figures)), layout="constrained")
     drawings = paper.subplots(len(figures), len(parts), squeeze=False, sharex=True, sharey=True)
-    norm = LogNorm(_LEAST, _MOST)
+    every = 100 * np.abs(np.concatenate([readings.errors(figure)[0] for figure in figures]))
+    norm = LogNorm(max(_LEAST, float(np.nanmin(every))), min(_MOST, float(np.nanmax(every))))
     drawn: Any = None
     for row, figure in zip(drawings, figures, strict=True):
         for ax, (at, part) in zip(row, parts, strict=True):
@@ -60,7 +62,9 @@ def heat(chart: Chart, readings: Readings, figures: Sequence[str]) -> str:
     for ax in drawings[:, 0]:
         ax.set_ylabel(AXES.get(chart.up, chart.up))
     bar = paper.colorbar(drawn, ax=drawings, label="|error of half-plane theory|, %", shrink=0.8)
-    bar.set_ticks([0.1, 1, 5, 10, 50], labels=["0.1", "1", "5", "10", "50"])
+    marks = [mark for mark in _BAR if norm.vmin <= mark <= norm.vmax]  # type: ignore[operator]
+    bar.set_ticks(marks, labels=[f"{mark:g}" for mark in marks])
+    bar.ax.minorticks_off()
     return _svg(paper)
 
 
@@ -74,7 +78,7 @@ def _panel(ax: Axes, chart: Chart, part: Readings, figure: str, norm: Any) -> An
     # Colours are of cells, lines of the values at their middles; both axes go by factors but for angles.
     across, up = (value if name in _EVEN else np.log(value) for name, value in ((chart.across, x), (chart.up, y)))
     borders = [_borders(middle) for middle in (across, up)]
-    drawn = ax.pcolormesh(*borders, np.clip(size, _LEAST, _MOST), cmap="viridis", norm=norm)
+    drawn = ax.pcolormesh(*borders, np.clip(size, norm.vmin, norm.vmax), cmap="viridis", norm=norm)
     for j, i in zip(*np.nonzero(hidden & np.isfinite(size)), strict=True):
         ax.fill_between(
             borders[0][i : i + 2], *borders[1][j : j + 2], facecolor="none", edgecolor="white", hatch="/////", linewidth=0
@@ -99,7 +103,7 @@ def _borders(middle: Array) -> Array:
 
 def _ticks(axis: Any, at: Array, values: Array) -> None:
     every = 1 if len(values) <= 6 else 2
-    axis.set_ticks(at[::every], labels=[f"{value:.2g}" for value in values[::every]])
+    axis.set_ticks(at[::every], labels=[f"{float(f'{value:.3g}'):g}" for value in values[::every]])
 
 
 def slopes(chart: Chart, found: Sequence[Line], figures: Sequence[str]) -> str:

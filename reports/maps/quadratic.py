@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-_CELLS = 800
-_STEPS = 600
+_CELLS = 600
+_STEPS = 400
 _NOTHING = 1e-9
 
 

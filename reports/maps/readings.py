@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.cells import harmless
 from scenes import InputError
 
 if TYPE_CHECKING:
@@ -91,4 +92,4 @@ def as_csv(table: Table) -> str:
 def _cell(value: Any) -> str:
     if value is None:
         return ""
-    return f"{value:.{_DIGITS}g}" if isinstance(value, float) else str(value)
+    return f"{value:.{_DIGITS}g}" if isinstance(value, float) else harmless(str(value))
