@@ -126,8 +126,8 @@ class FlatRoundedContact:
         return np.sqrt(self.unit * rise / np.where(gap > 0, gap, np.inf)) / self.flat_half_length
 
     def log_ratio(self, load: ArrayLike) -> Array:
-        """ln(2 L/a(P))."""
-        return np.log(2 * self.datum_length / self.half_width(load))
+        """ln(2 L/a(P)) = ln(2 L/b) - ln(1 + tau^2)/2, so that its change keeps its digits where a hardly leaves b."""
+        return np.log(2 * self.datum_length / self.flat_half_length) - np.log1p(np.square(self.tau(load))) / 2
 
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + unit G [force per thickness]."""

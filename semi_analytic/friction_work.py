@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -180,15 +181,17 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
 def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:
     """The same, and what the last digits of the rigid shift U may have left in it.
 
-    Written as -int (U - lambda Q) dQ with any lambda, since the integral of Q dQ vanishes: one that makes the logarithm
-    small where the contact ends keeps the digits.
+    Written as -int (U - lambda Q) dQ with any lambda, since the integral of Q dQ vanishes: the datum is set so that the logarithm
+    is nothing where the contact is largest. That keeps the digits where it hardly varies, as for a face that is nearly all flat.
     """
-    integrals = Integrals(contact, np.zeros(1), "shift")
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
+    contact = replace(contact, datum_length=float(contact.half_width(largest)) / 2)  # type: ignore[type-var]
+    integrals = Integrals(contact, np.zeros(1), "shift")
     offset = float(contact.log_ratio(largest))
     spans = smooth_spans(contact, spans)
     # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits, all along Q.
-    doubt = _LAST_DIGITS * spans[0].friction * largest * (abs(offset) + 1) * sum(_travel(span) for span in spans)
+    size = 2 * abs(float(contact.log_distance(largest))) + abs(offset) * largest
+    doubt = _LAST_DIGITS * spans[0].friction * size * sum(_travel(span) for span in spans)
 
     def loop(some: Sequence[Span], rules: Sequence[tuple[Array, Array]]) -> float:
         snapshot = take((span, times) for span, (times, _) in zip(some, rules, strict=True))

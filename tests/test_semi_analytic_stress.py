@@ -8,6 +8,7 @@ import pytest
 
 from scenes import Compound, EvenPolynomial, TimeSeriesLoad, Wedge
 from semi_analytic import solve
+from semi_analytic.contact import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon
 
 
@@ -91,3 +92,19 @@ def test_a_line_at_the_slope_of_friction_sticks_or_slips_by_no_more_than_roundin
     loads = ellipse(2.0, 1.0, 0.1 * friction, friction * (1 + beyond), 0.0)
     work = solve(make_scene(loads, friction), x=[0.0], fields=("dissipation",)).dissipation / friction**2
     assert 0 <= work <= max(beyond, 2e-16 if beyond else 0.0)
+
+
+@pytest.mark.parametrize("part", [0.9, 0.999, 1 - 1e-6, 1 - 1e-9])
+def test_a_face_that_is_nearly_all_flat_keeps_both_routes_to_the_work(part):
+    """The half-width varies by 1 - b/a, and so does the logarithm in U: lost under ln(2 L/b), Q dU was off by 5e-6 at 1e-9."""
+    flat = make_scene(ellipse(), 0.5, flat=part)
+    load = float(contact_of(flat.profile, flat.material).load(1.0))
+    answer = solve(make_scene(ellipse(0.75 * load, 0.25 * load, 0.0, 0.2 * load, 70.0), 0.5, flat=part), x=[0.0])
+    assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12, abs=0)  # 1.3e-13, at b/a = 0.9
+
+
+def test_the_work_of_a_load_that_all_but_leaves():
+    """P_min/P0 = 1e-12: sixty digits by integrals over ever shorter parts, given here to twenty."""
+    left = 1e-12
+    scene = make_scene(ellipse(1.0, 1 - left, 0.0, 0.2 * left, 90.0), 0.5, radius=100.0)
+    assert solve(scene, x=[0.0]).dissipation == pytest.approx(5.0929581788030931689e-26, rel=1e-14, abs=0)  # 3e-16
