@@ -32,6 +32,7 @@ import numpy as np
 import page
 import penalty
 import real_bodies
+import score_examples
 import semi_analytic_batch
 import semi_analytic_extremes
 import semi_analytic_histories
@@ -183,6 +184,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Error budget": budget.rows,
         "Error budget: planted faults": blame.rows,
         "Other people's results: diagnosis of planted faults": diagnosis.rows,
+        "Other people's results: the examples": score_examples.rows,
         "The report": page.rows,
         "Time": times,
     }
