@@ -10,12 +10,16 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
+import time
 import zipfile
+import zlib
 from collections import Counter
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from halfplane_fe import elasticity, far_field
 from halfplane_fe.elasticity import CondensedBody, condense
@@ -23,6 +27,9 @@ from meshes import BodyMesh
 from scenes import Elastic, freeze
 
 _BOUND_BYTES = 1_000_000_000
+_LEFT_BEHIND = 3600.0  # seconds: no write takes an hour
+# What is raised over a file that was cut off, spoilt, or says that it holds more than there is memory.
+_SPOILT = (OSError, ValueError, KeyError, EOFError, MemoryError, NotImplementedError, RuntimeError, zipfile.BadZipFile, zlib.error)
 _ARRAYS = ("x", "y", "weights", "compliance")
 
 
@@ -70,14 +77,24 @@ def _read(path: Path, body: BodyMesh, material: Elastic, work: Counter[str]) -> 
         with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             arrays = {name: freeze(stored[name]) for name in _ARRAYS}
             names, values = stored["diagnostic_names"], stored["diagnostic_values"]
+        diagnostics = {str(name): float(value) for name, value in zip(names, values, strict=True)}
+        _check_form(arrays)
+        os.utime(path)  # the store forgets what was used longest ago
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+    except _SPOILT:
         work["stored condensations unreadable"] += 1
         return None
-    os.utime(path)  # the store forgets what was used longest ago
-    diagnostics = {str(name): float(value) for name, value in zip(names, values, strict=True)}
     return CondensedBody(body, material, **arrays, diagnostics=diagnostics)
+
+
+def _check_form(arrays: Mapping[str, NDArray[np.float64]]) -> None:
+    """ValueError for arrays that are not those of a condensed body: the store is a folder that others may write to."""
+    count = len(arrays["x"])
+    shapes = {"x": (count,), "y": (count,), "weights": (count,), "compliance": (2, count, 2, count)}
+    for name, shape in shapes.items():
+        if arrays[name].shape != shape or not np.isfinite(arrays[name]).all():
+            raise ValueError(f"{name} is not finite of shape {shape}")
 
 
 def _write(path: Path, made: CondensedBody, work: Counter[str]) -> None:
@@ -100,7 +117,10 @@ def _write(path: Path, made: CondensedBody, work: Counter[str]) -> None:
 
 
 def _prune(folder: Path) -> None:
-    """Remove the longest unused files until the folder is within its bound."""
+    """Remove the longest unused files until the folder is within its bound, and what killed processes left half-written."""
+    for left in folder.glob("*.part"):
+        if time.time() - left.stat().st_mtime > _LEFT_BEHIND:
+            left.unlink(missing_ok=True)
     files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_mtime)
     total = sum(file.stat().st_size for file in files)
     for file in files:

@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import meshio
 import numpy as np
+from meshio._exceptions import CorruptionError
 from numpy.typing import NDArray
 
 from scenes import InputError, bounded
@@ -18,10 +19,12 @@ from scenes import InputError, bounded
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+_FARTHEST = 1e100  # the square of a larger coordinate would be none
 LARGEST, UNPACKED = 2**29, 2**31  # bytes: of a file, of memory that one may take
 
 # What meshio, the XML parser and numpy raise on files that are broken off or are none; meshio checks some forms by `assert`.
 _FAULTS = (
+    CorruptionError,
     meshio.ReadError,
     ElementTree.ParseError,
     AssertionError,
@@ -30,6 +33,7 @@ _FAULTS = (
     IndexError,
     KeyError,
     OSError,
+    OverflowError,
     RuntimeError,
     TypeError,
     ValueError,
@@ -88,7 +92,7 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
 
 
 def _broken(path: Path, reason: Exception) -> InputError:
-    what = f"{type(reason).__name__}{f': {reason}' if str(reason) else ''}"
+    what = f"{type(reason).__name__}{f': {reason}' if str(reason) else ''}"[:300]
     return InputError(f"{path}: this can't be read as a {path.suffix} file: it is broken off or of another form ({what})")
 
 
@@ -159,6 +163,8 @@ def _xdmf(path: Path) -> list[FieldFrame]:
 
 def _frame(time: float | None, mesh: meshio.Mesh) -> FieldFrame:
     points = np.asarray(mesh.points, float)
+    if points.ndim != 2 or not 1 <= points.shape[1] <= 3 or not (np.abs(points) <= _FARTHEST).all():
+        raise ValueError(f"its points are not two or three finite numbers each, of at most {_FARTHEST:g}")
     flat = np.zeros((len(points), 3))
     flat[:, : points.shape[1]] = points
     blocks = range(len(mesh.cells))

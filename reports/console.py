@@ -110,7 +110,7 @@ class Stages:
 
 def show_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
     """A table on stdout; columns whose numbers are in `right` are set flush right."""
-    table = Table(title=title, title_justify="left", title_style="bold", pad_edge=False)
+    table = Table(title=Text(_printable(title)), title_justify="left", title_style="bold", pad_edge=False)
     for number, column in enumerate(columns):
         table.add_column(column, justify="right" if number in right else "left", overflow="fold")
     for row in rows:
@@ -121,17 +121,22 @@ def show_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]
 def _coloured(cell: str) -> Text:
     """Verdict words in colour, where the terminal has any; every cell taken literally, brackets and all."""
     style = {"within": "green", "yes": "green", "outside": "bold red", "no": "bold red"}.get(cell, "")
-    return Text(cell, style=style)
+    return Text(_printable(cell), style=style)
+
+
+def _printable(text: str) -> str:
+    """What a file says must not steer the terminal: its control characters are shown as their escapes."""
+    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
 
 
 def say(text: str, style: str = "") -> None:
     """A line on stdout, taken literally and never broken; `style` where the terminal has colours."""
-    Console(highlight=False, soft_wrap=True).print(Text(text, style=style))
+    Console(highlight=False, soft_wrap=True).print(Text(_printable(text), style=style))
 
 
 def complain(text: str) -> None:
     """A line on stderr, taken literally and never broken."""
-    Console(stderr=True, highlight=False, soft_wrap=True).print(Text(text))
+    Console(stderr=True, highlight=False, soft_wrap=True).print(Text(_printable(text)))
 
 
 def width() -> int:

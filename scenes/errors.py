@@ -8,8 +8,22 @@ if TYPE_CHECKING:
     from scenes.solution import ContactSolution
 
 
+_LONGEST = 2000
+
+
 class InputError(ValueError):
-    """Bad input: one clear sentence naming file, key, value, rule and what to do (exit code 2)."""
+    """Bad input: one clear sentence naming file, key, value, rule and what to do (exit code 2).
+
+    What stands in a file may be a megabyte long or steer a terminal: the middle of a long sentence is left out, and what is not
+    printable is written as its escape.
+
+    >>> str(InputError("a" + chr(27) + "b")).isprintable(), len(str(InputError("x" * 10**6)))
+    (True, 2005)
+    """
+
+    def __init__(self, sentence: str = "") -> None:
+        short = sentence if len(sentence) <= _LONGEST else f"{sentence[: _LONGEST // 2]} ... {sentence[-_LONGEST // 2 :]}"
+        super().__init__("".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short))
 
 
 class InadmissibleLoadError(InputError):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+import traceback
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -24,15 +27,27 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Datase
     InputError
         One sentence: it can't be read, is larger than the limit once unpacked, or is of another form.
     """
+    with _closing_in_silence():
+        try:
+            check_size(path, WHAT, SOLUTION)
+            with within_memory(path, 2 * SOLUTION), xr.open_dataset(path, engine="h5netcdf") as data:
+                _check_form(path, data, form)
+                return data.load()
+        except InputError:
+            raise
+        except _FAULTS as reason:
+            traceback.clear_frames(reason.__traceback__)
+            raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
+
+
+@contextmanager
+def _closing_in_silence() -> Generator[None, None, None]:
+    """h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal says all there is to say."""
+    before, sys.unraisablehook = sys.unraisablehook, lambda _fault: None
     try:
-        check_size(path, WHAT, SOLUTION)
-        with within_memory(path, 2 * SOLUTION), xr.open_dataset(path, engine="h5netcdf") as data:
-            _check_form(path, data, form)
-            return data.load()
-    except InputError:
-        raise
-    except _FAULTS as reason:
-        raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
+        yield
+    finally:
+        sys.unraisablehook = before
 
 
 def first_line(reason: BaseException) -> str:

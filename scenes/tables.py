@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the engines.
 MOST_ROWS, _LONGEST = 2_000_000, 100_000
+# Of a number: the square of a larger one, in whatever units, would be none.
+LARGEST = 1e100
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +41,13 @@ class Table:
             return rows
         try:
             values = np.array(rows, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):  # the last: an integer of more digits than a number can have
             values = np.empty(0)
         if values.ndim != 2 or not len(values):
             raise ValueError("rows of equally many numbers are needed")
-        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        bad = np.flatnonzero(~(np.abs(values) <= LARGEST).all(axis=1))
         if len(bad):
-            raise ValueError(f"row {bad[0] + 1}: {values[bad[0]].tolist()} is not all finite numbers")
+            raise ValueError(f"row {bad[0] + 1}: {shown(values[bad[0]].tolist())} is not all finite numbers of at most {LARGEST:g}")
         values.flags.writeable = False
         return cls(values)
 
@@ -179,6 +181,6 @@ def _first_fault(path: Path, skip: int, names: tuple[str, ...]) -> str:
             if len(cells) != len(names):
                 return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {shown(text)}"
             for name, cell in zip(names, cells, strict=True):
-                if not _is_number(cell) or not np.isfinite(float(cell)):
-                    return f"{path}, line {number}: {name} = {shown(cell.strip())} is not a finite number"
+                if not _is_number(cell) or not abs(float(cell)) <= LARGEST:
+                    return f"{path}, line {number}: {name} = {shown(cell.strip())} is not a finite number of at most {LARGEST:g}"
     return f"{path}: no row of numbers; {len(names)} columns {', '.join(names)} are needed"

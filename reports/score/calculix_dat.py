@@ -160,8 +160,8 @@ def _number(path: Path, number: int, word: str) -> float:
 
 def _integer(path: Path, number: int, word: str) -> int:
     try:
-        return int(word)
-    except ValueError as reason:
+        return int(np.int64(int(word)))
+    except (ValueError, OverflowError) as reason:
         raise _refusal(path, number, f"the number of a node, element or face, found {word[:40]!r}") from reason
 
 

@@ -17,6 +17,7 @@ from reports.score.calculix_records import Array, Integers, Lines, expect_count,
 from scenes import InputError, bounded
 
 LARGEST = 2**29  # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside the engines
+FARTHEST = 1e100  # the square of a larger coordinate would be none
 WIDTH = 12  # characters a number
 _LABELS = {0: 5, 1: 10}  # characters of a node's number in the short and in the long form
 
@@ -157,7 +158,7 @@ def _nodes(lines: Lines, header: bytes, found: _Found) -> None:
     expect_count(lines, announced, len(found.nodes), "nodes", start - 1)
     if len(np.unique(found.nodes)) < len(found.nodes):
         raise lines.refusal("every node once: a number comes twice", start)
-    if not np.isfinite(found.points).all():
+    if not (np.abs(found.points) <= FARTHEST).all():
         raise lines.refusal("finite coordinates", start)
 
 

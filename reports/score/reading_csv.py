@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from array import array
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from reports.score.tidying import surface_result
 from reports.score.wide import frames_of, has_frames
 from scenes import InputError, Scene
 from scenes.bounded import shown, text_of
+from scenes.tables import LARGEST
 
 Array = NDArray[np.float64]
 # Lines of a table of text; a cycle of a thousand instants at a thousand points has half as many.
@@ -145,7 +145,7 @@ def _cells(path: Path, line: int, text: str, mark: str | None, names: tuple[str,
         raise InputError(f"{path}, line {line}: {len(names)} numbers are needed ({', '.join(names[:6])} ...), not {len(cells)}")
     numbers = [_number(cell.replace(",", ".") if mark == ";" else cell) for cell in cells]
     for name, cell, number in zip(names, cells, numbers, strict=True):
-        if number is None or not math.isfinite(number):
+        if number is None or not abs(number) <= LARGEST:
             raise InputError(f"{path}, line {line}: {name} = {shown(cell)} is not a finite number; mend it or leave out the row")
     return [float(number) for number in numbers if number is not None]
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reports.score.surface import SurfaceResult
 from scenes import InputError, freeze
+from scenes.tables import LARGEST
 
 Array = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ def _check(source: str, name: str, values: Array, shape: tuple[int, ...]) -> Non
             f"{source}: {name} has the shape {values.shape} where {shape} is needed: pressure is (instants, points), "
             f"x one figure a point, time and loads one an instant"
         )
-    bad = np.argwhere(~np.isfinite(values))
+    bad = np.argwhere(~(np.abs(values) <= LARGEST))
     if len(bad):
         where = "instant {}, point {}".format(*(bad[0] + 1)) if values.ndim == 2 else f"entry {bad[0][0] + 1}"
         raise InputError(f"{source}: {name} is no finite number at {where} ({len(bad)} such in all); mend or leave out these rows")
