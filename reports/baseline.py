@@ -120,12 +120,17 @@ def replace_text(path: Path, text: str) -> None:
     """Write a file in one go: a reader sees the old one or the new one; InputError where that is not possible."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, prefix=".halfplane-", delete=False) as stream:
-            stream.write(text)
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(stream.name).chmod(0o666 & ~umask)
-        os.replace(stream.name, path)
+        handle, temporary = tempfile.mkstemp(prefix=".halfplane-", dir=path.parent)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as stream:
+                stream.write(text)
+            umask = os.umask(0)
+            os.umask(umask)
+            os.chmod(temporary, 0o666 & ~umask)
+            os.replace(temporary, path)
+        except BaseException:
+            os.unlink(temporary)
+            raise
     except OSError as reason:
         raise InputError(f"{path}: the file can't be written: {reason.strerror or reason}; name another place") from reason
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.cells import harmless
 from scenes import SurfaceState
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def table_text(table: Table) -> str:
     """
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(table)
+    rows.writerow(map(harmless, table))
     rows.writerows(zip(*map(_cells, table.values()), strict=True))
     return text.getvalue()
 
@@ -126,7 +127,7 @@ def _cells(column: Sequence[Any] | NDArray[Any]) -> list[Any]:
 
 def _cell(value: Any) -> Any:
     if isinstance(value, str):
-        return value
+        return harmless(value)
     number = value.item() if hasattr(value, "item") else value
     return "" if number != number else repr(number)  # noqa: PLR0124
 

@@ -84,17 +84,13 @@ def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None
 
 
 def _staging(folder: Path) -> Path:
-    """A new empty folder in the nearest existing folder above `out`; OSError if that or `out` can't be written to."""
+    """A new empty folder of the user alone, in the nearest one above `out`; OSError if that or `out` can't be written to."""
     if folder.is_dir():
         Path(tempfile.mkdtemp(prefix=".halfplane-", dir=folder)).rmdir()
     above = Path(os.path.abspath(folder)).parent
     while not above.exists():
         above = above.parent
-    staging = Path(tempfile.mkdtemp(prefix=".halfplane-", dir=above))
-    umask = os.umask(0)
-    os.umask(umask)
-    staging.chmod(0o777 & ~umask)
-    return staging
+    return Path(tempfile.mkdtemp(prefix=".halfplane-", dir=above))
 
 
 def _files(folder: Path) -> list[str]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.cells import harmless
 from reports.sweep.store import Planned, Store
 
 STATUS = ("number", "status", "seconds", "reason", "address")
@@ -109,10 +110,16 @@ def read_index(folder: str | Path) -> Table:
 def write_index(store: Store, table: Table) -> None:
     """index.csv in one go, and index.parquet where pyarrow is installed."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, table.columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({name: "" if row[name] is None else row[name] for name in table.columns} for row in table.rows)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(map(harmless, table.columns))
+    writer.writerows([_cell(row[name]) for name in table.columns] for row in table.rows)
     store.write_text(store.folder / "index.csv", text.getvalue())
+
+
+def _cell(value: Any) -> Any:
+    if value is None:
+        return ""
+    return harmless(value) if isinstance(value, str) else value
 
 
 def write_parquet(store: Store, table: Table) -> bool:

@@ -206,7 +206,7 @@ def header(deck: Deck, dialect: Iterable[str], command: str, versions: Mapping[s
         *dialect,
     ]
     yield "*HEADING"
-    yield f"halfplane, scene {scene.name}"[:80]
+    yield " ".join(f"halfplane, scene {scene.name}".split())[:80]  # on one line: the next could begin a card
     for line in lines:
         yield from (f"** {part}" for part in _wrapped(line))
 
