@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from meshes.bodies import BodyMesh, MeshSettings, SurfaceGrading
 from meshes.half_disc import half_disc
+from meshes.limits import check_count
 from meshes.solids import solid
 from scenes import HalfPlane, Profile, Shape
 
@@ -17,7 +18,13 @@ def build(name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, me
     profile : the face of a pad
     grading : of the contact side
     mesh : growth, order and kind of the elements
+
+    Raises
+    ------
+    InputError
+        Where the mesh would be too large for memory, with the limit; where a solid's face is shorter than the contact.
     """
+    check_count(name, grading, mesh.growth, mesh.order)
     if isinstance(shape, HalfPlane):
         return half_disc(name, grading, mesh.growth, mesh.order, mesh.cells)
     return solid(name, shape, profile, grading, mesh.growth, mesh.order, mesh.cells)
