@@ -21,6 +21,8 @@ from reports.score.diagnosis_words import FAULTS, evidence_of, sentence_of
 
 # A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
 LEAST_EXPLAINED = 0.5
+# What explains this much is exact but for rounding and the points taken.
+CLEAR = 0.999
 # Faults looked for behind each other: behind two, what is left is the rounding of the first two fits.
 ROUNDS = 3
 # A rival this much weaker than the winner is not worth a line.
@@ -90,12 +92,13 @@ def _ranked(what: Discrepancy) -> list[tuple[float, Hypothesis]]:
 
 
 def _hypotheses(what: Discrepancy) -> Iterator[Hypothesis]:
-    yield from array_faults(what)
+    """Every hypothesis; flaws of the model only where nothing plainer explains it all, for no fit of them is as good."""
     theory = list(theory_faults(what))
-    yield from theory
-    by_fault = {one.fault: one for one in theory}
-    yield from flaw_faults(what, by_fault.get("stiffness"), by_fault.get("offset"))
-    yield from coarse_edge(what)
+    plain = [*array_faults(what), *theory, *coarse_edge(what)]
+    yield from plain
+    if max(what.explained(one.predicted) for one in plain) < CLEAR:
+        by_fault = {one.fault: one for one in theory}
+        yield from flaw_faults(what, by_fault.get("stiffness"), by_fault.get("offset"))
 
 
 def _named(what: Discrepancy, ranked: list[tuple[float, Hypothesis]], number: int) -> Iterator[Diagnosis]:

@@ -22,15 +22,20 @@ from reports.score.diagnosis_model import Flaws, Grid, NotSettledError, grid, ma
 ROOM = 1.35
 # Increments of a cycle that the model takes for a smooth path.
 INCREMENTS = 32
+# Longest cycle, in steps, whose steps may be too long; and increments of a path that is smooth beside any of those.
+MOST_STEPS, SMOOTH = 64, 256
 # Largest layers and bends looked for, over a/E* and 1/(E* a^2): beyond, nothing is left of the contact that was asked for.
 LARGEST = {"normal_layer": 3.0, "shear_layer": 30.0, "normal_bend": 1.0, "shear_bend": 1.0, "coupling": 1.0}
 START = {"normal_layer": 0.02, "shear_layer": 0.05, "normal_bend": 0.01, "shear_bend": 0.01, "coupling": 0.05}
 # A body that ends sends back P and Q alike, both by the order of 1/L^2 of its size: neither bend is many times the other.
 ALIKE = 4.0
 NEVER_NEGATIVE = ("normal_layer", "shear_layer")
-# Elements over the largest half-width, where nothing travels and where edges do.
-COARSE, FINE = 20, 80
-_FITS = 6
+# Elements over the largest half-width, where nothing travels and where edges do; there, for what an edge leaves within one step or
+# one thin layer, FINEST.
+COARSE, FINE, FINEST = 20, 80, 320
+# A layer thinner than so many of the FINE elements is not seen by them.
+THIN = 2.0
+_FITS, _FITS_AGAIN = 6, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +91,24 @@ def flaw_faults(what: Discrepancy, stiffness: Hypothesis | None, offset: Hypothe
         yield Hypothesis("small_body", found[1], {"normal": 2 * found[0]["normal_bend"], "shear": 2 * found[0]["shear_bend"]})
     if not what.scene.friction.coefficient:
         return
-    if found := fit(what, model, start, ("shear_layer",)):
+    if np.any(what.found[1]):
+        yield from _coupling(what, offset)
+    if np.any(what.expected[1]):
+        yield from _elastic_slip(what, model, start)
+        yield from _implicit_steps(what)
+
+
+def _elastic_slip(what: Discrepancy, model: Model, start: Start) -> Iterator[Hypothesis]:
+    """A layer in shear; a thin one, whose effect stays within elements of the edges, again on finer ones."""
+    found = fit(what, model, start, ("shear_layer",))
+    if found and found[0]["shear_layer"] * FINE < THIN:
+        fine = model_of(what, INCREMENTS, fine=FINEST)
+        try:
+            found = fit(what, fine, Start(what.expected, fine.answer(what, Flaws())), ("shear_layer",), found[0], _FITS_AGAIN)
+        except NotSettledError:
+            return
+    if found:
         yield Hypothesis("elastic_slip", found[1], {"stiffness": 1 / found[0]["shear_layer"]})
-    yield from _coupling(what, offset)
-    yield from _implicit_steps(what, start.model)
 
 
 def _of_one_body(bends: dict[str, float]) -> bool:
@@ -112,41 +131,51 @@ def _coupling(what: Discrepancy, offset: Hypothesis | None) -> Iterator[Hypothes
         yield Hypothesis("coupling", found[1], {"beta": found[0]["coupling"]})
 
 
-def model_of(what: Discrepancy, increments: int, *, mirrored: bool = True) -> Model:
+def model_of(what: Discrepancy, increments: int, *, mirrored: bool = True, fine: int = FINE) -> Model:
     """The model of a discrepancy, stepping through its instants and so many more a cycle (0: through the result's own alone)."""
-    comparison, scene = what.comparison, what.scene
+    scene = what.scene
     modulus = 2 / compliance(scene.material)
-    on = grid(_ends(what) if mirrored else _even_ends(what), scene.profile.height, scene.friction.coefficient, modulus)
+    on = grid(_ends(what, fine) if mirrored else _even_ends(what), scene.profile.height, scene.friction.coefficient, modulus)
     path = scene.load.path()
-    own = comparison.found
-    if path.period is None:
-        wanted = own.time[what.rows]
-        every = np.concatenate([np.linspace(path.start, own.time[-1], 2 * increments + 1), own.time])
-    else:
-        begin, period = path.cycle_start, path.period
-        wanted = begin + (1 + what.fraction) * period
-        more = (
-            np.linspace(begin, begin + 2 * period, 2 * increments + 1)
-            if increments
-            else np.concatenate([begin + own.fraction * period, begin + (1 + own.fraction) * period])
-        )
-        way_in = np.linspace(path.start, begin, 9)
-        corners = [leg.end for leg in path.legs(2)] if increments else []
-        every = np.concatenate([way_in, more, wanted, corners])
+    every, wanted = _smooth_times(what, increments) if increments else _own_times(what)
     span = every.max() - path.start
     times = np.unique(np.round((every[every > path.start] - path.start) / span, 9)) * span + path.start
     places = np.abs(times[:, None] - wanted).argmin(axis=0)
-    return Model(on, np.transpose(path.at(times)), places, comparison.scales.half_width)
+    return Model(on, np.transpose(path.at(times)), places, what.comparison.scales.half_width)
 
 
-def _ends(what: Discrepancy) -> Array:
-    """Ends of elements from 0 outwards, short where the edges of contact and stick travel."""
+def _smooth_times(what: Discrepancy, increments: int) -> tuple[Array, Array]:
+    """Times of so many increments a cycle, turns of the path and the discrepancy's instants included; and of the latter alone."""
+    path, last = what.scene.load.path(), what.comparison.found.time[-1]
+    if path.period is None:
+        turns = [leg.end for leg in path.way_in if leg.end <= last]
+        return np.concatenate([np.linspace(path.start, last, 2 * increments + 1), what.time, turns]), what.time
+    begin, period = path.cycle_start, path.period
+    wanted = begin + (1 + what.fraction) * period
+    more = np.linspace(begin, begin + 2 * period, 2 * increments + 1)
+    turns = [leg.end for leg in path.legs(2)]
+    return np.concatenate([np.linspace(path.start, begin, max(9, increments // 4)), more, wanted, turns]), wanted
+
+
+def _own_times(what: Discrepancy) -> tuple[Array, Array]:
+    """Times of the result's own increments, from the way in where it has that, else of its cycle, twice; and of the instants."""
+    path, own = what.scene.load.path(), what.comparison.found
+    whole = what.comparison.result.time
+    if path.period is None or whole[0] <= path.cycle_start:
+        return whole[whole <= own.time[-1]], what.time
+    begin, period = path.cycle_start, path.period
+    cycles = [begin + own.fraction * period, begin + (1 + own.fraction) * period]
+    return np.concatenate([np.linspace(path.start, begin, 9), *cycles]), begin + (1 + what.fraction) * period
+
+
+def _ends(what: Discrepancy, fine: int) -> Array:
+    """Ends of elements from 0 outwards, `fine` to the largest half-width where the edges of contact and stick travel."""
     cycle = what.comparison.expected
     largest = float(np.nanmax(np.abs(cycle.contact_edges)))
     edges = np.concatenate([cycle.contact_edges.ravel(), cycle.stick_edges.ravel()])
-    least = 0.9 * float(np.nanmin(np.abs(edges)))
+    least = 0.8 * float(np.nanmin(np.abs(edges)))
     inner = np.linspace(0, least, max(2, int(np.ceil(least / largest * COARSE))))
-    middle = np.linspace(least, 1.1 * largest, max(2, int(np.ceil((1.1 - least / largest) * FINE))))
+    middle = np.linspace(least, 1.1 * largest, max(2, int(np.ceil((1.1 - least / largest) * fine))))
     outer = np.linspace(1.1 * largest, ROOM * largest, 7)
     return np.unique(np.concatenate([inner, middle, outer]))
 
@@ -157,15 +186,17 @@ def _even_ends(what: Discrepancy) -> Array:
     return np.linspace(-reach, reach, int(2 * ROOM * COARSE) + 1)
 
 
-def fit(what: Discrepancy, model: Model, start: Start, names: tuple[str, ...]) -> tuple[dict[str, float], Tractions] | None:
+def fit(
+    what: Discrepancy, model: Model, start: Start, names: tuple[str, ...], first: dict[str, float] = START, most: int = _FITS
+) -> tuple[dict[str, float], Tractions] | None:
     """The flaws of these names by least squares, and their prediction; None where they explain nothing or can't be solved.
 
     The effect of each flaw over its size is a mode; the modes of the sizes found last are fitted anew until the sizes stay.
     """
-    sizes = {name: START[name] for name in names}
+    sizes = {name: first[name] for name in names}
     best: tuple[dict[str, float], Tractions] | None = None
     least = what.apart(what.expected)
-    for _ in range(_FITS):
+    for _ in range(most):
         predicted = _prediction(what, model, start, sizes)
         if predicted is None:
             return best
@@ -210,13 +241,14 @@ def _least_squares(what: Discrepancy, model: Model, start: Start, sizes: dict[st
     return None if all(abs(size) <= 1e-5 for size in new.values()) else new
 
 
-def _implicit_steps(what: Discrepancy, base: Tractions) -> Iterator[Hypothesis]:
+def _implicit_steps(what: Discrepancy) -> Iterator[Hypothesis]:
     """One implicit increment from instant to instant of the result: all of P first, in effect, and Q at the last pressure."""
     steps = len(what.comparison.found.time) - 1
-    if what.scene.load.path().period is None or steps > 2 * INCREMENTS:
+    if what.scene.load.path().period is None or steps > MOST_STEPS:
         return
     try:
-        p, q = model_of(what, 0).answer(what, Flaws())
+        base = model_of(what, SMOOTH, fine=FINEST).answer(what, Flaws())
+        p, q = model_of(what, 0, fine=FINEST).answer(what, Flaws())
     except NotSettledError:
         return
     yield Hypothesis("steps", (what.expected[0] + p - base[0], what.expected[1] + q - base[1]), {"steps": float(steps)})

@@ -27,8 +27,11 @@ Flags = NDArray[np.bool_]
 
 _MOST = 60
 _TINY = 1e-10
-# Pressure and shear of unlike bodies in turn: each round leaves less than beta^2 of the error.
+# Pressure and shear of unlike bodies in turn, at most so often: each round leaves less than beta^2 of the error.
 _COUPLED = 4
+_SETTLED = 1e-6
+# Loads closer than this share of the largest are one load, solved once: those of one revolution and the next differ by rounding.
+_SAME_LOAD = 1e-9
 
 
 class NotSettledError(ArithmeticError):
@@ -124,10 +127,14 @@ def march(on: Grid, flaws: Flaws, loads: Array) -> Tractions:
     drawn = -flaws.coupling / on.modulus * on.signs
     p = q = np.zeros(len(on.x))
     pressures, shears = [], []
-    for normal, tangential in loads:
+    unit = _SAME_LOAD * float(np.abs(loads).max())
+    for normal, tangential in unit * np.round(loads / unit):
         old_p, old_q = p, q
-        for _ in range(_COUPLED if flaws.coupling else 1):
-            p = _pressure(on, flaws, float(normal), drawn @ q)
+        for turn in range(_COUPLED if flaws.coupling else 1):
+            last = p
+            p = _pressure(on, flaws, float(normal), drawn @ q, p > 0)
+            if turn and np.abs(p - last).max() <= _SETTLED * np.abs(p).max():
+                break
             q = _shear(on, influence, (old_q, drawn @ (p - old_p)), on.friction * p, float(tangential))
         pressures.append(p)
         shears.append(q)
@@ -150,14 +157,17 @@ def _bordered(influence: Array, shares: Array, free: Flags, known: Array, total:
     return solution
 
 
-def _pressure(on: Grid, flaws: Flaws, load: float, lifted: Array) -> Array:
-    """No tension, no penetration, the gap `lifted` by the shear; kept for each load where it is not, since p then has no memory."""
+def _pressure(on: Grid, flaws: Flaws, load: float, lifted: Array, start: Flags) -> Array:
+    """No tension, no penetration, the gap `lifted` by the shear; `start`: elements that touched last, where any did.
+
+    Kept for each load where nothing is lifted, since p then has no memory.
+    """
     key = (flaws.normal_bend, flaws.normal_layer, flaws.steepness, flaws.offset, load)
     if key in on.pressed and not flaws.coupling:
         return on.pressed[key]
     influence = _influence(on, flaws.normal_bend, flaws.normal_layer)
     gap = flaws.steepness * np.asarray(on.height(on.x - flaws.offset)) + lifted
-    pressure, touching = np.zeros(len(on.x)), np.ones(len(on.x), dtype=bool)
+    pressure, touching = np.zeros(len(on.x)), start if start.any() else np.ones(len(on.x), dtype=bool)
     for _ in range(_MOST if load > 0 else 0):
         solution = _bordered(influence, on.shares, touching, -gap[touching], load)
         pressure = np.zeros(len(on.x))
