@@ -3,11 +3,10 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest slow bench stress numbers regress publish maps peers examples docs constraints clean distclean
+.PHONY: help run test lint types contracts pytest slow bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
 
 PY := .venv/bin/python
 STAMP := .venv/.installed
-DOCS_STAMP := .venv/.installed-docs
 PEERS_STAMP := .peers/.installed
 PYTEST_ARGS ?=
 
@@ -28,7 +27,7 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 HOME_HERE := HOME="$(CURDIR)/.cache/home"
 
 # Debian packages of other people's codes; one that is added here is installed by `make peers`.
-PEERS := calculix-ccx
+PEERS := calculix-ccx python3-getfem
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -38,7 +37,7 @@ run: $(STAMP) ## the main job: the paper's Hertz cycle through both engines, and
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(PY) -m reports run hertz-paper
 
-test: lint types contracts pytest ## everything that CI checks: lint, types, import contracts, tests
+test: lint types contracts docs pytest ## everything that CI checks: lint, types, import contracts, the pages, tests
 
 lint: $(STAMP) ## ruff: rules and format
 	@echo "==> lint: ruff check"
@@ -64,10 +63,10 @@ slow: $(STAMP) ## the tests marked slow, and only these
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 -m slow --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
 
-bench: $(STAMP) ## benchmarks, one process
+bench: $(STAMP) ## error against time, peers, growth, start-up, skipped work, into docs/performance (SECTIONS="peers start": those alone)
 	@echo "==> benchmarks"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(PY) -m pytest benchmarks --benchmark-only --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/performance.py $(SECTIONS)
 
 stress: $(STAMP) ## both engines at the ends of what a scene may ask, into docs/stress.md
 	@echo "==> stress"
@@ -93,7 +92,7 @@ maps: $(STAMP) ## studies of the idealisation error, into reports/published/maps
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports map all $(if $(PAGES),--pages)
 
-peers: $(STAMP) ## other people's codes: CalculiX, a Debian package (asks for root), and Kratos, wheels (into .peers)
+peers: $(STAMP) ## other people's codes: CalculiX and GetFEM of Debian (asks for root); Kratos, tamaas, ContactMechanics (into .peers)
 	@echo "==> peers: $(PEERS)"
 	@if dpkg-query -W $(PEERS) >/dev/null 2>&1; then echo "there already"; else \
 	    if [ "$$(id -u)" = 0 ]; then root=""; else root="sudo"; fi; \
@@ -111,10 +110,18 @@ examples: $(STAMP) ## docs/examples/score made anew with CalculiX and Kratos (af
 	@$(HOME_HERE) $(ONE_THREAD) docs/examples/score/abaqus/make.sh
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/examples/score/measure.py
 
-docs: $(DOCS_STAMP) ## the pages, into docs/_build/html
+docs: $(STAMP) ## the pages, into docs/_build/html
 	@echo "==> docs: sphinx"
-	@$(PY) -m sphinx -W --keep-going -b html -d .cache/doctrees docs docs/_build/html
+	@mkdir -p "$$TMPDIR" .cache/home
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m sphinx -q -W --keep-going -b html -d .cache/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
+
+pages: $(STAMP) ## what pages take from files, engines and their own examples: outputs, pictures, numbers, verification manual
+	@echo "==> pages"
+	@mkdir -p "$$TMPDIR" .cache/home
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/pages.py
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/executed.py
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/report_picture.py
 
 # The stamps. A second call does nothing until pyproject.toml or constraints.txt changes; an interrupted one starts afresh.
 $(STAMP): pyproject.toml constraints.txt
@@ -130,12 +137,7 @@ $(STAMP): pyproject.toml constraints.txt
 	fi
 	@echo "==> .venv: the pinned packages (1.4 GB on disk, once)"
 	@$(PY) -m pip install -c constraints.txt hatchling editables
-	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[test,lint,browser,pdf]"
-	@touch $@
-
-$(DOCS_STAMP): $(STAMP)
-	@echo "==> .venv: the packages for the documentation"
-	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[docs]"
+	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[test,lint,docs,browser,pdf]"
 	@touch $@
 
 $(PEERS_STAMP): peers.txt

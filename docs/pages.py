@@ -1,0 +1,218 @@
+"""The pages that are made from files and from the engines, and the numbers that other pages quote. Part of `make pages`.
+
+    python docs/pages.py
+
+verification.md, gallery.md, misprints.md, architecture.svg and values.json. A test makes all of them again and compares.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import architecture
+
+from reports.paper.cases import Paper, paper
+from reports.paper.page import misprints, statements, tally
+from reports.paper.tables import proven_in_words
+from scenes import load_scene, scene_names
+
+FOLDER = Path(__file__).parent
+ROOT = FOLDER.parent
+PUBLISHED = ROOT / "reports" / "published"
+WRITTEN = "<!-- written by `make pages` -->"
+ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
+Entry = dict[str, str | float]
+
+
+def published() -> dict[str, Any]:
+    """What both engines gave for every scene of the library: reports/published/values.json."""
+    return json.loads((PUBLISHED / "values.json").read_text(encoding="utf-8"))["scenes"]
+
+
+def made(examples: Paper | None = None) -> dict[str, str]:
+    """File name under docs/ -> content."""
+    examples = examples or paper()
+    return {
+        "values.json": json.dumps({"written by": "make pages", "values": values(examples)}, indent=1, ensure_ascii=False) + "\n",
+        "verification.md": "\n".join([*verification()]) + "\n",
+        "gallery.md": "\n".join([*gallery()]) + "\n",
+        "misprints.md": "\n".join([*misprint_page(examples)]) + "\n",
+        "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
+    }
+
+
+def without_rounding(text: str) -> str:
+    """Discrepancies of rounding, which another processor has in other digits, as one sign."""
+    return ROUNDING.sub("~0", text)
+
+
+# ---------------------------------------------------------------------------------------------------------------- numbers
+
+
+def values(examples: Paper) -> dict[str, Entry]:
+    """Every number that a page quotes by its key: what is shown, the value, where it comes from."""
+    return {**_paper_values(examples), **_published_values(published())}
+
+
+def _paper_values(examples: Paper) -> dict[str, Entry]:
+    found: dict[str, Entry] = {}
+    for case in (examples.hertz, examples.rounded):
+        name = case.scene.name
+        found[f"permanent stick, {name}"] = _entry(case.stick_edge, f"{case.stick_edge:.4f}", f"semi_analytic.solve, {name}")
+    said, wrong = statements(examples), misprints(examples)
+    for verdict, count in tally(said).items():
+        found[f"statements {verdict}"] = _entry(count, str(count), "halfplane paper")
+    found["statements"] = _entry(len(said), str(len(said)), "halfplane paper")
+    found["misprints"] = _entry(len(wrong), str(len(wrong)), "halfplane paper")
+    proven = sum(row.proven is True for row in wrong)
+    found["misprints proven"] = _entry(proven, str(proven), "halfplane paper")
+    return found
+
+
+def _published_values(scenes: Mapping[str, Any]) -> dict[str, Entry]:
+    found: dict[str, Entry] = {"scenes": _entry(len(scenes), str(len(scenes)), "halfplane scenes")}
+    for name, content in scenes.items():
+        for key in ("peak_pressure", "pressure", "shear", "dissipation"):
+            value = content["frozen"].get(f"metric.{key}")
+            if value is not None and not (key == "dissipation" and "dissipation" in content["absolute"]):
+                shown = f"{100 * value:{'.2g' if key in {'pressure', 'shear'} else '+.2g'}} %".replace("-", "−")
+                found[f"{key.replace('_', ' ')}, {name}"] = _entry(value, shown, "reports/published/values.json, by make publish")
+    return found
+
+
+def _entry(value: float, text: str, source: str) -> Entry:
+    return {"text": text, "value": value if isinstance(value, int) else float(f"{value:.9g}"), "source": source}
+
+
+# ----------------------------------------------------------------------------------------------------------- verification
+
+
+def verification() -> Iterator[str]:
+    """The verification manual: requirements with their tests, then every scene with figures, tolerances and verdicts."""
+    scenes, table = published(), requirements()
+    yield from ("# Verification manual", "", WRITTEN, "")
+    yield (
+        "What is promised, which tests hold it, and what both engines give for every scene of the library. "
+        "Written by `make pages` from `docs/requirements.toml`, `reports/published/values.json` and the expected "
+        "numbers in the scenes; "
+        "a test fails where a test named here does not exist, or where this page is not what the files say."
+    )
+    yield from ("", "## From requirement to test", "")
+    for area, rows in table.items():
+        yield from (f"### {area}", "", "| requirement | tests |", "|---|---|")
+        for row in rows:
+            yield f"| {cell(row['requirement'])} | {', '.join(f'`{test}`' for test in row['tests'])} |"
+        yield ""
+    yield from ("## Scenes", "")
+    met = sum(all(_kept(content).values()) for content in scenes.values())
+    yield (
+        f"{len(scenes)} scenes, both engines with their default settings. {met} keep every tolerance; in the others finite "
+        "bodies or unlike materials are asked about on purpose, and a tolerance missed is a finding about the half-plane. "
+        "*External* numbers come from elsewhere (closed forms, arithmetic of 30 digits, publications); *frozen* ones "
+        "are our own of last time."
+    )
+    for name, content in scenes.items():
+        yield from _scene(name, content)
+
+
+def requirements() -> dict[str, list[dict[str, Any]]]:
+    """Area -> requirements with their tests: docs/requirements.toml."""
+    table = tomllib.loads((FOLDER / "requirements.toml").read_text(encoding="utf-8"))
+    return {area["title"]: area["requirements"] for area in table["area"]}
+
+
+def _kept(content: Mapping[str, Any]) -> Mapping[str, bool]:
+    return {key: kept for key, kept in content["accurate"].items() if kept is not None}
+
+
+def _scene(name: str, content: Mapping[str, Any]) -> Iterator[str]:
+    scene = load_scene(name)
+    yield from ("", f"### {name}", "", f"{scene.title}. {_verdict(content)} [Its page](published/{name}.md).", "")
+    yield from ("| figure | finite elements less theory | tolerance | verdict |", "|---|---|---|---|")
+    tolerances = scene.tolerances.model_dump()
+    for key, kept in content["accurate"].items():
+        value = content["frozen"].get(f"metric.{key}")
+        shown = "does not apply" if value is None else f"{value:+.3g}".replace("-", "−")
+        limit = tolerances.get(key)
+        verdict = {True: "kept", False: "**missed**", None: "not judged"}[kept]
+        yield f"| {key.replace('_', ' ')} | {shown} | {'' if limit is None else f'{limit:g}'} | {verdict} |"
+    yield from ("", "| expected | value | tolerance | of | source |", "|---|---|---|---|---|")
+    for one in scene.expected:
+        words = one.quantity.replace("_", " ")
+        yield f"| {words} | {one.value:.9g} | {one.tolerance:g} | {one.engine} | {cell(one.source)} |"
+
+
+def _verdict(content: Mapping[str, Any]) -> str:
+    kept = _kept(content)
+    laws = "Every law of contact is kept." if content["admissible"] else "**A law of contact is broken.**"
+    return f"{laws} {sum(kept.values())} of {len(kept)} tolerances are kept."
+
+
+def cell(text: str) -> str:
+    """Words that may stand in a table."""
+    return text.replace("|", "\\|").replace("\n", " ").replace("*", "\\*").replace("_", "\\_")
+
+
+# ------------------------------------------------------------------------------------------------------ gallery, misprints
+
+
+def gallery() -> Iterator[str]:
+    """The published picture of every scene."""
+    yield from ("# Gallery", "", WRITTEN, "")
+    yield (
+        "What both engines give for every scene of the library, as published in the repository (`make publish`). "
+        "Each title leads to the page of the scene with all its figures; a run with `halfplane run NAME` makes the "
+        "full interactive page."
+    )
+    for name in scene_names():
+        scene = load_scene(name)
+        yield from ("", f"## [{name}](published/{name}.md)", "", f"{scene.title}: {scene.purpose}.", "")
+        yield f"![Both engines on {name}](../reports/published/{name}.svg)"
+
+
+def misprint_page(examples: Paper) -> Iterator[str]:
+    """The paper's misprints with what proves them."""
+    rows = misprints(examples)
+    yield from ("# The paper's misprints", "", WRITTEN, "")
+    yield (
+        "What is printed, what is right, and an evaluation of both that tells them apart; `halfplane paper` computes the same "
+        f"table anew. {sum(row.proven is True for row in rows)} of {len(rows)} are proven by a number, the rest by reading. "
+        "The equations are those of the paper; [Theory](theory.md) derives the right ones."
+    )
+    for row in rows:
+        yield from (
+            "",
+            f"## {prose(row.key)}: {row.where}",
+            "",
+            f"**printed**: {prose(row.printed)}  ",
+            f"**right**: {prose(row.right)}",
+            "",
+        )
+        yield from (f"{prose(row.proof)}.", "", f"Proven: {proven_in_words(row)}.")
+
+
+def prose(text: str) -> str:
+    """Words as they are, where Markdown would read marks into them."""
+    return re.sub(r"([*_|\[\]<>])", r"\\\1", text)
+
+
+def main() -> int:
+    """Write what is not as the files and engines say."""
+    for name, text in made().items():
+        path = FOLDER / name
+        before = path.read_text(encoding="utf-8") if path.is_file() else ""
+        stale = without_rounding(before) != without_rounding(text)
+        if stale:
+            path.write_text(text, encoding="utf-8")
+        print(f"{name}: {'written' if stale else 'as it was'}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

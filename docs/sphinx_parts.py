@@ -1,0 +1,130 @@
+r"""What the pages need of Sphinx beyond its own extensions.
+
+- formulas become MathML, which browsers draw by themselves: pages need neither a network nor a script
+- ``{number}`key` `` is a figure of docs/values.json, with where it comes from as its tooltip; an unknown key is a warning
+- docstrings are prose with `code` and |Q|, not reStructuredText: marks that would mean something there are escaped
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+from sphinx.util import logging
+
+_LOG = logging.getLogger(__name__)
+VALUES = Path(__file__).parent / "values.json"
+_TITLES = ("Attributes", "Parameters", "Returns", "Yields", "Raises", "Notes", "Examples", "See Also", "Warns", "References")
+PUBLISHED = Path(__file__).parents[1] / "reports" / "published"
+_CODE = re.compile(r"(``.+?``|`[^`\n]+`|:\w+:`[^`]+`)")
+
+
+def inline_math(translator: Any, node: nodes.math) -> None:
+    """A formula in a line of text."""
+    translator.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def block_math(translator: Any, node: nodes.math_block) -> None:
+    """A formula by itself; wide ones scroll on a phone."""
+    translator.body.append('<div class="formula">')
+    for line in node.astext().split("\n\n"):
+        translator.body.append(tex2mathml(line, as_block=True))
+    translator.body.append("</div>")
+    raise nodes.SkipNode
+
+
+def number(name: str, rawtext: str, text: str, lineno: int, inliner: Any, *_: Any) -> tuple[list[nodes.Node], list[nodes.Node]]:
+    """The role `number`."""
+    found = json.loads(VALUES.read_text(encoding="utf-8"))["values"].get(text)
+    if found is None:
+        return [], [inliner.reporter.warning(f"no number {text!r} in {VALUES.name}: `make pages` writes it", line=lineno)]
+    shown = nodes.inline(rawtext, found["text"], classes=["number"])
+    shown["title"] = found["source"]
+    return [shown], []
+
+
+def plain(_app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Turn a docstring into what reStructuredText reads: prose escaped, sections as lists; doctests stay as they are."""
+    lines[:] = list(_sections([_prose(line) for line in lines]))
+
+
+def _prose(line: str) -> str:
+    if line.lstrip().startswith((">>>", "...", "..", ":")):
+        return line
+    return "".join(
+        _as_code(part) if part.startswith("`") else part if part.startswith(":") else _escaped(part) for part in _CODE.split(line)
+    )
+
+
+def _sections(lines: list[str]) -> Iterator[str]:
+    """Under a title with a line of dashes each unindented line starts an item: `names : what they are`."""
+    inside, doctest = False, False
+    for index, line in enumerate(lines):
+        if set(line) == {"-"} and index and lines[index - 1] in _TITLES:
+            inside = True
+            continue
+        if line in _TITLES and index + 1 < len(lines) and set(lines[index + 1]) == {"-"}:
+            inside = False
+            yield from ("", f".. rubric:: {line}", "")
+            continue
+        doctest = line.startswith(">>>") or (doctest and bool(line.strip()))
+        if inside and line.strip() and not line.startswith(" ") and not doctest:
+            yield from _items(line)
+        else:
+            yield line
+
+
+def _items(line: str) -> Iterator[str]:
+    """One line may hold several items: `key : short name; where : place in the paper`."""
+    for item in re.split(r"; (?=\w+(?:, \w+)* : )", line):
+        names, colon, rest = item.partition(" : ")
+        yield f"- **{names}**: {rest}" if colon else f"- {item}"
+
+
+def _as_code(part: str) -> str:
+    return part if part.startswith("``") else f"`{part}`"
+
+
+def _escaped(text: str) -> str:
+    return re.sub(r"(?<!\\)([*|])", r"\\\1", re.sub(r"(\w)_(?=\W|$)", r"\1\\_", text))
+
+
+def published_pages(app: Sphinx) -> None:
+    """Give each page of reports/published a place among the pages, in docs/published, which is not kept."""
+    folder = Path(app.srcdir) / "published"
+    folder.mkdir(exist_ok=True)
+    pages = {path.name: path.read_text(encoding="utf-8") for path in PUBLISHED.glob("*.md") if path.name != "README.md"}
+    for name, text in pages.items():
+        moved = re.sub(r"\]\((\S+\.(?:svg|json))\)", r"](../../reports/published/\1)", text).replace(
+            "](README.md)", "](../gallery.md)"
+        )
+        path, now = folder / name, f"---\norphan: true\n---\n\n{moved}"
+        if not path.is_file() or path.read_text(encoding="utf-8") != now:
+            path.write_text(now, encoding="utf-8")
+    for path in folder.glob("*.md"):
+        if path.name not in pages:
+            path.unlink()
+
+
+def without_empty_globs(app: Sphinx, name: str, source: list[str]) -> None:
+    """Leave out of the first page's lists the places of pages that are not there."""
+    if name == "index":
+        lines = source[0].splitlines()
+        source[0] = "\n".join(line for line in lines if not line.endswith("*") or any(Path(app.srcdir).glob(f"{line}.md")))
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Sphinx calls this."""
+    app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
+    app.add_role("number", number)
+    app.connect("builder-inited", published_pages)
+    app.connect("source-read", without_empty_globs)
+    app.connect("autodoc-process-docstring", plain, priority=100)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

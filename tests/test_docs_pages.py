@@ -1,0 +1,140 @@
+"""Pages that are made from files and engines are current, and what pages point to exists."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import json
+import re
+import sys
+import tomllib
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+sys.path.append(str(DOCS))
+pages: Any = importlib.import_module("pages")
+architecture: Any = importlib.import_module("architecture")
+
+TEXTS = {
+    str(path.relative_to(DOCS)): path.read_text(encoding="utf-8") for path in sorted([*DOCS.glob("*.md"), *DOCS.glob("api/*.md")])
+}
+PACKAGES = {"scenes", "semi_analytic", "meshes", "halfplane_fe", "reports"}
+RENEW = "run `make pages`, and look at what moved"
+
+
+@pytest.fixture(scope="module")
+def made() -> dict[str, str]:
+    return dict(pages.made())
+
+
+@pytest.mark.parametrize("name", ["values.json", "verification.md", "gallery.md", "misprints.md", "architecture.svg"])
+def test_pages_are_what_files_and_engines_say(made: dict[str, str], name: str) -> None:
+    stored = (DOCS / name).read_text(encoding="utf-8")
+    assert pages.without_rounding(stored) == pages.without_rounding(made[name]), f"docs/{name} is stale: {RENEW}"
+
+
+def test_rounding_alone_is_forgiven() -> None:
+    assert pages.without_rounding("off by 3e-16 and 0") == pages.without_rounding("off by 0 and 2.5e-15")
+    assert pages.without_rounding("off by 3e-06, 0.7270") == "off by 3e-06, 0.7270"
+
+
+def numbers(text: str) -> list[str]:
+    return re.findall(r"(?<!`)\{number\}`([^`]+)`", text)
+
+
+def test_every_number_that_a_page_quotes_is_known() -> None:
+    known = json.loads((DOCS / "values.json").read_text(encoding="utf-8"))["values"]
+    quoted = {(name, key) for name, text in TEXTS.items() for key in numbers(text)}
+    assert quoted
+    assert not [pair for pair in quoted if pair[1] not in known]
+    assert numbers("{number}`no such key`") == ["no such key"]
+
+
+def functions(path: Path) -> set[str]:
+    """Names of a file's tests, those of classes as Class::test."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    found = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            found |= {f"{node.name}::{inner.name}" for inner in node.body if isinstance(inner, ast.FunctionDef)}
+    return found
+
+
+def missing(tests: list[str]) -> list[str]:
+    """Those that are not there; a file alone stands for all its tests."""
+    lost = []
+    for test in tests:
+        file, _, name = test.partition("::")
+        path = ROOT / "tests" / file
+        if not path.is_file() or (name and name not in functions(path)):
+            lost.append(test)
+    return lost
+
+
+def test_every_test_of_a_requirement_exists() -> None:
+    rows = [row for area in pages.requirements().values() for row in area]
+    assert len(rows) > 20
+    assert all(row["tests"] for row in rows)
+    assert not missing([test for row in rows for test in row["tests"]])
+    assert missing(["test_docs_pages.py::test_no_such"]) == ["test_docs_pages.py::test_no_such"]
+
+
+def test_the_architecture_is_that_of_the_contracts(tmp_path: Path) -> None:
+    contracts = architecture.read(ROOT / "pyproject.toml")
+    assert set(contracts.packages) == PACKAGES
+    arrows = set(contracts.arrows())
+    assert {
+        ("reports", "semi_analytic"),
+        ("reports", "halfplane_fe"),
+        ("halfplane_fe", "meshes"),
+        ("semi_analytic", "scenes"),
+    } <= arrows
+    assert not {("semi_analytic", "halfplane_fe"), ("halfplane_fe", "semi_analytic"), ("semi_analytic", "meshes")} & arrows
+    other = (
+        (ROOT / "pyproject.toml")
+        .read_text(encoding="utf-8")
+        .replace('"reports", "semi_analytic | halfplane_fe"', '"reports | halfplane_fe", "semi_analytic"')
+    )
+    (tmp_path / "pyproject.toml").write_text(other, encoding="utf-8")
+    assert architecture.svg(tmp_path / "pyproject.toml") != architecture.svg(ROOT / "pyproject.toml")
+
+
+def named(target: str) -> bool:
+    """Whether a dotted name leads to something."""
+    parts = target.split(".")
+    for cut in range(len(parts) - 1, 0, -1):
+        try:
+            found: Any = importlib.import_module(".".join(parts[:cut]))
+        except ModuleNotFoundError:
+            continue
+        for part in parts[cut:]:
+            if not hasattr(found, part):
+                return False
+            found = getattr(found, part)
+        return True
+    return False
+
+
+def test_every_formula_leads_to_a_function_that_is_shown() -> None:
+    targets = set(re.findall(r"\{py:\w+\}`(?:[^`<]*<)?~?([\w.]+)>?`", TEXTS["theory.md"]))
+    assert len(targets) > 15
+    assert not [target for target in targets if not named(target)]
+    shown = TEXTS["api/formulas.md"]
+    assert not [target for target in targets if target not in shown and target.rpartition(".")[0] not in shown]
+    assert not named("semi_analytic.hertz.no_such_function")
+
+
+def test_each_package_has_its_page_of_public_names() -> None:
+    assert {name[len("api/") : -len(".md")] for name in TEXTS if name.startswith("api/")} - {"formulas"} == PACKAGES
+    assert all(f".. automodule:: {package}\n" in TEXTS[f"api/{package}.md"] for package in PACKAGES)
+
+
+def test_the_citation_is_of_this_version() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f'version: "{version("halfplane")}"' in citation
+    assert f"license: {tomllib.loads((ROOT / 'pyproject.toml').read_text(encoding='utf-8'))['project']['license']}\n" in citation
