@@ -75,8 +75,22 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
             return [_two_blocks(scene, half_width)]
         except InputError as refused:
             return [Part("two equal blocks", None, str(refused))]
-    blocks = [(name, body) for name, body in (("lower", lower), ("upper", upper)) if isinstance(body, Block)]
-    return [_one_block(scene, name, body, half_width, folder) for name, body in blocks]
+    found = []
+    for name, body in (("lower", lower), ("upper", upper)):
+        if isinstance(body, Pad) and isinstance(scene.profile, FlatRounded):
+            found += _flat_pad(scene.profile, name, body)
+        elif isinstance(body, Block | Pad):
+            found.append(_one_block(scene, name, body, half_width, folder))
+    return found
+
+
+def _flat_pad(profile: FlatRounded, name: str, pad: Pad) -> list[Part]:
+    """The map of flat pads has pads 2 b + 1.4 R wide and R high: nothing more for these or larger ones, nothing known of smaller."""
+    width = 2 * profile.flat_half_length + 1.4 * profile.radius
+    if pad.height >= 0.99 * profile.radius and pad.width >= 0.99 * width:
+        return []
+    what = f"the {name} body, a pad {pad.width:g} wide and {pad.height:g} high"
+    return [Part(what, None, f"the map `pad` has pads 2 b + 1.4 R = {width:g} wide and R = {profile.radius:g} high, or larger")]
 
 
 def _two_blocks(scene: Scene, half_width: float) -> Part:
@@ -89,9 +103,9 @@ def _two_blocks(scene: Scene, half_width: float) -> Part:
     return Part(what, values, "correction of the map `block` for this very loop; p0 and a at the largest load")
 
 
-def _one_block(scene: Scene, name: str, block: Block, half_width: float, folder: Path) -> Part:
+def _one_block(scene: Scene, name: str, block: Block | Pad, half_width: float, folder: Path) -> Part:
     height, aspect = block.height / half_width, block.width / block.height
-    what = f"the {name} body, a block: height/a = {height:.3g}, width/height = {aspect:.3g}, base {block.base}"
+    what = f"the {name} body, a {block.kind}: height/a = {height:.3g}, width/height = {aspect:.3g}, base {block.base}"
     if block.base != "fixed" or block.sides != "free":
         return Part(what, None, "the map `one-block` has a fixed base and free sides alone")
     chart = MAPS["one-block"].charts[0]

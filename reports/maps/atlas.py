@@ -72,8 +72,9 @@ _CURVED = (
     "square; a body of size R adds its own O((a/R)²)"
 )
 _BETA = (
-    "y-mirror swaps the bodies (β → −β, Q → −Q), x-mirror restores Q: p0 and W are even in β, so O(β²) at fixed f; "
-    "pressing makes shear ~ β p that friction f p holds, so W goes with (β/f)²"
+    "y-mirror swaps the bodies (β → −β, Q → −Q), x-mirror restores Q: p0 and W are even in β, so O(β²) at fixed f. Pressing makes "
+    "shear ~ β p against f p, but with P constant it stays locked where the contact sticks and is wiped out where it slips: no growth "
+    "as 1/f² is expected of a cycle"
 )
 MAPS = {
     m.name: m
@@ -138,7 +139,7 @@ MAPS = {
                     "size/a",
                     False,
                     1.5,
-                    "tractions end as a root at contact and stick edges: 3/2 of an element's size there",
+                    "tractions end as a root at contact and stick edges: order 3/2 in the size of elements there",
                     "element / a <",
                 ),
                 Chart(
@@ -148,8 +149,8 @@ MAPS = {
                     "",
                     "a/L",
                     True,
-                    4.0,
-                    "the arc follows the point forces of P and Q; the next multipole of like bodies is O((a/L)⁴)",
+                    None,
+                    "",
                     "L / a >",
                 ),
                 Chart(
@@ -157,11 +158,11 @@ MAPS = {
                     "step",
                     "",
                     "",
-                    "1/steps",
-                    True,
-                    2.0,
-                    "chords of a smooth loop: second order in the step",
-                    "steps >",
+                    "tolerance of an increment",
+                    False,
+                    None,
+                    "",
+                    "tolerance <",
                 ),
             ),
         ),

@@ -15,6 +15,7 @@ from reports.maps.quadratic import Curvatures, dissipation_error, ellipse_path
 from reports.maps.readings import Readings
 
 Array = NDArray[np.float64]
+_SHARE = 0.1  # of an error, its uncertainty where none was asked for
 _PROBE = 0.02  # curvature at which the sensitivity of dissipation is taken
 
 
@@ -43,8 +44,8 @@ def lines(chart: Chart, readings: Readings) -> Iterator[Line]:
             s = small_parameter(chart, part)
             error, doubt = part.errors(figure)
             law = None
-            if chart.expected is not None and np.isfinite(doubt).any():
-                law = fit_law(s, error, doubt, chart.expected)
+            if chart.expected is not None:
+                law = fit_law(s, error, doubt if np.isfinite(doubt).any() else _SHARE * np.abs(error), chart.expected)
             yield Line(figure, at, s, error, doubt, law)
 
 

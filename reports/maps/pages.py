@@ -33,12 +33,14 @@ def drawings(chart: Chart, readings: Readings) -> Iterator[tuple[str, str, str]]
             heat(chart, readings, figures_of(readings, _DRAWN if chart.expected else _DRAWN[:2])),
             caption,
         )
-    if chart.expected is not None:
+    if chart.expected is not None or not chart.up:
         found = list(lines(chart, readings))
         caption = (
             "Error over the small parameter, bars: uncertainty, hollow: not resolved; lines: the law with its next term, over its "
             "range; dotted: the predicted slope."
         )
+        if chart.expected is None:
+            caption = "Discrepancy of the two engines over what is moved."
         yield f"{chart.study}-law.svg", slopes(chart, found, figures_of(readings)), caption
 
 

@@ -150,16 +150,18 @@ def _line(ax: Axes, line: Line, number: int) -> None:
 
 
 def _reference(ax: Axes, chart: Chart, chosen: Sequence[Line]) -> None:
-    if chart.expected is None or not chosen:
+    if not chosen:
         return
     s = np.concatenate([line.s for line in chosen])
     size = np.concatenate([np.abs(line.error) for line in chosen])
     known = np.isfinite(size) & (size > 0)
+    floor = max(100 * float(np.nanmin(size[known])) / 2, 1e-4)
+    ax.set_ylim(bottom=floor)
+    if chart.expected is None:
+        return
     ends = np.array([s.min(), s.max()])
     level = 60 * float(np.nanmax(size[known])) * (ends / ends[1]) ** chart.expected
     ax.plot(ends, level, color="0.4", linestyle=":", linewidth=1.2, label=f"slope {chart.expected:g}, predicted")
-    floor = max(100 * float(np.nanmin(size[known])) / 2, 1e-3)
-    ax.set_ylim(bottom=floor)
 
 
 def _svg(figure: Figure) -> str:

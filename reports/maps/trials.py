@@ -226,8 +226,12 @@ def signs_and_groups(folder: Path) -> list[str]:
                     f"{value * f**2:.3g} ± {doubt * f**2:.2g}",
                 ]
             )
-    head = ["figure", "f", "constant of β²", "constant of (β/f)²"]
-    parts = ["## Growth with 1/f", "Where the last column is one number, (β/f)² is the whole story.", _table(head, rows)]
+    head = ["figure", "f", "constant of β²", "the same times f²"]
+    words = (
+        "If the shear that pressing makes took part in the cycle, the errors would go with (β/f)² and the last column would be one "
+        "number. With P constant it does not: the constant of β² is what hardly moves. Loops that move P are not in this map."
+    )
+    parts = ["## Growth with 1/f", words, _table(head, rows)]
     held, rows = read(folder, "unlike-held-out"), []
     chosen = [law for law in laws if law["study"] == "unlike" and law["figure"] == "error.dissipation"]
     for row in held.rows:
@@ -251,13 +255,13 @@ def signs_and_groups(folder: Path) -> list[str]:
 
 
 def _between(laws: list[dict[str, float]], f: float, beta: float) -> float | None:
-    """The laws' value at f, the constant times f^2 and the next term interpolated over f."""
+    """The laws' value at f, constant and next term interpolated over log f."""
     if len(laws) < 2:
         return None
     order = sorted(laws, key=lambda law: float(law["f"]))
     fs = [float(law["f"]) for law in order]
     if not fs[0] <= f <= fs[-1]:
         return None
-    constant = np.interp(f, fs, [law["sign"] * law["fixed"] * float(law["f"]) ** 2 for law in order]) / f**2
-    following = np.interp(f, fs, [law["next_term"] * float(law["f"]) ** 2 for law in order]) / f**2
+    constant = np.interp(np.log(f), np.log(fs), [law["sign"] * law["fixed"] for law in order])
+    following = np.interp(np.log(f), np.log(fs), [law["next_term"] for law in order])
     return float(constant * beta**2 * np.exp(following * beta**2))
