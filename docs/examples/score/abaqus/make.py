@@ -21,7 +21,7 @@ import numpy as np
 
 from reports.score.mapping import Mapping
 from reports.score.reading import read
-from reports.third.running import calculix_version, find_calculix
+from reports.third.running import calculix_version, find_calculix, status
 from scenes import load_scene
 
 SCENE, NAME = "cattaneo-mindlin", "common"
@@ -100,7 +100,8 @@ def main(deck: Path, folder: Path) -> None:
     words += "# Times of the scene's load path: the names of the columns count steps.\n"
     words += f"times = [{', '.join(f'{value:.7g}' for value in times)}]\n"
     (folder / "mapping.toml").write_text(words, encoding="utf-8")
-    made = {"code": f"CalculiX {calculix_version(program)}", "seconds": round(seconds, 1), "increments": len(found.pressure)}
+    accepted = sum(attempt.accepted for attempt in status(folder / f"{NAME}.sta"))
+    made = {"code": f"CalculiX {calculix_version(program)}", "seconds": round(seconds, 1), "increments": accepted}
     (folder / "made.json").write_text(json.dumps(made) + "\n", encoding="utf-8")
 
 
