@@ -85,7 +85,7 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
 
 
 def _flat_pad(profile: FlatRounded, name: str, pad: Pad) -> list[Part]:
-    """The map of flat pads has pads 2 b + 1.4 R wide and R high: nothing more for these or larger ones, nothing known of smaller."""
+    """The map of flat pads has pads 2 b + 1.4 R wide and R high: larger ones need nothing more, smaller ones are unknown."""
     width = 2 * profile.flat_half_length + 1.4 * profile.radius
     if pad.height >= 0.99 * profile.radius and pad.width >= 0.99 * width:
         return []

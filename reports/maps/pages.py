@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from reports.maps.fitting import Line, lines
 from reports.maps.limits import bound, words
 from reports.maps.pictures import AXES, heat, slopes
 from reports.maps.readings import Readings, read
+from reports.maps.tabling import table
 
 _LEVELS = (0.01, 0.05, 0.1)
 _TABLED = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
@@ -133,9 +134,3 @@ def _cost(asked: Map, folder: Path) -> list[str]:
         "the steps, and a farther far field (docs/sweeps.md)."
     )
     return ["## How it was made", how, table(head, rows)]
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A markdown table."""
-    made = [" | ".join(cells) for cells in (head, ["---"] * len(head), *rows)]
-    return "\n".join(f"| {line} |" for line in made)

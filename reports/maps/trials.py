@@ -12,6 +12,7 @@ from reports.maps.corrections import correction
 from reports.maps.layers import curvature_sum
 from reports.maps.quadratic import Curvatures, dissipation_error, ellipse_path
 from reports.maps.readings import Readings, read
+from reports.maps.tabling import table
 from scenes import Block, Bodies, InputError, Scene, load_scene
 
 _SMALL = 0.05  # a/h at which derived constants are taken
@@ -22,12 +23,6 @@ def place(at: Mapping[str, str]) -> str:
     from reports.maps.pictures import AXES
 
     return ", ".join(f"{AXES.get(name, name)} {value}" for name, value in at.items()) or "all"
-
-
-def _table(head: list[str], rows: list[list[str]]) -> str:
-    from reports.maps.pages import table
-
-    return table(head, rows)
 
 
 def derived_constants(folder: Path) -> list[str]:
@@ -66,7 +61,7 @@ def derived_constants(folder: Path) -> list[str]:
         "fitted in the column *derived*. A block of finite width with free sides has no such solution; at width/height = 4 the "
         "layer without end is near."
     )
-    return ["## Constants that theory predicts", words, _table(head, rows)]
+    return ["## Constants that theory predicts", words, table(head, rows)]
 
 
 def _blocks(base: str, height: float, aspect: float, scene: Scene) -> Scene:
@@ -112,7 +107,7 @@ def corrected_blocks(folder: Path) -> list[str]:
         f"equal blocks under any Hertz loop. On these points, to which nothing was fitted, it removes {100 * min(shares):.0f} to "
         f"{100 * max(shares):.0f} % of the error of dissipation, {100 * float(np.median(shares)):.0f} % in the median."
     )
-    return ["## Correction on points that nothing was fitted to", words, _table(head, rows)]
+    return ["## Correction on points that nothing was fitted to", words, table(head, rows)]
 
 
 def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
@@ -191,7 +186,7 @@ def corrected_loops(folder: Path) -> list[str]:
         "predicted, %",
         "left after correction, %",
     ]
-    return ["## The correction under loops that nothing was fitted to", words, _table(head, rows)]
+    return ["## The correction under loops that nothing was fitted to", words, table(head, rows)]
 
 
 def own_limits(readings: Mapping[str, Readings]) -> str:
@@ -231,7 +226,7 @@ def signs_and_groups(folder: Path) -> list[str]:
         "If the shear that pressing makes took part in the cycle, the errors would go with (β/f)² and the last column would be one "
         "number. With P constant it does not: the constant of β² is what hardly moves. Loops that move P are not in this map."
     )
-    parts = ["## Growth with 1/f", words, _table(head, rows)]
+    parts = ["## Growth with 1/f", words, table(head, rows)]
     held, rows = read(folder, "unlike-held-out"), []
     chosen = [law for law in laws if law["study"] == "unlike" and law["figure"] == "error.dissipation"]
     for row in held.rows:
@@ -251,7 +246,7 @@ def signs_and_groups(folder: Path) -> list[str]:
         "Points that no law was fitted to: the other sign of β, other α at the same β (ν = 0: α = 2 β; ν = 0.3: α = 3.5 β), "
         "other f. Between half-planes the tractions depend on β and E* alone, and are even in it."
     )
-    return [*parts, "## The other sign, another alpha", words, _table(head, rows)]
+    return [*parts, "## The other sign, another alpha", words, table(head, rows)]
 
 
 def _between(laws: list[dict[str, float]], f: float, beta: float) -> float | None:
