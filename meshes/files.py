@@ -18,16 +18,16 @@ def write_vtu(
     cells: NDArray[np.int64],
     point_data: Mapping[str, NDArray[np.float64]],
 ) -> None:
-    """Write one body with nodal fields as VTU.
+    """Write one body, or the line of its surface, with nodal fields as VTU.
 
     Parameters
     ----------
     path : file to write
     points : (n_points, 2) [length]
-    cells : (n_elements, 3, 6, 4 or 9): corners, mid-side nodes, middle
+    cells : (n_elements, 3, 6, 4 or 9): corners, mid-side nodes, middle; (n_elements, 2) for lines
     point_data : name -> (n_points,) or (n_points, k); vectors of two components get a third, 0
     """
-    kind = {3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
+    kind = {2: "line", 3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
     data = {name: _three_components(values) for name, values in point_data.items()}
     meshio.write_points_cells(path, _three_components(points), [(kind, cells)], point_data=data)
 

@@ -92,17 +92,30 @@ def fields(
     *,
     at: Annotated[
         tuple[str, ...],
-        Parameter(consume_multiple=True, negative="", help='Times of the path, or "events" of the last cycle, the default.'),
+        Parameter(
+            consume_multiple=True,
+            negative="",
+            help='Times of the path, or "events" of the last cycle, the default without a series.',
+        ),
     ] = (),
+    every: Annotated[int | None, Parameter(help="A series over the last cycle: each so-manieth stored step.")] = None,
+    frames: Annotated[int | None, Parameter(help="A series over the last cycle: so many instants evenly in time.")] = None,
+    animate: Annotated[
+        bool,
+        Parameter(
+            negative="", help="The cycle as GIF and MP4: the instants of the series, 60 without one. MP4: halfplane[animation]."
+        ),
+    ] = False,
     out: Out = None,
-    pictures: Annotated[bool, Parameter(help="Draw the meshes and the von Mises stress as PNG.")] = True,
+    pictures: Annotated[bool, Parameter(help="Draw the meshes and the von Mises stress at the instants of --at as PNG.")] = True,
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
 ) -> int:
-    """Displacement and stress in both bodies: files for ParaView, pictures of stress and mesh."""
+    """Displacement, stress and tractions in both bodies: files for ParaView, pictures, an animation."""
     from reports import commands_engines
+    from reports.series import Wish
 
-    return commands_engines.fields(scene, at, out, pictures, quiet, finite_elements)
+    return commands_engines.fields(scene, Wish(at, every, frames, pictures, animate), out, quiet, finite_elements)
 
 
 @app.command(sort_key=3, help_epilogue="")

@@ -11,6 +11,7 @@ from reports.application import NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 from reports.folder import claim, default_folder
 from reports.options import FiniteElementOptions
+from reports.series import Wish, check_series
 from reports.tables import show_budget, show_expected, show_fields, show_third, show_verdict
 from scenes import ContactSolution, ConvergenceError, InputError, Scene
 
@@ -104,21 +105,23 @@ def fe(source: str, out: Path | None, quiet: bool, options: FiniteElementOptions
     return _alone(source, out, quiet, lambda scene, stages: jobs.solve_finite_elements(scene, options, stages))
 
 
-def fields(source: str, at: tuple[str, ...], out: Path | None, pictures: bool, quiet: bool, options: FiniteElementOptions) -> int:
-    """Finite elements, and both bodies at chosen instants for ParaView and as pictures."""
+def fields(source: str, wish: Wish, out: Path | None, quiet: bool, options: FiniteElementOptions) -> int:
+    """Finite elements, and both bodies at chosen instants or over the cycle: for ParaView, as pictures, as a film."""
     stages = Stages(quiet)
     scene = jobs.read(source)
     folder = claim(out or default_folder(scene.name))
-    at = at or ("events",)
-    _times(at, "--at", scene)
-    if pictures:
+    _times(wish.named, "--at", scene)
+    check_series(wish.every, wish.frames)
+    if wish.pictures and wish.named:
         _can_draw(stages)
     jobs.load_engines(stages)
-    command = options.command("fields", source, folder, ("--at", *at), () if pictures else ("--no-pictures",))
+    command = options.command("fields", source, folder, *wish.words())
     try:
         with jobs.naming(source):
+            from reports import fields_job
+
             solution = jobs.solve_finite_elements(scene, options, stages)
-            report = jobs.fields(solution, folder, at, stages, pictures=pictures, command=command)
+            report = fields_job.fields(solution, folder, wish, stages, command=command)
     except ConvergenceError as failure:
         return _not_converged(failure, scene, folder)
     show_fields(scene, report)

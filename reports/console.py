@@ -50,14 +50,14 @@ class Stages:
         self.log: list[str] = []
 
     @contextmanager
-    def stage(self, name: str) -> Generator[Report, None, None]:
-        """Times a stage; yields report(done, total or None, text)."""
+    def stage(self, name: str, things: str = "stretches") -> Generator[Report, None, None]:
+        """Times a stage; yields report(done, total or None, text), which counts `things`."""
         start = time.perf_counter()
         self.note(f"{name} ...")
-        show = self._bar if self.console.is_terminal else self._lines
+        shown = self._bar(name) if self.console.is_terminal else self._lines(name, things)
         last = ""
 
-        with show(name) as report:
+        with shown as report:
 
             def kept(done: int, total: int | None, text: str) -> None:
                 nonlocal last
@@ -93,7 +93,7 @@ class Stages:
             yield report
 
     @contextmanager
-    def _lines(self, name: str) -> Generator[Report, None, None]:
+    def _lines(self, name: str, things: str) -> Generator[Report, None, None]:
         shown, left = time.perf_counter(), TimeLeft()
         self.console.print(Text(f"{name} ..."))
 
@@ -102,7 +102,7 @@ class Stages:
             words = left.words(done, total)
             if time.perf_counter() - shown >= _LINE_EVERY:
                 shown = time.perf_counter()
-                of = f"{done} of {total} stretches" if total else ""
+                of = f"{done} of {total} {things}" if total else ""
                 self.console.print(Text(f"  {name}: {', '.join(filter(None, (text, of, words)))}"))
 
         yield report

@@ -1,8 +1,8 @@
-"""Fields in both bodies at chosen instants, on disk: VTU for each body and instant, the PVD collection over them, the record."""
+"""Fields in both bodies and on the contact line at chosen instants, on disk: VTU files, the PVD collection, the record."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from scenes import ContactSolution, InputError
 
 if TYPE_CHECKING:
     from halfplane_fe import BodyFields, FiniteElementSolution, Snapshot
+    from meshes import BodyMesh
 
 Report = Callable[[int, int | None, str], None]
 COLLECTION = "fields.pvd"
@@ -69,20 +70,57 @@ def with_bodies(solution: ContactSolution, option: str) -> FiniteElementSolution
     return solution
 
 
-def write_fields(snapshots: Sequence[Snapshot], folder: Path, report: Report = lambda _done, _total, _text: None) -> list[str]:
-    """Write lower_000.vtu, upper_000.vtu and so on, and the collection over them; return the names, the collection's first."""
+def write_fields(
+    solution: FiniteElementSolution,
+    snapshots: Iterable[Snapshot],
+    folder: Path,
+    report: Report = lambda _done, _total, _text: None,
+    total: int | None = None,
+) -> list[str]:
+    """Write lower_000.vtu, upper_000.vtu, contact_000.vtu and so on, the collection; return the names, its own first."""
     import meshes
 
     folder.mkdir(exist_ok=True)
+    line = contact_line(solution.bodies[0])
     entries = []
     for number, snapshot in enumerate(snapshots):
-        report(number, len(snapshots), f"time {snapshot.time:.6g}")
-        for part, body in enumerate(snapshot.bodies):
-            file = f"{body.name}_{number:03d}.vtu"
-            meshes.write_vtu(folder / file, body.points, body.cells, _point_data(body))
-            entries.append(meshes.PvdEntry(snapshot.time, part, body.name, file))
+        report(number, total, f"time {snapshot.time:.6g}")
+        lower = snapshot.bodies[0]
+        parts = [(body.name, body.points, body.cells, _point_data(body)) for body in snapshot.bodies]
+        parts.append(("contact", lower.points[line], _chain(len(line)), _surface_data(solution, snapshot, line)))
+        for part, (name, points, cells, data) in enumerate(parts):
+            file = f"{name}_{number:03d}.vtu"
+            meshes.write_vtu(folder / file, points, cells, data)
+            entries.append(meshes.PvdEntry(snapshot.time, part, name, file))
     meshes.write_pvd(folder / COLLECTION, entries)
     return [COLLECTION, *(entry.file for entry in entries)]
+
+
+def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> NDArray[np.int64]:
+    """Nodes of a body's contact face from left to right, mid-side nodes among them; indices into the points of its fields."""
+    skfem_mesh = mesh.mesh
+    facets = np.concatenate([skfem_mesh.boundaries[name] for name in boundaries if name in skfem_mesh.boundaries])
+    n_corners = int(skfem_mesh.facets.max()) + 1
+    has_middles = skfem_mesh.p.shape[1] > n_corners
+    nodes = np.unique(np.concatenate([skfem_mesh.facets[:, facets].ravel(), *([n_corners + facets] if has_middles else [])]))
+    return np.asarray(nodes[np.argsort(skfem_mesh.p[0, nodes])], dtype=np.int64)
+
+
+def _chain(count: int) -> NDArray[np.int64]:
+    """Lines between `count` points in their order."""
+    return np.column_stack([np.arange(count - 1), np.arange(1, count)])
+
+
+def _surface_data(solution: FiniteElementSolution, snapshot: Snapshot, line: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+    """What the VTU of the contact line holds: the answer at its points x, and the lower body's displacement to warp it by."""
+    step = int(np.argmin(np.abs(solution.time - snapshot.time)))
+    return {
+        "pressure": solution.pressure[step],
+        "shear": solution.shear[step],
+        "slip": solution.slip[step],
+        "state": solution.state[step].astype(np.int32),
+        "displacement": snapshot.bodies[0].displacement[line],
+    }
 
 
 def _point_data(body: BodyFields) -> dict[str, NDArray[np.float64]]:
@@ -108,14 +146,31 @@ def peak(snapshot: Snapshot) -> Peak:
     return Peak(float(body.von_mises[node]), body.name, (float(body.points[node, 0]), float(body.points[node, 1]) + 0.0))
 
 
+@dataclass(frozen=True)
+class Seen:
+    """An instant that was written: what was asked for, the stored time taken, its loads [force/length], its largest stress."""
+
+    instant: Instant
+    time: float
+    normal_load: float
+    tangential_load: float
+    largest: Peak
+
+
+def seen(instant: Instant, snapshot: Snapshot) -> Seen:
+    """What is told of a snapshot once it is on disk."""
+    return Seen(instant, snapshot.time, snapshot.normal_load, snapshot.tangential_load, peak(snapshot))
+
+
 def record(
     solution: FiniteElementSolution,
-    asked: Sequence[Instant],
-    snapshots: Sequence[Snapshot],
+    instants: Sequence[Seen],
     files: Sequence[str],
     pictures: Sequence[str],
     command: str,
     seconds: Mapping[str, float],
+    animation: Mapping[str, Any] | None = None,
+    notes: Sequence[str] = (),
 ) -> dict[str, Any]:
     """What was written and from what, for fields.json."""
     return {
@@ -124,22 +179,32 @@ def record(
         "units": solution.scene.units,
         "instants": [
             {
-                "asked": instant.time,
-                "label": instant.label,
-                "time": snapshot.time,
-                "normal_load": snapshot.normal_load,
-                "tangential_load": snapshot.tangential_load,
-                "largest_von_mises": {"value": found.value, "body": found.body, "x": found.place[0], "y": found.place[1]},
+                "asked": one.instant.time,
+                "label": one.instant.label,
+                "time": one.time,
+                "normal_load": one.normal_load,
+                "tangential_load": one.tangential_load,
+                "largest_von_mises": {
+                    "value": one.largest.value,
+                    "body": one.largest.body,
+                    "x": one.largest.place[0],
+                    "y": one.largest.place[1],
+                },
             }
-            for instant, snapshot in zip(asked, snapshots, strict=True)
-            for found in [peak(snapshot)]
+            for one in instants
         ],
+        "notes": list(notes),
         "files": list(files),
         "pictures": list(pictures),
+        "animation": None if animation is None else dict(animation),
         "point data": {
-            "displacement": "of each body; the upper one's with its rigid shift and approach",
+            "displacement": "of each body; the upper one's with its rigid shift and approach; on the contact line the lower one's",
             "stress": "xx, yy, zz, xy, yz, xz, averaged over the elements of a node",
             "von_mises": "of that stress",
+            "pressure": "on the contact line, positive in compression",
+            "shear": "on the contact line, positive along x on the lower body",
+            "slip": "on the contact line, upper over lower body; goes on as relative displacement while a point is open",
+            "state": "on the contact line: 0 open, 1 stick, 2 forward slip, 3 reverse slip",
         },
         "gap": "in the shape of the faces"
         if solution.scene.bodies.faces_are_true

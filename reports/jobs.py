@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import time
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -17,9 +16,7 @@ from reports.options import FiniteElementOptions
 from scenes import ContactSolution, InputError, Scene, load_scene
 
 if TYPE_CHECKING:
-    from halfplane_fe import FiniteElementSolution, Snapshot
     from reports.comparison import Comparison
-    from reports.fields import Instant
     from reports.third.opinion import ThirdOpinion
 
 
@@ -157,61 +154,3 @@ def _with_budget(comparison: Comparison, options: FiniteElementOptions, stages: 
 
     ladders = climb(comparison, *options.settings(), stages.stage)
     return with_budget(comparison, error_budget(comparison, ladders, plain_seconds))
-
-
-@dataclass(frozen=True)
-class FieldsReport:
-    """What `fields` leaves: the instants with their snapshots, names of the files, wall times."""
-
-    instants: Sequence[tuple[Instant, Snapshot]]
-    files: Sequence[str]
-    seconds: Mapping[str, float]
-
-
-def fields(
-    solution: ContactSolution,
-    out: Path,
-    at: tuple[str, ...],
-    stages: Stages,
-    *,
-    pictures: bool = True,
-    command: str = "",
-) -> FieldsReport:
-    """Displacement and stress of both bodies on disk, for ParaView and as pictures."""
-    import halfplane_fe
-    from reports import fields as files
-    from reports.folder import filled
-    from reports.summary import strict
-
-    answer = files.with_bodies(solution, "fields")
-    asked = files.instants_of(at, answer, "--at")
-    with stages.stage("fields"):
-        snapshots = halfplane_fe.fields(answer, [instant.time for instant in asked])
-    with filled(out, fresh=("fields/", "pictures/")) as folder:
-        with stages.stage("files for ParaView") as report:
-            written = [f"fields/{name}" for name in files.write_fields(snapshots, folder / "fields", report)]
-        drawn = _draw(answer, asked, snapshots, folder / "pictures", stages) if pictures else []
-        content = files.record(answer, asked, snapshots, written, drawn, command, stages.seconds)
-        (folder / "fields" / "fields.json").write_text(
-            json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8"
-        )
-    return FieldsReport(tuple(zip(asked, snapshots, strict=True)), ("fields/fields.json", *written, *drawn), stages.seconds)
-
-
-def _draw(
-    solution: FiniteElementSolution, asked: Sequence[Instant], snapshots: Sequence[Snapshot], folder: Path, stages: Stages
-) -> list[str]:
-    """Pictures of the mesh and of each snapshot; returns their names."""
-    with stages.stage("pictures") as report:
-        from reports.mesh_pictures import mesh_picture
-        from reports.panels import save
-        from reports.stress_pictures import look, stress_picture
-
-        folder.mkdir()
-        save(mesh_picture(solution, snapshots[0].bodies), folder / "mesh.png")
-        names, shared = ["mesh.png"], look(snapshots)
-        for number, (instant, snapshot) in enumerate(zip(asked, snapshots, strict=True)):
-            report(number + 1, len(snapshots) + 1, f"time {snapshot.time:.6g}")
-            names.append(f"von_mises_{number:03d}.png")
-            save(stress_picture(solution, snapshot, instant.label, shared), folder / names[-1])
-    return [f"pictures/{name}" for name in names]

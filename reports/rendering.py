@@ -66,6 +66,16 @@ def surface(skin: Skin) -> Any:
     return pyvista.PolyData(_in_space(skin.points), faces=np.column_stack([np.full(len(parts), parts.shape[1]), parts]).ravel())
 
 
+def triangles(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The elements as plain triangles (n, 3): cut at mid-side nodes, quadrilaterals across.
+
+    >>> triangles(np.array([[7, 8, 9, 10]])).tolist()
+    [[7, 8, 9], [7, 9, 10]]
+    """
+    parts = np.vstack([cells[:, part] for part in _PARTS[cells.shape[1]]])
+    return parts if parts.shape[1] == 3 else np.vstack([parts[:, [0, 1, 2]], parts[:, [0, 2, 3]]])
+
+
 def sides(skin: Skin) -> Any:
     """The sides of the elements as pyvista.PolyData of lines, through the mid-side nodes."""
     import pyvista

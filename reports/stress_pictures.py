@@ -47,7 +47,7 @@ def look(snapshots: Sequence[Snapshot]) -> Look:
     size = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
     moved = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies)
     largest = max(float(body.von_mises.max()) for body in bodies)
-    return Look(largest or 1.0, _round_down(_SHOWN * size / moved) if moved else 1.0)
+    return Look(largest or 1.0, round_down(_SHOWN * size / moved) if moved else 1.0)
 
 
 def stress_picture(solution: FiniteElementSolution, snapshot: Snapshot, label: str, shared: Look) -> Figure:
@@ -111,7 +111,7 @@ def _drawn_apart(solution: FiniteElementSolution, snapshot: Snapshot, factor: fl
     return moved, outlines
 
 
-def _round_down(value: float) -> float:
+def round_down(value: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above `value`."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))

@@ -10,7 +10,11 @@ from scenes import ContactSolution, Scene
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
-    from reports.jobs import FieldsReport, Report
+    from reports.fields_job import FieldsReport
+    from reports.jobs import Report
+
+# A series of more instants than this is told by the one with the largest stress.
+_ROWS = 12
 
 
 def show_verdict(comparison: Comparison) -> None:
@@ -67,19 +71,25 @@ def show_expected(scene: Scene, solutions: Sequence[ContactSolution]) -> bool:
 
 
 def show_fields(scene: Scene, report: FieldsReport) -> None:
-    """The instants with their largest stress, and what was written."""
-    from reports.fields import peak
+    """The instants with their largest stress, the largest of all where they are many, and what was written."""
     from reports.units import load_unit, number, units
 
     _, length, stress = units(scene)
-    rows = []
-    for instant, snapshot in report.instants:
-        most = peak(snapshot)
-        values = (snapshot.time, snapshot.normal_load, snapshot.tangential_load, most.value)
-        place = f"{most.body} ({most.place[0]:.3g}, {most.place[1]:.3g})"
-        rows.append((instant.label, *map(number, values), place))
     load = load_unit(scene)
+    many = len(report.instants) > _ROWS
+    shown = [max(report.instants, key=lambda one: one.largest.value)] if many else report.instants
+    rows = []
+    for one in shown:
+        values = (one.time, one.normal_load, one.tangential_load, one.largest.value)
+        place = f"{one.largest.body} ({one.largest.place[0]:.3g}, {one.largest.place[1]:.3g})"
+        rows.append((one.instant.label, *map(number, values), place))
     heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"largest von Mises [{stress}]", f"where (x, y) [{length}]")
     show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3, 4))
+    if many:
+        say(f"that of {len(report.instants)} instants with the largest stress; all are in fields/fields.json")
+    for note in report.notes:
+        say(note)
     counts = {kind: sum(name.endswith(kind) for name in report.files) for kind in (".vtu", ".png")}
-    say(f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures, and what they are in fields/fields.json")
+    films = [name for name in report.files if name.startswith("animation/")]
+    film = f", {' and '.join(films)}" if films else ""
+    say(f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures{film}, and what they are in fields/fields.json")

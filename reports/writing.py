@@ -82,7 +82,8 @@ def write(
         if vtu_instants is not None and len(vtu_instants):
             import halfplane_fe
 
-            write_fields(halfplane_fe.fields(with_bodies(comparison.result, "--vtu"), vtu_instants), folder / "fields")
+            answer = with_bodies(comparison.result, "--vtu")
+            write_fields(answer, halfplane_fe.fields(answer, vtu_instants), folder / "fields")
         words = _write_third(comparison, third, folder) if third else None
         page = render(comparison, drawings, command, seconds or {}, live_data(comparison, drawings), words)
         (folder / "report.html").write_text(page, encoding="utf-8")
