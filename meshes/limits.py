@@ -7,9 +7,9 @@ import math
 from meshes.bodies import SurfaceGrading
 from scenes import InputError
 
-# Nodes on the contact: their compliance is a full matrix of (2 n)^2 numbers, 2 GB at the limit. Nodes of a body: about 1 kB each
-# while it is factorised.
-MOST_CONTACT_NODES, MOST_NODES = 8_000, 2_000_000
+# Nodes on the contact: their compliance is a full matrix of (2 n)^2 numbers, 2 GB at the limit. Nodes of a body: about 10 kB each
+# while it is assembled and factorised.
+MOST_CONTACT_NODES, MOST_NODES = 8_000, 500_000
 # A body that ends somewhere has less of what is coarse; a radius for it, over the contact's.
 _FAR = 1000.0
 

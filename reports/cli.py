@@ -26,6 +26,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not isinstance(fault, InputError):
             raise
         return _refused(_one_line(str(fault)))
+    except MemoryError as fault:
+        why = f" ({_one_line(str(fault))})" if str(fault) else ""
+        return _refused(f"there is not enough memory for this{why}; ask for a coarser mesh, fewer steps or fewer instants")
     except KeyboardInterrupt:
         _refused("interrupted; nothing was written")
         return INTERRUPTED

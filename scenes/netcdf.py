@@ -30,7 +30,7 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Datase
     with _closing_in_silence():
         try:
             check_size(path, WHAT, SOLUTION)
-            with within_memory(path, 2 * SOLUTION), xr.open_dataset(path, engine="h5netcdf") as data:
+            with within_memory(path, 2 * SOLUTION), _opened(path) as data:
                 _check_form(path, data, form)
                 return data.load()
         except InputError:
@@ -38,6 +38,11 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Datase
         except _FAULTS as reason:
             traceback.clear_frames(reason.__traceback__)
             raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
+
+
+def _opened(path: Path) -> xr.Dataset:
+    """Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered, and refused by their names."""
+    return xr.open_dataset(path, engine="h5netcdf", phony_dims="access")
 
 
 @contextmanager

@@ -1,0 +1,211 @@
+"""Huge files and absurd meshes: refused with the limit named, before the memory is taken, in a process that has little of it."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+import zlib
+from base64 import b64encode
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from fuzzing import DOORS, outcome
+from halfplane_fe import SolverSettings
+from meshes import MeshSettings, SurfaceGrading, foreign, half_disc, read_frames
+from meshes.limits import body_nodes, check_count, contact_nodes
+from reports.score.scoring import own_solution
+from scenes import InputError, load_scene, scene_text
+from score_results import exact
+from test_cli_commands import environment
+
+# Files of our own that no user names: their doors take them for lost and go on.
+OWN = ("stored.json", "sweep.json", "manifest.json")
+ROOM = 3 * 2**30  # bytes of address space, libraries included: VTK, gmsh and BLAS reserve one and a half
+
+
+def limited(folder: Path, *arguments: str, room: int = ROOM) -> str:
+    """The sentence of a command that must be refused though it may take no more than `room` of memory."""
+
+    def little() -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (room, room))
+
+    command = [sys.executable, "-m", "reports", *arguments]
+    done = subprocess.run(
+        command, cwd=folder, env=environment(), capture_output=True, text=True, timeout=120, check=False, preexec_fn=little
+    )
+    assert done.returncode == 2, done
+    assert "Traceback" not in done.stderr
+    sentences = [line for line in done.stderr.splitlines() if line.startswith("halfplane: ")]
+    assert len(sentences) == 1, done.stderr
+    return sentences[0]
+
+
+def huge(path: Path, size: int) -> None:
+    """A file that takes no room on the disk."""
+    path.touch()
+    os.truncate(path, size)
+
+
+LIMITS = {
+    ".toml": "4.19 MB",
+    ".json": "268 MB",
+    ".csv": "268 MB",
+    ".frd": "537 MB",
+    ".dat": "537 MB",
+    ".nc": "2.15 GB",
+} | dict.fromkeys((".vtu", ".vtk", ".pvd", ".series", ".xdmf"), "537 MB")
+
+
+@pytest.mark.parametrize("name", [name for name in DOORS if Path(name).suffix in LIMITS and name not in OWN])
+def test_a_file_beyond_the_limit_is_refused(name: str, tmp_path: Path) -> None:
+    path, limit = tmp_path / name, LIMITS[Path(name).suffix]
+    huge(path, 3 * 10**9 if name.endswith(".nc") else 10**9)
+    sentence = outcome(DOORS[name], path)
+    assert name in sentence
+    assert f"at most {'4.19 MB' if name == 'study.json' else limit} are read" in sentence
+
+
+def test_a_gigabyte_is_refused_where_there_is_little_memory(tmp_path: Path) -> None:
+    huge(tmp_path / "a.csv", 10**9)
+    assert "at most 268 MB are read" in limited(tmp_path, "score", "a.csv", "--scene", "hertz-paper")
+
+
+def scene_with_table(folder: Path, name: str) -> Path:
+    path = folder / "scene.toml"
+    path.write_text(scene_text("time-series").replace("time-series.csv", name), encoding="utf-8")
+    return path
+
+
+def test_ten_million_rows_are_refused_in_both_places(tmp_path: Path) -> None:
+    (tmp_path / "many.csv").write_bytes(b"1,2,3\n" * 10**7)
+    with pytest.raises(InputError, match="more than 2,000,000 lines"):
+        load_scene(scene_with_table(tmp_path, "many.csv"))
+    assert "more than 2,000,000 lines" in limited(tmp_path, "score", "many.csv", "--scene", "hertz-paper")
+
+
+def test_a_table_of_one_line_without_end_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "long.csv").write_bytes(b"1," * 10**7)
+    with pytest.raises(InputError, match="line 1: more than 100,000 characters are no row"):
+        load_scene(scene_with_table(tmp_path, "long.csv"))
+
+
+@pytest.mark.parametrize("device", ["/dev/zero", "a pipe"])
+def test_devices_and_pipes_are_refused_at_once(device: str, tmp_path: Path) -> None:
+    path = tmp_path / "pipe.toml"
+    if device == "a pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to(device)
+    with pytest.raises(InputError, match="no regular file but a pipe or a device"):
+        load_scene(path)
+    with pytest.raises(InputError, match="no regular file but a pipe or a device"):
+        load_scene(scene_with_table(tmp_path, path.name))
+
+
+def bomb(path: Path, shape: tuple[int, int]) -> Path:
+    """An answer of ours in which one array says that it is enormous, and takes a few kilobytes packed."""
+    exact(steps=3, points=5).save(path)
+    with h5py.File(path, "a") as file:
+        del file["pressure"]
+        file.create_dataset("pressure", shape, "f8", chunks=(1, 2**17), compression="gzip", fillvalue=0.0)
+        for axis, name in enumerate(("step", "point")):
+            file["pressure"].dims[axis].label = name
+    assert path.stat().st_size < 10**6
+    return path
+
+
+def test_an_answer_that_unpacks_to_terabytes_is_refused(tmp_path: Path) -> None:
+    path = bomb(tmp_path / "bomb.nc", (2**20, 2**20))
+    with pytest.raises(InputError, match=r"takes 8.8e\+03 GB once unpacked, and at most 2\.15 GB are read"):
+        own_solution(path, load_scene("hertz-paper"))
+    limited(tmp_path, "score", "bomb.nc", "--scene", "hertz-paper")
+
+
+def compressed_vtu(path: Path, blocks: int) -> None:
+    """Points of `blocks` times 17 MB of zeros, as VTK packs them: 1,000 to 1."""
+    size = 2**24
+    packed = zlib.compress(bytes(size), 9)
+    head = np.array([blocks, size, size, *([len(packed)] * blocks)], np.uint32).tobytes()
+    text = (b64encode(head) + b64encode(packed * blocks)).decode()
+    path.write_text(
+        '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
+        'compressor="vtkZLibDataCompressor"><UnstructuredGrid><Piece NumberOfPoints="100" NumberOfCells="1"><Points>'
+        f'<DataArray type="Float64" Name="Points" NumberOfComponents="3" format="binary">{text}</DataArray></Points>'
+        "</Piece></UnstructuredGrid></VTKFile>",
+        encoding="utf-8",
+    )
+
+
+def test_a_field_file_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compressed_vtu(tmp_path / "bomb.vtu", 160)  # 2.7 GB in 4 MB
+    assert (tmp_path / "bomb.vtu").stat().st_size < 5 * 10**6
+    monkeypatch.setattr(foreign, "UNPACKED", 2**27)  # the time goes with what is unpacked before the limit is met
+    with pytest.raises(InputError, match=r"unpacked it takes more than 134 MB of memory, which is the limit"):
+        read_frames(tmp_path / "bomb.vtu")
+
+
+BILLION = "<?xml version='1.0'?><!DOCTYPE a [<!ENTITY a0 'lol'>{}]><VTKFile>&a9;</VTKFile>".format(
+    "".join(f"<!ENTITY a{k} '{f'&a{k - 1};' * 10}'>" for k in range(1, 10))
+)
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".pvd", ".xdmf"])
+def test_entities_that_grow_by_themselves_are_refused(suffix: str, tmp_path: Path) -> None:
+    (tmp_path / f"lol{suffix}").write_text(BILLION)
+    with pytest.raises(InputError, match="broken off or of another form"):
+        read_frames(tmp_path / f"lol{suffix}")
+
+
+@pytest.mark.parametrize(
+    ("options", "rule"),
+    [
+        (("--element-size", "1e-4", "--edge-element-size", "1e-4"), "nodes on its contact, and the limit is 8,000"),
+        (("--edge-element-size", "5e-4", "--growth", "0.02", "--far-radius", "1000"), "nodes, and the limit is 500,000"),
+    ],
+)
+def test_absurd_meshes_are_refused(options: tuple[str, ...], rule: str, tmp_path: Path) -> None:
+    assert rule in limited(tmp_path, "fe", "hertz-paper", "--quiet", *options)
+
+
+def test_absurd_settings_are_refused() -> None:
+    with pytest.raises(InputError, match=r"element_size = 1e-09 is refused: it lies in \[0.0001, 0.25\]"):
+        MeshSettings(element_size=1e-9)
+    with pytest.raises(InputError, match=r"it lies in \[4, 100000\]"):
+        SolverSettings(steps_per_cycle=10**9)
+
+
+GRADINGS: dict[str, tuple[SurfaceGrading, float, int]] = {
+    "default": (SurfaceGrading(0.7, 1.06, 1 / 24, 1 / 160, 10.0), 0.2, 2),
+    "no inner part": (SurfaceGrading(0.0, 1.06, 1 / 24, 1 / 40, 10.0), 0.2, 2),
+    "far and slow growth": (SurfaceGrading(0.7, 1.06, 1 / 24, 1 / 80, 300.0), 0.06, 1),
+}
+
+
+@pytest.mark.parametrize("name", GRADINGS)
+def test_the_count_taken_before_meshing_is_right(name: str) -> None:
+    """Within a factor of 1.5 (measured: 0.83 to 1.33)."""
+    grading, growth, order = GRADINGS[name]
+    mesh = half_disc("lower", grading, growth, order).mesh
+    assert 1 / 1.5 < body_nodes(grading, growth, order) / mesh.p.shape[1] < 1.5
+    on_contact = (len(mesh.boundaries["contact"])) * order + 1
+    assert abs(contact_nodes(grading, order) - on_contact) <= 4
+
+
+def test_the_finest_of_the_project_are_not_refused() -> None:
+    for mesh in (MeshSettings.fine(), MeshSettings(edge_element_size=1 / 1280), MeshSettings(far_radius=1000.0)):
+        check_count("lower", SurfaceGrading(0.7, 1.06, mesh.element_size, mesh.edge_element_size, mesh.far_radius), mesh.growth, 2)
+
+
+def test_the_limit_on_memory_is_lifted_again(tmp_path: Path) -> None:
+    from scenes.bounded import within_memory
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    with pytest.raises(InputError, match="takes more than 1 MB"), within_memory(tmp_path, 10**6):
+        np.ones(10**8)
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+    assert np.ones(10**6).sum() == 10**6
