@@ -26,6 +26,7 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
+autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Integers", "Profile", "LoadPath", "Shape", "Table")}
 autodoc_default_options = {"exclude-members": "model_config, model_post_init"}
 python_maximum_signature_line_length = 100
 viewcode_line_numbers = True

@@ -14,7 +14,7 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 PICTURE = Path(__file__).parent / "figures" / "report.png"
-_WINDOW = {"width": 1280, "height": 860}
+_WINDOW = {"width": 1280, "height": 905}
 
 
 def main() -> int:

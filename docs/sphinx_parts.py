@@ -22,6 +22,7 @@ _LOG = logging.getLogger(__name__)
 VALUES = Path(__file__).parent / "values.json"
 _TITLES = ("Attributes", "Parameters", "Returns", "Yields", "Raises", "Notes", "Examples", "See Also", "Warns", "References")
 PUBLISHED = Path(__file__).parents[1] / "reports" / "published"
+_LISTS = ("Attributes", "Parameters", "Raises")
 _CODE = re.compile(r"(``.+?``|`[^`\n]+`|:\w+:`[^`]+`)")
 
 
@@ -64,28 +65,26 @@ def _prose(line: str) -> str:
 
 
 def _sections(lines: list[str]) -> Iterator[str]:
-    """Under a title with a line of dashes each unindented line starts an item: `names : what they are`."""
-    inside, doctest = False, False
+    """Under a title with a line of dashes that announces items each unindented line starts one: `names : what they are`."""
+    title, doctest = "", False
     for index, line in enumerate(lines):
-        if set(line) == {"-"} and index and lines[index - 1] in _TITLES:
-            inside = True
-            continue
-        if line in _TITLES and index + 1 < len(lines) and set(lines[index + 1]) == {"-"}:
-            inside = False
+        after = lines[index + 1] if index + 1 < len(lines) else ""
+        if line in _TITLES and after and set(after) == {"-"}:
+            title = line
             yield from ("", f".. rubric:: {line}", "")
-            continue
-        doctest = line.startswith(">>>") or (doctest and bool(line.strip()))
-        if inside and line.strip() and not line.startswith(" ") and not doctest:
-            yield from _items(line)
-        else:
-            yield line
+        elif not (line and set(line) == {"-"} and lines[index - 1] in _TITLES):
+            doctest = line.startswith(">>>") or (doctest and bool(line.strip()))
+            yield from _items(line, title) if title in _LISTS and line.strip() and not doctest else (line,)
 
 
-def _items(line: str) -> Iterator[str]:
-    """One line may hold several items: `key : short name; where : place in the paper`."""
+def _items(line: str, title: str) -> Iterator[str]:
+    """One line may hold several items: `key : short name; where : place in the paper`. An indented one goes on with the last."""
+    if line.startswith(" "):
+        yield f"  {line.strip()}"
+        return
     for item in re.split(r"; (?=\w+(?:, \w+)* : )", line):
         names, colon, rest = item.partition(" : ")
-        yield f"- **{names}**: {rest}" if colon else f"- {item}"
+        yield f"- **{names}**: {rest}" if colon or title == "Raises" else f"- {item}"
 
 
 def _as_code(part: str) -> str:
