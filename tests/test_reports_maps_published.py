@@ -12,7 +12,7 @@ from reports.application import BAD_INPUT, OUTSIDE, WITHIN
 from reports.cli import main
 from reports.maps import answers, command, index, pages
 from reports.maps.advising import _LEFT, between, parts
-from reports.maps.atlas import MAPS, PUBLISHED, STUDIES, map_named
+from reports.maps.atlas import MAPS, PUBLISHED, STUDIES
 from reports.maps.corrections import corrected_dissipation, correction
 from reports.maps.fitting import lines
 from reports.maps.layers import curvature_sum
@@ -22,8 +22,9 @@ from reports.maps.trials import loop_scene
 from reports.sweep import load_study
 from scenes import Block, Bodies, InputError, Scene, load_scene
 
-THERE = [m for m in MAPS.values() if all((PUBLISHED / f"{study}.csv").exists() for study in m.studies)]
-NAMES = [m.name for m in THERE]
+THERE = command.present(PUBLISHED)
+NAMED = {m.name: m for m in THERE}
+NAMES = list(NAMED)
 
 
 def blocks(base: str, height: float, aspect: float) -> Scene:
@@ -42,7 +43,7 @@ def test_studies_are_studies(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_pages_are_current(name: str) -> None:
-    assert (PUBLISHED / f"{name}.md").read_text(encoding="utf-8") == pages.page(map_named(name), PUBLISHED)
+    assert (PUBLISHED / f"{name}.md").read_text(encoding="utf-8") == pages.page(NAMED[name], PUBLISHED)
 
 
 def test_first_page_and_laws_are_current() -> None:
@@ -65,7 +66,7 @@ def test_figures_are_there_and_small() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_tables_are_whole(name: str) -> None:
-    for study in MAPS[name].studies:
+    for study in NAMED[name].studies:
         readings = read(PUBLISHED, study)
         for figure in readings.figures:
             error, doubt = readings.errors(figure)

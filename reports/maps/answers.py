@@ -75,7 +75,7 @@ def _of_chart(chart: Chart, readings: Readings) -> str:
 
 def more(asked: Map, folder: Path) -> list[str]:
     """Parts of a page after its laws."""
-    if asked.name == "block":
+    if asked.name == "block" and asked.held_out:
         return [*trials.derived_constants(folder), *trials.corrected_blocks(folder)]
     if asked.name == "loop":
         return trials.corrected_loops(folder)

@@ -73,8 +73,8 @@ _CURVED = (
 )
 _BETA = (
     "y-mirror swaps the bodies (β → −β, Q → −Q), x-mirror restores Q: p0 and W are even in β, so O(β²) at fixed f. Pressing makes "
-    "shear ~ β p against f p, but with P constant it stays locked where the contact sticks and is wiped out where it slips: no "
-    "growth as 1/f² is expected of a cycle"
+    "shear ~ β p against f p, which lets one expect (β/f)²; it is not found, for with P constant that shear stays locked where the "
+    "contact sticks and is wiped out where it slips"
 )
 MAPS = {
     m.name: m

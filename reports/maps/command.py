@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ def make(name: str, out: Path | None, stores: Path, workers: int | None, *, rema
             (folder / f"{study}.csv").write_text(as_csv(read_index(store)), encoding="utf-8")
             if code > NOT_CONVERGED:
                 return code
-    write(folder, [m for m in MAPS.values() if _is_there(m, folder)])
+    write(folder, present(folder))
     say(str(folder / "README.md"))
     return code
 
@@ -48,7 +49,7 @@ def write(folder: Path, there: list[Map]) -> None:
         Where there is none.
     """
     if not there:
-        raise InputError(f"{folder}: no map has all its tables here; make them by `halfplane map all`")
+        raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
     (folder / "laws.json").write_text(laws_text(folder, there), encoding="utf-8")
     for asked in there:
         for chart in asked.charts:
@@ -77,5 +78,12 @@ def _rounded(value: Any) -> Any:
     return [_rounded(part) for part in value] if isinstance(value, list) else value
 
 
-def _is_there(asked: Map, folder: Path) -> bool:
-    return all((folder / f"{study}.csv").exists() for study in asked.studies)
+def present(folder: Path) -> list[Map]:
+    """The maps with what has its table in `folder`; those without any chart are left out."""
+    found = []
+    for asked in MAPS.values():
+        charts = tuple(chart for chart in asked.charts if (folder / f"{chart.study}.csv").exists())
+        held_out = tuple(study for study in asked.held_out if (folder / f"{study}.csv").exists())
+        if charts:
+            found.append(replace(asked, charts=charts, held_out=held_out))
+    return found

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from reports.maps import answers
-from reports.maps.atlas import WORDS, Chart, Map
+from reports.maps.atlas import MAPS, WORDS, Chart, Map
 from reports.maps.fitting import Line, lines
 from reports.maps.limits import bound, words
 from reports.maps.pictures import AXES, heat, slopes
@@ -49,10 +49,12 @@ def page(asked: Map, folder: Path) -> str:
     """Markdown of a map from the tables in `folder`."""
     parts = [f"# {asked.title}", f"<!-- written by `halfplane map {asked.name}` -->"]
     parts += [f"**{asked.question}** {answers.answer(asked, folder)}"]
+    if missing := sorted(set(MAPS[asked.name].studies) - set(asked.studies)):
+        parts.append(f"**Not run yet: {', '.join(missing)}.**")
     for chart in asked.charts:
         readings = read(folder, chart.study)
         found = [line for line in lines(chart, readings) if line.figure in _DRAWN]
-        if len(asked.charts) > 1:
+        if len(MAPS[asked.name].charts) > 1:
             parts.append(f"## {chart.study}")
         for name, _, caption in drawings(chart, readings):
             parts.append(f"![{caption}]({name})\n\n*{caption}*")

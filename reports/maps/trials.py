@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -227,6 +228,11 @@ def signs_and_groups(folder: Path) -> list[str]:
         "number. With P constant it does not: the constant of β² is what hardly moves. Loops that move P are not in this map."
     )
     parts = ["## Growth with 1/f", words, table(head, rows)]
+    return [*parts, *_held_out_unlike(folder, laws)] if (folder / "unlike-held-out.csv").exists() else parts
+
+
+def _held_out_unlike(folder: Path, laws: list[dict[str, Any]]) -> list[str]:
+    """Other signs of beta and other alpha, beside the laws."""
     held, rows = read(folder, "unlike-held-out"), []
     chosen = [law for law in laws if law["study"] == "unlike" and law["figure"] == "error.dissipation"]
     for row in held.rows:
@@ -246,7 +252,7 @@ def signs_and_groups(folder: Path) -> list[str]:
         "Points that no law was fitted to: the other sign of β, other α at the same β (ν = 0: α = 2 β; ν = 0.3: α = 3.5 β), "
         "other f. Between half-planes the tractions depend on β and E* alone, and are even in it."
     )
-    return [*parts, "## The other sign, another alpha", words, table(head, rows)]
+    return ["## The other sign, another alpha", words, table(head, rows)]
 
 
 def _between(laws: list[dict[str, float]], f: float, beta: float) -> float | None:
