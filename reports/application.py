@@ -5,9 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from cyclopts import App, Parameter
+from cyclopts import App, Group, Parameter
 
 WITHIN, OUTSIDE, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 3, 130
+
+
+# The list of commands by use, and within a group by `sort_key`.
+SOLVE, JUDGE, SCENES, MACHINE = (Group(name, sort_key=k) for k, name in enumerate(("Solve", "Judge", "Scenes", "Machine")))
 
 
 def _version() -> str:
@@ -38,6 +42,7 @@ Examples:
   halfplane sweep study.toml                a scene over axes of its keys
   halfplane advise my.toml                  may half-plane theory be used?
   halfplane paper                           the paper's figures and statements
+  halfplane completion bash                 a script that completes words
 Exit codes: 0 within tolerance, 1 outside, 2 bad input, 3 not converged,
             130 interrupted.
 """
@@ -52,6 +57,7 @@ app = App(
     exit_on_error=False,
     print_error=False,
     result_action="return_value",
+    group_commands=MACHINE,
 )
 
 Out = Annotated[Path | None, Parameter(help="Folder for the results; out/<scene name> if left out.")]

@@ -18,7 +18,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(app(tokens) or WITHIN)
     except CycloptsError as fault:
-        return _refused(f"{_one_line(str(fault))}; `halfplane --help` shows commands and options")
+        from reports.misspelt import sentence
+
+        return _refused(sentence(fault))
     except ValueError as fault:
         # scenes is heavy: it is imported when it must have been imported already, never for --help.
         from scenes import InputError

@@ -7,13 +7,13 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from reports.application import Out, Quiet, SceneName, app
+from reports.application import JUDGE, SOLVE, Out, Quiet, SceneName, app
 from reports.options import FiniteElementOptions
 
 _DEFAULTS = FiniteElementOptions()
 
 
-@app.command(sort_key=1, help_epilogue="")
+@app.command(group=SOLVE, sort_key=1, help_epilogue="")
 def run(
     scene: SceneName,
     *,
@@ -54,7 +54,7 @@ def run(
     )
 
 
-@app.command(sort_key=3, help_epilogue="")
+@app.command(group=SOLVE, sort_key=6, help_epilogue="")
 def export(
     scene: SceneName,
     *,
@@ -70,7 +70,7 @@ def export(
     return exporting.export(scene, to, out, steps_per_cycle, cycles, quiet)
 
 
-@app.command(sort_key=2, help_epilogue="")
+@app.command(group=SOLVE, sort_key=2, help_epilogue="")
 def exact(scene: SceneName, *, out: Out = None, quiet: Quiet = False) -> int:
     """Half-plane theory alone: summary, NetCDF and CSV, no page."""
     from reports import commands_engines
@@ -78,7 +78,7 @@ def exact(scene: SceneName, *, out: Out = None, quiet: Quiet = False) -> int:
     return commands_engines.exact(scene, out, quiet)
 
 
-@app.command(sort_key=3, help_epilogue="")
+@app.command(group=SOLVE, sort_key=3, help_epilogue="")
 def fe(scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elements: FiniteElementOptions = _DEFAULTS) -> int:
     """Finite elements alone: summary, NetCDF and CSV, no page."""
     from reports import commands_engines
@@ -86,7 +86,7 @@ def fe(scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elemen
     return commands_engines.fe(scene, out, quiet, finite_elements)
 
 
-@app.command(sort_key=3, help_epilogue="")
+@app.command(group=SOLVE, sort_key=4, help_epilogue="")
 def fields(
     scene: SceneName,
     *,
@@ -118,7 +118,7 @@ def fields(
     return commands_engines.fields(scene, Wish(at, every, frames, pictures, animate), out, quiet, finite_elements)
 
 
-@app.command(sort_key=3, help_epilogue="")
+@app.command(group=JUDGE, sort_key=5, help_epilogue="")
 def paper(
     *, out: Annotated[Path | None, Parameter(help="Folder for the results; out/paper if left out.")] = None, quiet: Quiet = False
 ) -> int:

@@ -7,10 +7,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from reports.application import Quiet, SceneName, app
+from reports.application import JUDGE, Quiet, SceneName, app
 
 
-@app.command(name="map", sort_key=4, help_epilogue="")
+@app.command(name="map", group=JUDGE, sort_key=4, help_epilogue="")
 def map_(
     name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), or all.")],
     *,
@@ -27,7 +27,7 @@ def map_(
     return command.make(name, out, stores, workers, remake=remake, pages_only=pages, quiet=quiet)
 
 
-@app.command(sort_key=1, help_epilogue="")
+@app.command(group=JUDGE, sort_key=3, help_epilogue="")
 def advise(
     scene: SceneName,
     *,

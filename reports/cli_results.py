@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from reports.application import Quiet, app
+from reports.application import JUDGE, Quiet, app
 
 
-@app.command(sort_key=3, help_epilogue="")
+@app.command(group=JUDGE, sort_key=2, help_epilogue="")
 def diff(
     a: Annotated[str, Parameter(help="Folder of a run, its comparison.json, a solution (.nc), or a baseline.")],
     b: Annotated[str, Parameter(help="The same; with --accept the baseline to write.")],
@@ -28,7 +28,7 @@ def diff(
     return regression.diff(a, b, tolerance, accept, json)
 
 
-@app.command(sort_key=2, help_epilogue="")
+@app.command(group=JUDGE, sort_key=1, help_epilogue="")
 def score(
     result: Annotated[
         str | None,

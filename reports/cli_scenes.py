@@ -1,16 +1,16 @@
-"""The commands about scenes and this machine."""
+"""The commands about scenes, this machine and its shell."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from reports.application import Out, SceneName, app
+from reports.application import MACHINE, SCENES, Out, SceneName, app
 
 
-@app.command(sort_key=4, help_epilogue="")
+@app.command(group=SCENES, sort_key=3, help_epilogue="")
 def scenes(
     name: Annotated[str, Parameter(help="Show this scene in detail: a name of the library, or a .toml or .json file.")] = "",
     /,
@@ -24,7 +24,7 @@ def scenes(
     return commands_scenes.scenes(name, tag, json)
 
 
-@app.command(sort_key=5, help_epilogue="")
+@app.command(group=SCENES, sort_key=1, help_epilogue="")
 def init(
     file: Annotated[Path, Parameter(help="New file, ending in .toml.")],
     *,
@@ -39,7 +39,7 @@ def init(
     return commands_scenes.init(file, start, bodies)
 
 
-@app.command(sort_key=6, help_epilogue="")
+@app.command(group=SCENES, sort_key=2, help_epilogue="")
 def check(scene: SceneName) -> int:
     """Read a scene, and see whether its loads stay clear of gross sliding and separation."""
     from reports import commands_scenes
@@ -47,7 +47,7 @@ def check(scene: SceneName) -> int:
     return commands_scenes.check(scene)
 
 
-@app.command(sort_key=7, help_epilogue="")
+@app.command(group=SCENES, sort_key=4, help_epilogue="")
 def schema() -> int:
     """The JSON schema of a scene file, for editors."""
     from reports import commands_scenes
@@ -55,9 +55,17 @@ def schema() -> int:
     return commands_scenes.schema()
 
 
-@app.command(sort_key=8, help_epilogue="")
+@app.command(group=MACHINE, sort_key=1, help_epilogue="")
 def doctor(*, out: Out = None) -> int:
     """Can this machine do the work?"""
     from reports import commands_machine
 
     return commands_machine.doctor(out)
+
+
+@app.command(group=MACHINE, sort_key=2, help_epilogue="")
+def completion(shell: Annotated[Literal["bash", "zsh", "fish"], Parameter(help="The shell that is to complete words.")]) -> int:
+    """A script that completes commands and options: eval "$(halfplane completion bash)" in ~/.bashrc."""
+    from reports import commands_machine
+
+    return commands_machine.completion(shell)

@@ -7,12 +7,13 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from reports.application import Quiet, app
+from reports.application import SOLVE, Quiet, app
 
 _sweep = App(
     name="sweep",
     help="Run a study: a scene over axes of its keys, into a store that a later run goes on with.",
-    sort_key=4,
+    group=SOLVE,
+    sort_key=5,
     help_epilogue="",
 )
 app.command(_sweep)
