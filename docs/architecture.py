@@ -17,7 +17,7 @@ from typing import Any
 
 _WIDTH, _BOX, _ROW, _TOP = 760, (300, 104), 164, 16
 _COLOURS = ("#f5dfb8", "#cfe3f2", "#e3e3e3", "#ffffff")
-_LINE = 46
+_LINE = 44
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ ROOT = FOLDER.parent
 PUBLISHED = ROOT / "reports" / "published"
 WRITTEN = "<!-- written by `make pages` -->"
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
+_ROUNDED_OFF = 1e-6
 Entry = dict[str, str | float]
 
 
@@ -66,6 +67,12 @@ def _paper_values(examples: Paper) -> dict[str, Entry]:
         name = case.scene.name
         found[f"permanent stick, {name}"] = _entry(case.stick_edge, f"{case.stick_edge:.4f}", f"semi_analytic.solve, {name}")
     said, wrong = statements(examples), misprints(examples)
+    for row in said:
+        for quantity, value in row.values.items():
+            if abs(value) > _ROUNDED_OFF:
+                found[f"{row.key}: {quantity}"] = _entry(
+                    float(value), f"{value:.4g}".replace("-", "−"), "halfplane paper, statements.csv"
+                )
     for verdict, count in tally(said).items():
         found[f"statements {verdict}"] = _entry(count, str(count), "halfplane paper")
     found["statements"] = _entry(len(said), str(len(said)), "halfplane paper")
@@ -107,7 +114,7 @@ def verification() -> Iterator[str]:
     for area, rows in table.items():
         yield from (f"### {area}", "", "| requirement | tests |", "|---|---|")
         for row in rows:
-            yield f"| {cell(row['requirement'])} | {', '.join(f'`{test}`' for test in row['tests'])} |"
+            yield f"| {cell(row['requirement'])} | {'<br>'.join(f'`{test}`' for test in row['tests'])} |"
         yield ""
     yield from ("## Scenes", "")
     met = sum(all(_kept(content).values()) for content in scenes.values())

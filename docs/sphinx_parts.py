@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,10 @@ def number(name: str, rawtext: str, text: str, lineno: int, inliner: Any, *_: An
 
 def plain(_app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
     """Turn a docstring into what reStructuredText reads: prose escaped, sections as lists; doctests stay as they are."""
-    lines[:] = list(_sections([_prose(line) for line in lines]))
+    lines[:] = [
+        *_sections([_prose(line) for line in lines]),
+        *(_fields(obj) if what == "class" and hasattr(obj, "model_fields") else ()),
+    ]
 
 
 def _prose(line: str) -> str:
@@ -62,6 +66,15 @@ def _prose(line: str) -> str:
     return "".join(
         _as_code(part) if part.startswith("`") else part if part.startswith(":") else _escaped(part) for part in _CODE.split(line)
     )
+
+
+def _fields(model: Any) -> Iterator[str]:
+    """The keys of a part of a scene, with the words that its JSON schema has for them."""
+    yield from ("", ".. rubric:: Keys", "")
+    for name, field in model.model_fields.items():
+        default = "" if field.is_required() or field.default_factory else f" (default ``{field.default!r}``)"
+        yield _prose(f"- **{name}**{default}" + (f": {field.description}" if field.description else "")).replace("\\*\\*", "**")
+    yield ""
 
 
 def _sections(lines: list[str]) -> Iterator[str]:
@@ -95,6 +108,14 @@ def _escaped(text: str) -> str:
     return re.sub(r"(?<!\\)([*|])", r"\\\1", re.sub(r"(\w)_(?=\W|$)", r"\1\\_", text))
 
 
+def signature(_app: Sphinx, what: str, name: str, obj: Any, options: Any, arguments: str | None, result: str | None) -> Any:
+    """Names of types as they stand in the source; of a part of a scene its keys alone, which are told below."""
+    if what == "class" and hasattr(obj, "model_fields"):
+        keys = (name if field.is_required() else f"{name}=..." for name, field in obj.model_fields.items())
+        return f"(*, {', '.join(keys)})", ""
+    return tuple(re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text) if text else text for text in (arguments, result))
+
+
 def published_pages(app: Sphinx) -> None:
     """Give each page of reports/published a place among the pages, in docs/published, which is not kept."""
     folder = Path(app.srcdir) / "published"
@@ -112,18 +133,27 @@ def published_pages(app: Sphinx) -> None:
             path.unlink()
 
 
-def without_empty_globs(app: Sphinx, name: str, source: list[str]) -> None:
-    """Leave out of the first page's lists the places of pages that are not there."""
-    if name == "index":
-        lines = source[0].splitlines()
-        source[0] = "\n".join(line for line in lines if not line.endswith("*") or any(Path(app.srcdir).glob(f"{line}.md")))
+def places(app: Sphinx, name: str, source: list[str]) -> None:
+    """On the first page: leave out places of pages that are not there, and put pages that have no place where `(others)` stands."""
+    if name != "index":
+        return
+    there = [path.stem for path in sorted(Path(app.srcdir).glob("*.md"))]
+    kept: list[str] = []
+    for line in source[0].splitlines():
+        if line == "(others)":
+            listed = {stem for stem in there if any(fnmatch(stem, one) for one in kept)}
+            kept += [stem for stem in there if stem not in {*listed, "index"}]
+        elif not line.endswith("*") or any(Path(app.srcdir).glob(f"{line}.md")):
+            kept.append(line)
+    source[0] = "\n".join(kept)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Sphinx calls this."""
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.add_role("number", number)
+    app.connect("autodoc-process-signature", signature)
     app.connect("builder-inited", published_pages)
-    app.connect("source-read", without_empty_globs)
+    app.connect("source-read", places)
     app.connect("autodoc-process-docstring", plain, priority=100)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
