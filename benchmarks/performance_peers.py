@@ -1,0 +1,425 @@
+"""Other people's codes beside ours on the same scene in the same run: normal Hertz contact, and Cattaneo and Mindlin's at 0.6 f P.
+
+A code that is not installed is left out, and the page says so; `make peers` installs them. Finite element codes get the nodes,
+elements and loads of the deck that `halfplane export` writes. Times are CPU times with all set-up and without imports.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import shutil
+import statistics
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import discretised_half_plane as naive
+import fe_peers
+import numpy as np
+from numpy.typing import NDArray
+
+import halfplane_fe
+import semi_analytic
+from halfplane_fe import SolverSettings
+from meshes import MeshSettings
+from reports.console import Stages
+from reports.drawing import COLOURS, canvas, label_axes
+from reports.third.calculix import calculix_deck
+from reports.third.deck import Deck, build_deck
+from reports.third.opinion import judged
+from reports.third.running import calculix_version, find_calculix, run_calculix
+from reports.third.settings import DeckSettings
+from scenes import Scene, load_scene
+
+Array = NDArray[np.float64]
+TITLE = "Beside other codes"
+HERE = Path(__file__).parent
+ROOT = HERE.parent
+RUNS = 3
+# Where `make peers` puts other people's Python packages; Debian's own interpreter has Debian's.
+PEERS = Path(os.environ.get("HALFPLANE_PEERS", ROOT / ".peers")) / "bin" / "python"
+DEBIAN = Path("/usr/bin/python3")
+KRATOS = ROOT / "docs" / "examples" / "score" / "kratos" / "make.py"
+PERIOD, PER_HALF_WIDTH = 64.0, (20, 40, 80, 160)
+EDGES = (40, 80, 160)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Tractions of a code at points, and the CPU seconds that they took."""
+
+    x: Array
+    p: Array
+    q: Array | None
+    seconds: float
+
+
+def hertz() -> tuple[float, float, float]:
+    """E*, R and P of the library's hertz-normal, of which a = 1."""
+    scene = load_scene("hertz-normal")
+    steel = scene.material.lower
+    modulus = steel.young_modulus / (1 - steel.poisson_ratio**2) / 2
+    return modulus, scene.profile.radius, np.pi * modulus / (4 * scene.profile.radius)
+
+
+def interpreted(python: Path, script: str, *arguments: str) -> dict[str, Any]:
+    """What a peer's script leaves in its answer."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "answer.npz"
+        command = [str(python), str(HERE / script), *arguments, str(file)]
+        subprocess.run(command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
+        with np.load(file) as found:
+            return {name: found[name] for name in found.files}
+
+
+def periodic(script: str, per_half_width: int) -> Answer:
+    """Hertz by a code for periodic half-spaces."""
+    modulus, radius, load = hertz()
+    asked = {"modulus": modulus, "radius": radius, "load": load, "period": PERIOD, "points": int(PERIOD * per_half_width)}
+    found = interpreted(PEERS, script, json.dumps(asked))
+    return Answer(found["x"], found["p"], None, float(found["seconds"]))
+
+
+def naive_hertz(per_half_width: int) -> Answer:
+    """The naive peer of our own benchmarks."""
+    modulus, radius, load = hertz()
+    begun = time.process_time()
+    on = naive.grid(1.1, round(2.2 * per_half_width), modulus)
+    pressure = naive.press(on, naive.hertz_gap(radius)(on.x), load, np.ones(len(on.x), dtype=bool))
+    return Answer(on.x, pressure, None, time.process_time() - begun)
+
+
+def our_theory(scene: Scene, at: float) -> Answer:
+    begun = time.process_time()
+    answer = semi_analytic.solve(scene, x=np.linspace(-1.05, 1.05, 200), time=[at], fields=("pressure", "shear"))
+    return Answer(answer.x, answer.pressure[0], answer.shear[0], time.process_time() - begun)
+
+
+def our_model(scene: Scene, mesh: MeshSettings, solver: SolverSettings) -> Answer:
+    begun = time.process_time()
+    answer = halfplane_fe.solve(scene, mesh, solver)
+    seconds = time.process_time() - begun
+    return Answer(answer.x, answer.pressure[-1], answer.shear[-1], seconds)
+
+
+def cut(edge: int) -> MeshSettings:
+    return MeshSettings(element_size=1 / 24, edge_element_size=1 / edge)
+
+
+# Growth of the bulk's elements in the peers' decks: coarser ones leave errors that no finer contact takes away.
+GROWTH = {40: 0.4, 80: 0.2, 160: 0.1}
+
+
+def deck_of(scene: Scene, edge: int) -> Deck:
+    """The bodies as CalculiX gets them, with few increments: the answer of this scene does not depend on them."""
+    middle = min(1 / 20, 2 / edge)
+    cut_as = DeckSettings(edge_element_size=1 / edge, element_size=middle, steps_per_cycle=4, growth=GROWTH[edge])
+    return build_deck(scene, cut_as)
+
+
+def getfem(scene: Scene, edge: int) -> Answer:
+    """By GetFEM: augmented Lagrangian, both bodies of the deck, P in one step and Q in another."""
+    begun = time.process_time()
+    deck = deck_of(scene, edge)
+    question: dict[str, Any] = {"normal": deck.normal_load[[-1, -1]], "tangential": np.array([0.0, deck.tangential_load[-1]])}
+    for name, body in (("lower", deck.lower), ("upper", deck.upper)):
+        question[f"{name}_nodes"], question[f"{name}_elements"] = body.nodes, body.elements - body.first_node
+        question[f"{name}_contact"] = body.nodes[body.contact_nodes - body.first_node]
+        question[f"{name}_held"] = body.nodes[body.held[1] - body.first_node]
+    steel = scene.material.lower
+    question["numbers"] = [steel.young_modulus, steel.poisson_ratio, scene.friction.coefficient, 4 * deck.touch_approach]
+    meshed = time.process_time() - begun
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "question.npz"
+        np.savez(file, **question)
+        found = interpreted(DEBIAN, "performance_peer_getfem.py", str(file))
+    order = np.argsort(found["x"])
+    return Answer(found["x"][order], found["p"][order], found["q"][order], float(found["seconds"]) + meshed)
+
+
+def kratos(scene: Scene, edge: int) -> Answer:
+    """By Kratos: dual mortar, augmented Lagrangian, on the deck as written."""
+    begun = time.process_time()
+    deck = deck_of(scene, edge)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "deck.inp").write_text(calculix_deck(deck), encoding="utf-8")
+        meshed = time.process_time() - begun
+        command = [str(PEERS), str(KRATOS), str(folder / "deck.inp"), str(folder / "result.csv")]
+        subprocess.run(command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"}, cwd=folder)
+        rows = np.loadtxt(folder / "result.csv", delimiter=",", skiprows=1)
+        seconds = json.loads((folder / "made.json").read_text(encoding="utf-8"))["seconds"]
+    last = rows[rows[:, 0] == rows[-1, 0]]
+    return Answer(last[:, 3], last[:, 4], last[:, 5], seconds + meshed)
+
+
+def calculix(scene: Scene, edge: int) -> Answer:
+    """By CalculiX: penalty, on the deck as written; its own process and ours that writes the deck."""
+    begun = time.process_time()
+    deck = deck_of(scene, edge)
+    program = find_calculix()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "third.inp").write_text(calculix_deck(deck), encoding="utf-8")
+        meshed, before = time.process_time() - begun, _children()
+        with Stages(quiet=True).stage("CalculiX") as report:
+            run_calculix(program, folder, "third", float(deck.deck_time[-1]), 600.0, report)
+        seconds = _children() - before
+        found = judged(folder / "third.frd", deck, "CalculiX").result
+    return Answer(found.x, found.pressure[-1], found.shear[-1], seconds + meshed)
+
+
+def _children() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def closed_form(scene: Scene, x: Array) -> tuple[Array, Array]:
+    """p of Hertz (1882) and q of Cattaneo (1938) at the end of the path; shares nothing with either engine."""
+    modulus, radius, _ = hertz()
+    load, shear = scene.load.way_in[-1]
+    a, f = float(np.sqrt(4 * load * radius / (np.pi * modulus))), scene.friction.coefficient
+
+    def ellipse(half_width: float) -> Array:
+        return np.sqrt(np.maximum(half_width**2 - x**2, 0.0))
+
+    slope = 2 * load / (np.pi * a**2)
+    return slope * ellipse(a), f * slope * (ellipse(a) - ellipse(a * float(np.sqrt(1 - shear / (f * load))))) if shear else 0 * x
+
+
+def judged_answer(answer: Answer, scene: Scene) -> dict[str, float | None]:
+    """L2 errors over those of the closed form at the code's own points, weighted by their spacing; peak pressure."""
+    near = np.abs(answer.x) < 1.5
+    x = answer.x[near]
+    p, q = closed_form(scene, x)
+    weight = np.gradient(x)
+
+    def norm(values: Array) -> float:
+        return float(np.sqrt(weight @ values**2))
+
+    largest = float(closed_form(scene, np.zeros(1))[0][0])
+    shear = norm(answer.q[near] - q) / norm(q) if answer.q is not None and q.any() else None
+    return {"p": norm(answer.p[near] - p) / norm(p), "q": shear, "peak": float(np.max(answer.p)) / largest - 1}
+
+
+Entry = tuple[str, str, str, Callable[[], Answer]]  # code, size, key of its lines by hand, how
+
+
+def normal_entries() -> Iterator[Entry]:
+    """Hertz, normal load alone."""
+    scene = load_scene("hertz-normal")
+    few = SolverSettings(steps_per_cycle=8)
+    yield "halfplane, theory", "200 points", "ours", lambda: our_theory(scene, 1.0)
+    for edge in EDGES:
+        yield "halfplane, finite elements", f"a/{edge}", "ours", lambda edge=edge: our_model(scene, cut(edge), few)
+    for n in PER_HALF_WIDTH:
+        yield "naive discretised half-plane", f"a/{n}", "naive", lambda n=n: naive_hertz(n)
+        if has("tamaas"):
+            yield "tamaas", f"a/{n}", "tamaas", lambda n=n: periodic("performance_peer_tamaas.py", n)
+        if has("ContactMechanics") and n in (40, 160):
+            yield "ContactMechanics", f"a/{n}", "contactmechanics", lambda n=n: periodic("performance_peer_contactmechanics.py", n)
+
+
+def shear_entries() -> Iterator[Entry]:
+    """Cattaneo and Mindlin, first loading up to Q = 0.6 f P."""
+    scene = fe_peers.cattaneo_mindlin((0.6,))
+    yield "halfplane, theory", "200 points", "ours", lambda: our_theory(scene, 2.0)
+    yield "halfplane, finite elements", "swift", "ours", lambda: our_model(scene, MeshSettings.swift(), fe_peers.FEW_STEPS)
+    for edge in EDGES:
+        yield "halfplane, finite elements", f"a/{edge}", "ours", lambda edge=edge: our_model(scene, cut(edge), fe_peers.FEW_STEPS)
+    for edge in EDGES:
+        if has("getfem"):
+            yield "GetFEM", f"a/{edge}", "getfem", lambda edge=edge: getfem(scene, edge)
+        if has("KratosMultiphysics") and edge < 160:
+            yield "Kratos", f"a/{edge}", "kratos", lambda edge=edge: kratos(scene, edge)
+    if has("ccx"):
+        yield "CalculiX", "a/40", "calculix", lambda: calculix(scene, 40)
+
+
+def has(code: str) -> bool:
+    """Whether a code is there."""
+    if code == "ccx":
+        return shutil.which("ccx") is not None
+    python = DEBIAN if code == "getfem" else PEERS
+    if not python.exists():
+        return False
+    find = f"import importlib.util as u, sys; sys.exit(u.find_spec({code!r}) is None)"
+    return subprocess.run([str(python), "-c", find], check=False, capture_output=True).returncode == 0
+
+
+def lines_by_hand() -> dict[str, int]:
+    """Lines of code that a user writes for the scene, blank ones and comments left out."""
+
+    def between(file: Path, start: str | None) -> int:
+        lines = file.read_text(encoding="utf-8").splitlines()
+        if start is not None:
+            lines = lines[lines.index(start) + 1 : lines.index("# so far")]
+        return sum(bool(line.strip()) and not line.strip().startswith("#") for line in lines)
+
+    found = {name: between(HERE / f"performance_peer_{name}.py", "# by hand") for name in ("tamaas", "contactmechanics", "getfem")}
+    # The scene file is what is written for ours, without what it expects of itself.
+    scene = (ROOT / "scenes" / "library" / "cattaneo-mindlin.toml").read_text(encoding="utf-8").split("[[expected]]")[0]
+    written = sum(bool(line.strip()) for line in scene.splitlines())
+    return found | {
+        "kratos": between(KRATOS, None),
+        "naive": between(Path(naive.__file__), None),
+        "ours": written,
+        "calculix": written,
+    }
+
+
+def versions() -> dict[str, str]:
+    """Of the codes that are there."""
+    found = {"CalculiX": calculix_version(find_calculix())} if has("ccx") else {}
+    for name in ("tamaas", "ContactMechanics", "KratosMultiphysics"):
+        if has(name):
+            command = [str(PEERS), "-c", f"from importlib.metadata import version; print(version({name!r}))"]
+            found[name] = subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+    if has("getfem"):
+        command = ["dpkg-query", "-W", "-f", "${Version}", "python3-getfem"]
+        found["GetFEM"] = subprocess.run(command, check=False, capture_output=True, text=True).stdout.strip()
+    return found
+
+
+def table(entries: Iterator[Entry], scene: Scene) -> list[dict[str, Any]]:
+    """Each entry once to warm up, where it is quick, then all of them in turn: least, median and most CPU seconds."""
+    known = list(entries)
+    times: dict[int, list[float]] = {place: [] for place in range(len(known))}
+    errors: dict[int, dict[str, Any]] = {}
+    for turn in range(RUNS):
+        for place, (code, size, _, work) in enumerate(known):
+            if turn and min(times[place], default=0.0) > 2.0 and turn > 1:
+                continue  # twice is enough of the slow ones
+            try:
+                answer = work()
+            except (subprocess.CalledProcessError, RuntimeError, ValueError) as failure:
+                said = getattr(failure, "stderr", b"") or str(failure).encode()
+                errors[place] = {"failure": said.decode(errors="replace").strip().splitlines()[-1][:300]}
+                print(f"    {code} {size}: {errors[place]['failure']}", flush=True)
+                times[place].append(float("nan"))
+                continue
+            times[place].append(answer.seconds)
+            errors[place] = judged_answer(answer, scene)
+    return [
+        {"code": code, "size": size, "lines": key, "seconds": times[place], **errors[place]}
+        for place, (code, size, key, _) in enumerate(known)
+    ]
+
+
+def measure() -> dict[str, Any]:
+    """Both scenes."""
+    needed = ("tamaas", "ContactMechanics", "getfem", "KratosMultiphysics", "ccx")
+    return {
+        "normal": table(normal_entries(), load_scene("hertz-normal")),
+        "shear": table(shear_entries(), fe_peers.cattaneo_mindlin((0.6,))),
+        "lines": lines_by_hand(),
+        "versions": versions(),
+        "missing": [name for name in needed if not has(name)],
+    }
+
+
+def _drawn(found: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    yield "normal", "p", "Hertz, normal load: pressure"
+    yield "shear", "q", "Cattaneo-Mindlin, Q = 0.6 f P: shear"
+
+
+def draw(found: dict[str, Any], folder: Path) -> None:
+    """Error over time, a panel a scene."""
+    with canvas(9.6, 4.2) as figure:
+        axes = figure.subplots(1, 2)
+        codes = list(dict.fromkeys(row["code"] for name in ("normal", "shear") for row in found[name]))
+        for one, (name, key, title) in zip(axes, _drawn(found), strict=True):
+            for number, code in enumerate(codes):
+                rows = [row for row in found[name] if row["code"] == code and row.get(key) is not None]
+                if not rows:
+                    continue
+                one.loglog(
+                    [statistics.median(row["seconds"]) for row in rows],
+                    [max(row[key], 1e-16) for row in rows],
+                    marker="*osv^DPX"[number],
+                    color=("#111111", *COLOURS)[number],
+                    ms=10 if number == 0 else 5,
+                    ls="-" if len(rows) > 1 else "none",
+                    label=code,
+                )
+            label_axes(one, "CPU time, set-up included [s]", f"relative L2 error of {key}", title)
+            one.set_ylim(5e-17, 0.5)
+        handles = {text: mark for one in axes for mark, text in zip(*one.get_legend_handles_labels(), strict=True)}
+        figure.legend(handles.values(), handles.keys(), loc="lower center", ncols=4, frameon=False)
+        figure.tight_layout(rect=(0, 0.12, 1, 1))
+        figure.savefig(folder / "peers.svg", metadata={"Date": None})
+
+
+def page(found: dict[str, Any]) -> list[str]:
+    """Two tables, the ratios, what is missing."""
+    names = ", ".join(f"{name} {number}" for name, number in found["versions"].items())
+    lines = [
+        "![Error of the codes over CPU time](performance/peers.svg)",
+        "",
+        f"{names}. {RUNS} runs of each in turn, one thread; those slower than 2 s twice.",
+    ]
+    if found["missing"]:
+        lines += ["", f"Not installed, so not measured: {', '.join(found['missing'])} (`make peers`)."]
+    share = (np.pi / PERIOD) ** 2 / 12
+    lines += [
+        "",
+        "### Hertz, normal load",
+        "",
+        f"tamaas and ContactMechanics solve a row of equal contacts, here {PERIOD:g} a apart. By the first term of the periodic "
+        f"kernel that makes the peak pressure (π a/L)²/12 = {share:.1e} too high and the contact as much too narrow. "
+        "What is above that is the grid.",
+        "",
+        *_table(found, "normal"),
+        "",
+        "### Cattaneo-Mindlin, Q = 0.6 f P, first loading",
+        "",
+        "The finite element codes have the bodies of the same deck, half-discs of 50 a cut into linear quadrilaterals, ours its "
+        "own half-planes and quadratic triangles. Set-up is meshing (ours, in every row), reading, and all increments.",
+        "",
+        *_table(found, "shear"),
+    ]
+    return lines
+
+
+def _table(found: dict[str, Any], name: str) -> list[str]:
+    rows = found[name]
+    lines = [
+        "| code | h | p, L2 | peak p | q, L2 | CPU time: least, median, most [s] | over our finite elements at no larger error | "
+        "lines by hand |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    key = "p" if name == "normal" else "q"
+    for row in rows:
+        if "failure" in row:
+            lines.append(
+                f"| {row['code']} | {row['size']} | | | | no answer: {row['failure']} | | {found['lines'][row['lines']]} |"
+            )
+            continue
+        times = row["seconds"]
+        spread = (
+            f"{min(times):.3g}, {statistics.median(times):.3g}, {max(times):.3g}" if len(times) > 1 else f"{times[0]:.3g} (once)"
+        )
+        q = "" if row["q"] is None else f"{row['q']:.1e}"
+        lines.append(
+            f"| {row['code']} | {row['size']} | {row['p']:.1e} | {row['peak']:+.1e} | {q} | {spread} | {_ratio(row, rows, key)} | "
+            f"{found['lines'][row['lines']]} |"
+        )
+    return lines
+
+
+def _ratio(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> str:
+    """Time over that of our quickest setting that is at least as exact: least, median, most, of the runs of both."""
+    own = [other for other in rows if other["code"] == "halfplane, finite elements" and other[key] <= row[key]]
+    if row["code"].startswith("halfplane"):
+        return ""
+    if not own:
+        return "ours is nowhere as exact"
+    best = min(own, key=lambda other: statistics.median(other["seconds"]))
+    ratios = [one / other for one in row["seconds"] for other in best["seconds"]]
+    return f"{min(ratios):.2g}, {statistics.median(ratios):.2g}, {max(ratios):.2g} ({best['size']})"
