@@ -16,8 +16,8 @@ from reports.maps.readings import Readings, read
 from reports.maps.tabling import table
 
 _LEVELS = (0.01, 0.05, 0.1)
-_TABLED = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
-_DRAWN = _TABLED
+_DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
+_TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")
 
 
 def figures_of(readings: Readings, wanted: Sequence[str] = _DRAWN) -> list[str]:
@@ -53,13 +53,13 @@ def page(asked: Map, folder: Path) -> str:
         parts.append(f"**Not run yet: {', '.join(missing)}.**")
     for chart in asked.charts:
         readings = read(folder, chart.study)
-        found = [line for line in lines(chart, readings) if line.figure in _DRAWN]
+        found = [line for line in lines(chart, readings) if line.figure in _TABLED]
         if len(MAPS[asked.name].charts) > 1:
             parts.append(f"## {chart.study}")
         for name, _, caption in drawings(chart, readings):
             parts.append(f"![{caption}]({name})\n\n*{caption}*")
         if chart.expected is not None:
-            parts += _within(chart, found) + _laws(chart, found)
+            parts += _within(chart, found) + _laws(chart, [line for line in found if line.figure in _DRAWN])
     parts += answers.more(asked, folder)
     parts += _cost(asked, folder)
     return "\n\n".join(parts) + "\n"
@@ -73,7 +73,8 @@ def _within(chart: Chart, found: Sequence[Line]) -> list[str]:
     head = ["figure", "where", *(f"within {100 * level:g} % if {chart.within}" for level in _LEVELS)]
     note = (
         'Read off the points with |error| + uncertainty, rounded to the safe side; "all tried": the whole range of the study; '
-        "*: extrapolated by the law."
+        "*: extrapolated by the law; "
+        '"none tried": the uncertainty alone exceeds the level, or the error does at every point.'
     )
     return ["## Within 1, 5 and 10 %" if not chart.study.startswith("limits") else "", table(head, rows), note]
 
