@@ -26,7 +26,7 @@ def truth(scene: Scene) -> mp.mpf | None:
     if line and _in_proportion(scene):
         return mp.mpf(0)
     if load.kind == "ellipse" and not line and scene.profile.kind in PILES:
-        return _steady_ellipse(scene, f)
+        return steady_ellipse(scene, f)
     if scene.profile.kind != "hertz" or load.kind not in LEGS:
         return None
     contact = history.hertz(modulus(scene), mp.mpf(scene.profile.radius))
@@ -112,7 +112,7 @@ PILES: dict[str, Callable[[object], tuple[mp.mpf, mp.mpf, mp.mpf]]] = {
 }
 
 
-def _steady_ellipse(scene: Scene, f: mp.mpf) -> mp.mpf:
+def steady_ellipse(scene: Scene, f: mp.mpf) -> mp.mpf:
     """W = (f A/pi) closed-int |u' or v'| Lam dt over the phases of slip."""
     load, e_star = scene.load, modulus(scene)
     round_, rounded, b = PILES[scene.profile.kind](scene.profile)

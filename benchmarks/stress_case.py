@@ -1,14 +1,34 @@
-"""What a case of numerical stress is, and the scenes that both engines are put under it with."""
+"""What a case of numerical stress is, what a trial finds, and the scenes that both engines are put under it with."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 
-from scenes import Elastic, EllipseLoad, Friction, Hertz, Materials, PolygonLoad, Profile, Scene
+import mpmath
+import numpy as np
+
+from scenes import ContactSolution, Elastic, EllipseLoad, Friction, Hertz, Materials, PolygonLoad, Profile, Scene
 from scenes.scene import Load
 
-Trial = tuple[str, Callable[[], float]]
+
+@dataclass(frozen=True)
+class Found:
+    """What a trial measured.
+
+    Attributes
+    ----------
+    errors : by the name of what is off, for instance {"p": 0.01}; each is held against the case's limit
+    notes : what the answer itself says of its uncertainty
+    shown : figures that stand in the table and are held against nothing
+    """
+
+    errors: Mapping[str, float]
+    notes: tuple[str, ...] = ()
+    shown: Mapping[str, float] = field(default_factory=dict)
+
+
+Trial = tuple[str, Callable[[], "float | Found"]]
 
 
 @dataclass(frozen=True)
@@ -20,8 +40,9 @@ class Case:
     engine, what, tried : who, which end of the range, and the values
     measure : what the error is of and against what
     limit : of each error
-    trials : called for (name, function that gives an error or refuses)
+    trials : called for (name, function that gives errors or refuses)
     may_refuse, must_refuse : whether some or all of the trials may or must end in a sentence
+    may_tell : whether an error above the limit passes if the answer says so: it is shown with its note, and counted as told
     """
 
     engine: str
@@ -32,6 +53,7 @@ class Case:
     trials: Callable[[], Iterable[Trial]]
     may_refuse: bool = False
     must_refuse: bool = False
+    may_tell: bool = False
 
 
 def like(modulus: float = 1.0, poisson_ratio: float = 0.0) -> Materials:
@@ -62,3 +84,16 @@ def to_and_fro(share: float, friction: float, load: float = 1.0) -> PolygonLoad:
     """Q between +-share f P at constant P."""
     force = share * friction * load
     return PolygonLoad(way_in=((load, 0.0),), cycle=((load, force), (load, -force)))
+
+
+def mindlin(share: mpmath.mpf, friction: float, load: float = 1.0) -> mpmath.mpf:
+    """W of a cycle of Q between +-share f P at constant P, E* = 1; finite at share = 1."""
+    with mpmath.workdps(60):
+        k = mpmath.mpf(share)
+        log = (1 - k) * mpmath.log(1 - k) if k < 1 else mpmath.mpf(0)
+        return 4 * (mpmath.mpf(friction) * load) ** 2 / mpmath.pi * (log + k - k * k / 2)
+
+
+def broken_by(answer: ContactSolution) -> float:
+    """The worst certificate."""
+    return max(float(np.max(values)) for values in answer.record.certificates.values())

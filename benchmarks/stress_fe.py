@@ -8,13 +8,13 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from stress_case import Case, Trial, ellipse, like, scene_of, to_and_fro
+from stress_case import Case, Found, Trial, ellipse, like, scene_of, to_and_fro
 
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from scenes import Elastic, FlatRounded, Hertz, Materials, PolygonLoad, Scene
+from scenes import Elastic, FlatRounded, Hertz, Materials, PolygonLoad, PowerLaw, Scene, Wedge
 from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
 
@@ -23,25 +23,46 @@ SWIFT, FEW = MeshSettings.swift(), SolverSettings(steps_per_cycle=32)
 LOOP = (3.0, 1.0, 0.2, 0.8, 70.0)
 
 
-def against_theory(scene: Scene, mesh: MeshSettings = SWIFT, settings: SolverSettings = FEW, honest: bool = False) -> float:
-    """Error of W over itself, and a tenth of that of p in L2; over A f^2 P^2 where W is less than a thousandth of that.
+# Limit of the errors of p, q and W, each for itself: above it the solver has to say so. A few times what a swift mesh promises of
+# the shear (about 1 % in L2): what a reader of a first look takes for good if nothing is said.
+TOLD = 0.05
+# Instants at which tractions are compared, of the last revolution and with more than this share of the largest load.
+INSTANTS, LOADED = 16, 0.3
 
-    NaN where a law is broken by 1e-7. With `honest` 0 where the error is above 5 % and the record has a note that says so.
+
+def against_theory(scene: Scene, mesh: MeshSettings = SWIFT, settings: SolverSettings = FEW) -> Found:
+    """Errors of p over ||p||, of q over f ||p||, in L2 at the worst instant, of W over W (infinite where nothing should slip).
+
+    `shown` has that of W in A f^2 P^2 as well. NaN where a law is broken by 1e-7.
     """
     answer = halfplane_fe.solve(scene, mesh, settings)
-    wanted = ("pressure", "dissipation")
-    times = answer.time[answer.normal_load > 0.3 * answer.normal_load.max()][-40::8]
-    exact = semi_analytic.solve(scene, x=answer.x, time=times, fields=wanted)
-    steady = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
-    found = answer.pressure[np.searchsorted(answer.time, times)]
-    pressure = np.sqrt(np.max((found - exact.pressure) ** 2 @ answer.weights) / np.max(exact.pressure**2 @ answer.weights))
-    unit = 2 / composite_modulus(scene.material) * (scene.friction.coefficient * answer.normal_load.max()) ** 2
-    work = abs(answer.dissipation - steady) / max(steady, 1e-3 * unit)
+    chosen = last_instants(answer)
+    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear"))
+    work = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
+    size, friction = l2(exact.pressure, answer.weights), scene.friction.coefficient
+    unit = 2 / composite_modulus(scene.material) * (friction * answer.normal_load.max()) ** 2
+    off = abs(answer.dissipation - work)
+    errors = {
+        "p": float(np.max(l2(answer.pressure[chosen] - exact.pressure, answer.weights) / size)),
+        "q": float(np.max(l2(answer.shear[chosen] - exact.shear, answer.weights) / (friction * size))),
+        "W": off / work if work else (np.inf if off else 0.0),
+    }
     if max(float(values.max()) for values in answer.record.certificates.values()) > 1e-7:
-        return float("nan")
-    if honest and max(work, pressure) > 0.05 and answer.record.notes:
-        return 0.0
-    return max(work, float(pressure) / 10)
+        errors = dict.fromkeys(errors, float("nan"))
+    return Found(errors, answer.record.notes, {"W in A f² P²": off / unit})
+
+
+def last_instants(answer: halfplane_fe.FiniteElementSolution) -> np.ndarray:
+    """Indices of some loaded instants of the last revolution, or of the whole path."""
+    period = answer.scene.load.path().period
+    start = answer.time[-1] - period * (1 - 1e-9) if period is not None else -np.inf
+    loaded = np.flatnonzero((answer.normal_load > LOADED * answer.normal_load.max()) & (answer.time > start))
+    return loaded[np.unique(np.linspace(0, len(loaded) - 1, INSTANTS).astype(int))]
+
+
+def l2(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Norm over the surface, instant by instant."""
+    return np.sqrt(values**2 @ weights)
 
 
 @functools.cache
@@ -75,12 +96,12 @@ def sliding_trials(*left: float) -> Iterator[Trial]:
 
 def narrow_trials() -> Iterator[Trial]:
     for share in (0.3, 0.1, 0.03, 0.01, 1e-3, 1e-6, 1e-12):
-        yield f"{share:g} f P", partial(against_theory, scene_of(to_and_fro(share, 0.5)), honest=True)
+        yield f"{share:g} f P", partial(against_theory, scene_of(to_and_fro(share, 0.5)))
 
 
 def little_load_trials(*left: float) -> Iterator[Trial]:
     for part in left:
-        yield f"P_min/P0 = {part:g}", partial(against_theory, scene_of(ellipse(1, 1 - part, 0, 0.2 * part, 90)), honest=True)
+        yield f"P_min/P0 = {part:g}", partial(against_theory, scene_of(ellipse(1, 1 - part, 0, 0.2 * part, 90)))
 
 
 def poisson_trials() -> Iterator[Trial]:
@@ -120,7 +141,7 @@ def flat_trials() -> Iterator[Trial]:
         profile = FlatRounded(radius=100.0, flat_half_length=part)
         load = float(contact_of(profile, like()).load(1.0))
         scene = scene_of(ellipse(0.75 * load, 0.25 * load, 0.05 * load, 0.2 * load, 70), 0.5, profile)
-        yield f"b/a = {part:g}", partial(against_theory, scene, honest=True)
+        yield f"b/a = {part:g}", partial(against_theory, scene)
 
 
 def radius_trials() -> Iterator[Trial]:
@@ -160,59 +181,83 @@ def tangent_trials() -> Iterator[Trial]:
         yield f"e = {beyond:g}", partial(against_theory, scene_of(ellipse(2, 1, 0.05, 0.5 * (1 + beyond), 0)))
 
 
+def sizes(element: float, at_edges: float) -> dict[str, float]:
+    return {"element_size": element, "edge_element_size": at_edges}
+
+
 def cases() -> Iterator[Case]:
     """All of them."""
-    measure = "W, and a tenth of p in L2, against the half-plane engine"
+    yield from _of_scenes()
+    yield from _of_meshes()
+    yield from _of_steps()
 
-    def case(
-        what: str, tried: str, limit: float, trials: Callable[[], Iterator[Trial]], how: str = measure, **further: bool
-    ) -> Case:
-        return Case(ENGINE, what, tried, how, limit, trials, **further)
 
-    refused = {"may_refuse": True, "must_refuse": True}
-    told = measure + ", or told in the notes"
-    yield case("units", "lengths and stresses times 1e-12 and 1e12", 1e-9, unit_trials, "any field over its largest value")
-    yield case("friction", "f = 1e-6, 1e-3, 1, 100, Q in proportion", 5e-3, friction_trials)
-    yield case("near gross sliding", "1e-3 ... 1e-15 of f P left", 5e-3, partial(sliding_trials, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15))
-    yield case("at gross sliding", "Q = f P", 0.0, partial(sliding_trials, 0.0), **refused)
-    yield case("slip zones smaller than an element", "Q to 0.3 ... 1e-12 of f P: 5 to 2e-11 elements", 0.05, narrow_trials, told)
-    yield case("next to no load", "P_min/P0 = 1e-3, 1e-6, 1e-9", 0.05, partial(little_load_trials, 1e-3, 1e-6, 1e-9), told)
-    yield case("less than rounding of the load", "P_min/P0 = 1e-12", 0.0, partial(little_load_trials, 1e-12), **refused)
-    yield case("Poisson's ratio", "nu = -0.9, 0, 0.4999, 0.499999", 5e-3, poisson_trials)
-    yield case("stiffness ratio, uncoupled", "E1/E2 = 1e-6 ... 1e6, the soft body incompressible", 5e-3, uncoupled_trials)
-    yield case(
+def _against_theory(what: str, tried: str, trials: Callable[[], Iterator[Trial]], **further: bool) -> Case:
+    """A case against the half-plane engine, where what is off by more is to be told."""
+    measure = "p, q in L2 and W, against the half-plane engine"
+    return Case(ENGINE, what, tried, measure, TOLD, trials, may_tell=True, **further)
+
+
+def _refused(what: str, tried: str, trials: Callable[[], Iterator[Trial]]) -> Case:
+    return Case(ENGINE, what, tried, "refused", 0.0, trials, may_refuse=True, must_refuse=True)
+
+
+def _of_scenes() -> Iterator[Case]:
+    yield Case(ENGINE, "units", "lengths and stresses times 1e-12 and 1e12", "any field over its largest value", 1e-9, unit_trials)
+    yield _against_theory("friction", "f = 1e-6, 1e-3, 1, 100, Q in proportion", friction_trials)
+    yield _against_theory(
+        "near gross sliding", "1e-3 ... 1e-15 of f P left", partial(sliding_trials, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15)
+    )
+    yield _refused("at gross sliding", "Q = f P", partial(sliding_trials, 0.0))
+    yield _against_theory("slip zones smaller than an element", "Q to 0.3 ... 1e-12 of f P: 5 to 2e-11 elements", narrow_trials)
+    yield _against_theory("next to no load", "P_min/P0 = 1e-3, 1e-6, 1e-9", partial(little_load_trials, 1e-3, 1e-6, 1e-9))
+    yield _refused("less than rounding of the load", "P_min/P0 = 1e-12", partial(little_load_trials, 1e-12))
+    yield _against_theory("Poisson's ratio", "nu = -0.9, 0, 0.4999, 0.499999", poisson_trials)
+    yield _against_theory("stiffness ratio, uncoupled", "E1/E2 = 1e-6 ... 1e6, the soft body incompressible", uncoupled_trials)
+    yield Case(
+        ENGINE,
         "stiffness ratio, coupled",
         "E1/E2 = 1e-6, 1e6, nu = 0.3",
+        "W with the bodies exchanged",
         5e-3,
         lambda: ((f"{ratio:g}", partial(exchanged, ratio)) for ratio in (1e-6, 1e6)),
-        "W with the bodies exchanged",
     )
-    yield case("flat face", "b/a = 1e-9 ... 1 - 1e-9", 0.05, flat_trials, told)
-    yield case("a/R", "R = 1e-9 ... 1e6, a/R from 7e4 to 2e-3", 5e-3, radius_trials)
+    yield _against_theory("flat face", "b/a = 1e-9 ... 1 - 1e-9", flat_trials)
+    yield _against_theory("a/R", "R = 1e-9 ... 1e6, a/R from 7e4 to 2e-3", radius_trials)
+    yield _against_theory("sharp tips", "h as x^1.1 ... x^1.9, a rounded wedge", tip_trials)
+
+
+def _of_meshes() -> Iterator[Case]:
     extremes = partial(mesh_trials, {"far_radius": 2.0}, {"far_radius": 1000.0}, {"growth": 0.05}, {"growth": 1.0})
-    yield case("a/L and grading", "L = 2 a and 1000 a, growth 0.05 and 1", 1e-2, extremes)
-    sizes = partial(
-        mesh_trials, {"element_size": 0.25, "edge_element_size": 0.25}, {"element_size": 0.25, "edge_element_size": 1 / 128}
-    )
-    yield case("coarse, and graded 1 : 32", "h = a/4; a/4 and a/128 at the edges", 0.06, sizes)
-    yield case(
-        "mesh ratios",
-        "upper over lower 1/4, 4, 20",
-        2e-2,
-        partial(mesh_trials, {"upper_ratio": 0.25}, {"upper_ratio": 4.0}, {"upper_ratio": 20.0}),
-    )
+    yield _against_theory("a/L and grading", "L = 2 a and 1000 a, growth 0.05 and 1", extremes)
+    cut = partial(mesh_trials, sizes(0.25, 0.25), sizes(0.25, 1 / 128))
+    yield _against_theory("coarse, and graded 1 : 32", "h = a/4; a/4 and a/128 at the edges", cut)
+    yield _against_theory("linear elements", "swift", partial(mesh_trials, {"order": 1}))
+    ratios = partial(mesh_trials, *({"upper_ratio": ratio} for ratio in (0.25, 2.0, 4.0, 20.0)))
+    yield _against_theory("mesh ratios", "upper over lower 1/4, 2, 4, 20", ratios)
     beyond = partial(bad_meshes, {"upper_ratio": 21.0}, {"far_radius": 1.0}, {"growth": 2.0}, {"element_size": 1.0})
-    yield case("beyond the mesher's range", "ratio 21, L = a, growth 2, h = a", 0.0, beyond, **refused)
-    yield case("step sizes", "4, 8, 1000 increments a cycle", 5e-3, partial(step_trials, 4, 8, 1000))
-    yield case("too few or many steps", "1 and 10^6 a cycle", 0.0, partial(step_trials, 1, 1_000_000), **refused)
-    yield case(
+    yield _refused("beyond the mesher's range", "ratio 21, L = a, growth 2, h = a", beyond)
+
+
+def _of_steps() -> Iterator[Case]:
+    yield _against_theory("step sizes", "4, 8, 1000 increments a cycle", partial(step_trials, 4, 8, 1000))
+    yield _refused("too few or many steps", "1 and 10^6 a cycle", partial(step_trials, 1, 1_000_000))
+    yield Case(
+        ENGINE,
         "many increments",
         "10^4 on a line",
+        "p, q against 16 increments; energy balance",
         1e-9,
         lambda: [("10^4", partial(many_steps, 10_000))],
-        "p, q against 16 increments; energy balance",
     )
-    yield case("tangency within rounding", "dQ/dP = f (1 + e), e = -1e-12 ... 1e-12", 0.05, tangent_trials)
+    yield _against_theory("tangency within rounding", "dQ/dP = f (1 + e), e = -1e-12 ... 1e-12", tangent_trials)
+
+
+def tip_trials() -> Iterator[Trial]:
+    for exponent in (1.1, 1.3, 1.5, 1.9):
+        profile = PowerLaw(exponent=exponent, length=1.0, rise=0.5)
+        yield f"x^{exponent}", partial(against_theory, scene_of(ellipse(*LOOP), profile=profile))
+    yield "wedge", partial(against_theory, scene_of(ellipse(*LOOP), profile=Wedge(tip_radius=1.0, tip_half_length=0.1)))
 
 
 def bad_meshes(*changes: dict[str, float]) -> Iterator[Trial]:

@@ -15,6 +15,11 @@ Array = NDArray[np.float64]
 
 # Samples a leg on which a sign change of a rate is looked for; a turning point and its twin closer than that are missed together.
 _SAMPLES = 721
+# Share of the largest load below which a load can't be told from none: the nodal forces are known to about so much of it.
+_LEAST_LOAD = 1e-12
+_ROUNDING_OF_LOAD = (
+    "the finite elements can't tell so little load from separation, 1e-12 of the largest load or less (the half-plane engine can):"
+)
 
 
 @dataclass(frozen=True)
@@ -62,8 +67,9 @@ def stretches(leg: Leg, friction: float, increments: float) -> list[Stretch]:
 
 
 def check_admissible(path: LoadPath, friction: float) -> None:
-    """Refuse a path with separation (P <= 0 after the start) or gross sliding (|Q| >= f P, with Q = 0 allowed for f = 0).
+    """Refuse a path with separation or gross sliding (|Q| >= f P, with Q = 0 allowed for f = 0).
 
+    Separation is P <= 0 after the start, or so little load that it can't be told from none.
     Both extremes are met at turning points, so looking there is exact.
 
     Raises
@@ -76,9 +82,11 @@ def check_admissible(path: LoadPath, friction: float) -> None:
         p, q = leg.loads(times)
         inside = times > path.start
         scale = float(np.abs(p).max())
-        separated = inside & (p <= 1e-12 * scale)
+        separated = inside & (p <= _LEAST_LOAD * scale)
         if separated.any():
             worst = int(np.argmin(np.where(separated, p, np.inf)))
+            if p[worst] > 0:
+                raise InadmissibleLoadError(_ROUNDING_OF_LOAD, times[worst], p[worst], q[worst])
             raise InadmissibleLoadError("separation: the bodies lift off", times[worst], p[worst], q[worst])
         excess = np.abs(q) - friction * p
         sliding = inside & (excess >= 0) & (np.abs(q) > 1e-12 * scale)

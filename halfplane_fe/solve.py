@@ -25,9 +25,9 @@ from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.pair import check_supports, condensed_pair, initial_gap, meshed_pair
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
-from halfplane_fe.resolution import resolution_notes
+from halfplane_fe.resolution import Seen, resolution_notes
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
-from halfplane_fe.scales import Scales, find_scales, needs_shear, sheared
+from halfplane_fe.scales import Scales, contact_modulus, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading
@@ -124,7 +124,7 @@ def _solve(
     watch.lap("load path")
     answer = _solution(scene, mesh, settings, scales, condensed, problem, run, watch)
     if run.failure is not None:
-        raise ConvergenceError(str(run.failure), answer) from run.failure
+        raise type(run.failure)(str(run.failure), answer) from run.failure
     _check_room(answer)
     return answer
 
@@ -218,7 +218,7 @@ def _solution(
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
-        record=record_of(run, scales, audit, _notes(scene, run, arrays, grading.edge_size)),
+        record=record_of(run, scales, audit, _notes(scene, mesh, run, arrays, grading.edge_size)),
         work=_work(scene, problem, run, condensed, watch.seconds),
         settings={
             "mesh": asdict(mesh),
@@ -235,13 +235,16 @@ def _solution(
     )
 
 
-def _notes(scene: Scene, run: PathRun, arrays: Mapping[str, Any], element: float) -> tuple[str, ...]:
-    """What the mesh does not resolve in the last revolution."""
+def _notes(scene: Scene, mesh: MeshSettings, run: PathRun, arrays: Mapping[str, Any], element: float) -> tuple[str, ...]:
+    """What the mesh does not resolve in the last revolution; `element` is that of the lower side [length]."""
     if run.failure is not None:
         return ()
     first = run.cycle_starts[-1] + 1 if run.cycle_starts else 1
-    contact, stick = (arrays[name][first:] for name in ("contact_half_width", "stick_half_width"))
-    return tuple(resolution_notes(scene, contact, stick, element, arrays["dissipation"], needs_shear(scene)))
+    load, contact, stick = (arrays[name][first:] for name in ("normal_load", "contact_half_width", "stick_half_width"))
+    unit = 2 / contact_modulus(scene.material.lower, scene.material.upper) * (scene.friction.coefficient * np.max(load)) ** 2
+    work = float(arrays["dissipation"] / unit) if unit > 0 else 0.0
+    coarser = element * max(mesh.upper_ratio, 1.0)
+    return tuple(resolution_notes(scene, Seen(load, contact, stick, coarser, mesh.order, work, needs_shear(scene))))
 
 
 def _work(
