@@ -77,6 +77,8 @@ def more(asked: Map, folder: Path) -> list[str]:
     """Parts of a page after its laws."""
     if asked.name == "block" and asked.held_out:
         return [*trials.derived_constants(folder), *trials.corrected_blocks(folder)]
+    if asked.name == "one-block":
+        return trials.odd_part(folder)
     if asked.name == "loop":
         return trials.corrected_loops(folder)
     if asked.name == "unlike":

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.maps.corrections import correction
+from reports.maps.corrections import added_curvatures, correction
 from reports.maps.layers import curvature_sum
 from reports.maps.quadratic import Curvatures, dissipation_error, ellipse_path
 from reports.maps.readings import Readings, read
@@ -63,6 +63,35 @@ def derived_constants(folder: Path) -> list[str]:
         "layer without end is near."
     )
     return ["## Constants that theory predicts", words, table(head, rows)]
+
+
+def odd_part(folder: Path) -> list[str]:
+    """What is left of one block's error beside half of what two equal blocks do: the coupling by the odd part of its kernel."""
+    rows = []
+    for row in read(folder, "one-block").rows:
+        f, aspect, height = (float(row[name]) for name in ("f", "aspect", "height"))
+        error, doubt = float(row["error.dissipation"]), float(row["error.dissipation.uncertainty"])
+        both = added_curvatures("fixed", aspect, 1 / height)
+        p, q, cycle = ellipse_path(1 / 3, 1.1 / 3 * f, f / 3, np.pi / 2)
+        even = dissipation_error(p, q, f, Curvatures(both.normal / 2, both.tangential / 2), cycle)
+        rest = (error - even) * height**2
+        rows.append(
+            [
+                row["f"],
+                row["aspect"],
+                f"{height:.3g}",
+                f"{100 * error:+.2f} ± {100 * doubt:.2f}",
+                f"{100 * even:+.2f}",
+                f"{rest:+.2f}",
+            ]
+        )
+    head = ["f", "width / height", "height / a", "error of dissipation, %", "even part, %", "rest times (h/a)²"]
+    words = (
+        "The even part is half of what two equal blocks do, by the correction's theory (`reports/maps/quadratic.py`); nothing of it "
+        "was fitted to these points. The rest is the coupling of normal and shear tractions by the odd part of one block's kernel, which "
+        "two equal blocks cancel, and what series in a/h leave out."
+    )
+    return ["## What one block does that two do not", words, table(head, rows)]
 
 
 def _blocks(base: str, height: float, aspect: float, scene: Scene) -> Scene:
