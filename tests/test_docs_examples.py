@@ -77,7 +77,7 @@ class TestPlanted:
 
     def test_a_block_with_a_caption_is_a_file(self, tmp_path: Path) -> None:
         page = "```{code-block} toml\n:caption: a.toml\n\nx = 1\n```\n\n"
-        page += '```python\nprint(open("a.toml").read(), end="")\n```\n\n```text\n?\n```\n'
+        page += '```python\nfrom pathlib import Path\nprint(Path("a.toml").read_text(), end="")\n```\n\n```text\n?\n```\n'
         assert executed.run(page, tmp_path) == page.replace("?", "x = 1")
 
     def test_a_curve_that_moved_is_seen(self) -> None:
