@@ -166,6 +166,7 @@ FAULTS = (
     Fault("frictionless", (1.0,), altered(lambda true, _: replace(true, shear=np.zeros_like(true.shear)))),
     Fault("units", (1e6, 1e-3, 10.0), altered(scaled), "times"),
     Fault("traction_factor", (1.5, 1.1, 1.02), altered(scaled), "times"),
+    Fault("pressure_factor", (1.5, 1.1, 1.01), altered(lambda true, k: replace(true, pressure=k * true.pressure)), "times"),
     Fault("offset", (0.3, 0.03, 0.01, 0.001), altered(moved), "a"),
     Fault("stiffness", (2.0, 0.91, 0.97, 0.99, 0.998), asked(stiffer), "E*/R"),
     Fault("half_model", (0.5, 2.0), loaded, "P"),

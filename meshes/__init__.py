@@ -3,7 +3,7 @@
 from meshes.bodies import BodyMesh, MeshSettings, SurfaceGrading
 from meshes.build import build
 from meshes.files import PvdEntry, write_pvd, write_vtu
-from meshes.foreign import FieldFrame, read_frames
+from meshes.foreign import FieldFrame, collected_files, read_frames
 from meshes.half_disc import half_disc
 from meshes.quality import mesh_quality
 from meshes.solids import solid
@@ -15,6 +15,7 @@ __all__ = [
     "PvdEntry",
     "SurfaceGrading",
     "build",
+    "collected_files",
     "half_disc",
     "mesh_quality",
     "read_frames",

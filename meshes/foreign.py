@@ -91,6 +91,18 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
         raise _broken(path, reason) from reason
 
 
+def collected_files(path: Path) -> tuple[Path, ...]:
+    """The files that a .pvd or .vtu.series names; none of any other file. InputError where the collection is broken."""
+    entries = {".pvd": _pvd_entries, ".series": _series_entries}.get(path.suffix.lower())
+    if entries is None:
+        return ()
+    _check_size(path)
+    try:
+        return tuple(file for _, file in entries(path))
+    except _FAULTS as reason:
+        raise _broken(path, reason) from reason
+
+
 def _broken(path: Path, reason: Exception) -> InputError:
     what = f"{type(reason).__name__}{f': {reason}' if str(reason) else ''}"[:300]
     return InputError(f"{path}: this can't be read as a {path.suffix} file: it is broken off or of another form ({what})")

@@ -17,7 +17,7 @@ from reports import compare
 from reports.comparison import Comparison
 from reports.score.diagnosis import UNKNOWN, Diagnosis, diagnose
 from reports.score.diagnosis_discrepancy import discrepancy
-from reports.score.diagnosis_model import Flaws, NotSettledError, grid, march
+from reports.score.diagnosis_model import Flaws, Grid, NotSettledError, grid, march
 from reports.score.diagnosis_theory import stiffer, with_friction
 from reports.score.diagnosis_words import FAULTS
 from scenes import Materials, load_scene
@@ -25,7 +25,7 @@ from semi_analytic.elasticity import coupling_constant
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")
-FILE = ("shear_sign", "pressure_sign", "swapped", "frictionless", "units", "traction_factor")
+FILE = ("shear_sign", "pressure_sign", "swapped", "frictionless", "units", "traction_factor", "pressure_factor")
 ALTERED = (*FILE, "offset", "not_steady", "other_times")
 ASKED = ("stiffness", "half_model", "loads", "friction", "full_stick")
 MODELLED = ("memoryless", "steps", "elastic_slip", "soft_normal", "small_body", "coupling", "coarse_edge")
@@ -90,6 +90,7 @@ def test_and_on_cattaneo_and_mindlin_at_once(table: ModuleType, key: str) -> Non
         ("friction", 1.1, "friction is"),
         ("loads", 1.3, "Loads"),
         ("units", 1e6, "units"),
+        ("pressure_factor", 1.01, "pressure alone"),
         ("offset", 0.03, "off along x"),
         ("other_times", 0.05, "late"),
     ],
@@ -204,7 +205,7 @@ def test_what_a_hypothesis_explains_is_a_share(table: ModuleType) -> None:
     assert rest.apart(rest.expected) == 0.0
 
 
-def hertz_grid(mirrored: bool, count: int = 120) -> object:
+def hertz_grid(mirrored: bool, count: int = 120) -> Grid:
     """E* = f = 1 and P = pi/2: h = x^2 gives a = 1, p = 1 at the centre."""
     ends = np.linspace(0, 1.4, count + 1) if mirrored else np.linspace(-1.4, 1.4, 2 * count + 1)
     return grid(ends, lambda x: np.square(x) / 2, 1.0, 1.0)
@@ -235,5 +236,5 @@ def test_dundurs_beta_of_unlike_bodies_is_recovered_with_its_sign(table: ModuleT
     assert first.fault == "coupling"
     material = comparison.scene.material
     beta = coupling_constant(Materials(upper=material.upper, lower=material.lower))
-    stated = float(first.sentence.split("along x, ")[1].split(" of Dundurs")[0])
+    stated = float(first.sentence.split("along x as ")[1].split(" of Dundurs")[0])
     assert stated == pytest.approx(beta, rel=0.12)

@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reports.score.guesses import oddities
 from reports.score.mapping import Mapping
 from reports.score.reading import read
-from reports.score.resultants import free_face, unbalanced
-from scenes import InputError
+from reports.score.resultants import free_face, tension, unbalanced
+from scenes import InputError, load_scene
 
 DATA = Path(__file__).parent / "data"
 P, Q, FRICTION = 400.0, 60.0, 0.3
@@ -153,9 +154,17 @@ def test_a_stated_sign_replaces_that_of_the_slave_face():
 
 def test_what_was_chosen_and_found_is_said():
     notes = " ".join(result("node-to-surface.frd").notes)
-    assert "the contact pulls at some points, by up to 1:" in notes
     assert "the model is 1 thick: the tractions are those of its plane z = -0.5, one of 2" in notes
     assert "the slave face is curved" in " ".join(result("mortar.frd").notes)
+
+
+def test_a_pull_is_named_once():
+    """By the guesses, which know its place; the reader's note is for pulls too small for them."""
+    found = result("node-to-surface.frd")
+    said = [*found.notes, *oddities(found, np.zeros(2), load_scene("hertz-paper"))]
+    assert len([sentence for sentence in said if "pulls" in sentence or "tension" in sentence]) == 1
+    assert len(tension(np.array([[1000.0, -0.5]]))) == 1
+    assert tension(np.array([[1000.0, -1.5]])) == []
 
 
 def test_a_flat_slave_face_is_read_whole():

@@ -109,3 +109,36 @@ def test_one_file_of_each_stem_is_taken_and_an_empty_folder_refused(tmp_path):
     found = results_in(tmp_path)
     assert [path.name for path in found.files] == ["a.frd", "b.csv"]
     assert found.notes == ("Left out of the folder: a.dat, c.md.",)
+
+
+def test_what_a_collection_names_is_read_through_it(tmp_path):
+    """Each instant of a PVD would else be a mesh of its own."""
+    entry = '<DataSet timestep="{k}" file="fine_{k}.vtu"/>'
+    entries = "".join(entry.format(k=k) for k in range(3))
+    head = '<VTKFile type="Collection" version="0.1"><Collection>'
+    (tmp_path / "fine.pvd").write_text(f"{head}{entries}</Collection></VTKFile>", encoding="utf-8")
+    (tmp_path / "coarse.vtu.series").write_text(json.dumps({"files": [{"name": "c0.vtu", "time": 0.0}]}), encoding="utf-8")
+    for name in ("fine_0.vtu", "fine_1.vtu", "fine_2.vtu", "c0.vtu", "alone.vtu"):
+        (tmp_path / name).write_text("x", encoding="utf-8")
+    found = results_in(tmp_path)
+    assert [path.name for path in found.files] == ["alone.vtu", "coarse.vtu.series", "fine.pvd"]
+    assert found.notes == ("Read through the collections that name them: 4 files.",)
+    (tmp_path / "fine.pvd").write_text("<VTKFile", encoding="utf-8")
+    with pytest.raises(InputError, match=r"fine\.pvd: this can't be read as a \.pvd file"):
+        results_in(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "is_result"),
+    [
+        ("Run of 2026-05-04 on 3 meshes: 0.1, 0.05 and 0.025 mm.\nMesh 2 took 17 s.\n", False),
+        ("# x p q\n-1.0 0.0 0.0\n0.0 1.0e2 3D1\n", True),
+        ("x;p;q\n-1,0;0,0;0,0\n", True),
+    ],
+)
+def test_a_text_without_a_table_is_no_result(tmp_path, text, is_result):
+    (tmp_path / "a.csv").write_text("x", encoding="utf-8")
+    (tmp_path / "README.txt").write_text(text, encoding="utf-8")
+    found = results_in(tmp_path)
+    assert [path.name for path in found.files] == (["README.txt", "a.csv"] if is_result else ["a.csv"])
+    assert found.notes == (() if is_result else ("Left out of the folder: README.txt.",))

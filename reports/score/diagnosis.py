@@ -31,10 +31,10 @@ LEAST_STRENGTH = 0.05
 REST = 2.0
 UNKNOWN = "unknown"
 # What a hypothesis must explain more than a plainer one, for each figure fitted: of two that explain all, the plainer is named. The
-# flaws that move edges of contact lean on a fitted stiffness or offset besides.
+# flaws that move edges of contact lean on a fitted stiffness or offset besides; a coarse edge takes what it finds, point by point.
 COST = 0.01
-FITTED = {"small_body": 3, "soft_normal": 2, "coupling": 2} | dict.fromkeys(
-    ("traction_factor", "offset", "stiffness", "loads", "friction", "other_times", "elastic_slip"), 1
+FITTED = {"coarse_edge": 10, "small_body": 3, "soft_normal": 2, "coupling": 2} | dict.fromkeys(
+    ("traction_factor", "pressure_factor", "offset", "stiffness", "loads", "friction", "other_times", "elastic_slip"), 1
 )
 
 

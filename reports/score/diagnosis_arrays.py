@@ -13,6 +13,8 @@ from reports.score.diagnosis_hypothesis import Hypothesis
 NEAR = 0.02
 # Below this a factor is no fault of a file; modulus, radius or loads explain it better.
 LEAST_FACTOR = 0.01
+# No elastic contact has another pressure and the same width and shear, so a factor of p alone has no rival.
+LEAST_OF_PRESSURE = 1e-3
 
 
 def array_faults(what: Discrepancy) -> Iterator[Hypothesis]:
@@ -24,6 +26,8 @@ def array_faults(what: Discrepancy) -> Iterator[Hypothesis]:
         yield Hypothesis("frictionless", (p, np.zeros_like(q)), {"shear left": _size(what, 1)})
     yield Hypothesis("pressure_sign", (-p, q), mend=lambda found: (-found[0], found[1]))
     yield from _factor(what)
+    if np.any(q):
+        yield from _pressure_factor(what)
 
 
 def _size(what: Discrepancy, which: int) -> float:
@@ -54,3 +58,11 @@ def _factor(what: Discrepancy) -> Iterator[Hypothesis]:
         {"factor": 10.0 ** round(power) if unit else float(k)},
         mend=lambda found: (found[0] / k, found[1] / k),
     )
+
+
+def _pressure_factor(what: Discrepancy) -> Iterator[Hypothesis]:
+    """The pressure k times too large, the shear right."""
+    p, q = what.expected
+    k = float(np.sum(what.weight * what.found[0] * p) / np.sum(what.weight * p**2))
+    if k > 0 and abs(k - 1) > LEAST_OF_PRESSURE:
+        yield Hypothesis("pressure_factor", (k * p, q), {"factor": k}, mend=lambda found: (found[0] / k, found[1]))

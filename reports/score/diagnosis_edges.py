@@ -11,8 +11,10 @@ from reports.score.diagnosis_hypothesis import Hypothesis
 
 # Spacings to each side of an edge that a mesh can get wrong: the element with the edge in it, and its neighbour.
 REACH = 2.0
-# A traction that leaves the edge as a root is off by about sqrt(2 h/a) of its peak over the element with the edge, and no more.
-MOST = 1.0
+# A traction that leaves the edge as a root is off by about sqrt(2 h/a) of its peak over the element with the edge: shear, at stick
+# edges, by up to 1.2 of that on meshes of a/5 to a/24, pressure by up to 0.36, its edge being found to a part of an element
+# (benchmarks/diagnosis.py). A soft layer or a short body moves the pressure's edge by 0.7 to 1.5 of that.
+MOST = (0.4, 1.0)
 
 
 def coarse_edge(what: Discrepancy) -> Iterator[Hypothesis]:
@@ -23,18 +25,21 @@ def coarse_edge(what: Discrepancy) -> Iterator[Hypothesis]:
     """
     half = what.comparison.scales.half_width
     near, spacing = _near_edges(what)
-    allowed = MOST * np.sqrt(2 * spacing / half)
+    root = np.sqrt(2 * spacing / half)
     units = what.comparison.scales.pressure, what.comparison.scales.shear
     parts = []
-    for found, expected, unit in zip(what.found, what.expected, units, strict=True):
-        off = np.clip(found - expected, -allowed * unit, allowed * unit)
+    for found, expected, unit, most in zip(what.found, what.expected, units, MOST, strict=True):
+        off = np.clip(found - expected, -most * root * unit, most * root * unit)
         parts.append(expected + np.where(near, off, 0.0))
     edge = float(np.median(spacing[near.any(axis=0)])) / half if near.any() else float("nan")
     yield Hypothesis("coarse_edge", (parts[0], parts[1]), {"spacing": edge})
 
 
 def _near_edges(what: Discrepancy) -> tuple[Array, Array]:
-    """(k, n) points within reach of an edge of the reference, and (n,) the spacing of the points."""
+    """(k, n) points within reach of an edge of the reference, and (n,) the spacing of the points.
+
+    The edges are those of the instant, and those of the smallest stick zone: what a mesh gets wrong there stays locked in.
+    """
     x = what.x
     steps = np.diff(x)
     spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
@@ -45,4 +50,7 @@ def _near_edges(what: Discrepancy) -> tuple[Array, Array]:
             place = edges[:, side][:, None]
             with np.errstate(invalid="ignore"):
                 near |= np.abs(x - place) <= REACH * spacing
+    inner = np.abs(cycle.stick_edges)
+    if np.isfinite(inner).any():
+        near |= np.abs(np.abs(x) - np.nanmin(inner)) <= REACH * spacing
     return near, spacing

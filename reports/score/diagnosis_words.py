@@ -17,6 +17,8 @@ FAULTS = {
     "units": "The tractions are {factor:g} times too large on the right widths: a factor of units.",
     "traction_factor": "The tractions are {factor:.4g} times too large on the right widths: a thickness, a unit or a share of the "
     "surface counted twice; no elastic contact carries other loads on the same width.",
+    "pressure_factor": "The pressure alone is {factor:.4g} times too large, on the right widths with the right shear: a unit or "
+    "an area of that one column; another load or modulus would change widths and shear with it.",
     "offset": "The contact is {distance:.3g} a_ref off along x: the origin of x is not the centre of the profile.",
     "stiffness": "The bodies are {factor:.3g} times as stiff for their curvature as the scene's: check E, nu, plane strain against"
     " plane stress, and the radius ({likely}).",
@@ -39,8 +41,8 @@ FAULTS = {
     "too wide and its peak too low; make the normal stiffness larger, or use Lagrange multipliers.",
     "small_body": "The bodies are too small, or held too near: their far field bends the faces like curvatures of {normal:.2g} P/E*"
     " and shears them by {shear:.2g} Q/E* over a_ref^2; make them larger, or compare with finite bodies.",
-    "coupling": "Pressure moves the faces along x, {beta:.2g} of Dundurs' beta: the materials are not alike, or not those of the "
-    "scene; half-plane theory of like bodies has none of it.",
+    "coupling": "Pressure moves the faces along x as {beta:.2g} of Dundurs' beta would: the bodies are not alike, in material "
+    "(then not the scene's) or in shape (a narrow pad on a wide block); half-plane theory of like bodies has none of it.",
     "coarse_edge": "The mesh is too coarse at the edges of contact and stick: the discrepancy stays within two elements of them; "
     "make the elements there smaller than {spacing:.2g} a_ref.",
 }

@@ -8,13 +8,20 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _ADDS_UP = 0.02  # below what trapezia over ten elements a half-width lose at a square-root edge
+_PULLS = 1e-3  # of the largest pressure: as far as a pull is small; `guesses` names what goes beyond
 _TOUCHES = 0.01  # of the largest pressure: below it a point counts as free where nothing else tells
 
 
 def tension(pressure: Array) -> list[str]:
-    """A sentence where the contact pulls."""
+    """A sentence where the contact pulls a little; `guesses.oddities` names what is more, with its place.
+
+    >>> tension(np.array([[100.0, -0.05]]))
+    ['the contact pulls at some points, by up to 0.05: kept as it is (a linear overclosure law allows it)']
+    >>> tension(np.array([[100.0, -1.5]]))
+    []
+    """
     least = float(pressure.min())
-    if least >= 0:
+    if least >= 0 or least < -_PULLS * float(pressure.max()):
         return []
     return [f"the contact pulls at some points, by up to {-least:.4g}: kept as it is (a linear overclosure law allows it)"]
 
