@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import performance_growth
+import performance_half_plane
 import performance_peers
 import performance_precision
 import performance_skipping
@@ -47,6 +48,7 @@ class Section(Protocol):
 
 SECTIONS: dict[str, Section] = {
     "precision": performance_precision,
+    "half-plane": performance_half_plane,
     "peers": performance_peers,
     "growth": performance_growth,
     "start": performance_start,
@@ -79,7 +81,7 @@ def measure(name: str) -> None:
     found = SECTIONS[name].measure()
     about["load after"] = round(os.getloadavg()[0], 1)
     about["seconds"] = {"wall": round(time.perf_counter() - begun), "process": round(time.process_time() - spent)}
-    text = json.dumps({"made": about, "found": found}, indent=1, sort_keys=True)
+    text = json.dumps({"made": about, "found": found}, indent=1)
     (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
     print(f"    {about['seconds']['wall']} s", flush=True)
 

@@ -1,4 +1,4 @@
-"""Error against CPU time: finite elements on four scenes, half-plane theory and its naive peer on four; where the defaults lie.
+"""Error against CPU time of the finite elements on four scenes, and whether the defaults lie on the front.
 
 The error of a dissipation may be small by chance, the mesh's part and the increments' being of opposite signs; so on half-planes
 the sizes of the two are added, and the shear traction is the second measure. On blocks there is no exact answer: the truth is the
@@ -8,22 +8,21 @@ model itself, finer in everything.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import fe_precision
-import semi_analytic_precision as theory
 from fe_precision import DEFAULT, FINE, SWIFT, Setting, sizes
 
 import halfplane_fe
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.drawing import COLOURS, canvas, label_axes
+from reports.drawing import canvas, label_axes
 from scenes import load_scene
 
-TITLE = "Error against time"
+TITLE = "Error against time: finite elements"
 FREE = float("inf")
 # Faster and more exact, both by more than this share, is better; CPU times of a busy machine vary by about as much.
 MARGIN = 0.25
@@ -33,12 +32,6 @@ REFERENCE = Setting(
     SolverSettings(steps_per_cycle=192, step_tolerance=5e-5),
 )
 SCENES = ("hertz-paper", "flat-rounded-paper", "cattaneo-mindlin", "blocks")
-THEORY_CASES = {
-    "hertz-paper": "hertz-paper",
-    "flat face, the paper's loads": "flat-rounded-paper's loads, b/a = 0.7",
-    "1e-6 from gross sliding": "1e-6 from gross sliding",
-    "slip of 1e-6 of f P": "slip of 1e-6 of f P",
-}
 MARKS = ("*", "o", "s", "^", "P", "D", "v", "X")
 POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance")
 
@@ -114,27 +107,14 @@ def better(found: dict[str, Any], default: dict[str, Any], key: str) -> list[str
     ]
 
 
-def half_plane() -> dict[str, Any]:
-    """The methods of `semi_analytic_precision.py` on its cases, and on Cattaneo and Mindlin's."""
-    return {
-        title: {method: [point._asdict() for point in points] for method, points in theory.study(name).items()}
-        for name, title in THEORY_CASES.items()
-    }
-
-
 def measure() -> dict[str, Any]:
-    """Both engines."""
+    """Every scene."""
     fe_precision.measure("hertz-paper", SWIFT)  # the first run of a process also reads what the later ones find
-    return {"finite elements": {name: finite_elements(name) for name in SCENES}, "half-plane": half_plane()}
+    return {name: finite_elements(name) for name in SCENES}
 
 
-def draw(found: dict[str, Any], folder: Path) -> None:
-    """A figure for each engine."""
-    _draw_finite_elements(found["finite elements"], folder)
-    _draw_half_plane(found["half-plane"], folder)
-
-
-def _draw_finite_elements(scenes: dict[str, Any], folder: Path) -> None:
+def draw(scenes: dict[str, Any], folder: Path) -> None:
+    """Error over time, a panel a scene and measure."""
     panels = [(name, "work") for name in scenes] + [(name, "shear") for name in scenes if name != "blocks"]
     with canvas(11.0, 6.4) as figure:
         axes = figure.subplots(2, 4)
@@ -174,39 +154,9 @@ def _plain_ticks(axes: Any) -> None:
     axes.minorticks_off()
 
 
-METHODS = {
-    "plain Gauss": "Gauss, 4 to 32 nodes a phase",
-    "the engine's rule": "the engine's rule (default)",
-    "straight steps": "memory curve, 50 to 3200 straight steps",
-    "discretised": "naive discretised half-plane, 20 to 160 elements",
-}
-
-
-def _draw_half_plane(cases: dict[str, Any], folder: Path) -> None:
-    with canvas(11.0, 3.6) as figure:
-        axes = figure.subplots(1, 4, sharey=True)
-        for one, (title, methods) in zip(axes, cases.items(), strict=True):
-            for (method, points), colour, mark in zip(methods.items(), ("#0072B2", "#111111", *COLOURS[1:3]), "o*s^", strict=True):
-                one.loglog(
-                    [point["seconds"] for point in points],
-                    [point["error"] for point in points],
-                    color=colour,
-                    marker=mark,
-                    ls="-" if len(points) > 1 else "none",
-                    ms=11 if mark == "*" else 5,
-                    label=METHODS[method],
-                )
-            label_axes(one, "CPU time of one W [s]", "error of W" if one is axes[0] else "", title)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncols=4, frameon=False, fontsize=8)
-        figure.tight_layout(rect=(0, 0.08, 1, 1))
-        figure.savefig(folder / "precision_half_plane.svg", metadata={"Date": None})
-
-
 def page(found: dict[str, Any]) -> list[str]:
     """Figures, whether the defaults lie on the front, and what each costs and buys."""
     lines = [
-        "### Finite elements",
-        "",
         "![Error of the finite elements over CPU time, four scenes](performance/precision_fe.svg)",
         "",
         "Error of W on half-planes: the mesh's part (against the exact answer to the polygon of its own increments) and the "
@@ -215,11 +165,10 @@ def page(found: dict[str, Any]) -> list[str]:
         "increments and half the step tolerance. Quadratic and linear elements are compared over the whole history.",
         "",
     ]
-    for name, scene in found["finite elements"].items():
+    for name, scene in found.items():
         lines += _verdict(name, scene)
     lines += ["", "What each default costs and buys, default over alternative (time; error of W; error of q):", ""]
-    lines += _alternatives(found["finite elements"])
-    lines += _half_plane_page(found["half-plane"])
+    lines += _alternatives(found)
     return lines
 
 
@@ -266,29 +215,4 @@ def _alternatives(scenes: dict[str, Any]) -> list[str]:
             ratios = [f"{default[key] / other[key]:.2g}" for key in ("seconds", "work", "shear") if other[key] is not None]
             cells.append("; ".join(ratios))
         lines.append(f"| {what} | {group}: {text} | {' | '.join(cells)} |")
-    return lines
-
-
-def _half_plane_page(cases: dict[str, Any]) -> list[str]:
-    lines = [
-        "",
-        "### Half-plane theory",
-        "",
-        "![Error of W over CPU time, theory and the naive peer, four cases](performance/precision_half_plane.svg)",
-        "",
-        "One W of a steady cycle at a time, one thread, against 30 digits. The engine's rule has no setting: it takes the nodes "
-        "that it needs. Plain Gauss is faster to few digits where nothing is extreme, and does not arrive near gross "
-        "sliding or with tiny slip. The naive discretised half-plane is `benchmarks/discretised_half_plane.py`.",
-        "",
-        "| case | engine: error | time [ms] | best of Gauss | time [ms] | best of straight steps | time [ms] | best of the naive peer "
-        "| time [ms] |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for title, methods in cases.items():
-        cells = []
-        for method in ("the engine's rule", "plain Gauss", "straight steps", "discretised"):
-            points = methods[method]
-            best: Callable[[dict[str, float]], float] = lambda point: point["error"]  # noqa: E731
-            cells += [f"{min(points, key=best)['error']:.1e} | {1e3 * min(points, key=best)['seconds']:.2g}"] if points else [" | "]
-        lines.append(f"| {title} | {' | '.join(cells)} |")
     return lines

@@ -154,9 +154,13 @@ def product(case: Case, scene: Scene) -> float:
 
 
 def study(name: str) -> dict[str, list[Point]]:
-    """Every method on one case."""
-    case, scene = CASES[name], scene_of(CASES[name])
-    exact = mp.mpf(json.loads(FILE.read_text(encoding="utf-8"))[name])
+    """Every method on one of the cases."""
+    return methods_on(CASES[name], mp.mpf(json.loads(FILE.read_text(encoding="utf-8"))[name]))
+
+
+def methods_on(case: Case, exact: mp.mpf) -> dict[str, list[Point]]:
+    """Every method on a case whose dissipation is `exact`."""
+    scene = scene_of(case)
     contact = contact_of(scene.profile, scene.material)
 
     def points(sizes: tuple[int, ...], work: Callable[[int], float]) -> list[Point]:
