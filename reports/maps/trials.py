@@ -87,9 +87,9 @@ def odd_part(folder: Path) -> list[str]:
         )
     head = ["f", "width / height", "height / a", "error of dissipation, %", "even part, %", "rest times (h/a)²"]
     words = (
-        "The even part is half of what two equal blocks do, by the correction's theory (`reports/maps/quadratic.py`); nothing of it "
-        "was fitted to these points. The rest is the coupling of normal and shear tractions by the odd part of one block's kernel, which "
-        "two equal blocks cancel, and what series in a/h leave out."
+        "The even part is half of what two equal blocks do, by the correction's theory (`reports/maps/quadratic.py`); nothing of "
+        "it was fitted to these points. The rest is what two equal blocks cancel, the coupling of normal and shear tractions by "
+        "the odd part of one block's kernel, and what a series in a/h leaves out."
     )
     return ["## What one block does that two do not", words, table(head, rows)]
 
