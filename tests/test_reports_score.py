@@ -39,6 +39,13 @@ def test_an_exact_result_scores_nothing(name):
             assert abs(metric.value) < SAME, metric.key
 
 
+@pytest.fixture
+def undiagnosed(monkeypatch):
+    """Metrics and sentences alone: the diagnosis has tests of its own (test_reports_score_diagnosis.py)."""
+    monkeypatch.setattr("reports.score.scoring.diagnosed", lambda comparison: comparison)
+
+
+@pytest.mark.usefixtures("undiagnosed")
 @pytest.mark.parametrize("name", ["hertz-paper", "cattaneo-mindlin"])
 def test_a_disturbed_result_scores_as_compare_does(name):
     """The metrics of the tractions owe nothing to how the result came in."""
@@ -76,6 +83,7 @@ def test_a_result_with_the_way_in_is_matched_from_the_start():
     assert abs(found.metric("shear").value) < 1e-6
 
 
+@pytest.mark.usefixtures("undiagnosed")
 def test_one_instant_alone_is_scored_and_the_rest_said_to_be_missing():
     solution = exact("hertz-paper")
     one = _score(solution, p=solution.pressure[7], q=1.1 * solution.shear[7], time=solution.time[7])
@@ -179,6 +187,7 @@ def test_pressure_counted_negative_is_turned_and_named():
     assert found.passed
 
 
+@pytest.mark.usefixtures("undiagnosed")
 def test_tension_at_some_points_stays_and_is_named():
     solution = exact("hertz-paper")
     pressure = np.where(solution.pressure > 0, solution.pressure, -0.02 * solution.pressure.max())

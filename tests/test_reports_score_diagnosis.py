@@ -83,6 +83,23 @@ def test_and_on_cattaneo_and_mindlin_at_once(table: ModuleType, key: str) -> Non
     assert keys(diagnose(planted(table, key, "cattaneo-mindlin")))[0] == key
 
 
+@pytest.mark.parametrize(("key", "severity"), [("steps", 48.0), ("elastic_slip", 240.0), ("coarse_edge", 1 / 12)])
+def test_a_mild_fault_of_the_model_is_named_where_it_is_alone(table: ModuleType, key: str, severity: float) -> None:
+    """Steps and thin layers whose traces lie within one coarse element of the model; errors of a mesh that stay locked in."""
+    assert keys(diagnose(planted(table, key, "hertz-paper", severity)))[0] == key
+
+
+def test_flaws_of_the_model_are_not_looked_for_where_theory_explains_all(
+    table: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    monkeypatch.setattr("reports.score.diagnosis.flaw_faults", lambda *given: asked.append(given) or ())
+    assert keys(diagnose(planted(table, "friction", "cattaneo-mindlin"))) == ["friction"]
+    assert not asked
+    diagnose(planted(table, "steps", "cattaneo-mindlin"))
+    assert asked
+
+
 @pytest.mark.parametrize(
     ("key", "severity", "name"),
     [
