@@ -14,7 +14,7 @@ from halfplane_fe.penalty import PenaltyAudit
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
 from halfplane_fe.visible import visible_states
-from scenes import Record, Scene, SurfaceState, freeze
+from scenes import Interrupted, Record, Scene, SurfaceState, freeze
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
@@ -133,7 +133,7 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
 
 def _termination(run: PathRun) -> str:
     if run.failure is not None:
-        return "not converged"
+        return "interrupted" if isinstance(run.failure, Interrupted) else "not converged"
     return "end of path" if run.steady_from is None else "steady"
 
 

@@ -12,7 +12,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.energy import certificates
 from halfplane_fe.path import stretches
 from halfplane_fe.stepping import Increment, follow
-from scenes import ConvergenceError, Leg, LoadPath
+from scenes import ConvergenceError, Interrupted, Leg, LoadPath
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int | None, str], None]
@@ -46,7 +46,7 @@ class PathRun:
     cycle_density: list[Array] = field(default_factory=list)
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
-    failure: ConvergenceError | None = None
+    failure: ConvergenceError | Interrupted | None = None
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Pace:
 def run_path(problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, progress: Progress) -> PathRun:
     """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats.
 
-    A ConvergenceError does not get lost: it ends the run and is kept in `failure` with everything solved before it.
+    Neither a ConvergenceError nor Ctrl-C gets lost: it ends the run and is kept in `failure` with everything solved before it.
     """
     run = PathRun([untouched(problem.height, path.start)])
     try:
@@ -88,7 +88,17 @@ def run_path(problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, p
                 break
     except ConvergenceError as failure:
         run.failure = failure
+    except KeyboardInterrupt:
+        _drop_unfinished(run)
+        run.failure = Interrupted(f"interrupted at time {run.states[-1].time:.6g}, after {len(run.increments)} steps")
     return run
+
+
+def _drop_unfinished(run: PathRun) -> None:
+    """Leave only steps of which everything is there: an interrupt falls between any two instructions."""
+    whole = min(len(run.increments), len(run.checks), len(run.states) - 1)
+    del run.increments[whole:], run.checks[whole:], run.states[whole + 1 :]
+    run.cycle_starts[:] = [start for start in run.cycle_starts if start <= whole]
 
 
 def _density(problem: ContactProblem, increments: list[Increment]) -> Array:

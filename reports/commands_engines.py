@@ -7,13 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from reports import jobs
-from reports.application import NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.application import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 from reports.folder import claim, default_folder
 from reports.options import FiniteElementOptions
 from reports.series import Wish, check_series
 from reports.tables import show_budget, show_expected, show_fields, show_third, show_verdict
-from scenes import ContactSolution, ConvergenceError, InputError, Scene
+from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene
 
 
 def run(
@@ -57,6 +57,8 @@ def run(
                 stress=stress,
                 pdf=pdf,
             )
+    except Interrupted as stop:
+        return _interrupted(stop, folder)
     except ConvergenceError as failure:
         if as_json:
             from reports.machine import failure_json
@@ -122,6 +124,8 @@ def fields(source: str, wish: Wish, out: Path | None, quiet: bool, options: Fini
 
             solution = jobs.solve_finite_elements(scene, options, stages)
             report = fields_job.fields(solution, folder, wish, stages, command=command)
+    except Interrupted as stop:
+        return _interrupted(stop, folder)
     except ConvergenceError as failure:
         return _not_converged(failure, scene, folder)
     show_fields(scene, report)
@@ -159,6 +163,8 @@ def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, S
     try:
         with jobs.naming(source):
             solution = solve(scene, stages)
+    except Interrupted as stop:
+        return _interrupted(stop, folder)
     except ConvergenceError as failure:
         return _not_converged(failure, scene, folder)
     path = write_solution(solution, folder)
@@ -166,6 +172,18 @@ def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, S
     met = show_expected(scene, (solution,))
     say(str(path))
     return WITHIN if is_admissible(solution) and met else OUTSIDE
+
+
+def _interrupted(stop: Interrupted, folder: Path) -> int:
+    """Keep what was solved until Ctrl-C, and say what that is."""
+    from reports.single import write_solution
+
+    solved = stop.partial
+    if solved is None or len(solved.time) < 2:
+        raise KeyboardInterrupt from stop
+    path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
+    complain(f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1} steps)")
+    return INTERRUPTED
 
 
 def _not_converged(failure: ConvergenceError, scene: Scene, folder: Path) -> int:

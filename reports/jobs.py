@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from reports.checking import require_admissible
 from reports.console import Stages
 from reports.options import FiniteElementOptions
-from scenes import ContactSolution, InputError, Scene, load_scene
+from scenes import ContactSolution, InputError, Interrupted, Scene, load_scene
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
@@ -107,32 +107,42 @@ def run(
         require_typst("--pdf")
     begun = time.process_time()
     result = solve_finite_elements(scene, options, stages)
-    reference = solve_half_plane(scene, stages, result)
-    polygon = solve_half_plane(scene, stages, result, straight_steps=True)
-    with stages.stage("comparison"):
-        from reports.comparison import compare
+    with _keeping(result):
+        reference = solve_half_plane(scene, stages, result)
+        polygon = solve_half_plane(scene, stages, result, straight_steps=True)
+        with stages.stage("comparison"):
+            from reports.comparison import compare
 
-        comparison = compare(reference, result, polygon_reference=polygon)
-    if budget:
-        comparison = _with_budget(comparison, options, stages, time.process_time() - begun)
-    third = None if third_limit is None else _third(scene, options, result, third_limit, stages, command)
-    with stages.stage("report"):
-        from reports.fields import instants_of
-        from reports.writing import write
+            comparison = compare(reference, result, polygon_reference=polygon)
+        if budget:
+            comparison = _with_budget(comparison, options, stages, time.process_time() - begun)
+        third = None if third_limit is None else _third(scene, options, result, third_limit, stages, command)
+        with stages.stage("report"):
+            from reports.fields import instants_of
+            from reports.writing import write
 
-        instants = [instant.time for instant in instants_of(vtu, result, "--vtu")]
-        page = write(
-            comparison,
-            out,
-            vtu_instants=instants,
-            command=command,
-            seconds=dict(stages.seconds),
-            third=third,
-            stress_instants=instants_of(stress, result, "--stress"),
-            pdf=pdf,
-            log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
-        )
-    return Report(comparison, page, stages.seconds, third)
+            instants = [instant.time for instant in instants_of(vtu, result, "--vtu")]
+            page = write(
+                comparison,
+                out,
+                vtu_instants=instants,
+                command=command,
+                seconds=dict(stages.seconds),
+                third=third,
+                stress_instants=instants_of(stress, result, "--stress"),
+                pdf=pdf,
+                log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
+            )
+        return Report(comparison, page, stages.seconds, third)
+
+
+@contextmanager
+def _keeping(result: ContactSolution) -> Generator[None, None, None]:
+    """Ctrl-C after the finite elements are solved hands on what they found."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        raise Interrupted("interrupted after the finite elements were solved", result) from stop
 
 
 def _third(

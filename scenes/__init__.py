@@ -3,7 +3,7 @@
 from scenes.bodies import Block, Bodies, Cylinder, HalfPlane, Pad, Shape
 from scenes.callable_loads import CallableLoad, ChebyshevLeg
 from scenes.callables import CallableProfile
-from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError
+from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted
 from scenes.expected import Expected
 from scenes.harmonics import HarmonicLeg, HarmonicLoad
 from scenes.loads import EllipseLeg, EllipseLoad, Leg, LoadPath, ParabolaLeg, PolygonLoad, StraightLeg
@@ -39,6 +39,7 @@ __all__ = [
     "Hertz",
     "InadmissibleLoadError",
     "InputError",
+    "Interrupted",
     "Leg",
     "LoadPath",
     "Materials",

@@ -52,3 +52,17 @@ class ConvergenceError(RuntimeError):
     def __init__(self, message: str, partial: ContactSolution | None = None) -> None:
         self.partial = partial
         super().__init__(message)
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C while something was solved (exit code 130); what was solved before is kept.
+
+    Attributes
+    ----------
+    partial : ContactSolution or None
+        The solution up to the last accepted step, or the whole of one that later work was interrupted on.
+    """
+
+    def __init__(self, message: str = "", partial: ContactSolution | None = None) -> None:
+        self.partial = partial
+        super().__init__(message)

@@ -1,0 +1,146 @@
+"""The program killed, starved and doubled, as a process of its own: shared by the tests of faults and benchmarks/faults.py."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+from reports.sweep.store import Store
+from scenes import ContactSolution
+from test_cli_commands import COARSE, ROOT, environment
+
+# What is timed, and what the store of bodies saved: all else of two runs must be the same to the last bit.
+TIMED = ("seconds", "command", "condensations", "sparse factorisations")
+PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
+STUDY = """scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation", "exact.peak_dissipation"]
+[[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {start = 1.0, stop = 2.0, count = 40}\n"""
+JOBS = {
+    "run": ("run", "hertz-paper", *COARSE, "--out", "out"),
+    "sweep": ("sweep", "study.toml", "--workers", "1", "--out", "out", "--resume"),
+    "cache": ("fe", "cattaneo-mindlin", *COARSE, "--out", "out"),
+}
+
+
+def started(folder: Path, job: str) -> subprocess.Popen[str]:
+    """A job in a session of its own, so that its workers can be killed with it."""
+    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    command = [sys.executable, "-m", "reports", *JOBS[job], "--quiet"]
+    own = {"HALFPLANE_CACHE": str(folder / "cache"), "PYTHONPATH": str(folder.parent / "code")}
+    return subprocess.Popen(
+        command,
+        cwd=folder,
+        env=environment() | own,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def finished(folder: Path, job: str) -> int:
+    process = started(folder, job)
+    _, errors = process.communicate(timeout=300)
+    assert "Traceback" not in errors, errors
+    return process.returncode
+
+
+def killed(folder: Path, job: str, after: float) -> None:
+    """SIGKILL to the process and its workers, `after` seconds from the start; nothing if it is done by then."""
+    process = started(folder, job)
+    try:
+        process.communicate(timeout=after)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+
+
+def half_files(folder: Path) -> list[str]:
+    """Files under a name that a reader would open, and that are not whole; what is hidden or ends in .part has no such name."""
+    found = []
+    for path in sorted(folder.rglob("*")):
+        parts = path.relative_to(folder).parts
+        if not path.is_file() or any(part.startswith(".") for part in parts) or path.suffix == ".part":
+            continue
+        if not _whole(path):
+            found.append("/".join(parts))
+    store = Store(folder / "out")
+    damaged = [address for address in store.addresses() if store.read(address) is None]
+    return found + damaged
+
+
+def _whole(path: Path) -> bool:
+    try:
+        match path.suffix:
+            case ".json":
+                json.loads(path.read_text(encoding="utf-8"))
+            case ".nc":
+                ContactSolution.load(path)
+            case ".npz":
+                with zipfile.ZipFile(path) as archive:
+                    return archive.testzip() is None
+            case ".html":
+                return path.read_text(encoding="utf-8").rstrip().endswith("</html>")
+            case ".csv" | ".toml" | ".log":
+                return path.read_text(encoding="utf-8").endswith("\n")
+    except (ValueError, OSError, zipfile.BadZipFile):
+        return False
+    return True
+
+
+def numbers(folder: Path) -> dict[str, str]:
+    """Everything computed that lies in `folder`, by file; what is timed taken out."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder).as_posix()
+        if path.suffix == ".json" and path.name != "manifest.json":
+            content = json.loads(path.read_text(encoding="utf-8"))
+            found[name] = json.dumps(untimed(content.get("result", content) if "sha256" in content else content), sort_keys=True)
+        elif path.suffix == ".csv" and path.name != "index.csv":
+            found[name] = path.read_text(encoding="utf-8")
+        elif path.suffix == ".nc":
+            data = ContactSolution.load(path).to_dataset()
+            found[name] = "".join(str(data[key].values.tobytes()) for key in sorted(map(str, data.variables)))
+    return found
+
+
+def untimed(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: untimed(entry) for key, entry in value.items() if not any(word in key for word in TIMED)}
+    return [untimed(entry) for entry in value] if isinstance(value, list) else value
+
+
+def survive(folder: Path, job: str, kills: int, seed: int, longest: float, truth: dict[str, str]) -> int:
+    """Kill the job `kills` times at random moments, look at what lies there each time, then let it end; returns how often it held.
+
+    Whole or absent after each kill, and in the end the numbers of an undisturbed run bit for bit.
+    """
+    chance, held = random.Random(seed), 0
+    for _ in range(kills):
+        killed(folder, job, chance.uniform(0.2, longest))
+        halves = half_files(folder)
+        assert halves == [], halves
+        held += 1
+    assert finished(folder, job) in (0, 1)
+    assert half_files(folder) == []
+    assert numbers(folder / "out") == truth
+    return held
+
+
+def undisturbed(folder: Path, job: str) -> tuple[dict[str, str], float]:
+    """The numbers of a run that nothing happened to, and how long it took."""
+    for package in PACKAGES:  # nobody edits these while jobs run
+        if not (folder.parent / "code" / package).exists():
+            left_out = shutil.ignore_patterns("published", "__pycache__")
+            shutil.copytree(ROOT / package, folder.parent / "code" / package, ignore=left_out)
+    folder.mkdir()
+    begun = time.monotonic()
+    assert finished(folder, job) in (0, 1)
+    return numbers(folder / "out"), time.monotonic() - begun

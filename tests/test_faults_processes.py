@@ -1,0 +1,259 @@
+"""Kills, Ctrl-C, full and read-only disks, two processes at once: every file whole or absent, the same numbers in the end."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+import halfplane_fe
+import reports
+import semi_analytic
+from faulty_processes import JOBS, finished, half_files, numbers, started, survive, undisturbed
+from halfplane_fe import store
+from meshes import MeshSettings
+from reports.comparison import Comparison
+from reports.folder import filled
+from scenes import ContactSolution, InputError, Interrupted, load_scene
+from test_cli_commands import COARSE, environment, everything
+from test_reports_synthetic import cattaneo_mindlin
+
+MESH = MeshSettings(element_size=0.25, edge_element_size=0.25, order=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("job", JOBS)
+def test_killed_sixty_seven_times_a_job_leaves_whole_files_and_ends_with_the_same_bits(job: str, tmp_path: Path) -> None:
+    truth, seconds = undisturbed(tmp_path / "truth", job)
+    assert len(truth) > 2
+    (tmp_path / "killed").mkdir()
+    assert survive(tmp_path / "killed", job, 67, 3, seconds, truth) == 67
+
+
+@pytest.fixture(scope="module")
+def comparison() -> Comparison:
+    return reports.compare(cattaneo_mindlin(), cattaneo_mindlin())
+
+
+def writing(comparison: Comparison, folder: Path, done: int) -> None:
+    """What a process does that is killed while it writes: `done` of the moves, then the end."""
+    moves = 0
+    real = os.replace
+
+    def replace(source: str, target: str) -> None:
+        nonlocal moves
+        moves += 1
+        if moves > done:
+            os.kill(os.getpid(), signal.SIGKILL)
+        real(source, target)
+
+    os.replace = replace  # type: ignore[assignment]
+    reports.write(comparison, folder / "out")
+
+
+@pytest.mark.parametrize("done", [0, 1, 3, 7, 11, 15])
+def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, comparison: Comparison, tmp_path: Path) -> None:
+    """SIGKILL at the one place where it can hurt: while finished files go to their names. The page and the manifest come last."""
+    child = os.fork()
+    if not child:
+        writing(comparison, tmp_path, done)
+        os._exit(0)
+    _, status = os.waitpid(child, 0)
+    assert os.WIFSIGNALED(status)
+    assert half_files(tmp_path) == []
+    assert not (tmp_path / "out" / "report.html").exists()
+    assert len([name for name in everything(tmp_path / "out") if "." in name]) == done if done else True
+
+
+def test_half_a_file_is_seen(tmp_path: Path) -> None:
+    """The tester tested."""
+    (tmp_path / "out").mkdir()
+    for name in ("a.json", "b.html", "c.csv", "d.nc", "e.npz"):
+        (tmp_path / "out" / name).write_text('{"half": ')
+    assert len(half_files(tmp_path)) == 5
+
+
+def interrupted(folder: Path, *words: str) -> tuple[int, str]:
+    """Exit code and stderr of a command that gets Ctrl-C once it tells of its steps."""
+    command = [sys.executable, "-m", "reports", *words]
+    with subprocess.Popen(
+        command, cwd=folder, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr is not None
+        told = ""
+        for line in process.stderr:
+            told += line
+            if "steps" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        _, rest = process.communicate(timeout=120)
+    return process.returncode, told + rest
+
+
+@pytest.mark.parametrize("command", ["fe", pytest.param("run", marks=pytest.mark.slow)])
+def test_an_interrupt_is_130_and_what_was_solved_is_kept_and_said(command: str, tmp_path: Path) -> None:
+    code, told = interrupted(tmp_path, command, "hertz-paper", *COARSE[:-1], "4000", "--out", "out")
+    assert code == 130, told
+    assert "Traceback" not in told
+    assert "interrupted at time" in told
+    assert "what was solved is kept in out/partial.nc" in told
+    kept = ContactSolution.load(tmp_path / "out" / "partial.nc")
+    assert not kept.record.converged
+    assert kept.record.termination == "interrupted"
+    assert len(kept.time) > 1
+    assert np.isfinite(kept.pressure).all()
+    assert half_files(tmp_path) == []
+
+
+def test_an_interrupt_between_two_lists_leaves_them_of_one_length(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps, their checks and states are three lists: Ctrl-C may fall between two of them."""
+    real, calls = halfplane_fe.run.certificates, 0
+
+    def certificates(*given: object) -> object:
+        nonlocal calls
+        calls += 1
+        if calls == 60:
+            raise KeyboardInterrupt
+        return real(*given)
+
+    scene = load_scene("cattaneo-mindlin")
+    whole = halfplane_fe.solve(scene, MESH)
+    monkeypatch.setattr(halfplane_fe.run, "certificates", certificates)
+    with pytest.raises(Interrupted, match=r"after \d+ steps") as stop:
+        halfplane_fe.solve(scene, MESH, scales=whole.scales)
+    kept = stop.value.partial
+    assert kept is not None
+    assert len(kept.time) == 60
+    np.testing.assert_array_equal(kept.shear, whole.shear[:60])
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 200 kB."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = shutil.which("mount")
+    if (
+        mount is None
+        or os.geteuid()
+        or subprocess.run([mount, "-t", "tmpfs", "-o", "size=200k", "none", disk], check=False).returncode
+    ):
+        pytest.skip("a small tmpfs needs root and the right to mount")
+    yield disk
+    subprocess.run(["umount", disk], check=True)
+
+
+def test_a_full_disk_is_a_sentence_and_leaves_nothing(comparison: Comparison, small_disk: Path) -> None:
+    with pytest.raises(InputError, match="can't be written to"):
+        reports.write(comparison, small_disk / "out")
+    assert everything(small_disk) == set()
+
+
+def test_a_full_disk_keeps_what_an_earlier_run_left(small_disk: Path) -> None:
+    with filled(small_disk / "out") as folder:
+        (folder / "report.html").write_text("<html></html>")
+    before = everything(small_disk)
+    with pytest.raises(InputError), filled(small_disk / "out") as folder:
+        (folder / "report.html").write_bytes(bytes(10**6))
+    assert everything(small_disk) == before
+    assert (small_disk / "out" / "report.html").read_text() == "<html></html>"
+
+
+def test_a_full_disk_under_the_store_of_bodies_is_done_without(small_disk: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HALFPLANE_CACHE", str(small_disk / "cache"))
+    answer = halfplane_fe.solve(load_scene("cattaneo-mindlin"), MeshSettings(element_size=0.1, edge_element_size=0.008, order=1))
+    assert answer.work.counts["condensations not stored"] > 0
+    assert half_files(small_disk) == []
+    assert not list(small_disk.rglob("*.part"))
+
+
+def test_a_folder_that_is_read_only_is_a_sentence(comparison: Comparison, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Root may write anywhere, so the refusal of the system is played."""
+
+    def refuse(**_: object) -> str:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("tempfile.mkdtemp", refuse)
+    with pytest.raises(InputError, match="the folder can't be written to: Permission denied; name another"):
+        reports.write(comparison, tmp_path / "out")
+
+
+def test_two_at_once_on_one_folder_leave_one_whole_report(tmp_path: Path) -> None:
+    """Whoever moves last wins; no file is a mixture, and the manifest lists what is there."""
+
+    def fill() -> None:
+        with filled(tmp_path / "out") as folder:
+            for name in ("a.json", "b.json", "report.html"):
+                (folder / name).write_text("{}" if name.endswith("json") else "<html></html>\n")
+                time.sleep(0.01)
+
+    crowd = [threading.Thread(target=fill) for _ in range(8)]
+    for one in crowd:
+        one.start()
+    for one in crowd:
+        one.join()
+    assert half_files(tmp_path) == []
+    assert everything(tmp_path / "out") == {"a.json", "b.json", "report.html", "manifest.json"}
+
+
+@pytest.mark.slow
+def test_two_processes_on_one_folder_and_one_store(tmp_path: Path) -> None:
+    truth, _ = undisturbed(tmp_path / "truth", "run")
+    home = tmp_path / "both"
+    home.mkdir()
+    both = [started(home, "run") for _ in range(2)]
+    for process in both:
+        _, errors = process.communicate(timeout=300)
+        assert process.returncode in (0, 1, 2), errors
+        assert "Traceback" not in errors
+    assert half_files(home) == []
+    assert finished(home, "run") in (0, 1)
+    assert numbers(home / "out") == truth
+
+
+def test_the_same_scene_twice_is_the_same_files(comparison: Comparison, tmp_path: Path) -> None:
+    """Timestamps and wall times apart, the bytes of every table and the numbers of every answer."""
+    for name in ("first", "second"):
+        folder = tmp_path / name
+        folder.mkdir()
+        reports.write(comparison, folder / "out")
+    first, second = (numbers(tmp_path / name / "out") for name in ("first", "second"))
+    assert first == second
+    assert len(first) > 10
+    pages = [(tmp_path / name / "out" / "report.html").read_text(encoding="utf-8") for name in ("first", "second")]
+    assert len(pages[0]) == len(pages[1])
+
+
+def test_the_same_scene_solved_twice_is_the_same_bits(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """With an empty store, then with a full one."""
+    monkeypatch.setattr(store, "cache_folder", lambda: tmp_path)
+    first, second = (halfplane_fe.solve(load_scene("blocks"), MESH) for _ in range(2))
+    for name in ("pressure", "shear", "slip", "contact_edges", "stick_edges", "dissipation_density"):
+        np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+
+
+def test_one_or_two_threads_of_blas_agree_to_rounding() -> None:
+    """Whatever the user's machine allows: the finite elements hold BLAS to one thread themselves, theory does without it.
+
+    Both to the last bit. With that hold undone, two threads moved nodal shear by 4.6e-12 of the largest pressure.
+    """
+    found = []
+    for threads in (1, 2):
+        with threadpool_limits(threads, "blas"):
+            answer = halfplane_fe.solve(load_scene("blocks"), MeshSettings(element_size=0.1, edge_element_size=0.05))
+            found.append((answer, semi_analytic.solve(answer.scene, x=answer.x, time=answer.time)))
+    for one, two in zip(*found, strict=True):
+        scale = float(np.max(one.pressure))
+        for name in ("pressure", "shear"):
+            assert np.max(np.abs(getattr(one, name) - getattr(two, name))) <= 1e-12 * scale
+        assert abs(two.dissipation / one.dissipation - 1) <= 1e-12
