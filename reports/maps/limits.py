@@ -8,6 +8,8 @@ import numpy as np
 
 from reports.maps.fitting import Line
 
+_SURE = 0.5  # half the interval of an exponent up to which its law is gone on with
+
 
 @dataclass(frozen=True)
 class Bound:
@@ -38,7 +40,9 @@ def bound(line: Line, level: float) -> Bound:
     first = int(above[0])
     if first == 0:
         law = line.law
-        return Bound((level / (law.fixed + law.fixed_doubt)) ** (1 / law.expected), "law") if law else Bound(None, "none")
+        if law is None or not law.agrees() or law.order_doubt > _SURE:
+            return Bound(None, "none")
+        return Bound((level / (law.fixed + law.fixed_doubt)) ** (1 / law.expected), "law")
     share = np.log(level / size[first - 1]) / np.log(size[first] / size[first - 1])
     return Bound(float(s[first - 1] * (s[first] / s[first - 1]) ** share), "points")
 

@@ -48,7 +48,7 @@ def heat(chart: Chart, readings: Readings, figures: Sequence[str]) -> str:
 
     parts = list(readings.parts((chart.panels,)))
     paper = Figure(figsize=(1.2 + 3.4 * len(parts), 2.7 * len(figures)), layout="constrained")
-    drawings = paper.subplots(len(figures), len(parts), squeeze=False, sharex=True, sharey=True)
+    drawings = paper.subplots(len(figures), len(parts), squeeze=False, sharex=True)
     every = 100 * np.abs(np.concatenate([readings.errors(figure)[0] for figure in figures]))
     norm = LogNorm(max(_LEAST, float(np.nanmin(every))), min(_MOST, float(np.nanmax(every))))
     drawn: Any = None
