@@ -7,7 +7,12 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from reports.answers import SceneAnswers
 from reports.application import MACHINE, SCENES, Out, SceneName, app
+
+_NO_ANSWERS = SceneAnswers()
+Json = Annotated[bool, Parameter(negative="", help="As JSON on stdout, and nothing else there.")]
+Silent = Annotated[bool, Parameter(negative="", help="Say nothing: the exit code tells.")]
 
 
 @app.command(group=SCENES, sort_key=3, help_epilogue="")
@@ -32,19 +37,21 @@ def init(
         str, Parameter("--from", help="Copy this library scene, with the files it reads, instead of the commented example.")
     ] = "",
     bodies: Annotated[bool, Parameter(negative="", help="The example with a block and a pad in place of half-planes.")] = False,
+    quiet: Annotated[bool, Parameter(negative="", help="Ask and say nothing.")] = False,
+    answers: SceneAnswers = _NO_ANSWERS,
 ) -> int:
-    """Write a commented scene to start from; never over a file that exists."""
+    """Write a commented scene to start from, never over a file that exists; on a terminal without options it asks."""
     from reports import commands_scenes
 
-    return commands_scenes.init(file, start, bodies)
+    return commands_scenes.init(file, start, bodies, answers, quiet)
 
 
 @app.command(group=SCENES, sort_key=2, help_epilogue="")
-def check(scene: SceneName) -> int:
+def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
     """Read a scene, and see whether its loads stay clear of gross sliding and separation."""
     from reports import commands_scenes
 
-    return commands_scenes.check(scene)
+    return commands_scenes.check(scene, json, quiet)
 
 
 @app.command(group=SCENES, sort_key=4, help_epilogue="")
@@ -56,11 +63,11 @@ def schema() -> int:
 
 
 @app.command(group=MACHINE, sort_key=1, help_epilogue="")
-def doctor(*, out: Out = None) -> int:
+def doctor(*, out: Out = None, json: Json = False, quiet: Silent = False) -> int:
     """Can this machine do the work?"""
     from reports import commands_machine
 
-    return commands_machine.doctor(out)
+    return commands_machine.doctor(out, json, quiet)
 
 
 @app.command(group=MACHINE, sort_key=2, help_epilogue="")

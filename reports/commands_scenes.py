@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
-import re
+import os
 import sys
-from importlib import resources
+import tempfile
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-from reports import checking, jobs
+from reports import checking, jobs, questions
+from reports.answers import SceneAnswers, example
 from reports.application import WITHIN
 from reports.console import say
 from scenes import InputError, scene_companions, scene_schema, scene_text
@@ -29,18 +32,23 @@ def scenes(name: str, tags: tuple[str, ...], as_json: bool) -> int:
     return WITHIN
 
 
-def init(file: Path, start: str, bodies: bool) -> int:
-    """Write a scene file."""
-    if start and bodies:
-        raise InputError("--bodies: it goes with the commented example, not with --from; leave one of the two out")
+def init(file: Path, start: str, bodies: bool, answers: SceneAnswers, quiet: bool) -> int:
+    """Write a scene file: a copy, the example with answers from options, or on a terminal with answers to questions."""
+    given = answers.given()
+    if start and (bodies or given):
+        word = "--bodies" if bodies else "--" + next(iter(given)).replace("_", "-")
+        raise InputError(f"{word}: it goes with the commented example, not with --from; leave one of the two out")
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
-    text = scene_text(start) if start else _example(bodies)
+    _refuse_taken(file)
+    text = scene_text(start) if start else _new_scene(file, bodies, given, quiet)
     beside = {file.parent / name: content for name, content in (scene_companions(start) if start else {}).items()}
     if taken := next((path for path in beside if path.exists()), None):
         raise InputError(f"{taken}: the file is there already and stays as it is; choose another folder for {file.name}")
     for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
         _write_new(path, content)
+    if quiet:
+        return WITHIN
     with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
     if start:
         say(f"{file}: its expected numbers are those of {start}: change them, or take them out, when you change the question")
@@ -48,11 +56,35 @@ def init(file: Path, start: str, bodies: bool) -> int:
     return WITHIN
 
 
-def _example(bodies: bool) -> str:
-    """The commented example; with `bodies`, the comment signs before its tables of bodies are gone."""
-    text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
-    start, end = text.index("# [bodies.lower]"), text.index("[tolerances]")
-    return text[:start] + re.sub(r"(?m)^# ", "", text[start:end]) + text[end:] if bodies else text
+def _new_scene(file: Path, bodies: bool, given: dict[str, Any], quiet: bool) -> str:
+    """The text of a new scene; questions are asked only where somebody can answer and nothing was answered by options."""
+    if not (given or bodies or quiet) and sys.stdin.isatty() and sys.stdout.isatty():
+        say(f"A new scene in {file}. Enter takes what stands in brackets; Ctrl-C leaves nothing behind.")
+        try:
+            return questions.asked(partial(_check_text, file), input, say)
+        except EOFError:
+            raise InputError(f"{file}: the questions were not answered to their end, so nothing was written") from None
+    if "flat_half_length" in given and given.get("profile") != "flat_rounded":
+        raise InputError("--flat-half-length: it goes with --profile flat_rounded; say that too, or leave this out")
+    text = example(bodies, given)
+    _check_text(file, text)
+    return text
+
+
+def _check_text(file: Path, text: str) -> None:
+    """InputError, in words that name `file`, if the text is no admissible scene."""
+    with tempfile.TemporaryDirectory() as folder:
+        trial = Path(folder) / file.name
+        trial.write_text(text, encoding="utf-8")
+        try:
+            jobs.read(str(trial))
+        except InputError as fault:
+            raise InputError(str(fault).replace(str(trial), str(file))) from None
+
+
+def _refuse_taken(path: Path) -> None:
+    if os.path.lexists(path):
+        raise InputError(f"{path}: the file is there already and stays as it is; name another")
 
 
 def _write_new(path: Path, text: str) -> None:
@@ -60,27 +92,32 @@ def _write_new(path: Path, text: str) -> None:
         with path.open("x", encoding="utf-8") as stream:
             stream.write(text)
     except FileExistsError:
-        raise InputError(f"{path}: the file is there already and stays as it is; name another") from None
+        _refuse_taken(path)
+        raise
     except OSError as reason:
         raise InputError(f"{path}: the file can't be written: {reason.strerror}; name another place") from reason
 
 
-def check(source: str) -> int:
+def check(source: str, as_json: bool, quiet: bool) -> int:
     """Read and check a scene, say how near it comes to gross sliding."""
     from reports.body_words import bodies_in_words, idealisation, unlike_materials
     from reports.wording import question
 
     scene = jobs.read(source)
     found = checking.check_path(scene)
-    say(question(scene))
-    for sentence in (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)):
-        if sentence:
-            say(sentence)
-    say(
+    words = [sentence for sentence in (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)) if sentence]
+    last = (
         f"{source}: the scene is well formed and its load path admissible: |Q|/(f P) is at most {found.ratio:.4g}, "
         f"in the {found.part} at time {found.time:.6g} (P = {found.normal_load:.6g}, Q = {found.tangential_load:.6g}); "
         "gross sliding starts at 1"
     )
+    if as_json:
+        from reports.machine import check_json
+
+        say(check_json(scene, found, [question(scene), *words], last))
+    elif not quiet:
+        for sentence in (question(scene), *words, last):
+            say(sentence)
     return WITHIN
 
 

@@ -10,10 +10,14 @@ from reports.summary import strict
 from reports.wording import lead, verdict
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
 
+    from reports.checking import PathCheck
+    from reports.doctor import Finding as Check
     from reports.expected import Finding
     from reports.jobs import Report
+    from scenes import ContactSolution, Scene
 
 FORMAT = "halfplane verdict 1"
 
@@ -49,9 +53,66 @@ def verdict_json(report: Report, findings: Sequence[Finding], exit_code: int) ->
         "page": str(report.page),
         "seconds": report.seconds,
     }
-    return json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False)
+    return _text(content)
 
 
 def failure_json(scene: str, message: str, exit_code: int) -> str:
     """What is said of a run that did not converge."""
     return json.dumps({"format": FORMAT, "scene": scene, "exit_code": exit_code, "passed": False, "error": message}, indent=1)
+
+
+def solution_json(
+    solution: ContactSolution, findings: Sequence[Finding], file: Path, seconds: Mapping[str, float], code: int
+) -> str:
+    """What is said of one engine alone: its figures, the laws of contact, the expected numbers."""
+    from reports import expected
+    from reports.certificates import certificates
+    from reports.single import is_admissible
+    from reports.summary import solution_content
+
+    whole = solution_content(solution, certificates(solution))
+    return _text(
+        {
+            "format": FORMAT,
+            "scene": solution.scene.name,
+            "exit_code": code,
+            "passed": code == 0,
+            "admissible": is_admissible(solution),
+            **{key: whole[key] for key in _ALONE},
+            "expected": expected.content(findings),
+            "file": str(file),
+            "seconds": dict(seconds),
+        }
+    )
+
+
+_ALONE = (
+    *("engine", "converged", "message", "notes", "dissipation", "loop_work", "permanent_stick_half_width"),
+    *("largest_half_width", "largest_pressure", "certificates", "counts"),
+)
+
+
+def check_json(scene: Scene, found: PathCheck, words: Sequence[str], sentence: str) -> str:
+    """What `check` says of an admissible scene."""
+    worst = {"ratio": found.ratio, "part": found.part, "time": found.time, "normal_load": found.normal_load}
+    return _text(
+        {
+            "format": FORMAT,
+            "scene": scene.name,
+            "exit_code": 0,
+            "passed": True,
+            "sentence": sentence,
+            "notes": list(words),
+            "nearest_to_sliding": worst | {"tangential_load": found.tangential_load},
+        }
+    )
+
+
+def doctor_json(findings: Sequence[Check], code: int) -> str:
+    """What the doctor found."""
+    checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
+    return _text({"format": FORMAT, "exit_code": code, "passed": code == 0, "checks": checks})
+
+
+def _text(content: dict[str, Any]) -> str:
+    return json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False)
