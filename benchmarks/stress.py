@@ -1,6 +1,9 @@
 """Numerical stress: what both engines do at the ends of what a scene may ask, written to docs/stress.md.
 
-    make stress            (python benchmarks/stress.py, some minutes)
+    make stress                                    (python benchmarks/stress.py, ten minutes)
+    python benchmarks/stress.py "flat face" ...    (only cases whose names hold one of these; the others stay as found)
+
+What was found is kept in stress.json, case by case with its day; the page is written from that.
 
 A case is a list of trials. A trial gives an error, to be at most the limit, or is refused by InputError or ConvergenceError;
 anything else, a warning included, breaks the case.
@@ -8,12 +11,15 @@ anything else, a warning included, breaks the case.
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import stress_fe
@@ -25,6 +31,7 @@ from stress_case import Case, Found
 from scenes import ConvergenceError, InputError
 
 PAGE = Path(__file__).parent.parent / "docs" / "stress.md"
+KEPT = Path(__file__).with_suffix(".json")
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,7 @@ class Outcome:
     refused: tuple[str, ...]
     broken: tuple[str, ...]
     seconds: float
+    day: str = ""
 
     @property
     def answered(self) -> bool:
@@ -104,7 +112,8 @@ def outcome(case: Case) -> Outcome:
         tally.broken.append("a trial was answered")
     refused = tuple(dict.fromkeys(tally.refused))
     seconds = time.perf_counter() - started
-    return Outcome(case, tally.worst, tally.shown, tally.right, tuple(tally.told), refused, tuple(tally.broken), seconds)
+    today = datetime.now(UTC).date().isoformat()
+    return Outcome(case, tally.worst, tally.shown, tally.right, tuple(tally.told), refused, tuple(tally.broken), seconds, today)
 
 
 def cases() -> Iterator[Case]:
@@ -145,11 +154,11 @@ def page(found: list[Outcome]) -> str:
     """The table of docs/stress.md."""
     lines = ["# Numerical stress", "", _HEAD, ""]
     for engine in dict.fromkeys(one.case.engine for one in found):
-        lines += [f"## {engine}", "", "| case | tried | measure | worst | limit | verdict |", "|---|---|---|---|---|---|"]
+        lines += [f"## {engine}", "", "| case | tried | measure | worst | limit | verdict | run |", "|---|---|---|---|---|---|---|"]
         for one in (one for one in found if one.case.engine == engine):
             limit = f"{one.case.limit:.0e}" if one.answered else ""
             worst = _figures(one.worst) + (f" ({_figures(one.shown)})" if one.shown else "")
-            cells = (one.case.what, one.case.tried, one.case.measure, worst, limit, one.verdict)
+            cells = (one.case.what, one.case.tried, one.case.measure, worst, limit, one.verdict, one.day)
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         lines.append("")
     lines += [
@@ -180,17 +189,39 @@ ELSEWHERE = {
 }
 
 
+def kept() -> dict[str, dict[str, Any]]:
+    """What was found before, by engine and case."""
+    return json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
+
+
+def keep(found: Outcome) -> None:
+    """Put one outcome beside the others."""
+    own = {f.name: getattr(found, f.name) for f in fields(Outcome) if f.name != "case"}
+    text = json.dumps(kept() | {_name(found.case): own}, indent=1, ensure_ascii=False)
+    KEPT.write_text(text + "\n", encoding="utf-8")
+
+
+def _name(case: Case) -> str:
+    return f"{case.engine}: {case.what}"
+
+
 def main() -> int:
-    found = []
+    """Run the cases that are asked for, all where none is; write the page."""
     for case in cases():
-        found.append(outcome(case))
-        print(
-            f"{found[-1].seconds:6.1f} s  {case.engine}: {case.what}: {_figures(found[-1].worst)}  {found[-1].verdict}", flush=True
-        )
-    PAGE.write_text(page(found), encoding="utf-8")
-    broken = sum(bool(one.broken) for one in found)
-    print(f"docs/stress.md: {len(found)} cases, {broken} broken, {sum(one.seconds for one in found):.0f} s")
-    return 1 if broken else 0
+        if sys.argv[1:] and not any(words in _name(case) for words in sys.argv[1:]):
+            continue
+        found = outcome(case)
+        keep(found)
+        print(f"{found.seconds:6.1f} s  {_name(case)}: {_figures(found.worst)}  {found.verdict}", flush=True)
+    before = kept()
+    all_found = [Outcome(case=case, **before[_name(case)]) for case in cases() if _name(case) in before]
+    missing = [_name(case) for case in cases() if _name(case) not in before]
+    PAGE.write_text(page(all_found), encoding="utf-8")
+    broken = sum(bool(one.broken) for one in all_found)
+    print(f"docs/stress.md: {len(all_found)} cases, {broken} broken, {sum(one.seconds for one in all_found):.0f} s")
+    if missing:
+        print(f"not run yet: {'; '.join(missing)}")
+    return 1 if broken or missing else 0
 
 
 if __name__ == "__main__":

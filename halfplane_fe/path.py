@@ -18,7 +18,7 @@ _SAMPLES = 721
 # Share of the largest load below which a load can't be told from none: the nodal forces are known to about so much of it.
 _LEAST_LOAD = 1e-12
 _ROUNDING_OF_LOAD = (
-    "the finite elements can't tell so little load from separation, 1e-12 of the largest load or less (the half-plane engine can):"
+    "so little load, 1e-12 of the largest or less, finite elements can't tell from separation (the half-plane engine can),"
 )
 
 
