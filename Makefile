@@ -77,10 +77,10 @@ stress: $(STAMP) ## both engines at the ends of what a scene may ask, into docs/
 	@echo "==> stress"
 	@$(ONE_THREAD) HALFPLANE_CACHE=off $(PY) benchmarks/stress.py
 
-numbers: $(STAMP) ## measure every promised number, print it, write docs/numbers.md
+numbers: $(STAMP) ## measure every promised number, into docs/numbers.md and README (SECTIONS='"Finite*" Time': some of them)
 	@echo "==> numbers"
 	@mkdir -p "$$TMPDIR" .cache/home
-	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/claims.py
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/claims.py $(SECTIONS)
 
 regress: $(STAMP) ## the half-plane engine against stored references and its own frozen values (ACCEPT="scene ...", REFERENCES=1)
 	@echo "==> regress"

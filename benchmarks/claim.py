@@ -26,5 +26,6 @@ def table(rows: list[Row]) -> str:
     for row in rows:
         limit = "" if row.limit is None else f"{row.limit:g} {row.unit}".strip()
         kept = {None: "", True: "yes", False: "**no**"}[row.kept]
-        lines.append(f"| {row.what} | {row.measured:.3g} {row.unit} | {limit} | {kept} | {row.how} |")
+        cells = (row.what, f"{row.measured:.3g} {row.unit}".strip(), limit, kept, row.how)
+        lines.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
     return "\n".join(lines)

@@ -1,8 +1,10 @@
-"""Every number that the project claims, measured now: printed, and written to docs/numbers.md.
+"""Every number that the project claims, measured now: printed, kept in docs/numbers.json, written to docs/numbers.md and README.
 
-    make numbers            (python benchmarks/claims.py, a quarter of an hour)
+    make numbers                              (python benchmarks/claims.py, half an hour)
+    make numbers SECTIONS='"Finite*" Time'    (those sections alone; the others stay as they were measured)
 
 A row is a claim with its target; a claim that misses its target is printed and written all the same, and the exit code is 1.
+Each section is kept as soon as it is measured, with the commit that it was measured on.
 """
 
 from __future__ import annotations
@@ -12,15 +14,17 @@ import os
 import platform
 import subprocess
 import sys
-import tempfile
-import time
 from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from fnmatch import fnmatch
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import blame
 import budget
 import diagnosis
+import engines
 import far_field
 import fe_orders
 import fe_peers
@@ -28,7 +32,6 @@ import fe_precision
 import fe_scaling
 import mpmath
 import must_fail
-import numpy as np
 import page
 import penalty
 import real_bodies
@@ -38,140 +41,54 @@ import semi_analytic_extremes
 import semi_analytic_histories
 import semi_analytic_precision
 import stress
+import sweep
 from claim import Row, table
-from regress_truth import DIGITS, modulus, truth
+from regress_truth import DIGITS
 
-import halfplane_fe
-import semi_analytic
-from meshes import MeshSettings
-from reports import compare
-from scenes import Scene, load_scene
-
-ROOT = Path(__file__).parent.parent
-PAGE = ROOT / "docs" / "numbers.md"
-
-
-def half_plane_engine() -> Iterator[Row]:
-    """The semi-analytic engine against 30-digit arithmetic and against itself."""
-    for name in ("hertz-paper", "cattaneo-mindlin"):
-        answer = semi_analytic.solve(load_scene(name))
-        error = float(mpmath.mpf(answer.dissipation) / truth(load_scene(name)) - 1)
-        yield Row(f"{name}: global dissipation, relative error", error, 1e-12, "against theory in 30-digit arithmetic")
-        yield Row(f"{name}: closed integral of Q dU against it", answer.loop_work / answer.dissipation - 1, 1e-10, "two routes")
-    answer = semi_analytic.solve(load_scene("hertz-paper"))
-    a_mean = hertz_half_width(load_scene("hertz-paper"), load_scene("hertz-paper").load.mean_normal_load)
-    yield Row(
-        "hertz-paper: permanent stick a(P_T)/a(P0), less 0.72705",
-        answer.permanent_stick_half_width / a_mean - 0.72705,
-        5e-6,
-        f"{answer.permanent_stick_half_width / a_mean:.6f}",
-    )
-    yield Row("full-stick: dissipation", semi_analytic.solve(load_scene("full-stick")).dissipation, 0.0, "exactly zero")
-
-
-def hertz_half_width(scene: Scene, load: float) -> float:
-    """a(P) of Hertz."""
-    return float(mpmath.sqrt(4 * load * scene.profile.radius / (mpmath.pi * modulus(scene))))
-
-
-def finite_elements() -> Iterator[Row]:
-    """The FE model on its default mesh against the half-plane engine."""
-    scene = load_scene("hertz-paper")
-    answer = halfplane_fe.solve(scene)
-    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
-    polygon = semi_analytic.solve(scene, x=answer.x, time=answer.time, straight_steps=True)
-    comparison = compare(exact, answer, polygon_reference=polygon)
-    settings = MeshSettings()
-    how = (
-        f"default mesh: h = a/{1 / settings.element_size:.0f}, a/{1 / settings.edge_element_size:.0f} at the edges, "
-        f"{answer.work.counts['degrees of freedom']} dof, {answer.work.counts['steps solved']} increments"
-    )
-    limits = {"dissipation": 1.5e-3, "peak_pressure": 2e-4, "pressure": 2.5e-3, "shear": 8e-3}
-    for key, limit in limits.items():
-        yield Row(f"hertz-paper, FE: {comparison.metric(key).label}", comparison.metric(key).value, limit, how)
-    yield Row(
-        "hertz-paper, FE: dissipation against the polygon of its own increments",
-        answer.dissipation / polygon.dissipation - 1,
-        None,
-        "the rest is the error of the increments",
-    )
-    steps = answer.last_cycle
-    for key in ("contact_edges", "stick_edges"):
-        off = np.abs(getattr(answer, key)[steps] - getattr(exact, key)[steps]).max(axis=1) / answer.settings["element_size"]
-        name = f"hertz-paper, FE: {key.replace('_', ' ')}"
-        yield Row(f"{name}, 99 of 100 instants of the cycle", float(np.quantile(off, 0.99)), 1.0, how, "elements")
-        yield Row(f"{name}, worst instant", float(off.max()), 1.0, f"at t = {answer.time[steps[off.argmax()]]:.4g}", "elements")
-    checks = answer.record.certificates
-    for key in ("equilibrium", "tension", "cone", "slip_sign", "energy_balance"):
-        yield Row(
-            f"hertz-paper, FE: {key.replace('_', ' ')}, worst increment", float(checks[key].max()), 1e-9, "no reference needed"
-        )
-    energy = answer.record.energy
-    cycle = steps[1:]
-    step_error = float(energy["end_of_step"][cycle].sum() / energy["interface"][cycle].sum() - 1)
-    yield Row("hertz-paper, FE: end-of-step work less trapezoidal", step_error, None, "what end-of-step work would cost")
-    full = halfplane_fe.solve(load_scene("full-stick"))
-    yield Row("full-stick, FE: dissipation", full.dissipation, 0.0, "exactly zero")
-    yield Row(
-        "full-stick, FE: slip iterations",
-        full.work.counts["slip iterations"],
-        0.0,
-        f"{full.work.counts['steps solved']} increments",
-    )
-
-
-def cattaneo_mindlin() -> Iterator[Row]:
-    """The FE model at Q = 0.6 f P, first loading, and over the cycle; and the other profile of the paper."""
-    scene = load_scene("cattaneo-mindlin")
-    answer = halfplane_fe.solve(scene)
-    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
-    at = int(np.argmin(np.abs(answer.time - 2.0)))
-    weights, f = answer.condensed[0].weights, scene.friction.coefficient
-    how = f"default mesh, {answer.work.counts['degrees of freedom']} dof, Q = 0.6 f P on first loading"
-
-    def norm(values: np.ndarray) -> float:
-        return float(np.sqrt(weights @ values**2))
-
-    pressure, shear = exact.pressure[at], exact.shear[at]
-    off = np.abs(answer.stick_edges[at] - exact.stick_edges[at]).max() / answer.settings["element_size"]
-    yield Row("cattaneo-mindlin, FE: peak pressure", float(answer.pressure[at].max() / pressure.max() - 1), 1e-4, how)
-    yield Row("cattaneo-mindlin, FE: pressure, L2 over ||p||", norm(answer.pressure[at] - pressure) / norm(pressure), 1e-3, how)
-    yield Row("cattaneo-mindlin, FE: shear, L2 over f ||p||", norm(answer.shear[at] - shear) / (f * norm(pressure)), 2e-3, how)
-    yield Row("cattaneo-mindlin, FE: shear, L2 over ||q||", norm(answer.shear[at] - shear) / norm(shear), None, how)
-    yield Row("cattaneo-mindlin, FE: stick edge", float(off), 0.2, how, "elements")
-    yield Row(
-        "cattaneo-mindlin, FE: dissipation of a cycle", answer.dissipation / exact.dissipation - 1, 5e-4, "Q between +-0.6 f P"
-    )
-    flat = halfplane_fe.solve(load_scene("flat-rounded-paper"))
-    truth = semi_analytic.solve(flat.scene, x=[0.0], time=flat.time, fields=("dissipation",)).dissipation
-    yield Row("flat-rounded-paper, FE: dissipation", flat.dissipation / truth - 1, 1e-3, "default mesh")
-
-
-def times() -> Iterator[Row]:
-    """Cold run of the main job, in a process of its own."""
-    with tempfile.TemporaryDirectory() as folder:
-        start = time.perf_counter()
-        command = [sys.executable, "-m", "reports", "run", "hertz-paper", "--out", f"{folder}/report"]
-        subprocess.run(command, check=True, capture_output=True, cwd=ROOT)
-        total = time.perf_counter() - start
-        seconds = json.loads((Path(folder) / "report" / "comparison.json").read_text())["seconds"]
-    yield Row("cold `halfplane run hertz-paper` with the page", total, 30.0, "a process of its own", "s")
-    yield Row("... of that the FE model", seconds["finite elements"], 6.0, "mesh, condensation and two revolutions", "s")
-    yield Row(
-        "... of that the half-plane engine", seconds["half-plane theory"], 0.1, "on the points and instants of the FE model", "s"
-    )
+ROOT = Path(__file__).parents[1]
+STORE, PAGE, README = ROOT / "docs" / "numbers.json", ROOT / "docs" / "numbers.md", ROOT / "README.md"
+MARKS = "<!-- ten numbers: written by make numbers -->", "<!-- end of the ten numbers -->"
+# The ten that matter most, as (section, row, what README says of it).
+TEN = (
+    (
+        "Half-plane engine: extremes",
+        "worst relative error of W",
+        "friction work of 41 ellipses by theory, against 30 digits",
+    ),
+    ("Half-plane engine: histories", "solve(hertz-paper), one cycle", "a cycle of 400 instants at 200 points by theory"),
+    (
+        "Half-plane engine: histories",
+        "CSV file of 10^6 rows read and solved, dissipation of every step",
+        "a measured history of 10^6 rows",
+    ),
+    ("Half-plane engine: batches", "batch of 10^6 Hertz ellipses: time", "dissipation of 10^6 load ellipses by theory"),
+    ("Finite elements", "hertz-paper, FE: Dissipation", "dissipation of the paper's cycle by finite elements, against theory"),
+    (
+        "Finite elements: Cattaneo-Mindlin and the flat face",
+        "cattaneo-mindlin, FE: shear, L2 over f ||p||",
+        "shear of Cattaneo and Mindlin in L2",
+    ),
+    ("Finite elements: beside peers", "... over Kratos 10.4's 11 s", "time over that of the quickest peer for a shear as good"),
+    ("Real bodies", "blocks 10 a high and wide, mesh error: dissipation", "mesh error of the dissipation between real blocks"),
+    (
+        "Error budget",
+        "budget: share not covered by the stated uncertainty",
+        "known errors that the stated uncertainty misses",
+    ),
+    ("Time", "cold `halfplane run hertz-paper` with the page", "a whole run with its page, from nothing"),
+)
 
 
 def sections() -> dict[str, Callable[[], Iterator[Row]]]:
     """Every heading of the page with what measures its rows."""
     return {
-        "Half-plane engine": half_plane_engine,
+        "Half-plane engine": engines.half_plane_engine,
         "Half-plane engine: extremes": semi_analytic_extremes.rows,
         "Half-plane engine: work and precision": semi_analytic_precision.rows,
         "Half-plane engine: histories": semi_analytic_histories.claims,
         "Half-plane engine: batches": semi_analytic_batch.rows,
-        "Finite elements": finite_elements,
-        "Finite elements: Cattaneo-Mindlin and the flat face": cattaneo_mindlin,
+        "Finite elements": engines.finite_elements,
+        "Finite elements: Cattaneo-Mindlin and the flat face": engines.cattaneo_mindlin,
         "Finite elements: far field": far_field.far_field,
         "Finite elements: orders": fe_orders.orders,
         "Finite elements: work and precision": fe_precision.precision,
@@ -186,13 +103,35 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Other people's results: diagnosis of planted faults": diagnosis.rows,
         "Other people's results: the examples": score_examples.rows,
         "The report": page.rows,
-        "Time": times,
+        "Sweeps": sweep.rows,
+        "Time": engines.times,
     }
 
 
-def main() -> int:
-    mpmath.mp.dps = DIGITS + 10
-    os.environ["HALFPLANE_CACHE"] = "off"  # every run condenses its bodies itself
+def commit() -> str:
+    """The commit that is measured, with a plus sign where files were changed since."""
+    found = subprocess.run(["git", "describe", "--always", "--dirty=+"], capture_output=True, text=True, cwd=ROOT, check=False)
+    return found.stdout.strip()
+
+
+def kept_sections() -> dict[str, dict[str, Any]]:
+    """What was measured before: title -> rows and the commit they belong to."""
+    return json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
+
+
+def measure(title: str, section: Callable[[], Iterator[Row]]) -> dict[str, Any]:
+    """The rows of one section, printed as they come in."""
+    print(f"==> {title}", flush=True)
+    rows = []
+    for row in section():
+        rows.append(row)
+        missed = "MISSED " if row.kept is False else ""
+        print(f"{missed}{row.what}: {row.measured:.3g} {row.unit} (limit {row.limit})", flush=True)
+    return {"commit": commit(), "rows": [asdict(row) | {"measured": float(row.measured)} for row in rows]}
+
+
+def page_of(kept: dict[str, dict[str, Any]]) -> str:
+    """docs/numbers.md."""
     packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "scikit-fem", "gmsh"))
     text = [
         "# Numbers",
@@ -202,20 +141,46 @@ def main() -> int:
         "",
         f"Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, {platform.machine()}.",
     ]
-    missed = 0
-    for title, section in sections().items():
-        print(f"==> {title}", flush=True)
-        rows = list(section())
-        for row in rows:
-            print(
-                f"{'MISSED ' if row.kept is False else ''}{row.what}: {row.measured:.3g} {row.unit} (limit {row.limit})", flush=True
-            )
-        missed += sum(row.kept is False for row in rows)
-        text += ["", f"## {title}", "", table(rows)]
-    PAGE.write_text("\n".join(text) + "\n", encoding="utf-8")
-    print(f"{PAGE.relative_to(ROOT)}: {missed} claims missed")
+    for title in filter(kept.__contains__, sections()):
+        rows = [Row(**row) for row in kept[title]["rows"]]
+        text += ["", f"## {title}", "", table(rows), "", f"Measured on {kept[title]['commit']}."]
+    return "\n".join(text) + "\n"
+
+
+def ten_of(kept: dict[str, dict[str, Any]]) -> str:
+    """The table in README."""
+    lines = ["| what | measured | limit |", "|---|---|---|"]
+    for title, what, words in TEN:
+        row = next(Row(**row) for row in kept[title]["rows"] if row["what"] == what)
+        lines.append(
+            f"| {words} | {abs(row.measured):.2g} {row.unit} | {'' if row.limit is None else f'{row.limit:g} {row.unit}'} |"
+        )
+    return "\n".join(lines)
+
+
+def write(kept: dict[str, dict[str, Any]]) -> None:
+    """The store, the page, the ten numbers of README."""
+    STORE.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    PAGE.write_text(page_of(kept), encoding="utf-8")
+    before, _, rest = README.read_text("utf-8").partition(MARKS[0])
+    README.write_text(f"{before}{MARKS[0]}\n\n{ten_of(kept)}\n\n{MARKS[1]}{rest.partition(MARKS[1])[2]}", encoding="utf-8")
+
+
+def main(patterns: list[str]) -> int:
+    mpmath.mp.dps = DIGITS + 10
+    os.environ["HALFPLANE_CACHE"] = "off"  # every run condenses its bodies itself
+    asked = [title for title in sections() if not patterns or any(fnmatch(title, pattern) for pattern in patterns)]
+    if not asked:
+        print(f"no section is called {' or '.join(patterns)}; there are: {', '.join(sections())}", file=sys.stderr)
+        return 2
+    kept = kept_sections()
+    for title in asked:
+        kept[title] = measure(title, sections()[title])
+        write(kept)
+    missed = sum(Row(**row).kept is False for title in asked for row in kept[title]["rows"])
+    print(f"{PAGE.relative_to(ROOT)}: {missed} claims missed in {len(asked)} sections")
     return 1 if missed else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))
