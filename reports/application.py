@@ -63,3 +63,4 @@ app = App(
 Out = Annotated[Path | None, Parameter(help="Folder for the results; out/<scene name> if left out.")]
 SceneName = Annotated[str, Parameter(help="Name of a library scene, or a .toml or .json file.")]
 Quiet = Annotated[bool, Parameter(negative="", help="No progress on stderr.")]
+Json = Annotated[bool, Parameter(negative="", help="As JSON on stdout, and nothing else there.")]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from reports.application import JUDGE, SOLVE, Out, Quiet, SceneName, app
+from reports.application import JUDGE, SOLVE, Json, Out, Quiet, SceneName, app
 from reports.options import FiniteElementOptions
 
 _DEFAULTS = FiniteElementOptions()
@@ -71,19 +71,26 @@ def export(
 
 
 @app.command(group=SOLVE, sort_key=2, help_epilogue="")
-def exact(scene: SceneName, *, out: Out = None, quiet: Quiet = False) -> int:
+def exact(scene: SceneName, *, out: Out = None, json: Json = False, quiet: Quiet = False) -> int:
     """Half-plane theory alone: summary, NetCDF and CSV, no page."""
     from reports import commands_engines
 
-    return commands_engines.exact(scene, out, quiet)
+    return commands_engines.exact(scene, out, quiet, json)
 
 
 @app.command(group=SOLVE, sort_key=3, help_epilogue="")
-def fe(scene: SceneName, *, out: Out = None, quiet: Quiet = False, finite_elements: FiniteElementOptions = _DEFAULTS) -> int:
+def fe(
+    scene: SceneName,
+    *,
+    out: Out = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    finite_elements: FiniteElementOptions = _DEFAULTS,
+) -> int:
     """Finite elements alone: summary, NetCDF and CSV, no page."""
     from reports import commands_engines
 
-    return commands_engines.fe(scene, out, quiet, finite_elements)
+    return commands_engines.fe(scene, out, quiet, finite_elements, json)
 
 
 @app.command(group=SOLVE, sort_key=4, help_epilogue="")

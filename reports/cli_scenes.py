@@ -8,10 +8,9 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from reports.answers import SceneAnswers
-from reports.application import MACHINE, SCENES, Out, SceneName, app
+from reports.application import MACHINE, SCENES, Json, Out, SceneName, app
 
 _NO_ANSWERS = SceneAnswers()
-Json = Annotated[bool, Parameter(negative="", help="As JSON on stdout, and nothing else there.")]
 Silent = Annotated[bool, Parameter(negative="", help="Say nothing: the exit code tells.")]
 
 

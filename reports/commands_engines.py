@@ -60,12 +60,7 @@ def run(
     except Interrupted as stop:
         return _interrupted(stop, folder)
     except ConvergenceError as failure:
-        if as_json:
-            from reports.machine import failure_json
-
-            say(failure_json(scene.name, str(failure), NOT_CONVERGED))
-            return NOT_CONVERGED
-        return _not_converged(failure, scene, folder)
+        return _not_converged(failure, scene, folder, as_json)
     if as_json:
         return _say_json(report)
     show_verdict(report.comparison)
@@ -97,14 +92,14 @@ def _say_json(report: jobs.Report) -> int:
     return code
 
 
-def exact(source: str, out: Path | None, quiet: bool) -> int:
+def exact(source: str, out: Path | None, quiet: bool, as_json: bool = False) -> int:
     """Half-plane theory alone."""
-    return _alone(source, out, quiet, jobs.solve_half_plane)
+    return _alone(source, out, quiet, as_json, jobs.solve_half_plane)
 
 
-def fe(source: str, out: Path | None, quiet: bool, options: FiniteElementOptions) -> int:
+def fe(source: str, out: Path | None, quiet: bool, options: FiniteElementOptions, as_json: bool = False) -> int:
     """Finite elements alone."""
-    return _alone(source, out, quiet, lambda scene, stages: jobs.solve_finite_elements(scene, options, stages))
+    return _alone(source, out, quiet, as_json, lambda scene, stages: jobs.solve_finite_elements(scene, options, stages))
 
 
 def fields(source: str, wish: Wish, out: Path | None, quiet: bool, options: FiniteElementOptions) -> int:
@@ -153,7 +148,7 @@ def _can_draw(stages: Stages) -> None:
         raise InputError(f"pictures can't be drawn here: {finding.found}; --no-pictures leaves them out")
 
 
-def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
+def _alone(source: str, out: Path | None, quiet: bool, as_json: bool, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
     from reports.single import is_admissible, summary_rows, write_solution
 
     stages = Stages(quiet)
@@ -166,12 +161,26 @@ def _alone(source: str, out: Path | None, quiet: bool, solve: Callable[[Scene, S
     except Interrupted as stop:
         return _interrupted(stop, folder)
     except ConvergenceError as failure:
-        return _not_converged(failure, scene, folder)
+        return _not_converged(failure, scene, folder, as_json)
     path = write_solution(solution, folder)
+    if as_json:
+        return _say_solution(solution, path, stages)
     show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
     met = show_expected(scene, (solution,))
     say(str(path))
     return WITHIN if is_admissible(solution) and met else OUTSIDE
+
+
+def _say_solution(solution: ContactSolution, path: Path, stages: Stages) -> int:
+    """One engine's answer for programs, alone on stdout."""
+    from reports import expected
+    from reports.machine import solution_json
+    from reports.single import is_admissible
+
+    findings = list(expected.check(solution.scene, (solution,)))
+    code = WITHIN if is_admissible(solution) and all(finding.met for finding in findings) else OUTSIDE
+    say(solution_json(solution, findings, path, stages.seconds, code))
+    return code
 
 
 def _interrupted(stop: Interrupted, folder: Path) -> int:
@@ -186,10 +195,16 @@ def _interrupted(stop: Interrupted, folder: Path) -> int:
     return INTERRUPTED
 
 
-def _not_converged(failure: ConvergenceError, scene: Scene, folder: Path) -> int:
+def _not_converged(failure: ConvergenceError, scene: Scene, folder: Path, as_json: bool = False) -> int:
     """Show the record, keep the steps solved so far."""
     from reports.single import summary_rows, write_solution
 
+    if as_json:
+        from reports.machine import failure_json
+
+        kept = None if failure.partial is None else write_solution(failure.partial, folder, name="partial")
+        say(failure_json(scene.name, str(failure), NOT_CONVERGED, kept))
+        return NOT_CONVERGED
     complain(f"halfplane: {scene.name}: not converged: {failure}")
     if failure.partial is None:
         complain("halfplane: no step was solved, so nothing was written")

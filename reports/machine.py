@@ -56,9 +56,10 @@ def verdict_json(report: Report, findings: Sequence[Finding], exit_code: int) ->
     return _text(content)
 
 
-def failure_json(scene: str, message: str, exit_code: int) -> str:
-    """What is said of a run that did not converge."""
-    return json.dumps({"format": FORMAT, "scene": scene, "exit_code": exit_code, "passed": False, "error": message}, indent=1)
+def failure_json(scene: str, message: str, exit_code: int, kept: Path | None) -> str:
+    """What is said of a run that did not converge; `file` holds the steps solved until then, null if there are none."""
+    file = None if kept is None else str(kept)
+    return _text({"format": FORMAT, "scene": scene, "exit_code": exit_code, "passed": False, "error": message, "file": file})
 
 
 def solution_json(

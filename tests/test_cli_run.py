@@ -8,9 +8,11 @@ import pytest
 from reports import commands_engines, jobs
 from reports.cli import main
 from reports.console import Stages, TimeLeft
+from reports.doctor import Finding
 from reports.machine import FORMAT
-from scenes import ConvergenceError, Record, freeze
+from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene
 from test_cli_commands import COARSE, halfplane
+from test_reports_synthetic import cattaneo_mindlin
 
 
 class TestMachine:
@@ -34,10 +36,12 @@ class TestMachine:
     def test_no_convergence_is_json_too(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
     ) -> None:
-        record = Record(False, "not converged", "step 3 does not converge", freeze([1], int))
+        partial = cattaneo_mindlin(
+            steps_per_leg=4, points=21, record=Record(False, "not converged", "stuck", freeze([0] * 13, int))
+        )
 
         def fails(*arguments: object, **options: object) -> None:
-            raise ConvergenceError("step 3 does not converge", record)
+            raise ConvergenceError("step 3 does not converge", partial)
 
         monkeypatch.chdir(tmp_path)
         monkeypatch.setattr(jobs, "run", fails)
@@ -45,6 +49,42 @@ class TestMachine:
         told = json.loads(capsys.readouterr().out)
         assert told["exit_code"] == commands_engines.NOT_CONVERGED
         assert "step 3" in told["error"]
+        assert ContactSolution.load(tmp_path / told["file"]).time[-1] == partial.time[-1]
+        monkeypatch.setattr(jobs, "solve_half_plane", fails)
+        assert main(["exact", "cattaneo-mindlin", "--quiet", "--json"]) == commands_engines.NOT_CONVERGED
+        assert json.loads(capsys.readouterr().out) == told
+
+    def test_one_engine_alone_has_its_figures(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        """Those of its file, to the digit; the exit code inside is the one outside."""
+        out = tmp_path / "out"
+        for engine, arguments in (("semi_analytic", ["exact"]), ("halfplane_fe", ["fe", *COARSE])):
+            code = main([arguments[0], "cattaneo-mindlin", "--out", str(out), "--quiet", "--json", *arguments[1:]])
+            told = json.loads(capsys.readouterr().out)
+            whole = json.loads((out / f"{engine}.json").read_text(encoding="utf-8"))
+            assert (told["format"], told["scene"], told["engine"]) == (FORMAT, "cattaneo-mindlin", engine)
+            assert told["exit_code"] == code
+            assert told["passed"] is (code == 0)
+            assert told["admissible"] is True
+            assert Path(told["file"]) == out / f"{engine}.nc"
+            for name in ("dissipation", "largest_pressure", "largest_half_width", "certificates", "notes"):
+                assert told[name] == whole[name]
+            stated = {one.quantity for one in load_scene("cattaneo-mindlin").expected}
+            assert {"dissipation"} <= {one["quantity"] for one in told["expected"]} <= stated
+            assert all(one["met"] for one in told["expected"]) is told["passed"]
+
+    def test_check_and_doctor(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+        assert main(["check", "cattaneo-mindlin", "--json"]) == 0
+        told = json.loads(capsys.readouterr().out)
+        assert told["nearest_to_sliding"]["ratio"] == pytest.approx(0.6)
+        findings = (Finding("gmsh", True, "there"), Finding("off-screen rendering", False, "no screen"))
+        monkeypatch.setattr("reports.doctor.examine", lambda _out: findings)
+        assert main(["doctor", "--json"]) == 1
+        told = json.loads(capsys.readouterr().out)
+        assert (told["exit_code"], told["passed"]) == (1, False)
+        assert told["checks"]["off-screen rendering"] == {"good": False, "found": "no screen"}
+        assert main(["doctor", "--quiet"]) == 1
+        assert main(["check", "cattaneo-mindlin", "--quiet"]) == 0
+        assert capsys.readouterr().out == ""
 
 
 class TestProgress:
