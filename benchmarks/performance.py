@@ -95,8 +95,8 @@ def words(made: dict[str, Any]) -> str:
     )
 
 
-def write_page() -> None:
-    """The page and its figures, from the files of the sections."""
+def page_text() -> str:
+    """The page, from the files of the sections."""
     lines = [
         "# Performance",
         "",
@@ -110,9 +110,16 @@ def write_page() -> None:
         if not file.exists():
             continue
         kept = json.loads(file.read_text(encoding="utf-8"))
-        section.draw(kept["found"], FOLDER)
         lines += ["", f"## {section.TITLE}", "", words(kept["made"]), "", *section.page(kept["found"])]
-    PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return "\n".join(lines) + "\n"
+
+
+def write_page() -> None:
+    """The page and its figures, from the files of the sections."""
+    for name, section in SECTIONS.items():
+        if (file := FOLDER / f"{name}.json").exists():
+            section.draw(json.loads(file.read_text(encoding="utf-8"))["found"], FOLDER)
+    PAGE.write_text(page_text(), encoding="utf-8")
     print(PAGE.relative_to(ROOT))
 
 
