@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+_FORMULA = ("=", "+", "-", "@", "\t")
 
 
 def harmless(cell: str) -> str:
@@ -11,6 +11,7 @@ def harmless(cell: str) -> str:
     >>> harmless("=HYPERLINK(A1)"), harmless("-1e-3"), harmless("pad"), harmless(" @SUM(A1)")
     ("'=HYPERLINK(A1)", '-1e-3', 'pad', "' @SUM(A1)")
     """
+    cell = cell.replace("\r", " ")  # no writer of CSV quotes it, and some readers end the row there
     if not (cell.startswith(_FORMULA) or cell.lstrip().startswith(_FORMULA)):
         return cell
     try:

@@ -103,6 +103,17 @@ class Drawing:
         return table_text(self.table)
 
 
+def literal(figure: Figure) -> Figure:
+    """The figure with every dollar sign a dollar sign: words of others are no formulas, and a half one would end the drawing."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        words = text.get_text()
+        if "$" in words and "mathdefault" not in words:  # the powers of ten beside a logarithmic axis are formulas
+            text.set_text(words.replace("$", r"\$"))
+    return figure
+
+
 def table_text(table: Table) -> str:
     """Columns of equal length as CSV text.
 

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from reports.drawing import literal
 from reports.rendering import Window
 from reports.units import number, units
 from scenes import Scene
@@ -28,7 +29,7 @@ _BAR_ROOM = 1.14
 
 def save(figure: Figure, path: Path) -> None:
     """Write a picture as PNG."""
-    figure.savefig(path, format="png", dpi=140, metadata={"Software": "halfplane"})
+    literal(figure).savefig(path, format="png", dpi=140, metadata={"Software": "halfplane"})
 
 
 def title_of(scene: Scene) -> str:

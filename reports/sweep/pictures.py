@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.drawing import literal
 from reports.sweep.axes import Axis
 from reports.sweep.figures import is_metric
 from reports.sweep.index import Table
@@ -228,5 +229,5 @@ def _svg(figure: Any) -> str:
 
     text = io.StringIO()
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "halfplane", "font.size": 9, "hatch.linewidth": 0.6}):
-        figure.savefig(text, format="svg", metadata={"Date": None})
+        literal(figure).savefig(text, format="svg", metadata={"Date": None})
     return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), flags=re.DOTALL)
