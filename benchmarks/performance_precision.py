@@ -169,8 +169,9 @@ def page(found: dict[str, Any]) -> list[str]:
     ]
     lines += [
         f"A setting is better than the default where it is neither slower nor less exact (by {SAME:.0%}) and in one of the "
-        f"two better by {MARGIN:.0%}. The error of W of the penalty method changes its sign with the stiffness: one at which it is small is "
-        "found by chance and is another one for another mesh; increments of no tolerance suffice where Q moves at constant P.",
+        f"two better by {MARGIN:.0%}. The error of W of the penalty method changes its sign with the stiffness: one at which it is "
+        "small is found by chance and is another one for another mesh; increments of no tolerance suffice where Q moves at "
+        "constant P.",
         "",
     ]
     for name, scene in found.items():

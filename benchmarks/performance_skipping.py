@@ -22,7 +22,7 @@ from meshes import MeshSettings
 from scenes import ContactSolution, ConvergenceError, InadmissibleLoadError, InputError, Scene, load_scene, scene_names
 
 TITLE = "What is skipped"
-RUNS = 3
+RUNS = 2
 
 
 @contextlib.contextmanager
