@@ -26,6 +26,7 @@ import budget
 import diagnosis
 import engines
 import far_field
+import faults
 import fe_orders
 import fe_peers
 import fe_precision
@@ -98,6 +99,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Finite elements: planted faults": must_fail.must_fail,
         "Real bodies": real_bodies.rows,
         "Numerical stress": stress.rows,
+        "Faults and bad input": faults.rows,
         "Error budget": budget.rows,
         "Error budget: planted faults": blame.rows,
         "Other people's results: diagnosis of planted faults": diagnosis.rows,
