@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from scenes import Compound, EvenPolynomial, TimeSeriesLoad, Wedge
+from scenes import Compound, EvenPolynomial, PowerLaw, TimeSeriesLoad, Wedge
 from semi_analytic import solve
 from semi_analytic.contact import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon
@@ -108,3 +108,11 @@ def test_the_work_of_a_load_that_all_but_leaves():
     left = 1e-12
     scene = make_scene(ellipse(1.0, 1 - left, 0.0, 0.2 * left, 90.0), 0.5, radius=100.0)
     assert solve(scene, x=[0.0]).dissipation == pytest.approx(5.0929581788030931689e-26, rel=1e-14, abs=0)  # 3e-16
+
+
+@pytest.mark.xfail(raises=RuntimeWarning, strict=True, reason="q at the tip of |x|^1 is a difference of infinite pressures")
+def test_the_shear_at_the_very_tip_of_a_wedge():
+    """Found by the random scenes: p is infinite at x = 0, and q ends in inf - inf with a warning; every other x is right."""
+    scene = make_scene(ellipse(1.0, 0.4, 0.0, 0.1, 70.0), 0.5)
+    scene = scene.model_copy(update={"profile": PowerLaw(exponent=1.0, length=1.0, rise=1.0)})
+    solve(scene, x=[0.0], fields=("shear",))
