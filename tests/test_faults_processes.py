@@ -139,7 +139,7 @@ def test_an_interrupt_between_two_lists_leaves_them_of_one_length(monkeypatch: p
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A file system of 200 kB."""
+    """A file system of 200 kB. Needs root, so its tests are slow ones: in CI nothing else may be skipped."""
     disk = tmp_path / "disk"
     disk.mkdir()
     mount = shutil.which("mount")
@@ -153,12 +153,14 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", disk], check=True)
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_a_sentence_and_leaves_nothing(comparison: Comparison, small_disk: Path) -> None:
     with pytest.raises(InputError, match="can't be written to"):
         reports.write(comparison, small_disk / "out")
     assert everything(small_disk) == set()
 
 
+@pytest.mark.slow
 def test_a_full_disk_keeps_what_an_earlier_run_left(small_disk: Path) -> None:
     with filled(small_disk / "out") as folder:
         (folder / "report.html").write_text("<html></html>")
@@ -169,6 +171,7 @@ def test_a_full_disk_keeps_what_an_earlier_run_left(small_disk: Path) -> None:
     assert (small_disk / "out" / "report.html").read_text() == "<html></html>"
 
 
+@pytest.mark.slow
 def test_a_full_disk_under_the_store_of_bodies_is_done_without(small_disk: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HALFPLANE_CACHE", str(small_disk / "cache"))
     answer = halfplane_fe.solve(load_scene("cattaneo-mindlin"), MeshSettings(element_size=0.1, edge_element_size=0.008, order=1))
