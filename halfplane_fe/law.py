@@ -49,13 +49,17 @@ def project(trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float) 
     return pressure, shear, state.astype(np.int8)
 
 
+# Plain numbers: numpy asks a member of an enumeration for half a dozen attributes at every comparison.
+_FORWARD, _REVERSE = SurfaceState.SLIP_FORWARD.value, SurfaceState.SLIP_REVERSE.value
+
+
 def slip_sign(state: States) -> NDArray[np.int64]:
     """+1 where a point slips forward, -1 where it slips in reverse, else 0; any shape.
 
     >>> slip_sign(np.array([0, 1, 2, 3], dtype=np.int8)).tolist()
     [0, 0, 1, -1]
     """
-    return (state == SurfaceState.SLIP_FORWARD).astype(np.int64) - (state == SurfaceState.SLIP_REVERSE)
+    return (state == _FORWARD).astype(np.int64) - (state == _REVERSE)
 
 
 def violations(gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float) -> dict[str, float]:
