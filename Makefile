@@ -141,9 +141,9 @@ $(STAMP): pyproject.toml constraints.txt
 	    echo "==> .venv: a new environment from $$($$python --version)"; \
 	    $$python -m venv --clear .venv; \
 	fi
-	@echo "==> .venv: the pinned packages (1.4 GB on disk, once)"
+	@echo "==> .venv: the pinned packages (2.1 GB on disk, once)"
 	@$(PY) -m pip install -c constraints.txt hatchling editables
-	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[test,lint,docs,browser,pdf]"
+	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[test,lint,docs,browser,pdf,animation]"
 	@touch $@
 
 $(PEERS_STAMP): peers.txt
