@@ -156,7 +156,7 @@ constraints: $(STAMP) ## renew constraints.txt with the newest packages (then ru
 	@echo "==> constraints: a throw-away environment with the newest of everything"
 	@$(PY) -m venv --clear .cache/constraints
 	@.cache/constraints/bin/python -m pip install hatchling editables
-	@.cache/constraints/bin/python -m pip install --no-build-isolation -e ".[test,lint,docs,parquet,cluster,browser,pdf]"
+	@.cache/constraints/bin/python -m pip install --no-build-isolation -e ".[test,lint,docs,parquet,cluster,browser,pdf,animation]"
 	@{ sed -n '/^#/p' constraints.txt; \
 	   .cache/constraints/bin/python -m pip list --format=freeze --exclude-editable --exclude pip --exclude setuptools; \
 	 } > .cache/constraints.txt
