@@ -248,7 +248,7 @@ def test_the_same_scene_solved_twice_is_the_same_bits(monkeypatch: pytest.Monkey
 def test_one_or_two_threads_of_blas_agree_to_rounding() -> None:
     """Whatever the user's machine allows: the finite elements hold BLAS to one thread themselves, theory does without it.
 
-    Both to the last bit. With that hold undone, two threads moved nodal shear by 4.6e-12 of the largest pressure.
+    With that hold undone, two threads moved nodal shear by 4.6e-12 of the largest pressure.
     """
     found = []
     for threads in (1, 2):
