@@ -113,7 +113,7 @@ def _sentence(faults: ValidationError) -> str:
         return f"unknown key {key}; docs/sweeps.md lists the keys of a study{more}"
     if fault["type"] == "missing":
         return f"the key {key} is missing; docs/sweeps.md lists the keys of a study{more}"
-    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").replace("an object", "a table of keys")
     if fault["type"] == "value_error":
         return f"{key + ': ' if key else ''}{rule}{more}"
     return f"{key} = {shown(fault['input'])} is refused: {rule}{more}"
