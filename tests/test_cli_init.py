@@ -2,11 +2,12 @@
 
 import os
 import pty
+import select
 import signal
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -124,40 +125,56 @@ class TestQuestions:
         assert said == ["That can't be solved: gross sliding. Once more:"]
 
 
-def on_a_terminal(folder: Path, typed: str, interrupt_at: str = "") -> tuple[int, str]:
-    """`halfplane init my.toml` with a terminal before it, and what it showed there; Ctrl-C once it shows `interrupt_at`."""
+CTRL_C, END_OF_INPUT = "\x03", "\x04"
+
+
+def on_a_terminal(folder: Path, answers: Sequence[tuple[str, str]]) -> tuple[int, str]:
+    """`halfplane init my.toml` with a terminal before it, and what it showed there.
+
+    Each answer is typed once its prompt shows: what is typed before a terminal is set up for reading may be taken otherwise.
+    """
     ours, theirs = pty.openpty()
     command = [sys.executable, "-m", "reports", "init", "my.toml"]
     with subprocess.Popen(command, cwd=folder, env=environment(), stdin=theirs, stdout=theirs, stderr=theirs) as process:
         os.close(theirs)
-        os.write(ours, typed.encode())
-        shown = b""
-        while True:
-            try:
-                part = os.read(ours, 4096)
-            except OSError:  # the other end is closed
-                break
-            if not part:
-                break
+        shown, begin, left = "", 0, list(answers)
+        while part := read_within(ours, process, seconds=60):
             shown += part
-            if interrupt_at and interrupt_at.encode() in shown:
-                process.send_signal(signal.SIGINT)
-                interrupt_at = ""
+            if left and left[0][0] in shown[begin:] and shown.endswith(": "):
+                begin, typed = len(shown), left.pop(0)[1]
+                if typed == CTRL_C:
+                    process.send_signal(signal.SIGINT)
+                else:
+                    os.write(ours, typed.encode())
         process.wait(timeout=60)
     os.close(ours)
-    return process.returncode, shown.decode()
+    return process.returncode, shown
+
+
+def read_within(terminal: int, process: subprocess.Popen[bytes], seconds: float) -> str:
+    """What the terminal shows next, "" at its end; a failure where nothing comes in time."""
+    ready, _, _ = select.select([terminal], [], [], seconds)
+    if not ready:
+        process.kill()
+        pytest.fail(f"the terminal shows nothing more for {seconds:g} s")
+    try:
+        return os.read(terminal, 4096).decode()
+    except OSError:  # the other end is closed
+        return ""
 
 
 class TestTerminal:
     def test_it_asks_and_writes_an_admissible_scene(self, tmp_path: Path) -> None:
-        code, shown = on_a_terminal(tmp_path, "My pad\n" + "\n" * 5 + "0.45\n" + "\n" * 5)
+        prompts = [": "] * 12
+        typed = ["My pad\n", *["\n"] * 5, "0.45\n", *["\n"] * 5]
+        code, shown = on_a_terminal(tmp_path, list(zip(prompts, typed, strict=True)))
         assert code == 0, shown
         assert "Coefficient of friction f [0.6]: " in shown
         scene = load_scene(tmp_path / "my.toml")
         assert (scene.title, scene.friction.coefficient) == ("My pad", 0.45)
 
-    @pytest.mark.parametrize(("key", "stop", "code"), [("", "Profile: ", 130), ("\x04", "", 2)])
-    def test_ctrl_c_and_end_of_input_leave_nothing(self, key: str, stop: str, code: int, tmp_path: Path) -> None:
-        found, shown = on_a_terminal(tmp_path, "My pad\n" + key, stop)
+    @pytest.mark.parametrize(("key", "code"), [(CTRL_C, 130), (END_OF_INPUT, 2)])
+    def test_ctrl_c_and_end_of_input_leave_nothing(self, key: str, code: int, tmp_path: Path) -> None:
+        found, shown = on_a_terminal(tmp_path, [(": ", "My pad\n"), ("Profile", key)])
         assert (found, "Traceback" in shown) == (code, False), shown
         assert everything(tmp_path) == set()
