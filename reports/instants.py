@@ -39,7 +39,9 @@ def events(cycle: Cycle, friction: float, count: int = 6) -> tuple[Event, ...]:
     for label, quantity in wanted:
         if np.ptp(quantity) > 1e-9 * size:
             found.setdefault(_first_largest(quantity, size), label)
-    chosen = dict(list(found.items())[:count]) or {0: "the first instant"}
+    chosen = dict(list(found.items())[:count])
+    if len(cycle.time) == 1:
+        chosen = {0: "the only instant"}
     while len(chosen) < min(count, len(cycle.time) - 1):
         chosen.setdefault(_widest_gap(chosen, cycle.time), "between")
     return tuple(Event(index, chosen[index]) for index in sorted(chosen))

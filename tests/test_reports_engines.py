@@ -160,7 +160,7 @@ def test_fields_only_when_asked(paper: Comparison, tmp_path: Path) -> None:
     assert not (tmp_path / "out" / "fields").exists()
     write(paper, tmp_path / "out", vtu_instants=paper.found.time[[0, 5]])
     names = {path.name for path in (tmp_path / "out" / "fields").iterdir()}
-    assert names == {"fields.pvd", "lower_000.vtu", "upper_000.vtu", "lower_001.vtu", "upper_001.vtu"}
+    assert names == {"fields.pvd", *(f"{part}_{number:03d}.vtu" for part in ("lower", "upper", "contact") for number in (0, 1))}
 
 
 def test_fields_of_a_solution_without_bodies_are_refused(paper: Comparison, tmp_path: Path) -> None:

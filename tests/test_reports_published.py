@@ -49,7 +49,7 @@ def same_as_published(comparison: Comparison) -> None:
 
 def test_the_whole_library_is_published_and_nothing_else() -> None:
     assert list(STORED) == list(scene_names())
-    files = {"values.json", "README.md", *(f"{name}.{kind}" for name in scene_names() for kind in ("md", "svg"))}
+    files = {"values.json", "README.md", "maps", *(f"{name}.{kind}" for name in scene_names() for kind in ("md", "svg"))}
     assert {path.name for path in publishing.FOLDER.iterdir()} == files, RENEW
 
 
