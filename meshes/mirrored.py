@@ -12,6 +12,7 @@ import skfem
 from numpy.typing import NDArray
 
 from meshes.bodies import Cells
+from meshes.interrupts import interrupts_wait
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -90,7 +91,7 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
 
 
 def _half(draw: Callable[[], Mapping[str, list[int]]], size: Callable[[float, float], float], order: int, cells: Cells) -> _Cells:
-    with _gmsh_model(cells):
+    with interrupts_wait(), _gmsh_model(cells):
         named = draw()
         gmsh.model.geo.synchronize()
         gmsh.model.mesh.setSizeCallback(lambda _dim, _tag, x, y, _z, _size: size(x, y))
