@@ -12,9 +12,14 @@ from meshes.interrupts import interrupts_wait
 
 def test_an_interrupt_waits_until_the_end():
     reached = []
-    with pytest.raises(KeyboardInterrupt), interrupts_wait():
-        os.kill(os.getpid(), signal.SIGINT)
-        reached.append(True)
+
+    def interrupted():
+        with interrupts_wait():
+            os.kill(os.getpid(), signal.SIGINT)
+            reached.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     assert reached == [True]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
