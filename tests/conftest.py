@@ -1,6 +1,7 @@
 """What every test shares: the slow option, skips in CI, hypothesis profiles, a drawing backend without a screen."""
 
 import os
+import signal
 from collections.abc import Generator
 from pathlib import Path
 from typing import TypeVar
@@ -9,6 +10,10 @@ import matplotlib
 import pytest
 from hypothesis import settings
 from hypothesis.configuration import set_hypothesis_home_dir
+
+# A shell that starts the tests in the background has Ctrl-C ignored, here and in every process started from here.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Work counts are asserted: nothing may come from an earlier run. The tests of the store give it a folder of their own.
 os.environ["HALFPLANE_CACHE"] = "off"
