@@ -110,6 +110,7 @@ def test_dask_needs_an_address_and_an_address_needs_dask() -> None:
 
 
 @needs_dask
+@pytest.mark.slow
 def test_an_address_where_nobody_answers_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     from reports.sweep import crews
 
