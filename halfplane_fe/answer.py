@@ -14,7 +14,7 @@ from halfplane_fe.penalty import PenaltyAudit
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
 from halfplane_fe.visible import visible_states
-from scenes import Interrupted, Record, Scene, SurfaceState, freeze
+from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
@@ -79,14 +79,14 @@ def _edges(problem: ContactProblem, state: InterfaceState, visible: States) -> t
     gap = state.gap  # open nodes carry nothing, so the layer does not count there
     pressure, shear = state.pressure / problem.interface.weights, state.shear / problem.interface.weights
     contact = contact_edges(x, pressure, gap, closed, 1.0)
-    stick = visible == SurfaceState.STICK
+    stick = visible == STICK
     edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear)
     of_contact = contact_uncertainty(x, pressure, closed, contact)
     return (
         contact,
         edges,
         of_contact,
-        stick_uncertainty(x, (stick, state.state == SurfaceState.STICK), closed, contact, edges, of_contact),
+        stick_uncertainty(x, (stick, state.state == STICK), closed, contact, edges, of_contact),
     )
 
 
@@ -97,11 +97,11 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     start = run.states[-1].time - period * (1 - 1e-9) if period is not None else -np.inf
     loaded = np.array([state.normal_load > 0 for state in run.states])
     inside = (times > start) & loaded
-    always = np.all(seen[inside] == SurfaceState.STICK, axis=0)
+    always = np.all(seen[inside] == STICK, axis=0)
     if not inside.any() or not always.any():  # no instant at all: the very first increment failed
         return float("nan")
     x = problem.interface.x
-    ever_closed = np.any(seen[inside] != SurfaceState.OPEN, axis=0)
+    ever_closed = np.any(seen[inside] != OPEN, axis=0)
     left, right = stick_edges(x, always, ever_closed, (float(x[always].min()), float(x[always].max())))
     return (right - left) / 2
 

@@ -16,7 +16,7 @@ from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
 from halfplane_fe.systems import Forces, Layer, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
-from scenes import ConvergenceError, SurfaceState, freeze
+from scenes import OPEN, STICK, ConvergenceError, freeze
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -49,14 +49,14 @@ class InterfaceState:
     @property
     def closed(self) -> Mask:
         """Nodes in contact."""
-        return self.state != SurfaceState.OPEN
+        return self.state != OPEN
 
 
 def untouched(height: Array, time: float) -> InterfaceState:
     """The bodies at rest, touching where the gap is least."""
     zero = freeze(np.zeros_like(height))
     gap = height - height.min()
-    state = np.where(gap <= ROUNDING, SurfaceState.STICK, SurfaceState.OPEN)
+    state = np.where(gap <= ROUNDING, STICK, OPEN)
     return InterfaceState(time, 0.0, 0.0, zero, zero, freeze(gap), zero, freeze(state, np.int8), float(height.min()), 0.0)
 
 
@@ -156,7 +156,7 @@ class ContactProblem:
             pressure, approach, closed = pressure_at_known_shear(systems, height, loads[0] - float(n_x @ shear), closed, ROUNDING)
             known_slip, load = history.slip - coupling @ pressure - n_x * approach, loads[1] + float(n_x @ pressure)
             shear, shift, states = shear_at_known_pressure(systems, np.maximum(pressure, 0.0), known_slip, load, ROUNDING)
-            if not np.any(states == SurfaceState.STICK):
+            if not np.any(states == STICK):
                 continue
             answer = self._with_states(states, history, time, loads)
             changing = int(np.count_nonzero(self._wanted(answer, history) != states))
@@ -168,21 +168,21 @@ class ContactProblem:
         """The states that the law gives the answer's nodes."""
         states = answer.state
         # What the equations of these states set to zero counts as zero: weighted, its rounding would look like a force.
-        gap = np.where(states == SurfaceState.OPEN, answer.gap, 0.0)
-        slip = np.where(states == SurfaceState.STICK, 0.0, answer.slip - history.slip)
+        gap = np.where(states == OPEN, answer.gap, 0.0)
+        slip = np.where(states == STICK, 0.0, answer.slip - history.slip)
         r_normal, r_tangential = self.augmentation
         trial_pressure = answer.pressure - r_normal * gap
         # Within rounding of touching or of the cone a node keeps the state it has.
         touching = (np.abs(answer.pressure) <= ROUNDING) & (np.abs(gap) <= ROUNDING)
-        closed = np.where(touching, states != SurfaceState.OPEN, trial_pressure > 0)
+        closed = np.where(touching, states != OPEN, trial_pressure > 0)
         pressure, _, wanted = project(np.maximum(trial_pressure, ROUNDING), answer.shear + r_tangential * slip, self.friction)
         at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= _ON_CONE) & (np.abs(slip) <= ROUNDING)
-        wanted = np.where(at_cone & (states != SurfaceState.OPEN), states, wanted)
-        wanted = np.where(closed, wanted, SurfaceState.OPEN)
+        wanted = np.where(at_cone & (states != OPEN), states, wanted)
+        wanted = np.where(closed, wanted, OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets chase each other.
-        wanted = np.where(slip_sign(wanted) * slip_sign(states) < 0, SurfaceState.STICK, wanted)
+        wanted = np.where(slip_sign(wanted) * slip_sign(states) < 0, STICK, wanted)
         if not self.tangential:
-            wanted = np.where(wanted == SurfaceState.OPEN, SurfaceState.OPEN, SurfaceState.STICK)
+            wanted = np.where(wanted == OPEN, OPEN, STICK)
         return wanted.astype(np.int8)
 
     def _with_states(self, states: States, history: InterfaceState, time: float, loads: tuple[float, float]) -> InterfaceState:
@@ -190,7 +190,7 @@ class ContactProblem:
         if self._coupled:
             forces = self._systems.both(states, self.height, history.slip, loads)
         else:
-            closed = states != SurfaceState.OPEN
+            closed = states != OPEN
             pressure, approach = self._systems.pressure_alone(closed, self.height, loads[0])
             shear, shift = np.zeros_like(pressure), 0.0
             if self.tangential:

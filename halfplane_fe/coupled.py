@@ -28,7 +28,7 @@ from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from halfplane_fe.interface import Interface
 from halfplane_fe.kept import Kept
 from halfplane_fe.law import slip_sign
-from scenes import SurfaceState
+from scenes import OPEN, STICK
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -123,8 +123,8 @@ class CoupledFactor:
 
     def _rows(self, states: States) -> Rows:
         return Rows(
-            states != SurfaceState.OPEN,
-            states == SurfaceState.STICK,
+            states != OPEN,
+            states == STICK,
             np.asarray(slip_sign(states) * self.friction, dtype=np.float64),
         )
 

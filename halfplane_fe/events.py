@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
-from scenes import SurfaceState, freeze
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, freeze
 
 Array = NDArray[np.float64]
 Event = Literal["regular", "touch", "release"]
@@ -169,10 +169,10 @@ def _up_to_event(history: InterfaceState, solved: InterfaceState) -> InterfaceSt
     A node that let go in its increment has slid for all of it, and one labelled open would lose the friction work.
     """
     slip = solved.slip - history.slip
-    sliding = np.where(slip > ROUNDING, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE)
-    closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, SurfaceState.STICK)
+    sliding = np.where(slip > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
+    closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, STICK)
     changed = _marginal(solved) & (solved.closed != history.closed)
-    states = np.where(changed, np.where(history.closed, closed_until_now, SurfaceState.OPEN), solved.state)
+    states = np.where(changed, np.where(history.closed, closed_until_now, OPEN), solved.state)
     return replace(solved, state=freeze(states, np.int8))
 
 
@@ -184,5 +184,5 @@ def landed(state: InterfaceState, event: Event) -> InterfaceState:
     """`state` with the nodes of the event on their new side: a touching node sticks from here on, a released one is open."""
     if event == "regular":
         return state
-    new = SurfaceState.STICK if event == "touch" else SurfaceState.OPEN
+    new = STICK if event == "touch" else OPEN
     return replace(state, state=freeze(np.where(_marginal(state), new, state.state), np.int8))

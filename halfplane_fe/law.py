@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import SurfaceState
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
@@ -43,14 +43,10 @@ def project(trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float) 
     trial = np.asarray(trial_shear, dtype=float)
     limit = friction * pressure
     shear = np.clip(trial, -limit, limit)
-    slips = np.where(trial > 0, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE)
-    held = np.where(np.abs(trial) > limit, slips, SurfaceState.STICK)
-    state = np.where(np.asarray(trial_pressure) > 0, held, SurfaceState.OPEN)
+    slips = np.where(trial > 0, SLIP_FORWARD, SLIP_REVERSE)
+    held = np.where(np.abs(trial) > limit, slips, STICK)
+    state = np.where(np.asarray(trial_pressure) > 0, held, OPEN)
     return pressure, shear, state.astype(np.int8)
-
-
-# Plain numbers: numpy asks a member of an enumeration for half a dozen attributes at every comparison.
-_FORWARD, _REVERSE = SurfaceState.SLIP_FORWARD.value, SurfaceState.SLIP_REVERSE.value
 
 
 def slip_sign(state: States) -> NDArray[np.int64]:
@@ -59,7 +55,7 @@ def slip_sign(state: States) -> NDArray[np.int64]:
     >>> slip_sign(np.array([0, 1, 2, 3], dtype=np.int8)).tolist()
     [0, 0, 1, -1]
     """
-    return (state == _FORWARD).astype(np.int64) - (state == _REVERSE)
+    return (state == SLIP_FORWARD).astype(np.int64) - (state == SLIP_REVERSE)
 
 
 def violations(gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float) -> dict[str, float]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.law import slip_sign
 from halfplane_fe.scales import Scales
-from scenes import Scene, SurfaceState
+from scenes import STICK, Scene
 
 
 @dataclass(frozen=True)
@@ -95,6 +95,6 @@ def _creep_and_slip(scene: Scene, law: NDArray[np.int8], arrays: Mapping[str, An
     cycle = np.ones(len(time), dtype=bool) if period is None else time > time[-1] - period * (1 + 1e-9)
     state, slip = law[cycle], arrays["slip"][cycle]
     spread = np.ptp(slip, axis=0)
-    sticks = np.all(state[1:] == SurfaceState.STICK, axis=0)
+    sticks = np.all(state[1:] == STICK, axis=0)
     slips = np.any(slip_sign(state) != 0, axis=0)
     return float(np.max(spread[sticks], initial=0.0)), float(np.max(spread[slips], initial=0.0))

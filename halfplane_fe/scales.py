@@ -20,7 +20,7 @@ from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
 from meshes import MeshSettings, SurfaceGrading
-from scenes import Bodies, Elastic, InputError, Scene, SurfaceState
+from scenes import STICK, Bodies, Elastic, InputError, Scene
 
 Array = NDArray[np.float64]
 
@@ -201,6 +201,6 @@ def _half_width(problem: ContactProblem, state: InterfaceState) -> float:
 def _least_half_width(problem: ContactProblem, state: InterfaceState, seen: NDArray[np.int8]) -> float:
     """The half-width of the contact or of its stick zone, whichever is less; 0 where nothing sticks."""
     half = _half_width(problem, state)
-    stick = seen == SurfaceState.STICK
+    stick = seen == STICK
     left, right = stick_edges(problem.interface.x, stick, state.closed, (-half, half))
     return min(half, (right - left) / 2) if stick.any() else 0.0

@@ -13,7 +13,7 @@ from halfplane_fe.coupled import CoupledFactor, SingularSet
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
 from halfplane_fe.nested import NestedFactor
-from scenes import SurfaceState
+from scenes import STICK
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -73,7 +73,7 @@ class Systems:
     def shear_alone(self, states: States, pressure: Array, known_slip: Array, load: float) -> tuple[Array, float]:
         """Shear and shift of flat faces at known pressure: sticking nodes keep slip `known_slip`, sliding ones carry f p."""
         sliding = slip_sign(states) * self.friction * pressure
-        stick = states == SurfaceState.STICK
+        stick = states == STICK
         known = -known_slip - self.tangential @ sliding
         held, shift = self._bordered("tangential", stick, known, load - float(sliding.sum()))
         return held + sliding, shift

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from halfplane_fe.systems import Systems
-from scenes import ConvergenceError, SurfaceState
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -53,7 +53,7 @@ def shear_at_known_pressure(
     n_y = systems.interface.normals[1]
     limit = systems.friction * pressure
     closed = pressure > 0
-    states = np.where(closed, SurfaceState.STICK, SurfaceState.OPEN).astype(np.int8)
+    states = np.where(closed, STICK, OPEN).astype(np.int8)
     most = (np.abs(known_slip[closed]).max() + np.abs(systems.tangential @ limit)[closed].max()) / n_y.min()
 
     def shear(shift: float) -> Array:
@@ -67,18 +67,18 @@ def shear_at_known_pressure(
 
 def _bounded(systems: Systems, limit: Array, known: Array, states: States, rounding: float) -> tuple[Array, States]:
     """Shear and states of |q| <= limit, -T q - known = 0 inside, >= 0 at the upper bound, <= 0 at the lower one."""
-    sign = {SurfaceState.SLIP_FORWARD: 1.0, SurfaceState.SLIP_REVERSE: -1.0}
+    sign = {SLIP_FORWARD: 1.0, SLIP_REVERSE: -1.0}
 
     def step(states: States) -> tuple[Array, Array, States]:
-        stick = states == SurfaceState.STICK
+        stick = states == STICK
         shear = sum((value * limit * (states == state) for state, value in sign.items()), np.zeros_like(limit))
         if stick.any():
             shear[stick] = systems.held(stick, (-known - systems.tangential @ shear)[stick])
         slip = -systems.tangential @ shear - known
-        forward, reverse = states == SurfaceState.SLIP_FORWARD, states == SurfaceState.SLIP_REVERSE
+        forward, reverse = states == SLIP_FORWARD, states == SLIP_REVERSE
         wrong = np.where(stick, np.abs(shear) - limit, np.where(forward, -slip, np.where(reverse, slip, -np.inf)))
-        turned = np.where(shear > 0, SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE)
-        wanted = np.where(wrong > rounding, np.where(stick, turned, SurfaceState.STICK), states)
+        turned = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
+        wanted = np.where(wrong > rounding, np.where(stick, turned, STICK), states)
         return shear, wrong, wanted.astype(np.int8)
 
     return _settled(step, states)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.law import slip_sign
-from scenes import SurfaceState
+from scenes import OPEN, STICK
 
 States = NDArray[np.int8]
 
@@ -60,12 +60,12 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
             goes_on = driven[step] & (moved[step - 1] & (run[step] * run[step - 1] > 0) if step else False)
             moved[step] &= pace[step] > np.where(goes_on, _DYING, _CREEP) * fastest
             moved[step, _slow_rim(law[step], moved[step], pace[step] > _RIM_CREEP * fastest)] = False
-    return np.where((slip_sign(law) != 0) & ~moved, SurfaceState.STICK, law).astype(np.int8)
+    return np.where((slip_sign(law) != 0) & ~moved, STICK, law).astype(np.int8)
 
 
 def _slow_rim(law: States, moved: NDArray[np.bool_], fast: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Sliding nodes of each half of the contact, where all are among its outermost and none is fast, or few with gaps between."""
-    closed = np.flatnonzero(law != SurfaceState.OPEN)
+    closed = np.flatnonzero(law != OPEN)
     half = len(closed) // 2
     slow = []
     for side in (closed[:half], closed[half:][::-1]):  # from the rim inwards

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.missing import derived
-from scenes import ContactSolution, SurfaceState
+from scenes import SLIP_FORWARD, SLIP_REVERSE, ContactSolution
 
 Array = NDArray[np.float64]
 
@@ -90,7 +90,7 @@ def _cone(solution: ContactSolution) -> Array:
 def _slip(solution: ContactSolution) -> Array:
     """max|q -+ f p| of the points in forward (reverse) slip, over the same as the cone, (n_steps,): slip costs f p, against it."""
     friction = solution.scene.friction.coefficient
-    sign = (solution.state == SurfaceState.SLIP_FORWARD) * 1.0 - (solution.state == SurfaceState.SLIP_REVERSE)
+    sign = (solution.state == SLIP_FORWARD) * 1.0 - (solution.state == SLIP_REVERSE)
     short = np.max(np.abs(sign * solution.shear - friction * solution.pressure), axis=1, where=sign != 0, initial=0.0)
     return np.asarray(short / ((friction or 1.0) * _largest_pressure(solution)))
 

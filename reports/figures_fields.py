@@ -17,15 +17,15 @@ from reports.drawing import STATE_NAMES, Table
 from reports.instants import Event
 from reports.sampling import Cycle
 from reports.units import signed
-from scenes import SurfaceState
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
 
 Array = NDArray[np.float64]
 X = "x / a_ref"
 STATES = {
-    SurfaceState.OPEN: "#ffffff",
-    SurfaceState.STICK: "#d2d2d2",
-    SurfaceState.SLIP_FORWARD: "#e69f00",
-    SurfaceState.SLIP_REVERSE: "#0072b2",
+    OPEN: "#ffffff",
+    STICK: "#d2d2d2",
+    SLIP_FORWARD: "#e69f00",
+    SLIP_REVERSE: "#0072b2",
 }
 STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items())
 _COLUMNS, _ROWS = 440, 360

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from reports.metrics import Array, shares
 from reports.metrics_zones import stick_status
 from reports.sampling import Cycle
-from scenes import SurfaceState
+from scenes import SLIP_FORWARD, SLIP_REVERSE
 
 Mask = NDArray[np.bool_]
 FULL_STICK = 2
@@ -98,7 +98,7 @@ def _reversals_to(sense: int, reference: Cycle, result: Cycle, periodic: bool) -
 
 def slip_sense(cycle: Cycle) -> NDArray[np.int8]:
     """(k,) 1 where more of the length slips forward than in reverse, -1 where less, 0 where neither."""
-    forward, reverse = ((cycle.state == s) @ shares(cycle.x) for s in (SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE))
+    forward, reverse = ((cycle.state == s) @ shares(cycle.x) for s in (SLIP_FORWARD, SLIP_REVERSE))
     return np.sign(forward - reverse).astype(np.int8)
 
 

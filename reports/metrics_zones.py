@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from reports.metrics import Array, over, shares
 from reports.sampling import Cycle
-from scenes import SurfaceState
+from scenes import OPEN, STICK
 
 
 def edge(expected: Array, found: Array, length: float) -> Array:
@@ -35,7 +35,7 @@ def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
 
 def state_disagreement(reference: Cycle, result: Cycle) -> Array:
     """Share of the length in contact (of either) whose state differs, at each instant, (k,); NaN out of contact."""
-    touching = (reference.state != SurfaceState.OPEN) | (result.state != SurfaceState.OPEN)
+    touching = (reference.state != OPEN) | (result.state != OPEN)
     differs = reference.state != result.state
     length = np.gradient(result.x)
     return over((differs * length).sum(axis=1), (touching * length).sum(axis=1))
@@ -48,7 +48,7 @@ def edge_of_side(expected: Array, found: Array, side: int, length: float) -> Arr
 
 def stick_set(reference: Cycle, result: Cycle) -> float:
     """1 - |A and B|/|A or B| of the points and instants that stick, by length times time, in [0, 1]; NaN if none does in either."""
-    theirs, ours = reference.state == SurfaceState.STICK, result.state == SurfaceState.STICK
+    theirs, ours = reference.state == STICK, result.state == STICK
     both, either = (shares(result.time) @ sticks @ shares(result.x) for sticks in (theirs & ours, theirs | ours))
     return float(1 - over(both, either))
 
@@ -58,7 +58,7 @@ def slip(reference: Cycle, result: Cycle, slip_scale: float) -> tuple[Array, Arr
 
     And whether it is relative: it is over `slip_scale` = f p_ref a_ref/E* where the range of s_ref is below 1e-12 of that.
     """
-    touching = (reference.state != SurfaceState.OPEN) & (result.state != SurfaceState.OPEN)
+    touching = (reference.state != OPEN) & (result.state != OPEN)
     largest = np.ptp(reference.slip[touching]) if touching.any() else 0.0
     relative = not bool(largest <= 1e-12 * slip_scale)
     difference = (result.slip - reference.slip) / (largest if relative else slip_scale)

@@ -12,11 +12,15 @@ from scenes.measured import Tabulated
 from scenes.profiles import Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
 from scenes.reading import load_scene, scene_companions, scene_names, scene_schema, scene_text
 from scenes.scene import Friction, Scene, Tolerances
-from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
+from scenes.solution import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, Record, SurfaceState, Work, freeze
 from scenes.tags import tags
 from scenes.time_series import TimeSeriesLoad
 
 __all__ = [
+    "OPEN",
+    "SLIP_FORWARD",
+    "SLIP_REVERSE",
+    "STICK",
     "Block",
     "Bodies",
     "CallableLoad",

@@ -30,6 +30,11 @@ class SurfaceState(IntEnum):
     SLIP_REVERSE = 3
 
 
+# For arrays, plain integers: numpy first searches a member of an enumeration for methods of its own, which takes four times
+# the comparison, and a Ctrl-C that falls into the search is lost.
+OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE = (int(state) for state in SurfaceState)
+
+
 def freeze(values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
     """A read-only copy of `values`."""
     array = np.array(values, dtype=dtype)

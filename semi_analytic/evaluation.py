@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import SurfaceState
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
 from semi_analytic.contact import Contact
 from semi_analytic.fields import Integrals
 from semi_analytic.snapshot import Snapshot
@@ -61,7 +61,7 @@ def grids_of(asked: Asked, snapshot: Snapshot, half: Array, stick: Array) -> dic
     contact, x = asked.contact, asked.distance
     shape = (len(asked.time), len(asked.fold))
     grids: dict[str, NDArray[Any]] = {name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")}
-    grids["state"] = np.broadcast_to(np.int8(SurfaceState.OPEN), shape)
+    grids["state"] = np.broadcast_to(np.int8(OPEN), shape)
     found: dict[str, NDArray[Any]] = {}
     if "pressure" in asked.fields:
         found["pressure"] = contact.pressure(x, snapshot.load[:, None])
@@ -79,7 +79,7 @@ def grids_of(asked: Asked, snapshot: Snapshot, half: Array, stick: Array) -> dic
 
 
 def _states(x: Array, snapshot: Snapshot, half: Array, stick: Array) -> NDArray[np.int8]:
-    names = (SurfaceState.SLIP_REVERSE, SurfaceState.STICK, SurfaceState.SLIP_FORWARD)
+    names = (SLIP_REVERSE, STICK, SLIP_FORWARD)
     sliding = np.array(names, dtype=np.int8)[snapshot.direction + 1][:, None]
-    inner = np.where(x > np.nan_to_num(stick)[:, None], sliding, np.int8(SurfaceState.STICK))
-    return np.where((x <= half[:, None]) & (snapshot.load[:, None] > 0), inner, np.int8(SurfaceState.OPEN))
+    inner = np.where(x > np.nan_to_num(stick)[:, None], sliding, np.int8(STICK))
+    return np.where((x <= half[:, None]) & (snapshot.load[:, None] > 0), inner, np.int8(OPEN))

@@ -132,6 +132,7 @@ def on_a_terminal(folder: Path, answers: Sequence[tuple[str, str]]) -> tuple[int
     """`halfplane init my.toml` with a terminal before it, and what it showed there.
 
     Each answer is typed once its prompt shows: what is typed before a terminal is set up for reading may be taken otherwise.
+    Ctrl-C is pressed again where nothing comes of it: Python hears it before or in a read, not in the instant between.
     """
     ours, theirs = pty.openpty()
     command = [sys.executable, "-m", "reports", "init", "my.toml"]
@@ -143,12 +144,19 @@ def on_a_terminal(folder: Path, answers: Sequence[tuple[str, str]]) -> tuple[int
             if left and left[0][0] in shown[begin:] and shown.endswith(": "):
                 begin, typed = len(shown), left.pop(0)[1]
                 if typed == CTRL_C:
-                    process.send_signal(signal.SIGINT)
+                    press_until_heard(ours, process)
                 else:
                     os.write(ours, typed.encode())
         process.wait(timeout=60)
     os.close(ours)
     return process.returncode, shown
+
+
+def press_until_heard(terminal: int, process: subprocess.Popen[bytes]) -> None:
+    for _ in range(4):
+        process.send_signal(signal.SIGINT)
+        if select.select([terminal], [], [], 10.0)[0]:
+            return
 
 
 def read_within(terminal: int, process: subprocess.Popen[bytes], seconds: float) -> str:
