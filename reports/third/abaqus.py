@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-import numpy as np
-
 from reports.third import blocks
-from reports.third.blocks import AT_THE_END, CONTACT, LOWER_FACE_NODES, REFERENCE, Block, number
+from reports.third.blocks import AT_THE_END, LOWER_FACE_NODES, REFERENCE, Block, number
 from reports.third.deck import Deck
+from reports.third.dialect import Dialect, deck_text
 
 _ABOUT = (
     "dialect: Abaqus/Standard, without parts and assembly. NOT run in Abaqus: checked by a parser of its keywords, and by CalculiX "
@@ -19,10 +18,7 @@ _ABOUT = (
 
 def abaqus_deck(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
     """The text of the input file."""
-    lines = [*blocks.header(deck, _ABOUT, command, versions or {})]
-    for block in _blocks(deck):
-        lines.extend(block.text())
-    return "\n".join(lines) + "\n"
+    return deck_text(Dialect(_ABOUT, ("1.",), _friction, _loaded), deck, command, versions or {})
 
 
 def elastic_slip(deck: Deck) -> float:
@@ -30,33 +26,16 @@ def elastic_slip(deck: Deck) -> float:
     return deck.scene.friction.coefficient * deck.scales.load / (2 * deck.scales.half_width * deck.stick_slope)
 
 
-def _blocks(deck: Deck) -> Iterator[Block]:
-    yield from blocks.geometry(deck)
-    yield from blocks.sections(deck)
-    yield from _interaction(deck)
-    yield blocks.pairing()
-    yield from blocks.upper_plane(deck)
-    yield blocks.lower_support(deck)
-    yield from blocks.amplitudes(deck)
-    yield from blocks.touch(deck)
-    yield Block("END STEP")
-    yield from blocks.history(deck, [*blocks.loading(deck), *_output()])
+def _friction(deck: Deck) -> Block:
+    words = (
+        "Friction coefficient; the elastic slip at which it is reached is absolute, and is to CalculiX' stick slope of "
+        f"{deck.settings.stick_stiffness:g} E*/h what it is at the mean pressure."
+    )
+    return Block("FRICTION", {"ELASTIC SLIP": number(elastic_slip(deck))}, (number(deck.scene.friction.coefficient),), words)
 
 
-def _interaction(deck: Deck) -> Iterator[Block]:
-    yield Block("SURFACE INTERACTION", {"NAME": CONTACT}, ("1.",))
-    words = blocks.stiffness_words(deck)
-    yield Block("SURFACE BEHAVIOR", {"PRESSURE-OVERCLOSURE": "LINEAR"}, (number(deck.stiffness),), words)
-    friction = deck.scene.friction.coefficient
-    if np.isfinite(friction) and friction > 0:
-        words = (
-            "Friction coefficient; the elastic slip at which it is reached is absolute, and is to CalculiX' stick slope of "
-            f"{deck.settings.stick_stiffness:g} E*/h what it is at the mean pressure."
-        )
-        yield Block("FRICTION", {"ELASTIC SLIP": number(elastic_slip(deck))}, (number(friction),), words)
-
-
-def _output() -> Iterator[Block]:
+def _loaded(deck: Deck) -> Iterator[Block]:
+    yield from blocks.loading(deck)
     yield Block("OUTPUT", {"FIELD": None, "FREQUENCY": AT_THE_END}, (), "Contact values of the lower face, displacements.")
     yield Block("CONTACT OUTPUT", {"NSET": LOWER_FACE_NODES}, ("CSTRESS, CDISP",))
     yield Block("NODE OUTPUT", {}, ("U, RF",))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from reports.third import blocks
-from reports.third.blocks import AT_THE_END, CONTACT, LOWER_FACE, REFERENCE, UPPER_FACE, Block, number
+from reports.third.blocks import AT_THE_END, LOWER_FACE, REFERENCE, UPPER_FACE, Block, number
 from reports.third.deck import Deck
+from reports.third.dialect import Dialect, deck_text
 
 _ABOUT = (
     "dialect: CalculiX 2.20; run it by `ccx <name of this file without .inp>`",
@@ -21,46 +22,21 @@ _CONTACT = "0.001, 0.1, 100., 30"
 
 def calculix_deck(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
     """The text of the input file."""
-    lines = [*blocks.header(deck, _ABOUT, command, versions or {})]
-    for block in _blocks(deck):
-        lines.extend(block.text())
-    return "\n".join(lines) + "\n"
+    return deck_text(Dialect(_ABOUT, (), _friction, _loaded), deck, command, versions or {})
 
 
-def _blocks(deck: Deck) -> Iterator[Block]:
-    yield from blocks.geometry(deck)
-    yield from blocks.sections(deck)
-    yield from _interaction(deck)
-    yield blocks.pairing()
-    yield from blocks.upper_plane(deck)
-    yield blocks.lower_support(deck)
-    yield from blocks.amplitudes(deck)
-    yield from blocks.touch(deck)
-    yield Block("END STEP")
-    yield from blocks.history(deck, [*_first(deck)])
+def _friction(deck: Deck) -> Block:
+    words = (
+        f"Friction coefficient, and shear per elastic slip while faces stick: {deck.settings.stick_stiffness:g} E*/h; much "
+        "stiffer ones let CalculiX fail to converge, softer ones creep."
+    )
+    return Block("FRICTION", {}, (f"{number(deck.scene.friction.coefficient)}, {number(deck.stick_slope)}",), words)
 
 
-def _first(deck: Deck) -> Iterator[Block]:
+def _loaded(deck: Deck) -> Iterator[Block]:
     yield Block("CONTROLS", {"PARAMETERS": "FIELD"}, (f"{number(_RESIDUAL)}, {number(_CORRECTION)}",), "Residual and correction.")
     yield Block("CONTROLS", {"PARAMETERS": "CONTACT"}, (_CONTACT,))
     yield from blocks.loading(deck)
-    yield from _output()
-
-
-def _interaction(deck: Deck) -> Iterator[Block]:
-    yield Block("SURFACE INTERACTION", {"NAME": CONTACT})
-    words = blocks.stiffness_words(deck)
-    yield Block("SURFACE BEHAVIOR", {"PRESSURE-OVERCLOSURE": "LINEAR"}, (number(deck.stiffness),), words)
-    friction = deck.scene.friction.coefficient
-    if friction:
-        words = (
-            f"Friction coefficient, and shear per elastic slip while faces stick: {deck.settings.stick_stiffness:g} E*/h; much "
-            "stiffer ones let CalculiX fail to converge, softer ones creep."
-        )
-        yield Block("FRICTION", {}, (f"{number(friction)}, {number(deck.stick_slope)}",), words)
-
-
-def _output() -> Iterator[Block]:
     pair = {"SLAVE": LOWER_FACE, "MASTER": UPPER_FACE, "FREQUENCY": AT_THE_END}
     yield Block("CONTACT FILE", {"FREQUENCY": AT_THE_END}, ("CDIS, CSTR",), "Contact values at the nodes of the lower face.")
     yield Block("CONTACT PRINT", pair, ("CF",), "Resultant of the contact: it must be P and Q.")
