@@ -41,8 +41,6 @@ from scenes import Scene, load_scene
 
 Array = NDArray[np.float64]
 TITLE = "Beside other codes"
-HERE = Path(__file__).parent
-ROOT = HERE.parent
 RUNS = 3
 
 

@@ -22,15 +22,12 @@ import discretised_half_plane as peer
 import mpmath as mp
 import numpy as np
 from claim import Row, table
-from numpy.typing import NDArray
 from semi_analytic_reference import DIGITS, Case, dissipation, half_width_of
 
 import semi_analytic
 from scenes import Elastic, EllipseLoad, FlatRounded, Friction, Hertz, Materials, Scene, TimeSeriesLoad
 from semi_analytic.contact import Contact, contact_of
 from semi_analytic.row_solution import solve_rows
-
-Array = NDArray[np.float64]
 
 FILE = Path(__file__).with_suffix(".json")
 OUT = Path(__file__).parent.parent / "out"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import base64
 import csv
 import io
-from collections.abc import Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -30,7 +29,6 @@ BANDS: tuple[dict[str, Any], ...] = tuple(
     {"color": colour, "lw": 3.6, "solid_capstyle": "butt"} for colour in (REFERENCE, "#F0C75E")
 )
 THIN: tuple[dict[str, Any], ...] = tuple({"color": RESULT, "lw": 0.9, "ls": line} for line in ("-", "--"))
-LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#333333", "#56B4E9")
 STATE_COLOURS = {
     SurfaceState.OPEN: "#f7f7f7",
@@ -93,10 +91,6 @@ class Drawing:
         with mpl.rc_context(STYLE):
             self.figure.savefig(text, format="svg", metadata={"Date": None}, dpi=160)
         return text.getvalue()
-
-    def svg_address(self) -> str:
-        """The figure as a data: address, so that a page needs no second file."""
-        return "data:image/svg+xml;base64," + base64.b64encode(self.svg().encode()).decode()
 
     def csv(self) -> str:
         """The table, numbers to the last digit; an empty cell stands for "no such thing"."""
@@ -161,7 +155,6 @@ def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:
         axes.set_title(title)
 
 
-def legend_above(axes: Axes, columns: int = 4, handles: Iterable[Any] | None = None) -> None:
+def legend_above(axes: Axes, columns: int) -> None:
     """A legend in a row above the axes, where it can't hide a curve."""
-    more = {} if handles is None else {"handles": list(handles)}
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.3, handlelength=1.8, **more)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.3, handlelength=1.8)

@@ -1,4 +1,4 @@
-"""Figures through time and in the plane of the loads: edges, errors, slip of chosen points, load path, hysteresis."""
+"""Figures through time: edges, errors, slip of chosen points."""
 
 from __future__ import annotations
 

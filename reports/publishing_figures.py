@@ -8,13 +8,11 @@ import re
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.drawing import BANDS, STYLE, THIN, canvas, label_axes, legend_above
 
-Array = NDArray[np.float64]
 # Texts stay texts (no outlines of letters in the file); points nearer than this to the line through their neighbours go [px].
 _LEAN = {**STYLE, "svg.fonttype": "none", "path.simplify_threshold": 0.25, "font.family": "sans-serif"}
 

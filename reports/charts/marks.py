@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from reports.charts.scale import Scale
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Frame:

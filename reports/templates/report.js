@@ -8,7 +8,6 @@
   const data = JSON.parse(find("#cycle-data").textContent);
   if (!data.instants) return;
   const n = data.points, count = data.instants, { series, x } = data;
-  const reduced = matchMedia("(prefers-reduced-motion: reduce)").matches;
 
   // ---------------------------------------------------------------- numbers
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
@@ -281,6 +280,5 @@
 
   find("#controls").hidden = false;
   document.documentElement.classList.add("scripted-page");
-  if (reduced) document.documentElement.classList.add("still");
   show(data.start);
 })();
