@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 
@@ -153,22 +151,6 @@ def test_numpy_searches_no_member_of_an_enumeration(engine: str) -> None:
     finally:
         sys.setprofile(None)
     assert not [f"{place.f_code.co_filename}:{place.f_lineno}" for place in searched if place is not None]
-
-
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A file system of 200 kB. Needs root, so its tests are slow ones: in CI nothing else may be skipped."""
-    disk = tmp_path / "disk"
-    disk.mkdir()
-    mount = shutil.which("mount")
-    if (
-        mount is None
-        or os.geteuid()
-        or subprocess.run([mount, "-t", "tmpfs", "-o", "size=200k", "none", disk], check=False).returncode
-    ):
-        pytest.skip("a small tmpfs needs root and the right to mount")
-    yield disk
-    subprocess.run(["umount", disk], check=True)
 
 
 @pytest.mark.slow
