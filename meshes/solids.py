@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.bodies import BodyMesh, Cells, SurfaceGrading
-from meshes.faces import Face, face_of
 from meshes.grading import rounded, scaled_grading, size_field, surface_points
 from meshes.mirrored import mirrored_mesh
 from meshes.quality import mesh_quality
 from scenes import Block, Cylinder, InputError, Pad, Profile
+from scenes.faces import Face, face_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -11,7 +11,8 @@ from reports.charts.plate import Plate
 from reports.charts.scale import Scale
 from reports.drawing import Table
 from reports.units import load_unit, number, units
-from scenes import Cylinder, HalfPlane, Pad, Scene, Shape
+from scenes import Cylinder, HalfPlane, Scene, Shape
+from scenes.faces import face_of
 
 Array = NDArray[np.float64]
 
@@ -84,18 +85,10 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
         width = _SHOWN_OF_CONTACT * half_width if isinstance(other, HalfPlane) else _SHOWN_OF_BODY * other.face_half_width
     # Finer towards the ends, where an arc is steep.
     x = width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 181))
-    face = np.column_stack([x, -side * _depth(shape, scene, x)])
+    face = np.column_stack([x, -side * face_of(shape, scene.profile).depth(x)])
     height = _height(shape, width)
     corners = np.array([[width, -side * height], [-width, -side * height]])
     return face if isinstance(shape, Cylinder) else np.vstack([face, corners])
-
-
-def _depth(shape: Shape, scene: Scene, x: Array) -> Array:
-    if not isinstance(shape, Pad | Cylinder):
-        return np.zeros_like(x)
-    from meshes.faces import face_of
-
-    return face_of(shape, scene.profile).depth(x)
 
 
 def _height(shape: Shape, width: float) -> float:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Cylinder, FlatRounded, HalfPlane, Hertz, Pad, Scene, Shape, StraightLeg
+from scenes import Cylinder, HalfPlane, Scene, Shape, StraightLeg
+from scenes.faces import face_of
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ def silhouettes(scene: Scene) -> tuple[Silhouette, Silhouette]:
 def _silhouette(scene: Scene, shape: Shape, other: Shape, side: float) -> Silhouette:
     half = _half_width(scene, shape, other)
     x = half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 61))
-    rise = _depth(scene, shape, x)
+    rise = face_of(shape, scene.profile).depth(x)
     if side > 0 and not scene.bodies.faces_are_true:
         gap = scene.profile.height(x)
         rise = gap / gap[-1] * min(_GAP * half, _height(shape, half) / 2)
@@ -63,24 +64,6 @@ def _height(shape: Shape, half: float) -> float:
         case HalfPlane():
             return _DEEP * half
     return float(shape.height)
-
-
-def _depth(scene: Scene, shape: Shape, x: Array) -> Array:
-    """How far a true face lies behind its foremost point [length]; 0 for flat ones."""
-    if isinstance(shape, Cylinder):
-        return _arc(shape.radius, x)
-    if not isinstance(shape, Pad):
-        return np.zeros_like(x)
-    match scene.profile:
-        case Hertz(radius=radius):
-            return _arc(radius, x)
-        case FlatRounded(radius=radius, flat_half_length=half):
-            return _arc(radius, np.maximum(np.abs(x) - half, 0.0))
-    return scene.profile.height(x)
-
-
-def _arc(radius: float, x: Array) -> Array:
-    return radius - np.sqrt(np.maximum(radius**2 - np.square(x), 0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Cylinder, FlatRounded, Hertz, Pad, Profile, Shape
+from scenes.bodies import Cylinder, Pad, Shape
+from scenes.profiles import FlatRounded, Hertz, Profile
 
 Array = NDArray[np.float64]
 

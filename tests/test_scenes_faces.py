@@ -4,8 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from meshes.faces import arc_depth, face_of
 from scenes import Block, Compound, Cylinder, FlatRounded, HalfPlane, Hertz, Pad, PowerLaw, Tabulated, Wedge
+from scenes.faces import arc_depth, face_of
 
 PAD = Pad(width=6.0, height=4.0)
 
