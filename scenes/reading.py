@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import tomllib
-from collections.abc import Iterable
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
-from pydantic_core import ErrorDetails
 
-from scenes.bounded import TEXT, TOML, parsed_json, shown, text_of
+from scenes.bounded import TEXT, TOML, parsed_json, text_of
 from scenes.errors import InputError
+from scenes.refusals import did_you_mean, refusal
 from scenes.scene import Scene
 
 _LIBRARY = resources.files("scenes") / "library"
@@ -71,19 +69,8 @@ def load_scene(source: str | Path) -> Scene:
 
 
 def _unknown_scene(name: str) -> str:
-    hint = _did_you_mean(name, scene_names()) or f" the library has {', '.join(scene_names())};"
+    hint = did_you_mean(name, scene_names()) or f" the library has {', '.join(scene_names())};"
     return f"{name}: no such scene or file;{hint} `halfplane init FILE.toml` writes one to start from"
-
-
-def _did_you_mean(word: str, known: Iterable[str]) -> str:
-    near = difflib.get_close_matches(word, list(known), n=1)
-    return f" did you mean {near[0]}?" if near else ""
-
-
-def _keys() -> set[str]:
-    """Every key of a scene, of whatever table."""
-    schema = Scene.model_json_schema()
-    return {key for table in (schema, *schema["$defs"].values()) for key in table.get("properties", {})}
 
 
 def _parse(path: Path) -> dict[str, Any]:
@@ -110,48 +97,6 @@ def _check(data: dict[str, Any], where: str, name: str, folder: Path) -> Scene:
         text = json.dumps({"name": name} | data, default=str)
         return Scene.model_validate_json(text, strict=True, context={"folder": folder})
     except ValidationError as faults:
-        raise InputError(_sentence(where, data, faults)) from faults
+        raise InputError(f"{where}: {refusal(faults, data, Scene, '`halfplane schema`')}") from faults
     except RecursionError as reason:  # keys with thousands of dots
         raise InputError(f"{where}: its tables are nested too deeply") from reason
-
-
-def _key(fault: ErrorDetails, data: dict[str, Any]) -> str:
-    """The key as it stands in the file: pydantic's location less the parts that only its unions know."""
-    found: list[str] = []
-    level: Any = data
-    for part in fault["loc"]:
-        if isinstance(part, int) and isinstance(level, list) and part < len(level):
-            level = level[part]
-        elif isinstance(level, dict) and part in level:
-            level = level[str(part)]
-        elif fault["type"] == "missing" and isinstance(level, dict) and part == fault["loc"][-1]:
-            level = None
-        else:
-            continue
-        found.append(str(part))
-    return ".".join(found)
-
-
-def _sentence(where: str, data: dict[str, Any], faults: ValidationError) -> str:
-    # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's branches the one that got farthest.
-    errors = sorted(faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"])))
-    fault = errors[0]
-    key, value = _key(fault, data), fault["input"]
-    others = len({_key(error, data) for error in errors} - {key})
-    more = f" (and {others} more)" if others else ""
-    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").replace("an object", "a table of keys")
-    match fault["type"]:
-        case "extra_forbidden":
-            hint = _did_you_mean(str(fault["loc"][-1]), _keys())
-            return f"{where}: unknown key {key} = {shown(value)};{hint} `halfplane schema` lists the keys{more}"
-        case "missing" if isinstance(value, dict):
-            return f"{where}: the key {key} is missing; `halfplane schema` lists the keys{more}"
-        case "missing":
-            rule = "a point is [P, Q]"
-        case "union_tag_not_found":
-            return f"{where}: the key {key}.kind is missing; `halfplane schema` lists the kinds{more}"
-        case "union_tag_invalid":
-            key, value, rule = f"{key}.kind", value["kind"], f"should be {fault['ctx']['expected_tags'].replace(', ', ' or ')}"
-        case "value_error":
-            return f"{where}: {key} is refused: {rule}{more}" if key else f"{where}: {rule}{more}"
-    return f"{where}: {key} = {shown(value)} is refused: {rule}{more}"

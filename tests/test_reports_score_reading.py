@@ -222,7 +222,7 @@ def test_the_example_mapping_is_one_and_changes_nothing(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("colums = 1\n", "unknown key colums = 1"),
+        ("colums = 1\n", "unknown key colums = 1; did you mean columns?"),
         ('[signs]\npressure = "up"\n', "signs.pressure = 'up' is refused"),
         ("thickness = -1\n", "thickness = -1 is refused"),
         ("x = [\n", "not valid TOML"),

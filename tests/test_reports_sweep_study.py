@@ -86,6 +86,7 @@ class TestReading:
         ("changes", "words"),
         [
             ({"axess": []}, "unknown key axess"),
+            ({"engine": ["fe"]}, r"unknown key engine = .*; did you mean engines\?"),  # `engine` is a key of the scene's tables
             ({"axes": [{"name": "f", "key": "friction.coefficient"}]}, "exactly one of"),
             ({"axes": [{"name": "f", "values": [1.0]}]}, "moves nothing"),
             ({"figures": ["error.dissipation"]}, "needs engines"),
@@ -139,7 +140,8 @@ class TestPoints:
             ({"name": "f", "key": "friction.coefficient", "values": [1.0, 0.1]}, r"point 1 \(f = 0.1\).*gross sliding"),
             ({"name": "f", "key": "friction.coefficient", "values": [1.0, -1.0]}, r"point 1 \(f = -1\).*friction.coefficient"),
             ({"name": "f", "key": "friktion.coefficient", "values": [1.0]}, "the scene has no friktion; known there:.*friction"),
-            ({"name": "f", "key": "friction.coeff", "values": [1.0]}, "friction.coeff"),
+            ({"name": "f", "key": "friction.coeff", "values": [1.0]}, r"friction.coeff = 1.0; did you mean coefficient\?"),
+            ({"name": "f", "key": "profile.radius", "values": ["x"]}, "profile.radius = 'x' is refused: should be a valid number"),
             ({"name": "f", "key": "mesh.size", "values": [1.0]}, "mesh.size: there is no such setting"),
             ({"name": "f", "key": "mesh.element_size", "values": [7.0]}, "element_size = 7.0 is refused"),
             ({"name": "f", "key": "solver.steps_per_cycle", "values": [7.5]}, "it is a whole number"),

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from scenes import InputError
-from scenes.bounded import TOML, shown, text_of
+from scenes.bounded import TOML, text_of
+from scenes.refusals import refusal
 
 Array = NDArray[np.float64]
 Quantity = Literal["time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"]
@@ -113,15 +114,7 @@ def load_mapping(source: str | Path | None) -> Mapping:
     try:
         return Mapping.model_validate(data)
     except ValidationError as faults:
-        raise InputError(_sentence(path, faults)) from faults
-
-
-def _sentence(path: Path, faults: ValidationError) -> str:
-    fault = faults.errors()[0]
-    key = ".".join(map(str, fault["loc"]))
-    if fault["type"] == "extra_forbidden":
-        return f"{path}: unknown key {key} = {shown(fault['input'])}; `halfplane score --mapping-example` shows the keys"
-    return f"{path}: {key} = {shown(fault['input'])} is refused: {fault['msg'].removeprefix('Input ')}"
+        raise InputError(f"{path}: {refusal(faults, data, Mapping, '`halfplane score --mapping-example`')}") from faults
 
 
 def plain(name: str) -> str:

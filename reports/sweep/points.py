@@ -16,6 +16,7 @@ from reports.sweep.expressions import evaluate
 from reports.sweep.study import Study
 from reports.sweep.versions import code_versions
 from scenes import InputError, Scene
+from scenes.refusals import refusal
 
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
@@ -161,11 +162,7 @@ def _scene(data: dict[str, Any]) -> Scene:
     try:
         return Scene.model_validate_json(json.dumps(data), strict=True)
     except ValidationError as faults:
-        errors = sorted(faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"])))
-        fault = errors[0]
-        rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
-        key = ".".join(str(part) for part in fault["loc"])
-        raise InputError(f"{key or 'scene'} = {fault['input']!r} is refused: {rule}" if key else rule) from faults
+        raise InputError(refusal(faults, data, Scene, "`halfplane schema`")) from faults
 
 
 def _settings(preset: str, mesh: dict[str, Any], solver: dict[str, Any]) -> tuple[MeshSettings, SolverSettings]:

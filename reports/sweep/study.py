@@ -12,8 +12,9 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 from reports.sweep.axes import Axis, Value
 from reports.sweep.figures import check_figures
 from scenes import InputError, Scene, load_scene
-from scenes.bounded import TOML, parsed_json, shown, text_of
+from scenes.bounded import TOML, parsed_json, text_of
 from scenes.materials import FROZEN
+from scenes.refusals import refusal
 
 Engine = Literal["fe", "exact"]
 Preset = Literal["default", "swift", "fine"]
@@ -98,22 +99,6 @@ def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
     try:
         return Study.model_validate_json(json.dumps(data, default=str), strict=True)
     except ValidationError as faults:
-        raise InputError(f"{where}: {_sentence(faults)}") from faults
+        raise InputError(f"{where}: {refusal(faults, data, Study, 'docs/sweeps.md')}") from faults
     except RecursionError as reason:  # keys with thousands of dots
         raise InputError(f"{where}: its tables are nested too deeply") from reason
-
-
-def _sentence(faults: ValidationError) -> str:
-    """The first fault, unknown keys before others; pydantic's unions name the deepest."""
-    errors = sorted(faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"])))
-    fault = errors[0]
-    key = ".".join(str(part) for part in fault["loc"])
-    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
-    if fault["type"] == "extra_forbidden":
-        return f"unknown key {key}; docs/sweeps.md lists the keys of a study{more}"
-    if fault["type"] == "missing":
-        return f"the key {key} is missing; docs/sweeps.md lists the keys of a study{more}"
-    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").replace("an object", "a table of keys")
-    if fault["type"] == "value_error":
-        return f"{key + ': ' if key else ''}{rule}{more}"
-    return f"{key} = {shown(fault['input'])} is refused: {rule}{more}"
