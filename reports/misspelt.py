@@ -19,10 +19,18 @@ def sentence(fault: CycloptsError) -> str:
     if isinstance(fault, UnknownOptionError):
         return _option(fault, command, where)
     if isinstance(fault, UnusedCliTokensError):
-        return f"{command} has no use for {' '.join(fault.unused_tokens or [])!r}; `{where} --help` shows what it takes"
+        unused = " ".join(fault.unused_tokens or [])
+        return f"{command} has no use for {unused!r}; {_subcommand(fault)}`{where} --help` shows what it takes"
     if isinstance(fault, MissingArgumentError) and fault.argument is not None and not fault.argument.tokens:
         return f"{command}: {_wanted(fault.argument)} is missing; `{where} --help` shows what it takes"
     return f"{' '.join(str(fault).split()).rstrip('.')}; `{where} --help` shows what it takes"
+
+
+def _subcommand(fault: UnusedCliTokensError) -> str:
+    """The question after a command's own command: `sweep` takes a misspelt one for a study, and what follows has no use."""
+    first = (fault.root_input_tokens or [])[len(fault.command_chain or ()) :][:1]
+    names = [name for name in fault.app or () if not name.startswith("-")]
+    return nearest(first[0], names) if first else ""
 
 
 def _wanted(argument: Argument) -> str:
