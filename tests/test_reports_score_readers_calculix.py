@@ -1,17 +1,13 @@
 """What CalculiX 2.20 really wrote (tests/data/README.md), read as tractions: equilibrium decides every sign."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from calculix_files import DATA, edited, result
 from reports.score.guesses import oddities
-from reports.score.mapping import Mapping
-from reports.score.reading import read
 from reports.score.resultants import free_face, tension, unbalanced
 from scenes import InputError, load_scene
 
-DATA = Path(__file__).parent / "data"
 P, Q, FRICTION = 400.0, 60.0, 0.3
 # What trapezia over the file's values lose or gain of P, measured, and twice that: edges fall within an element of 0.1 a/0.66.
 ADDS_UP = {
@@ -21,10 +17,6 @@ ADDS_UP = {
     "surface-to-surface.frd": 0.05,  # 0.021: nodal values of the linear face are extrapolated from its integration points
     "surface-to-surface.dat": 0.02,  # 0.010
 }
-
-
-def result(name, path=None, **mapping):
-    return read(path or DATA / name, Mapping.model_validate(mapping), None)
 
 
 def resultants(found):
@@ -110,17 +102,17 @@ def beside(tmp_path, force, normal):
 
 def test_the_force_on_the_upper_body_is_turned_and_divided_by_the_mesh_thickness(tmp_path):
     path = beside(tmp_path, [(0.0, 200.0), (-30.0, 200.0)], (0.0, -1.0, 0.0))
-    found = result("", path)
+    found = result(path)
     np.testing.assert_allclose(found.normal_load, [P, P])
     np.testing.assert_allclose(found.tangential_load, [0.0, Q])
     assert any("the mesh's thickness, 0.5" in note for note in found.notes)
-    np.testing.assert_allclose(result("", path, thickness=1.0).normal_load, [200.0, 200.0])
+    np.testing.assert_allclose(result(path, thickness=1.0).normal_load, [200.0, 200.0])
     with pytest.raises(InputError, match="times and the file has 2 instants"):
-        result("", path, times=[1.0])
+        result(path, times=[1.0])
 
 
 def test_resultants_without_contact_are_not_used_and_said(tmp_path):
-    found = result("", beside(tmp_path, [(0.0, 0.0), (0.0, 0.0)], (np.nan,) * 3))
+    found = result(beside(tmp_path, [(0.0, 0.0), (0.0, 0.0)], (np.nan,) * 3))
     assert found.normal_load is None
     assert any("states the pair's resultant at 0 of 2 times" in note for note in found.notes)
 
@@ -174,20 +166,9 @@ def test_a_flat_slave_face_is_read_whole():
     assert not np.any(found.pressure[:, np.abs(found.x) > 1.0])
 
 
-def edited(tmp_path, name, *changes):
-    """A copy of a data file with pieces of text replaced."""
-    text = (DATA / name).read_text()
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    path = tmp_path / name
-    path.write_text(text)
-    return path
-
-
 def test_stress_stands_in_for_contact_values(tmp_path):
     path = edited(tmp_path, "surface-to-surface.frd", (" -4  CONTACT ", " -4  CONTAXT "))
-    found = result("", path)
+    found = result(path)
     normal, tangential = resultants(found)
     # Extrapolated nodal stress of linear elements: 7 % of P, 2 % of Q measured.
     np.testing.assert_allclose(normal, [P, P], rtol=0.12)
@@ -196,10 +177,10 @@ def test_stress_stands_in_for_contact_values(tmp_path):
     assert "p = -SYY and q = SXY of the lower body" in found.notes[0]
     # Resultants still come from the .dat file, whichever body was the slave.
     path.with_suffix(".dat").write_bytes((DATA / "surface-to-surface.dat").read_bytes())
-    np.testing.assert_allclose(result("", path).tangential_load, [0.0, Q], atol=1e-4 * Q)
-    np.testing.assert_allclose(result("", path, factors={"stress": 2.0}).shear, 2 * found.shear)
+    np.testing.assert_allclose(result(path).tangential_load, [0.0, Q], atol=1e-4 * Q)
+    np.testing.assert_allclose(result(path, factors={"stress": 2.0}).shear, 2 * found.shear)
     with pytest.raises(InputError, match=r"no node of a lower body's face at y = 0\.5; .*y_offset"):
-        result("", path, y_offset=0.5)
+        result(path, y_offset=0.5)
 
 
 def test_resultants_within_two_per_cent_need_no_word():
@@ -218,5 +199,5 @@ def test_several_contact_pairs_need_a_name(tmp_path):
     text = printed.read_text()
     printed.write_text(text + text.replace("SUPPER", "OTHER").replace("2.000000E+02", "9.000000E+02"))
     with pytest.raises(InputError, match=r"several contact pairs \(slave faces OTHER, SUPPER\)"):
-        result("", path)
-    np.testing.assert_allclose(result("", path, surface="SUPPER").normal_load, [P, P])
+        result(path)
+    np.testing.assert_allclose(result(path, surface="SUPPER").normal_load, [P, P])

@@ -1,31 +1,11 @@
 """CalculiX files with a fault in them: refused in a sentence, or read with the fault said."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from calculix_files import DATA, edited, result
 from reports.score.calculix_frd import read_frd
-from reports.score.mapping import Mapping
-from reports.score.reading import read
 from scenes import InputError
-
-DATA = Path(__file__).parent / "data"
-
-
-def result(name, path=None, **mapping):
-    return read(path or DATA / name, Mapping.model_validate(mapping), None)
-
-
-def edited(tmp_path, name, *changes):
-    """A copy of a data file with pieces of text replaced."""
-    text = (DATA / name).read_text()
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    path = tmp_path / name
-    path.write_text(text)
-    return path
 
 
 def test_a_run_that_was_stopped_is_said(tmp_path):
@@ -33,7 +13,7 @@ def test_a_run_that_was_stopped_is_said(tmp_path):
     second = [k for k in range(len(text)) if text.startswith("    1PSTEP", k)][2]
     path = tmp_path / "cut.frd"
     path.write_text(text[:second])
-    found = result("", path)
+    found = result(path)
     np.testing.assert_array_equal(found.time, [1.0])
     assert "the file has no end (9999)" in found.notes[-1]
     assert not any("9999" in note for note in result("mortar.frd").notes)
@@ -42,7 +22,7 @@ def test_a_run_that_was_stopped_is_said(tmp_path):
 def test_neither_contact_nor_stress_is_refused(tmp_path):
     path = edited(tmp_path, "mortar.frd", (" -4  CONTACT ", " -4  CONTAXT "))
     with pytest.raises(InputError, match=r"no block CONTACT and none STRESS; it has DISP, CONTAXT.*CONTACT FILE"):
-        result("", path)
+        result(path)
 
 
 def test_a_frame_without_contact_values_is_left_out_and_said(tmp_path):
@@ -50,7 +30,7 @@ def test_a_frame_without_contact_values_is_left_out_and_said(tmp_path):
     at = text.rindex(" -4  CONTACT ")
     path = tmp_path / "mortar.frd"
     path.write_text(text[:at] + " -4  CONTAXT " + text[at + len(" -4  CONTACT ") :])
-    found = result("", path)
+    found = result(path)
     assert len(found.time) == 1
     assert "left out: 1 frames without contact values (first at time 2)" in found.notes[0]
 
@@ -63,7 +43,7 @@ def test_nodes_without_coordinates_are_refused(tmp_path):
     path = tmp_path / "plane.frd"
     path.write_text(head + tail.replace(f" -1{node:10d}", f" -1{node + 90000:10d}"))
     with pytest.raises(InputError, match=f"node {node + 90000} has a result.*OUTPUT=3D"):
-        result("", path)
+        result(path)
 
 
 def test_bodies_that_do_not_touch_are_refused(tmp_path):
@@ -76,7 +56,7 @@ def test_bodies_that_do_not_touch_are_refused(tmp_path):
     path = tmp_path / "open.frd"
     path.write_text("".join(lines))
     with pytest.raises(InputError, match="the bodies do not touch"):
-        result("", path)
+        result(path)
 
 
 def test_contact_values_that_are_no_numbers_are_refused(tmp_path):
@@ -84,13 +64,13 @@ def test_contact_values_that_are_no_numbers_are_refused(tmp_path):
     row = next(line for line in (DATA / "mortar.frd").read_text().splitlines()[block.line :] if line.startswith(" -1"))
     path = edited(tmp_path, "mortar.frd", (row, row[:13] + "         NaN" + row[25:]))
     with pytest.raises(InputError, match=f"line {block.line}: block CONTACT holds numbers that are not finite"):
-        result("", path)
+        result(path)
 
 
 def test_a_component_that_is_missing_is_named(tmp_path):
     path = edited(tmp_path, "mortar.frd", (" -5  CSHEAR1 ", " -5  CSHEARX "))
     with pytest.raises(InputError, match="block CONTACT has no CSHEAR1"):
-        result("", path)
+        result(path)
 
 
 def test_contact_values_on_both_faces_are_refused(tmp_path):
@@ -104,14 +84,14 @@ def test_contact_values_on_both_faces_are_refused(tmp_path):
     path = tmp_path / "both.frd"
     path.write_text(head + tail.replace(f" -1{touched:10d}", f" -1{on_face:10d}"))
     with pytest.raises(InputError, match="nodes of both bodies"):
-        result("", path)
+        result(path)
 
 
 def test_a_dat_file_needs_its_frd_file(tmp_path):
     path = tmp_path / "alone.dat"
     path.write_bytes((DATA / "node-to-surface.dat").read_bytes())
     with pytest.raises(InputError, match=r"no alone\.frd beside it"):
-        result("", path)
+        result(path)
 
 
 def test_a_dat_file_with_elements_that_the_frd_has_not_is_refused(tmp_path):
@@ -126,10 +106,10 @@ def test_a_dat_file_with_elements_that_the_frd_has_not_is_refused(tmp_path):
     ):
         path.write_text(text.replace(row[:21], own))
         with pytest.raises(InputError, match=said):
-            result("", path)
+            result(path)
 
 
 def test_a_dat_file_without_contact_stress_is_refused(tmp_path):
     path = edited(tmp_path, "node-to-surface.dat", (" contact stress (", " contact strain ("))
     with pytest.raises(InputError, match="no contact stress is printed in it"):
-        result("", path)
+        result(path)
