@@ -1,4 +1,4 @@
-"""The pages that are made from files and from the engines, and the numbers that other pages quote. Part of `make pages`.
+"""The pages that are made from files and from the engines, and the numbers that pages quote. Part of `make pages`.
 
     python docs/pages.py
 
@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import architecture
+import quoting
 
 from reports.paper.cases import Paper, paper
-from reports.paper.page import misprints, statements, tally
+from reports.paper.page import misprints
 from reports.paper.tables import proven_in_words
 from scenes import load_scene, scene_names
 
@@ -27,8 +28,6 @@ ROOT = FOLDER.parent
 PUBLISHED = ROOT / "reports" / "published"
 WRITTEN = "<!-- written by `make pages` -->"
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
-_ROUNDED_OFF = 1e-6
-Entry = dict[str, str | float]
 
 
 def published() -> dict[str, Any]:
@@ -53,48 +52,13 @@ def without_rounding(text: str) -> str:
     return ROUNDING.sub("~0", text)
 
 
-# ---------------------------------------------------------------------------------------------------------------- numbers
-
-
-def values(examples: Paper) -> dict[str, Entry]:
-    """Every number that a page quotes by its key: what is shown, the value, where it comes from."""
-    return {**_paper_values(examples), **_published_values(published())}
-
-
-def _paper_values(examples: Paper) -> dict[str, Entry]:
-    found: dict[str, Entry] = {}
-    for case in (examples.hertz, examples.rounded):
-        name = case.scene.name
-        found[f"permanent stick, {name}"] = _entry(case.stick_edge, f"{case.stick_edge:.4f}", f"semi_analytic.solve, {name}")
-    said, wrong = statements(examples), misprints(examples)
-    for row in said:
-        for quantity, value in row.values.items():
-            if abs(value) > _ROUNDED_OFF:
-                found[f"{row.key}: {quantity}"] = _entry(
-                    float(value), f"{value:.4g}".replace("-", "−"), "halfplane paper, statements.csv"
-                )
-    for verdict, count in tally(said).items():
-        found[f"statements {verdict}"] = _entry(count, str(count), "halfplane paper")
-    found["statements"] = _entry(len(said), str(len(said)), "halfplane paper")
-    found["misprints"] = _entry(len(wrong), str(len(wrong)), "halfplane paper")
-    proven = sum(row.proven is True for row in wrong)
-    found["misprints proven"] = _entry(proven, str(proven), "halfplane paper")
-    return found
-
-
-def _published_values(scenes: Mapping[str, Any]) -> dict[str, Entry]:
-    found: dict[str, Entry] = {"scenes": _entry(len(scenes), str(len(scenes)), "halfplane scenes")}
-    for name, content in scenes.items():
-        for key in ("peak_pressure", "pressure", "shear", "dissipation"):
-            value = content["frozen"].get(f"metric.{key}")
-            if value is not None and not (key == "dissipation" and "dissipation" in content["absolute"]):
-                shown = f"{100 * value:{'.2g' if key in {'pressure', 'shear'} else '+.2g'}} %".replace("-", "−")
-                found[f"{key.replace('_', ' ')}, {name}"] = _entry(value, shown, "reports/published/values.json, by make publish")
-    return found
-
-
-def _entry(value: float, text: str, source: str) -> Entry:
-    return {"text": text, "value": value if isinstance(value, int) else float(f"{value:.9g}"), "source": source}
+def values(examples: Paper) -> dict[str, quoting.Entry]:
+    """What pages quote by a key, and nothing else: what is shown, where it comes from."""
+    known = quoting.paper_values(examples) | quoting.published_values(published())
+    for path in sorted((PUBLISHED / "maps").glob("*.md")):
+        known |= quoting.map_values(path.stem, path.read_text(encoding="utf-8"))
+    asked = set[str]().union(*(quoting.quoted(path.read_text(encoding="utf-8")) for path in FOLDER.glob("*.md")))
+    return {key: known[key] for key in sorted(asked & known.keys())}
 
 
 # ----------------------------------------------------------------------------------------------------------- verification

@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 sys.path.append(str(DOCS))
 pages: Any = importlib.import_module("pages")
+quoting: Any = importlib.import_module("quoting")
 architecture: Any = importlib.import_module("architecture")
 
 TEXTS = {
@@ -53,6 +54,48 @@ def test_every_number_that_a_page_quotes_is_known() -> None:
     assert quoted
     assert not [pair for pair in quoted if pair[1] not in known]
     assert numbers("{number}`no such key`") == ["no such key"]
+
+
+A_MAP = """# A map
+
+**Is it?** It is off by -2 ± 1 %. More of it.
+
+| figure | where | exponent |
+| --- | --- | --- |
+| work | low | 2.0 |
+| work | high | no law |
+
+| figure | where | constant |
+| --- | --- | --- |
+| work | low | -3.1e-05 |
+
+| figure | exponent |
+| --- | --- |
+| work, low | 9 |
+"""
+
+
+def test_cells_and_sentences_of_a_map_have_keys_and_none_that_two_share() -> None:
+    found = {key: entry["text"] for key, entry in quoting.map_values("m", A_MAP).items()}
+    assert found == {
+        "m: work, high: exponent": "no law",
+        "m: work: where": "low",
+        "m: work: constant": "−3.1e-05",
+        "m: It is off by -2": "It is off by −2 ± 1 %.",
+        "m: More of it.": "More of it.",
+    }
+
+
+def test_the_table_of_a_third_opinion_has_our_published_figures() -> None:
+    """CalculiX' columns are of the day on which it ran; ours are those of reports/published/values.json."""
+    scenes, seen = pages.published(), 0
+    for line in TEXTS["third.md"].splitlines():
+        cells = [cell.strip() for cell in line.strip("| ").split(" | ")]
+        if (content := scenes.get(cells[0].removesuffix(" *"))) and len(cells) == 10:
+            keys = ("peak_pressure", "shear", "dissipation")
+            assert cells[5::2] == [quoting.published_share(content, key, signed=True) or "–" for key in keys], cells[0]
+            seen += 1
+    assert seen > 30
 
 
 def functions(path: Path) -> set[str]:

@@ -1,0 +1,97 @@
+"""Numbers that pages quote by their key, ``{number}`key` ``: where each comes from, and what is shown.
+
+- `peak pressure, SCENE` and the like: reports/published/values.json
+- the paper's: its statements and misprints, worked out anew
+- `MAP: ROW: COLUMN` is a cell of a table on a page of reports/published/maps, ROW being the row's first cells; `MAP: SOME WORDS` is
+  the sentence on it that starts so
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from reports.paper.cases import Paper
+from reports.paper.page import misprints, statements, tally
+
+Entry = dict[str, str]
+_QUOTE = re.compile(r"(?<!`)\{number\}`([^`]+)`")
+_ROUNDED_OFF = 1e-6
+_WORDS = 5
+
+
+def quoted(text: str) -> set[str]:
+    """The keys that a page quotes.
+
+    >>> sorted(quoted("{number}`scenes` scenes; written as `` {number}`key` ``"))
+    ['scenes']
+    """
+    return set(_QUOTE.findall(text))
+
+
+def paper_values(examples: Paper) -> dict[str, Entry]:
+    """Key -> number of the paper's statements and misprints."""
+    found: dict[str, Entry] = {}
+    for case in (examples.hertz, examples.rounded):
+        name = case.scene.name
+        found[f"permanent stick, {name}"] = _entry(f"{case.stick_edge:.4f}", f"semi_analytic.solve, {name}")
+    said, wrong = statements(examples), misprints(examples)
+    for row in said:
+        for quantity, value in row.values.items():
+            if abs(value) > _ROUNDED_OFF:
+                shown = f"{value:.4g}".replace("-", "−")
+                found[f"{row.key}: {quantity}"] = _entry(shown, "halfplane paper, statements.csv")
+    counts = {f"statements {verdict}": count for verdict, count in tally(said).items()}
+    counts |= {"statements": len(said), "misprints": len(wrong), "misprints proven": sum(row.proven is True for row in wrong)}
+    return found | {key: _entry(str(count), "halfplane paper") for key, count in counts.items()}
+
+
+def published_values(scenes: Mapping[str, Any]) -> dict[str, Entry]:
+    """Key -> number of the published reports."""
+    found = {"scenes": _entry(str(len(scenes)), "halfplane scenes")}
+    for name, content in scenes.items():
+        for key in ("peak_pressure", "pressure", "shear", "dissipation"):
+            if (shown := published_share(content, key)) is not None:
+                found[f"{key.replace('_', ' ')}, {name}"] = _entry(shown, "reports/published/values.json, by make publish")
+    return found
+
+
+def published_share(content: Mapping[str, Any], key: str, *, signed: bool = False) -> str | None:
+    """A metric of a published scene in per cent, norms without a sign unless asked; None where it has no value or is no share."""
+    value = content["frozen"].get(f"metric.{key}")
+    if value is None or (key == "dissipation" and "dissipation" in content["absolute"]):
+        return None
+    sign = "+" if signed or key not in {"pressure", "shear"} else ""
+    return f"{100 * value:{sign}.2g} %".replace("-", "−")
+
+
+def map_values(name: str, page: str) -> dict[str, Entry]:
+    """Key -> cell or sentence of a published map; what two of them share the key of is left out."""
+    pairs = [*_cells(page), *_sentences(page)]
+    often = Counter(key for key, _ in pairs)
+    return {f"{name}: {key}": _entry(text, f"reports/published/maps/{name}.md") for key, text in pairs if often[key] == 1}
+
+
+def _cells(page: str) -> Iterator[tuple[str, str]]:
+    """(row: column, cell) of every table; a row is known by as many of its first cells as tell it from the others."""
+    for block in re.findall(r"(?:^\|.*\|\n)+", page, flags=re.M):
+        head, _, *rows = ([cell.strip() for cell in line.strip("| ").split(" | ")] for line in block.splitlines())
+        known = next((n for n in range(1, len(head)) if len({tuple(row[:n]) for row in rows}) == len(rows)), len(head))
+        for row in rows:
+            for column, cell in zip(head[known:], row[known:], strict=False):  # a row without a law has fewer cells
+                yield f"{', '.join(row[:known])}: {column}", cell
+
+
+def _sentences(page: str) -> Iterator[tuple[str, str]]:
+    """(first words, sentence) of every sentence in plain paragraphs."""
+    for line in page.splitlines():
+        plain = re.sub(r"^\*+[^*]+\*+ ?", "", line)  # the question before an answer, or a whole caption
+        if plain and plain[0] not in "#|!<":
+            for sentence in re.split(r"(?<=\.) (?=[A-Z`])", plain):
+                yield " ".join(sentence.split()[:_WORDS]), sentence.replace("**", "")
+
+
+def _entry(text: str, source: str) -> Entry:
+    return {"text": re.sub(r"(?<![\w.])-(?=\d)", "−", text), "source": source}
