@@ -18,7 +18,6 @@ from scenes import InputError, bounded
 
 LARGEST = 2**29  # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside the engines
 FARTHEST = 1e100  # the square of a larger coordinate would be none
-WIDTH = 12  # characters a number
 _LABELS = {0: 5, 1: 10}  # characters of a node's number in the short and in the long form
 
 

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from reports.score.calculix_dat import DatFile, PairForce, read_dat
 from reports.score.calculix_frd import FrdBlock, FrdFile, read_frd
 from reports.score.calculix_mesh import CalculixMesh
-from reports.score.mapping import Mapping, converted
-from reports.score.reading_csv import times_of
+from reports.score.mapping import Mapping, converted, stated_times
 from reports.score.resultants import free_face, tension, unbalanced
 from reports.score.surface import SurfaceResult
 from reports.score.surface_nodes import SAME, Plane, body_of, extent, material_above, one_plane
@@ -182,7 +181,7 @@ def _result(
 
 def times_in(path: Path, mapping: Mapping, times: Array) -> Array:
     """Times of the scene's load path: the mapping's, else the file's."""
-    return times_of(str(path), mapping, len(times)) if mapping.times is not None else converted(mapping, "time", times)
+    return stated_times(str(path), mapping, len(times)) if mapping.times is not None else converted(mapping, "time", times)
 
 
 def _loads(path: Path, mapping: Mapping, times: Array, depth: float) -> tuple[dict[str, Array], list[str]]:

@@ -179,3 +179,11 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
     if quantity in ("x", "y"):
         return np.asarray(scaled - (mapping.x_offset if quantity == "x" else mapping.y_offset))
     return np.asarray(scaled / mapping.thickness if kind is None else scaled)
+
+
+def stated_times(source: str, mapping: Mapping, count: int, what: str = "instants") -> Array:
+    """The times that the mapping states, one for each of `what` the file has; InputError where the file has another count."""
+    times = np.array(mapping.times, dtype=float)
+    if len(times) != count:
+        raise InputError(f"{source}: the mapping states {len(times)} times and the file has {count} {what}; give one for each")
+    return times

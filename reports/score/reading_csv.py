@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.score.mapping import Mapping, Quantity, converted, find_column
+from reports.score.mapping import Mapping, Quantity, converted, find_column, stated_times
 from reports.score.surface import SurfaceResult
 from reports.score.tidying import surface_result
 from reports.score.wide import frames_of, has_frames
@@ -75,20 +75,12 @@ def _rows(source: str, mapping: Mapping, columns: dict[Quantity, Array]) -> Surf
     shaped = {name: np.take_along_axis(values, rank, axis=1) for name, values in shaped.items()}
     series = {name: _constant(source, name, shaped.get(name), by) for name in ("time", "normal_load", "tangential_load")}
     if mapping.times is not None:
-        series["time"] = times_of(source, mapping, len(labels))
+        series["time"] = stated_times(source, mapping, len(labels))
     notes = [] if np.all(np.diff(instants) >= 0) else ["the rows were not in the order of the instants and were sorted"]
     if np.any(np.diff(rank, axis=1) < 0):
         notes.append("the points were not in the order of x and were sorted")
     fields = {name: shaped.get(name) for name in ("pressure", "shear", "slip")}
     return surface_result(source, mapping.code, shaped["x"], dict(fields), dict(series), notes)
-
-
-def times_of(source: str, mapping: Mapping, count: int) -> Array:
-    """The times that the mapping states, one an instant."""
-    times = np.array(mapping.times, dtype=float)
-    if len(times) != count:
-        raise InputError(f"{source}: the mapping states {len(times)} times and the file has {count} instants; give one for each")
-    return times
 
 
 def _instants(columns: dict[Quantity, Array]) -> tuple[NDArray[np.intp], str]:

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from meshes import FieldFrame, read_frames
 from reports.score.field_surface import FieldSurface, surface_cells, surface_points
-from reports.score.mapping import Mapping, converted, find_column, listed, plain
-from reports.score.reading_csv import times_of
+from reports.score.mapping import Mapping, converted, find_column, listed, plain, stated_times
 from reports.score.resultants import free_face
 from reports.score.surface import SurfaceResult
 from reports.score.surface_nodes import SAME, extent
@@ -81,7 +80,7 @@ def _same_mesh(path: Path, first: FieldFrame, other: FieldFrame, k: int) -> None
 
 def _times(path: Path, mapping: Mapping, frames: list[FieldFrame]) -> Array | None:
     if mapping.times is not None:
-        return times_of(str(path), mapping, len(frames))
+        return stated_times(str(path), mapping, len(frames))
     times = [frame.time for frame in frames]
     return None if None in times else converted(mapping, "time", np.array(times, float))
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.score.mapping import ALIASES, Mapping, Quantity, converted, plain
+from reports.score.mapping import ALIASES, Mapping, Quantity, converted, plain, stated_times
 from reports.score.surface import SurfaceResult
 from reports.score.tidying import surface_result
 from scenes import InputError
@@ -111,9 +111,7 @@ def _stack(path: Path, name: str, columns: list[tuple[float, Array]], frames: li
 
 def _times(path: Path, mapping: Mapping, heads: list[_Head | None], frames: list[float]) -> Array | None:
     if mapping.times is not None:
-        if len(mapping.times) != len(frames):
-            raise InputError(f"{path}: the mapping states {len(mapping.times)} times and the file has {len(frames)} frames")
-        return np.array(mapping.times)
+        return stated_times(str(path), mapping, len(frames), "frames")
     timed = any(head is not None and head.timed for head in heads)
     return converted(mapping, "time", np.array(frames)) if timed else None
 

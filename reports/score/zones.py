@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.score.guesses import TOUCHES
-from scenes import OPEN
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -57,7 +57,7 @@ def zones(result: Tractions, friction: float, time: Array) -> Zones:
     """
     touching = result.pressure > TOUCHES * result.pressure.max(axis=1, keepdims=True)
     slips, sense = _slips(result, friction, touching, time)
-    state = np.where(touching, np.where(slips, np.where(sense > 0, 2, 3), 1), OPEN).astype(np.int8)
+    state = np.where(touching, np.where(slips, np.where(sense > 0, SLIP_FORWARD, SLIP_REVERSE), STICK), OPEN).astype(np.int8)
     contact = np.array([_edges(result.x, row**2, here) for row, here in zip(result.pressure, touching, strict=True)])
     short = friction * result.pressure - np.abs(result.shear)
     sticks = touching & ~slips
