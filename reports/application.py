@@ -63,4 +63,5 @@ app = App(
 Out = Annotated[Path | None, Parameter(help="Folder for the results; out/<scene name> if left out.")]
 SceneName = Annotated[str, Parameter(help="Name of a library scene, or a .toml or .json file.")]
 Quiet = Annotated[bool, Parameter(negative="", help="No progress on stderr.")]
+Silent = Annotated[bool, Parameter(negative="", help="Say nothing: the exit code tells.")]
 Json = Annotated[bool, Parameter(negative="", help="As JSON on stdout, and nothing else there.")]

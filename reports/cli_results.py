@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from reports.application import JUDGE, Quiet, app
+from reports.application import JUDGE, Json, Quiet, Silent, app
 
 
 @app.command(group=JUDGE, sort_key=2, help_epilogue="")
@@ -20,12 +20,13 @@ def diff(
         Parameter(consume_multiple=True, negative="", help='KEY=VALUE of one figure, or of many: "metric.*=1e-4".'),
     ] = (),
     accept: Annotated[bool, Parameter(negative="", help="Make B a baseline of A; the tolerances given are kept in it.")] = False,
-    json: Annotated[bool, Parameter(negative="", help="The table as JSON.")] = False,
+    json: Json = False,
+    quiet: Silent = False,
 ) -> int:
     """Two runs, or a run and a baseline, figure by figure: 0 the same within tolerance, 1 not."""
     from reports import regression
 
-    return regression.diff(a, b, tolerance, accept, json)
+    return regression.diff(a, b, tolerance, accept, json, quiet)
 
 
 @app.command(group=JUDGE, sort_key=1, help_epilogue="")

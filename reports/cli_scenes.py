@@ -8,10 +8,9 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from reports.answers import SceneAnswers
-from reports.application import MACHINE, SCENES, Json, Out, SceneName, app
+from reports.application import MACHINE, SCENES, Json, Out, SceneName, Silent, app
 
 _NO_ANSWERS = SceneAnswers()
-Silent = Annotated[bool, Parameter(negative="", help="Say nothing: the exit code tells.")]
 
 
 @app.command(group=SCENES, sort_key=3, help_epilogue="")
@@ -20,7 +19,7 @@ def scenes(
     /,
     *,
     tag: Annotated[tuple[str, ...], Parameter(help="Only scenes that have this tag; again for scenes that have all of them.")] = (),
-    json: Annotated[bool, Parameter(negative="", help="As JSON.")] = False,
+    json: Json = False,
 ) -> int:
     """The library of scenes, with a small sketch each: the bodies (a flat gap exaggerated), and Q over P."""
     from reports import commands_scenes

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from reports.application import SOLVE, Quiet, app
+from reports.application import SOLVE, WITHIN, Json, Quiet, app
 
 _sweep = App(
     name="sweep",
@@ -17,7 +17,7 @@ _sweep = App(
     help_epilogue="",
 )
 app.command(_sweep)
-Store = Annotated[Path, Parameter(help="Folder of a sweep.")]
+Folder = Annotated[Path, Parameter(help="Folder of a sweep.")]
 
 
 @_sweep.default
@@ -40,15 +40,23 @@ def sweep(
 
 
 @_sweep.command(help_epilogue="")
-def status(folder: Store, /) -> int:
+def status(folder: Folder, /, *, json: Json = False) -> int:
     """How far a sweep is: done, failed, running, time left."""
+    if json:
+        from reports.console import say
+        from reports.machine import sweep_json
+        from reports.sweep.progress import state_of
+        from reports.sweep.store import Store
+
+        say(sweep_json(state_of(Store(folder))[0]))
+        return WITHIN
     from reports.sweep import command
 
     return command.status(folder)
 
 
 @_sweep.command(help_epilogue="")
-def report(folder: Store, /) -> int:
+def report(folder: Folder, /) -> int:
     """The page of a sweep: its table and a figure of each quantity, also while it runs."""
     from reports.sweep import command
 

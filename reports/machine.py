@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from reports.doctor import Finding as Check
     from reports.expected import Finding
     from reports.jobs import Report
+    from reports.sweep.progress import State
     from scenes import ContactSolution, Scene
 
 FORMAT = "halfplane verdict 1"
@@ -113,6 +114,14 @@ def doctor_json(findings: Sequence[Check], code: int) -> str:
     """What the doctor found."""
     checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
     return _text({"format": FORMAT, "exit_code": code, "passed": code == 0, "checks": checks})
+
+
+def sweep_json(state: State) -> str:
+    """How far a sweep is; `seconds_left` is null where no sweep is at work or no rate is known."""
+    counts = {name: getattr(state, name) for name in ("done", "failed", "running", "waiting", "total")}
+    failures = [{"point": number, "reason": reason} for number, reason in state.failures]
+    more = {"seconds_left": state.left, "damaged": state.damaged, "failures": failures}
+    return _text({"format": FORMAT, "title": state.title, "exit_code": 0, "points": counts, **more})
 
 
 def _text(content: dict[str, Any]) -> str:

@@ -11,20 +11,20 @@ from reports.difference import SAME, Difference, Row, difference, is_baseline, t
 from scenes import InputError
 
 
-def diff(a: str, b: str, tolerance: tuple[str, ...], accept: bool, as_json: bool) -> int:
-    """The table of A and B; with `accept` B becomes a baseline of A."""
+def diff(a: str, b: str, tolerance: tuple[str, ...], accept: bool, as_json: bool, quiet: bool) -> int:
+    """The table of A and B, unless `quiet`; with `accept` B becomes a baseline of A."""
     asked = tolerances_of(tolerance)
     first = baseline.read(a)
     if accept:
-        return _accept(first, b, asked, as_json)
+        return _accept(first, b, asked, as_json, quiet)
     if not Path(b).exists():
         raise InputError(f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it as a baseline")
     found = difference(first, baseline.read(b), asked)
-    _show(found, as_json)
+    _show(found, as_json, quiet)
     return WITHIN if found.same else OUTSIDE
 
 
-def _accept(findings: baseline.Findings, b: str, asked: dict[str, float], as_json: bool) -> int:
+def _accept(findings: baseline.Findings, b: str, asked: dict[str, float], as_json: bool, quiet: bool) -> int:
     """Show what changes, then write."""
     path = Path(b)
     before = None
@@ -35,11 +35,9 @@ def _accept(findings: baseline.Findings, b: str, asked: dict[str, float], as_jso
     # Compared with itself where there is nothing yet: that is how an unknown key of --tolerance is found.
     found = difference(findings, before or findings, asked)
     baseline.write(findings, path, {**(before.tolerances if before else {}), **asked})
-    if before:
-        _show(found, as_json)
-    elif as_json:
-        say(found.as_json())
-    if not as_json:
+    if before or as_json:
+        _show(found, as_json, quiet)
+    if not as_json and not quiet:
         say(f"{b}: {len(findings.figures)} figures of {a_name(findings)} accepted")
     return WITHIN
 
@@ -49,10 +47,14 @@ def a_name(findings: baseline.Findings) -> str:
     return findings.scene.name or findings.source
 
 
-def _show(found: Difference, as_json: bool) -> None:
+def _show(found: Difference, as_json: bool, quiet: bool) -> None:
     if as_json:
         say(found.as_json())
-        return
+    elif not quiet:
+        _tell(found)
+
+
+def _tell(found: Difference) -> None:
     show_table(
         f"{found.scene}: A = {found.a}, B = {found.b}",
         ("figure", "A", "B", "B less A", "tolerance", "verdict"),

@@ -86,6 +86,21 @@ class TestMachine:
         assert main(["check", "cattaneo-mindlin", "--quiet"]) == 0
         assert capsys.readouterr().out == ""
 
+    def test_how_far_a_sweep_is(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        """Two points of theory, done: told by the store alone, and nothing on stdout where there is none."""
+        study = tmp_path / "study.toml"
+        axis = '[[axes]]\nname = "f"\nkey = "friction.coefficient"\nvalues = [0.9, 1.2]\n'
+        study.write_text(f'title = "Two"\nscene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation"]\n{axis}')
+        folder = tmp_path / "store"
+        assert main(["sweep", str(study), "--out", str(folder), "--workers", "1", "--quiet"]) == 0
+        capsys.readouterr()
+        assert main(["sweep", "status", str(folder), "--json"]) == 0
+        told = json.loads(capsys.readouterr().out)
+        assert told["points"] == {"done": 2, "failed": 0, "running": 0, "waiting": 0, "total": 2}
+        assert (told["title"], told["seconds_left"], told["failures"], told["damaged"]) == ("Two", None, [], [])
+        assert main(["sweep", "status", str(tmp_path / "nowhere"), "--json"]) == 2
+        assert capsys.readouterr().out == ""
+
 
 class TestProgress:
     def test_time_left_is_that_of_the_part_and_starts_anew_with_the_next(self) -> None:

@@ -193,6 +193,9 @@ class TestCommand:
         table = json.loads(capsys.readouterr().out)
         assert [row["key"] for row in table["rows"] if row["verdict"] != SAME] == ["halfplane_fe.dissipation"]
         assert table["same"] is False
+        assert main(["diff", str(other), kept, "--quiet"]) == 1
+        assert main(["diff", kept, str(tmp_path / "quiet.json"), "--accept", "--quiet"]) == 0
+        assert capsys.readouterr().out == ""
         assert main(["diff", str(other), kept, "--tolerance", "halfplane_fe.dissipation=2e-3"]) == 0
         assert Path(kept).read_text() == before
         assert main(["diff", str(other), kept, "--accept", "--tolerance", "metric.*=1e-3"]) == 0
