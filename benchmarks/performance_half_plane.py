@@ -37,7 +37,11 @@ def study(name: str) -> dict[str, list[theory.Point]]:
 
 def measure() -> dict[str, Any]:
     """Every case."""
-    found = {title: study(name) for name, title in CASES.items()}
+    return plain({title: study(name) for name, title in CASES.items()})
+
+
+def plain(found: dict[str, dict[str, list[theory.Point]]]) -> dict[str, Any]:
+    """The points of every case and method as JSON has them."""
     return {
         title: {method: [point._asdict() for point in points] for method, points in methods.items()}
         for title, methods in found.items()

@@ -1,6 +1,6 @@
 """Work against precision: the dissipation of a cycle by quadrature, by steps along the memory curve, by a discretised half-plane.
 
-    OPENBLAS_NUM_THREADS=1 python benchmarks/semi_analytic_precision.py     the table, and out/precision.svg and .png
+    OPENBLAS_NUM_THREADS=1 python benchmarks/semi_analytic_precision.py     the table, and out/precision_half_plane.svg
     ... --references                                                        evaluate the 30-digit references anew (some minutes)
 
 Times are process times of one figure at a time, one thread; ratios within one run count. Gauss' rule has no order to extrapolate
@@ -237,9 +237,10 @@ def main() -> None:
         references()
     found = {name: study(name) for name in CASES}
     print(table(list(rows(found))))
-    from precision_figure import draw
+    from performance_half_plane import draw, plain
 
-    draw(found, OUT)
+    OUT.mkdir(exist_ok=True)
+    draw(plain(found), OUT)
 
 
 if __name__ == "__main__":
