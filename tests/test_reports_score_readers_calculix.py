@@ -183,6 +183,20 @@ def test_stress_stands_in_for_contact_values(tmp_path):
         result(path, y_offset=0.5)
 
 
+def test_frames_without_stress_and_doubles_are_said(tmp_path):
+    text = (DATA / "surface-to-surface.frd").read_text().replace(" -4  CONTACT ", " -4  CONTAXT ")
+    path = tmp_path / "run.frd"
+    at = text.rindex(" -4  STRESS ")
+    path.write_text(text[:at] + " -4  STRESX " + text[at + len(" -4  STRESS ") :])
+    found = result(path)
+    assert len(found.time) == 1
+    assert any("left out: 1 frames without stress (first at time 2)" in note for note in found.notes)
+    path.write_text(text.replace("  102 2.000000000", "  102 1.000000000"))
+    found = result(path)
+    assert len(found.time) == 1
+    assert any("1 blocks of stress share a time with a later one" in note for note in found.notes)
+
+
 def test_resultants_within_two_per_cent_need_no_word():
     x = np.linspace(-1.0, 1.0, 41)
     flat = np.ones((1, 41))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reports.score.calculix_dat import DatTable, read_dat
 from reports.score.calculix_frd import read_frd
 from reports.score.calculix_mesh import CalculixMesh
-from reports.score.calculix_surface import SLIP_NOTE, pair_loads, sign_and_factor, times_in
+from reports.score.calculix_surface import SLIP_NOTE, body_of_face, pair_loads, sign_and_factor, times_in
 from reports.score.mapping import Mapping, converted
 from reports.score.resultants import tension, unbalanced
 from reports.score.surface import SurfaceResult
@@ -93,7 +93,7 @@ def _places(path: Path, tables: Sequence[DatTable]) -> _Places:
 def _nodes(path: Path, mesh: CalculixMesh, nodes: Integers) -> _Places:
     rows = mesh.rows(nodes)
     plane = one_plane(mesh.points, rows)
-    body = _body(path, material_above(mesh.points, mesh.cells)[rows])
+    body = body_of_face(path, material_above(mesh.points, mesh.cells)[rows])
     return _Places(tuple((int(mesh.numbers[row]),) for row in plane.rows), plane.x, body, _depth(mesh), plane.notes)
 
 
@@ -101,7 +101,7 @@ def _faces(path: Path, mesh: CalculixMesh, keys: Integers) -> _Places:
     found = [mesh.face(int(element), int(face)) for element, face in keys]
     middles = np.array([middle for middle, _, _ in found])
     plane = one_plane(middles, np.arange(len(keys)))
-    body = _body(path, np.array([above for _, _, above in found]))
+    body = body_of_face(path, np.array([above for _, _, above in found]))
     note = "CalculiX prints integration points of faces without place or weight: the plain mean of each face stands at its middle"
     own = tuple((int(keys[k, 0]), int(keys[k, 1])) for k in plane.rows)
     return _Places(own, plane.x, body, _depth(mesh), (note, *plane.notes))
@@ -109,14 +109,6 @@ def _faces(path: Path, mesh: CalculixMesh, keys: Integers) -> _Places:
 
 def _depth(mesh: CalculixMesh) -> float:
     return float(np.ptp(mesh.points[:, 2]))
-
-
-def _body(path: Path, above: Array) -> str:
-    if np.all(above > 0) == np.all(above < 0):
-        raise InputError(
-            f"{path}: contact values stand at faces of both bodies, or at faces that look along x; one contact pair is read"
-        )
-    return "upper" if above[0] > 0 else "lower"
 
 
 def _filled(places: _Places, table: DatTable) -> Array:

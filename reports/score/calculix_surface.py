@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _WANTED = ("COPEN", "CSLIP1", "CPRESS", "CSHEAR1")
+_STRESSES = ("SYY", "SXY")
 SLIP_NOTE = "CalculiX' slip holds the elastic slip of its stick stiffness and is 0 at points that are open"
 
 
@@ -46,7 +47,8 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
     if not file.blocks:
         return _from_stress(path, mapping)
     mesh = CalculixMesh.of(file)
-    blocks, notes = _one_block_a_time(file)
+    blocks, notes = _one_block_a_time(file, _WANTED, "contact values")
+    _refuse_not_finite(file)
     slave = _slave(path, mesh, blocks)
     notes += [f"contact values stand at the slave face, that of the {slave.body} body", SLIP_NOTE, *slave.plane.notes, *slave.notes]
     columns = {name: np.array([_scattered(mesh, block, name)[slave.plane.rows] for block in blocks]) for name in _WANTED[1:]}
@@ -75,39 +77,49 @@ class _Slave:
     notes: tuple[str, ...]
 
 
-def _one_block_a_time(file: FrdFile) -> tuple[list[FrdBlock], list[str]]:
-    """The last block of each time; frames without one and doubles are named."""
+def _one_block_a_time(file: FrdFile, wanted: tuple[str, ...], what: str) -> tuple[list[FrdBlock], list[str]]:
+    """The last block of each time, of which all hold the components `wanted`; frames without one and doubles are named."""
     for block in file.blocks:
-        if missing := [name for name in _WANTED if name not in block.components]:
+        if missing := [name for name in wanted if name not in block.components]:
             raise InputError(
-                f"{file.path}: line {block.line}: block {block.name} has no {missing[0]}; it needs {', '.join(_WANTED)}"
+                f"{file.path}: line {block.line}: block {block.name} has no {missing[0]}; it needs {', '.join(wanted)}"
             )
-        if not np.isfinite(block.values).all():
-            raise InputError(f"{file.path}: line {block.line}: block {block.name} holds numbers that are not finite")
     last = {block.time: block for block in file.blocks}
     notes = []
     if without := [time for time in file.times if time not in last]:
         notes.append(
-            f"left out: {len(without)} frames without contact values (first at time {without[0]:.6g}); CalculiX writes "
+            f"left out: {len(without)} frames without {what} (first at time {without[0]:.6g}); CalculiX writes "
             "such a frame of an increment that did not converge"
         )
     if len(last) < len(file.blocks):
-        notes.append(f"{len(file.blocks) - len(last)} blocks of contact values share a time with a later one, which was taken")
+        notes.append(f"{len(file.blocks) - len(last)} blocks of {what} share a time with a later one, which was taken")
     return list(last.values()), notes
+
+
+def _refuse_not_finite(file: FrdFile) -> None:
+    """Whatever is not 0 in a block counts as touched: a NaN would."""
+    for block in file.blocks:
+        if not np.isfinite(block.values).all():
+            raise InputError(f"{file.path}: line {block.line}: block {block.name} holds numbers that are not finite")
 
 
 def _slave(path: Path, mesh: CalculixMesh, blocks: list[FrdBlock]) -> _Slave:
     touched = np.unique(np.concatenate([mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]))
     if not len(touched):
         raise InputError(f"{path}: every contact value is 0 at every instant: the bodies do not touch in this result")
-    above = material_above(mesh.points, mesh.cells)[touched]
+    body = body_of_face(path, material_above(mesh.points, mesh.cells)[touched])
+    rows, notes = _whole_face(mesh, touched)
+    return _Slave(one_plane(mesh.points, rows), body, notes)
+
+
+def body_of_face(path: Path, above: Array) -> Literal["lower", "upper"]:
+    """Whose face carries contact values, by how far its material lies `above` each of its places; InputError for two faces."""
     if np.all(above > 0) == np.all(above < 0):
         raise InputError(
-            f"{path}: contact values stand at nodes of both bodies, or at nodes of no element; one contact pair is read, "
-            "with a face that looks along y and the elements in the file"
+            f"{path}: contact values stand at nodes of both bodies, at nodes of no element, or at faces that look along x; one "
+            "contact pair is read, with a face that looks along y and the elements in the file"
         )
-    rows, notes = _whole_face(mesh, touched)
-    return _Slave(one_plane(mesh.points, rows), "upper" if above[0] > 0 else "lower", notes)
+    return "upper" if above[0] > 0 else "lower"
 
 
 def _whole_face(mesh: CalculixMesh, touched: Integers) -> tuple[Integers, tuple[str, ...]]:
@@ -148,16 +160,14 @@ def _from_stress(path: Path, mapping: Mapping) -> SurfaceResult:
             f"{path}: no node of a lower body's face at y = {mapping.y_offset:g}; say where it lies by y_offset of a mapping"
         )
     plane = one_plane(points, rows)
-    for block in file.blocks:
-        if not {"SYY", "SXY"} <= set(block.components):
-            raise InputError(f"{path}: line {block.line}: the block STRESS has no SYY and SXY")
-    blocks = list({block.time: block for block in file.blocks}.values())
-    stress = {name: np.array([_scattered(mesh, block, name)[plane.rows] for block in blocks]) for name in ("SYY", "SXY")}
+    blocks, left_out = _one_block_a_time(file, _STRESSES, "stress")
+    stress = {name: np.array([_scattered(mesh, block, name)[plane.rows] for block in blocks]) for name in _STRESSES}
     factor = mapping.factors.stress or 1.0
     notes = [
         "no contact values in the file (*CONTACT FILE): p = -SYY and q = SXY of the lower body at its face, outward normal +y; "
         "stress extrapolated to the nodes is coarser than the contact values",
         *plane.notes,
+        *left_out,
     ]
     fields = {"pressure": -factor * stress["SYY"], "shear": factor * stress["SXY"]}
     notes += free_face(plane.x, fields["pressure"], fields["shear"])
