@@ -163,7 +163,7 @@ def _pressure(on: Grid, flaws: Flaws, load: float, lifted: Array, start: Flags) 
     Kept for each load where nothing is lifted, since p then has no memory.
     """
     key = (flaws.normal_bend, flaws.normal_layer, flaws.steepness, flaws.offset, load)
-    if key in on.pressed and not flaws.coupling:
+    if not flaws.coupling and key in on.pressed:
         return on.pressed[key]
     influence = _influence(on, flaws.normal_bend, flaws.normal_layer)
     gap = flaws.steepness * np.asarray(on.height(on.x - flaws.offset)) + lifted
@@ -180,8 +180,10 @@ def _pressure(on: Grid, flaws: Flaws, load: float, lifted: Array, start: Flags) 
     else:
         if load > 0:
             raise NotSettledError("normal contact")
-    on.pressed[key] = np.maximum(pressure, 0.0)
-    return on.pressed[key]
+    found = np.maximum(pressure, 0.0)
+    if not flaws.coupling:
+        on.pressed[key] = found
+    return found
 
 
 def _shear(on: Grid, influence: Array, old: tuple[Array, Array], limit: Array, load: float) -> Array:
