@@ -48,27 +48,13 @@ def score(
     more = [*(["--mapping", str(mapping_file)] if mapping_file else []), *(["--against", against] if against != "exact" else [])]
     command = shlex.join(["halfplane", "score", result, "--scene", source, *more, "--out", str(folder)])
     try:
-        if path.is_dir():
-            from reports.score import study_files
-
-            return study_files.run(path, scene, mapping, against, folder, stages, command, as_json=as_json)
-        return _one(path, scene, mapping, against, folder, stages, command, as_json=as_json)
+        comparison = _scored(path, scene, mapping, against, stages)
     except ConvergenceError as failure:
         complain(f"halfplane: {scene.name}: the reference is not converged: {failure}")
         return NOT_CONVERGED
-
-
-def _one(
-    path: Path, scene: Scene, mapping: Mapping, against: Against, folder: Path, stages: Stages, command: str, *, as_json: bool
-) -> int:
-    with stages.stage("loading"):
-        from reports.score.scoring import diagnosed, score_file
-        from reports.writing import write
-    with stages.stage("reading and scoring"):
-        comparison = score_file(path, mapping, scene, against=against)
-    with stages.stage("diagnosis"):
-        comparison = diagnosed(comparison)
     with stages.stage("report"):
+        from reports.writing import write
+
         page = write(comparison, folder, command=command, seconds=dict(stages.seconds))
     if as_json:
         from reports.summary import as_json as content
@@ -80,8 +66,22 @@ def _one(
     return WITHIN if comparison.passed else OUTSIDE
 
 
+def _scored(path: Path, scene: Scene, mapping: Mapping, against: Against, stages: Stages) -> Comparison:
+    """The comparison of a file, or of the finest mesh of a folder, with its diagnoses."""
+    if path.is_dir():
+        with stages.stage("loading"):
+            from reports.score.study_files import score_folder
+        return score_folder(path, mapping, scene, stages, against=against)
+    with stages.stage("loading"):
+        from reports.score.scoring import diagnosed, score_file
+    with stages.stage("reading and scoring"):
+        comparison = score_file(path, mapping, scene, against=against)
+    with stages.stage("diagnosis"):
+        return diagnosed(comparison)
+
+
 def show(comparison: Comparison) -> None:
-    """Guesses, verdict, diagnoses."""
+    """Guesses, verdict, diagnoses, and the mesh study where it is one."""
     from reports.wording import accuracy_of, tolerance_of, unit_of, value_of, verdict
 
     for sentence in comparison.guesses:
@@ -102,6 +102,11 @@ def show(comparison: Comparison) -> None:
         say(f"{number}. {one.sentence}")
         for evidence in one.evidence:
             say(f"   - {evidence}")
+    if comparison.study is not None:
+        heads = comparison.study.heads
+        show_table("Mesh study", heads, comparison.study.rows, right=range(1, len(heads)))
+        for sentence in comparison.study.sentences:
+            say(sentence)
 
 
 def _lacking(comparison: Comparison) -> Iterable[str]:

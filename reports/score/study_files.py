@@ -1,4 +1,4 @@
-"""`halfplane score FOLDER`: every result in a folder as one mesh of a study, and the page of the finest."""
+"""`halfplane score FOLDER`: every result in a folder as one mesh of a study."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from meshes import collected_files
-from reports.application import OUTSIDE, WITHIN
 from reports.comparison import Comparison
-from reports.console import Stages, say, show_table
+from reports.console import Stages
 from reports.score.mapping import Mapping
 from reports.score.reading import READERS
 from reports.score.scoring import OWN, Against, diagnosed, score_file
@@ -38,7 +37,6 @@ def results_in(folder: Path) -> Found:
     InputError
         Where there is none, or a collection can't be read.
     """
-
     known = [*READERS, OWN]
     files = sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
     parts = {part.resolve() for path in files for part in collected_files(path)}
@@ -72,36 +70,3 @@ def score_folder(folder: Path, mapping: Mapping, scene: Scene, stages: Stages, *
     known = study(levels, found.notes)
     with stages.stage("diagnosis"):
         return diagnosed(replace(known.levels[0].comparison, study=known))
-
-
-def run(
-    folder: Path,
-    scene: Scene,
-    mapping: Mapping,
-    against: Against,
-    out: Path,
-    stages: Stages,
-    command: str,
-    *,
-    as_json: bool,
-) -> int:
-    """Score, write the page of the finest mesh, show both tables."""
-    from reports.score.command import show
-    from reports.writing import write
-
-    comparison = score_folder(folder, mapping, scene, stages, against=against)
-    with stages.stage("report"):
-        page = write(comparison, out, command=command, seconds=dict(stages.seconds))
-    if as_json:
-        from reports.summary import as_json as content
-
-        say(content(comparison, command, stages.seconds))
-        return WITHIN if comparison.passed else OUTSIDE
-    show(comparison)
-    known = comparison.study
-    if known is not None:
-        show_table("Mesh study", known.heads, known.rows, right=range(1, len(known.heads)))
-        for sentence in known.sentences:
-            say(sentence)
-    say(str(page))
-    return WITHIN if comparison.passed else OUTSIDE
