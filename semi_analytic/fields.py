@@ -53,13 +53,13 @@ class Integrals:
         total = np.zeros(at_front.shape)
         slid = np.flatnonzero(snapshot.slipped)
         if len(slid):
-            line = (snapshot.direction[slid] * snapshot.friction)[:, None]
-            total[slid] = line * (self.moment(0, snapshot.load[slid]) - at_front[slid])
+            line = np.asarray(snapshot.direction[slid] * snapshot.friction, dtype=float)[:, None]
+            total[slid] = _rise(line, self.moment(0, snapshot.load[slid]), at_front[slid])
         groups = list(snapshot.groups())
         self._remember([piece.below for piece, _ in groups])
         bottoms = self.moment(0, np.array([piece.bottom for piece, _ in groups]))
         for (piece, here), bottom in zip(groups, bottoms, strict=True):
-            total[here] += self.whole(piece.below) + _slope(piece) * (at_front[here] - bottom)
+            total[here] += self.whole(piece.below) + _rise(_slope(piece), at_front[here], bottom)
             if piece.bend or piece.arc is not None:
                 total[here] += self._curved(piece, front[here])
         return total
@@ -79,7 +79,7 @@ class Integrals:
         own = {}
         for piece, top, bottom in zip(unknown.values(), tops, bottoms, strict=True):
             curved = self._curved(piece, np.array([piece.top]))[0] if piece.bend or piece.arc is not None else 0.0
-            own[id(piece)] = _slope(piece) * (top - bottom) + curved
+            own[id(piece)] = _rise(_slope(piece), top, bottom) + curved
         for piece in unknown.values():
             self._add_up(piece, own)
 
@@ -122,8 +122,15 @@ class Integrals:
             function = (contact.log_distance, contact.log_moment)[order]
             return np.broadcast_to(function(column), (len(load), len(self.x)))
         if self.kernel == "shear":
-            return (contact.pressure, contact.pressure_moment)[order](self.x, column)
+            # All moments are taken as differences between two loads.
+            return (getattr(contact, "pressure_rise", contact.pressure), contact.pressure_moment)[order](self.x, column)
         return (contact.spread, contact.spread_moment)[order](self.x, column)
+
+
+def _rise(slope: float | Array, top: Array, bottom: Array) -> Array:
+    """Slope times rise; 0 where either is, also where the kernel is infinite: no load at the tip of a wedge."""
+    moved = (top != bottom) & (slope != 0)
+    return slope * np.subtract(top, bottom, out=np.zeros(moved.shape), where=moved)
 
 
 def _slope(piece: Piece) -> float:

@@ -108,6 +108,20 @@ class PowerLawContact:
         """p(x, P) >= 0 [stress], 0 outside the contact; for n = 1 infinite at the tip."""
         return self._pressure(x, load, self.exponent) * self.exponent
 
+    def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """p(x, P), of which differences between loads are taken [stress].
+
+        At the tip of a wedge less K ln(2 length/|x|)/pi, which all P > 0 have there and which is infinite: K ln(a/length)/pi, and
+        -inf for P = 0.
+        """
+        distance, p = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        result = self.pressure(distance, p)
+        tip = distance == 0
+        if self.exponent == 1 and np.any(tip):
+            with np.errstate(divide="ignore"):
+                result[tip] = self.factor / self.length * np.log(p[tip] / self.factor) / math.pi
+        return result
+
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^P eta dp(x, eta) [stress * load]."""
         return self._pressure(x, load, 2 * self.exponent) * self.exponent * np.asarray(load, dtype=float)

@@ -24,8 +24,10 @@ def certificates(
     tiny = np.finfo(float).tiny
     found = {"tangential_balance": freeze(np.abs(balance) / max(friction * float(np.max(load)), tiny))}
     if "pressure" in asked and "shear" in asked:
-        limit = friction * fields["pressure"]
-        beyond = np.max(np.abs(fields["shear"]) - limit, axis=1, initial=0.0)
+        # At the tip of a wedge p is infinite: no q is outside the cone there, and none is a measure of the others.
+        bounded = np.isfinite(fields["pressure"])
+        limit = friction * np.where(bounded, fields["pressure"], 0.0)
+        beyond = np.max(np.abs(np.where(bounded, fields["shear"], 0.0)) - limit, axis=1, initial=0.0)
         found["cone"] = freeze(beyond / max(float(np.max(limit)), tiny))
     return found
 

@@ -110,9 +110,40 @@ def test_the_work_of_a_load_that_all_but_leaves():
     assert solve(scene, x=[0.0]).dissipation == pytest.approx(5.0929581788030931689e-26, rel=1e-14, abs=0)  # 3e-16
 
 
-@pytest.mark.xfail(raises=RuntimeWarning, strict=True, reason="q at the tip of |x|^1 is a difference of infinite pressures")
-def test_the_shear_at_the_very_tip_of_a_wedge():
-    """Found by the random scenes: p is infinite at x = 0, and q ends in inf - inf with a warning; every other x is right."""
-    scene = make_scene(ellipse(1.0, 0.4, 0.0, 0.1, 70.0), 0.5)
-    scene = scene.model_copy(update={"profile": PowerLaw(exponent=1.0, length=1.0, rise=1.0)})
-    solve(scene, x=[0.0], fields=("shear",))
+def wedge_scene(load):
+    """A sharp wedge of unit slope: P = a with E* = 1."""
+    return make_scene(load, 0.5).model_copy(update={"profile": PowerLaw(exponent=1.0, length=1.0, rise=1.0)})
+
+
+def test_the_shear_at_the_very_tip_of_a_wedge_is_a_sum_of_logarithms():
+    """Q to 0.3 f P at constant P: q = f [p(P) - p(P_c)], p(x, P) = arccosh(P/x)/pi, both infinite at x = 0: inf - inf before."""
+    load = polygon([(1.0, 0.0), (1.0, 0.3)])
+    with mpmath.workdps(60):
+        tiny = mpmath.mpf(10) ** -25
+        brute = (mpmath.acosh(1 / tiny) - mpmath.acosh(mpmath.mpf("0.4") / tiny)) / (2 * mpmath.pi)
+    answer = solve(wedge_scene(load), x=[0.0], time=[2.0])
+    assert answer.shear.item() == pytest.approx(float(brute), rel=1e-14)  # f ln(2.5)/pi
+    assert np.isinf(answer.pressure.item())
+    assert answer.record.certificates["cone"].item() == 0
+
+
+@pytest.mark.parametrize(
+    ("load", "sign"),
+    [
+        (polygon([(1.0, 0.0), (1.5, 0.3)], [(0.7, -0.1), (1.4, 0.3)]), 0.0),
+        (polygon([(1.0, 0.0), (1.0, 0.3)], [(1.0, -0.3), (0.8, 0.2)]), 0.0),
+        (polygon([(1.0, 0.1), (1.5, 0.3)], [(0.7, -0.1), (1.4, 0.3)]), 1.0),
+        (ellipse(1.0, 0.4, 0.0, 0.1, 70.0), -1.0),
+    ],
+    ids=["sticks", "slips", "sheared from the start", "ellipse"],
+)
+def test_the_shear_next_to_the_tip_of_a_wedge_tends_to_that_at_the_tip(load, sign):
+    """To a finite one if no shear was there with the first load; else it grows with the pressure, in its sign."""
+    scene = wedge_scene(load)
+    tip, near, nearer = solve(scene, x=[0.0, 1e-9, 1e-10], fields=("shear",)).shear[1:].T
+    if sign:
+        np.testing.assert_array_equal(tip, sign * np.inf)
+        assert np.all(sign * nearer > sign * near)
+    else:
+        np.testing.assert_allclose(tip, nearer, rtol=0, atol=1e-14)
+        assert np.ptp(tip) > 0.01
