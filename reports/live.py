@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.plate import Plate, packed
+from reports.charts.plate import packed
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.figures_cycle import places
@@ -110,9 +110,8 @@ def carried(data: dict[str, Any]) -> str:
     )
 
 
-def tables(plates: Sequence[Plate], most: int = 1_500_000) -> dict[str, str]:
+def tables(texts: Mapping[str, str], most: int = 1_500_000) -> dict[str, str]:
     """Name -> the CSV of each figure, deflated; those over `most` letters stay beside the page only."""
-    texts = {plate.name: plate.csv() for plate in plates}
     return {name: packed(text) for name, text in texts.items() if len(text) <= most}
 
 

@@ -73,8 +73,9 @@ def write(
 
             drawings += (stress(with_bodies(comparison.result, "--stress"), stress_instants),)
         (folder / "figures").mkdir()
-        for drawing in drawings:
-            (folder / "figures" / f"{drawing.name}.csv").write_text(drawing.csv(), encoding="utf-8")
+        texts = {drawing.name: drawing.csv() for drawing in drawings}
+        for name, text in texts.items():
+            (folder / "figures" / f"{name}.csv").write_text(text, encoding="utf-8")
         comparison.reference.save(folder / "reference.nc")
         comparison.result.save(folder / "result.nc")
         (folder / "scene.json").write_text(comparison.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
@@ -85,7 +86,7 @@ def write(
             answer = with_bodies(comparison.result, "--vtu")
             write_fields(answer, halfplane_fe.fields(answer, vtu_instants), folder / "fields")
         words = _write_third(comparison, third, folder) if third else None
-        page = render(comparison, drawings, command, seconds or {}, live_data(comparison, drawings), words)
+        page = render(comparison, drawings, command, seconds or {}, live_data(comparison, texts), words)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
             (folder / "run.log").write_text("\n".join([*log, verdict(comparison)]) + "\n", encoding="utf-8")
@@ -120,10 +121,10 @@ def chosen_instants(comparison: Comparison) -> tuple[Event, ...]:
     return events(comparison.found, comparison.scene.friction.coefficient)
 
 
-def live_data(comparison: Comparison, drawings: Sequence[Plate]) -> dict[str, Any]:
-    """What the page's slider moves through, and the tables that the page carries."""
+def live_data(comparison: Comparison, texts: Mapping[str, str]) -> dict[str, Any]:
+    """What the page's slider moves through, and the tables that the page carries, of the CSV of each figure."""
     data = cycle_data(comparison, chosen_instants(comparison), *time_axis(comparison))
-    return data | {"tables": tables(drawings)}
+    return data | {"tables": tables(texts)}
 
 
 def draw(comparison: Comparison) -> tuple[Plate, ...]:
