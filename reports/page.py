@@ -23,7 +23,19 @@ from reports.provenance import commit
 from reports.templating import template
 from reports.units import energy_unit, units
 from reports.verdicts import Metric
-from reports.wording import CLAIM, accuracy_of, lead, percent, question, tolerance_of, uncertainty_of, unit_of, value_of, verdict
+from reports.wording import (
+    CLAIM,
+    accuracy_of,
+    lead,
+    percent,
+    question,
+    sentence,
+    tolerance_of,
+    uncertainty_of,
+    unit_of,
+    value_of,
+    verdict,
+)
 from scenes import ContactSolution
 
 
@@ -77,7 +89,7 @@ def render(
         live=as_script(dict(live) if live else {"instants": 0}),
         carried=carried(dict(live)) if live else "",
         states=STATE_KEYS,
-        sentence=_sentence,
+        sentence=sentence,
         step_errors=list(_step_errors(comparison)),
         seconds=seconds,
     )
@@ -191,11 +203,6 @@ def _figure(value: float, form: str) -> str:
     return "–" if np.isnan(value) else format(value, f".{form}")
 
 
-def _sentence(text: str) -> str:
-    """`text` with a capital and a full stop."""
-    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "!", "?")) else ".")
-
-
 def _step_errors(comparison: Comparison) -> Iterator[str]:
     """What friction work at the end of each step would be instead of the mean of the step: the step's own error."""
     for solution in (comparison.reference, comparison.result):
@@ -245,7 +252,7 @@ def _meshes(solution: ContactSolution) -> list[dict[str, str]]:
 def _engine(solution: ContactSolution) -> dict[str, Any]:
     return {
         "name": name_of(solution.engine),
-        "message": _sentence(solution.record.message),
+        "message": sentence(solution.record.message),
         "steps": len(solution.time),
         "points": len(solution.x),
         "counts": {name.replace("_", " "): count for name, count in solution.work.counts.items()},

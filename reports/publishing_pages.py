@@ -8,11 +8,11 @@ from typing import Any
 
 from reports.baseline import COUNTS
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
-from reports.definitions import DEFINITIONS
+from reports.definitions import DEFINITIONS, name_of
 from reports.publishing import External, error_of
 from reports.units import energy_unit, units
 from reports.verdicts import Metric
-from reports.wording import CLAIM, question, tolerance_of, value_of
+from reports.wording import CLAIM, question, sentence, tolerance_of, value_of
 from scenes import Scene, load_scene
 
 _QUANTITIES = {
@@ -23,7 +23,7 @@ _QUANTITIES = {
     "largest_pressure": "largest pressure",
 }
 _HEADS = ("metric", "discrepancy", "as a share", "tolerance", "accurate")
-_ENGINES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
+_ENGINES = ("semi_analytic", "halfplane_fe")
 
 
 def page(name: str, stored: Mapping[str, Any]) -> str:
@@ -33,7 +33,7 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
     parts = [
         f"# {scene.title or name}",
         "<!-- written by `make publish`: edit the code, not this page -->",
-        _sentence(scene.purpose) + (f" Source: {_sentence(scene.source)}" if scene.source else ""),
+        sentence(scene.purpose) + (f" Source: {sentence(scene.source)}" if scene.source else ""),
         question(scene),
         " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)))),
         f"**{_lead(scene, found, stored)}**",
@@ -49,7 +49,7 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
         _table(("figure", "ours", "theirs", "difference", "tolerance", "verdict", "source"), _external_rows(scene, stored)),
         "## Our own frozen values",
         "They say that nothing moved, not that it is right.",
-        _table(("figure", *_ENGINES.values()), _frozen_rows(scene, stored["frozen"])),
+        _table(("figure", *map(name_of, _ENGINES)), _frozen_rows(scene, stored["frozen"])),
         f"`halfplane run {name}` makes the whole report. {CLAIM}",
         "[All scenes](README.md)",
     ]
@@ -115,7 +115,7 @@ def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[st
         engine, _, quantity = external.key.partition(".")
         off = error_of(external, stored["frozen"], scene, stored["largest_normal_load"])
         yield (
-            f"{_QUANTITIES[quantity]}, {_ENGINES[engine]}",
+            f"{_QUANTITIES[quantity]}, {name_of(engine)}",
             _number(stored["frozen"][external.key]),
             external.value if len(external.value) < 20 else f"{external.value[:20]}…",
             f"{off:+.1e}",
@@ -143,10 +143,6 @@ def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[
 
 def _number(value: float | None) -> str:
     return "none" if value is None else f"{value:.10g}"
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
 
 
 def _table(heads: Sequence[str], rows: Iterator[tuple[str, ...]] | Sequence[tuple[str, ...]]) -> str:

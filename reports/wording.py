@@ -137,6 +137,15 @@ def lead(comparison: Comparison) -> str:
     return "Not within tolerance."
 
 
+def sentence(text: str) -> str:
+    """`text` with a capital and a full stop; nothing of nothing.
+
+    >>> sentence("to compare"), sentence("Why?"), sentence("")
+    ('To compare.', 'Why?', '')
+    """
+    return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
+
+
 def _first_large(name: str) -> str:
     """An engine at the start of a sentence; other people's codes and files keep the letters that they have."""
     return name.capitalize() if name in ("finite elements", "half-plane theory") else name
