@@ -18,13 +18,13 @@ from typing import Any
 from unittest import mock
 
 import must_fail
+from beside_theory import beside_theory
 from claim import Row
 
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports import compare
 from reports.budget import Budget, error_budget
 from reports.ladders import climb
 from scenes import ContactSolution, Friction, Materials, Scene, load_scene
@@ -110,10 +110,7 @@ def solved(fault: Fault) -> Found:
     """Metrics and budgets of a run of the paper's cycle with a fault in it."""
     scene, settings = load_scene("hertz-paper"), replace(SETTINGS, **fault.settings)
     with fault.plant():
-        result = halfplane_fe.solve(scene, fault.mesh, settings)
-        reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-        polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=True)
-        comparison = compare(reference, result, polygon_reference=polygon)
+        comparison = beside_theory(halfplane_fe.solve(scene, fault.mesh, settings))
         ladders = climb(comparison, fault.mesh, settings, lambda _name: contextlib.nullcontext(lambda *_progress: None))
         found = error_budget(comparison, ladders, 1.0)
     step = comparison.metric(STEP).value or 0.0

@@ -20,14 +20,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from beside_theory import beside_theory
 from claim import Row, table
 
 import halfplane_fe
-import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.budget import Budget, ErrorBudget, error_budget
-from reports.comparison import compare
 from reports.convergence import Ladder, extrapolate, grid_convergence
 from reports.ladders import climb, coarser, without_steps
 from scenes import Scene, load_scene, scene_names
@@ -47,10 +46,7 @@ def silent(_name: str) -> Generator:
 
 def compared(scene: Scene, mesh: MeshSettings):
     """The plain run."""
-    result = halfplane_fe.solve(scene, mesh, STEPS)
-    reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-    polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=True)
-    return compare(reference, result, polygon_reference=polygon)
+    return beside_theory(halfplane_fe.solve(scene, mesh, STEPS))
 
 
 def budgeted(scene: Scene, mesh: MeshSettings = COARSE) -> ErrorBudget:

@@ -19,6 +19,7 @@ from typing import Any
 
 import must_fail
 import numpy as np
+from beside_theory import beside_theory
 from claim import Row
 
 import halfplane_fe
@@ -117,11 +118,7 @@ def first_revolution(true: ContactSolution, _severity: float) -> ContactSolution
 # ------------------------------------------------------------------------------------------------------- finite elements at fault
 def solved(scene: Scene, mesh: MeshSettings = MESH, **settings: Any) -> Comparison:
     """Finite elements against half-plane theory at the same points and instants."""
-    result = halfplane_fe.solve(scene, mesh, SolverSettings(**settings))
-    reference, polygon = (
-        semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=straight) for straight in (False, True)
-    )
-    return compare(reference, result, polygon_reference=polygon)
+    return beside_theory(halfplane_fe.solve(scene, mesh, SolverSettings(**settings)))
 
 
 def few_steps(scene: Scene, steps: float) -> Comparison:

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import mpmath
 import numpy as np
+from beside_theory import beside_theory
 from claim import Row
 from regress_truth import modulus, truth
 
 import halfplane_fe
 import semi_analytic
 from meshes import MeshSettings
-from reports import compare
 from scenes import Scene, load_scene
 
 ROOT = Path(__file__).parents[1]
@@ -51,9 +51,8 @@ def finite_elements() -> Iterator[Row]:
     """The FE model on its default mesh against the half-plane engine."""
     scene = load_scene("hertz-paper")
     answer = halfplane_fe.solve(scene)
-    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
-    polygon = semi_analytic.solve(scene, x=answer.x, time=answer.time, straight_steps=True)
-    comparison = compare(exact, answer, polygon_reference=polygon)
+    comparison = beside_theory(answer)
+    exact, polygon = comparison.reference, comparison.polygon_reference
     settings = MeshSettings()
     how = (
         f"default mesh: h = a/{1 / settings.element_size:.0f}, a/{1 / settings.edge_element_size:.0f} at the edges, "

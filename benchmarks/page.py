@@ -8,12 +8,12 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from beside_theory import beside_theory
 from claim import Row, table
 from clock import seconds
 
 import halfplane_fe
-import semi_analytic
-from reports import Comparison, compare, write
+from reports import Comparison, write
 from scenes import load_scene
 
 SCENES = ("hertz-paper", "flat-rounded-paper", "flat-pad-on-block", "motor", "time-series")
@@ -24,11 +24,7 @@ _DRAWN = ("matplotlib", "plotly", "pyvista", "typst")
 
 def compared(name: str) -> Comparison:
     """Both engines on a scene with their defaults, as `halfplane run` compares them."""
-    scene = load_scene(name)
-    result = halfplane_fe.solve(scene)
-    reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-    polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=True)
-    return compare(reference, result, polygon_reference=polygon)
+    return beside_theory(halfplane_fe.solve(load_scene(name)))
 
 
 def imports() -> float:
