@@ -81,8 +81,7 @@ def _profile(one: Drawn) -> object:
         case "flat_rounded":
             return {"kind": "flat_rounded", "radius": unit, "flat_half_length": part * unit}
         case "power_law":
-            # The shear at the tip of a true wedge is a known fault: tests/test_semi_analytic_stress.py.
-            return {"kind": "power_law", "exponent": 1.02 + 3.98 * one.sharp, "length": unit, "rise": part * unit}
+            return {"kind": "power_law", "exponent": 1.0 + 4.0 * one.sharp, "length": unit, "rise": part * unit}
         case "compound":
             half = (0.2 + 0.8 * one.sharp) * unit
             return {"kind": "compound", "inner_radius": unit, "outer_radius": part * unit, "inner_half_length": half}

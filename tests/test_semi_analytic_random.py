@@ -148,10 +148,11 @@ def check_model(one):
     last = np.intersect1d(loaded, np.arange(len(answer.time))[answer.last_cycle])
     chosen = last[np.unique(np.linspace(0, len(last) - 1, 6).astype(int))]
     exact = semi_analytic.solve(scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear"))
-    size = np.sqrt(exact.pressure**2 @ answer.weights)
-    friction = scene.friction.coefficient
+    here = np.isfinite(exact.pressure).all(axis=0)  # it is infinite at the tip of a wedge
+    size, friction = np.sqrt(exact.pressure[:, here] ** 2 @ answer.weights[here]), scene.friction.coefficient
+    apart = {name: (getattr(answer, name)[chosen] - getattr(exact, name))[:, here] for name in ("pressure", "shear")}
     off = {
-        name: float(np.max(np.sqrt((getattr(answer, name)[chosen] - getattr(exact, name)) ** 2 @ answer.weights) / (unit * size)))
+        name: float(np.max(np.sqrt(apart[name] ** 2 @ answer.weights[here]) / (unit * size)))
         for name, unit in (("pressure", 1.0), ("shear", friction))
     }
     assert off["pressure"] <= TOLD or told(answer, "the pressure by", "tractions and dissipation"), off
