@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from reports.maps import trials
-from reports.maps.atlas import WORDS, Chart, Map
+from reports.maps.atlas import WORDS, Chart, Map, place
 from reports.maps.fitting import Line, lines
 from reports.maps.limits import bound, words
 from reports.maps.readings import Readings, read
@@ -63,12 +63,10 @@ def _of_chart(chart: Chart, readings: Readings) -> str:
         ends = []
         for line in chosen:
             read_off = reading_at(line, _SAMPLE[chart.study])
-            ends.append((f"{percent(*read_off)}" if read_off else "outside the study") + f" ({trials.place(line.at)})")
+            ends.append((f"{percent(*read_off)}" if read_off else "outside the study") + f" ({place(line.at)})")
         said.append(f"{WORDS[figure]} is off by {', '.join(ends)}")
     holds = [
-        f"{words(bound(line, 0.05), chart.inverse)} ({trials.place(line.at)})"
-        for line in found
-        if line.figure == "error.dissipation"
+        f"{words(bound(line, 0.05), chart.inverse)} ({place(line.at)})" for line in found if line.figure == "error.dissipation"
     ]
     return f"{_SAID[chart.study]} {'; '.join(said)}. Dissipation is within 5 % if {chart.within} {', '.join(holds)}."
 

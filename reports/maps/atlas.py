@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,27 @@ WORDS = {
     "error.permanent_stick_half_width": "permanent stick half-width",
     "error.stick_half_width": "stick half-width c",
 }
+AXES = {
+    "height": "height / a",
+    "aspect": "width / height",
+    "curvature": "a / R",
+    "flat": "b / a",
+    "beta": "Dundurs' β",
+    "f": "friction f",
+    "phase": "phase, degrees",
+    "margin": "distance from sliding",
+    "amplitude": "P1/P0",
+    "base": "base",
+}
+
+
+def place(at: Mapping[str, str], everywhere: str = "all") -> str:
+    """The coordinates of a line in words; `everywhere` where it has none.
+
+    >>> place({"aspect": "2", "base": "fixed"}), place({})
+    ('width / height 2, base fixed', 'all')
+    """
+    return ", ".join(f"{AXES.get(name, name)} {value}" for name, value in at.items()) or everywhere
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from reports.maps import answers
-from reports.maps.atlas import MAPS, WORDS, Chart, Map
+from reports.maps.atlas import MAPS, WORDS, Chart, Map, place
 from reports.maps.fitting import Line, lines
 from reports.maps.limits import bound, words
-from reports.maps.pictures import AXES, heat, slopes
+from reports.maps.pictures import heat, slopes
 from reports.maps.readings import Readings, read
 from reports.maps.tabling import table
 
@@ -69,7 +69,7 @@ def _within(chart: Chart, found: Sequence[Line]) -> list[str]:
     rows = []
     for line in found:
         cells = [words(bound(line, level), chart.inverse) for level in _LEVELS]
-        rows.append([WORDS[line.figure], _place(line), *cells])
+        rows.append([WORDS[line.figure], place(line.at), *cells])
     head = ["figure", "where", *(f"within {100 * level:g} % if {chart.within}" for level in _LEVELS)]
     note = (
         'Read off the points with |error| + uncertainty, rounded to the safe side; "all tried": the whole range of the study; '
@@ -86,14 +86,14 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
         if law is None:
             few = int(np.sum(np.abs(line.error) > line.uncertainty))
             rows.append(
-                [WORDS[line.figure], _place(line), f"no law: {few} resolved points of one sign, five needed", "", "", "", ""]
+                [WORDS[line.figure], place(line.at), f"no law: {few} resolved points of one sign, five needed", "", "", "", ""]
             )
             continue
         verdict = "agrees with" if law.agrees() else "**differs from**"
         rows.append(
             [
                 WORDS[line.figure],
-                _place(line),
+                place(line.at),
                 f"{law.order:.2f} ± {law.order_doubt:.2f}",
                 f"{verdict} {law.expected:g}",
                 f"{law.sign * law.fixed:.3g} ± {law.fixed_doubt:.2g}",
@@ -116,10 +116,6 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
         "share. An interval wider than ±0.3 decides little."
     )
     return ["### Laws", prediction, table(head, rows), how]
-
-
-def _place(line: Line) -> str:
-    return ", ".join(f"{AXES.get(name, name)} {value}" for name, value in line.at.items()) or "all"
 
 
 def _cost(asked: Map, folder: Path) -> list[str]:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import io
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.maps.atlas import WORDS, Chart
+from reports.maps.atlas import AXES, WORDS, Chart, place
 from reports.maps.fitting import Line
 from reports.maps.readings import Readings
+from reports.sweep.pictures import borders_of, svg_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 # Okabe and Ito's colours, told apart by most eyes; marks differ too.
@@ -24,18 +22,6 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#333333", "#5
 _MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _LEVELS = (1.0, 5.0, 10.0)
 _LEAST, _MOST = 0.02, 80.0  # per cent, the colours' ends
-AXES = {
-    "height": "height / a",
-    "aspect": "width / height",
-    "curvature": "a / R",
-    "flat": "b / a",
-    "beta": "Dundurs' β",
-    "f": "friction f",
-    "phase": "phase, degrees",
-    "margin": "distance from sliding",
-    "amplitude": "P1/P0",
-    "base": "base",
-}
 _BAR = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 3, 4, 5, 6, 8, 10, 20, 50)
 _EVEN = ("phase",)
 _MARKED = tuple(digit * 10.0**power for power in range(-4, 1) for digit in (1, 2, 5))
@@ -65,7 +51,7 @@ def heat(chart: Chart, readings: Readings, figures: Sequence[str]) -> str:
     marks = [mark for mark in _BAR if norm.vmin <= mark <= norm.vmax]  # type: ignore[operator]
     bar.set_ticks(marks, labels=[f"{mark:g}" for mark in marks])
     bar.ax.minorticks_off()
-    return _svg(paper)
+    return svg_of(paper, hatch=0.5)
 
 
 def _panel(ax: Axes, chart: Chart, part: Readings, figure: str, norm: Any) -> Any:
@@ -77,7 +63,7 @@ def _panel(ax: Axes, chart: Chart, part: Readings, figure: str, norm: Any) -> An
     size[place], hidden[place] = 100 * np.abs(error), ~(np.abs(error) > doubt)
     # Colours are of cells, lines of the values at their middles; both axes go by factors but for angles.
     across, up = (value if name in _EVEN else np.log(value) for name, value in ((chart.across, x), (chart.up, y)))
-    borders = [_borders(middle) for middle in (across, up)]
+    borders = [borders_of(middle) for middle in (across, up)]
     drawn = ax.pcolormesh(*borders, np.clip(size, norm.vmin, norm.vmax), cmap="viridis", norm=norm)
     for j, i in zip(*np.nonzero(hidden & np.isfinite(size)), strict=True):
         ax.fill_between(
@@ -92,13 +78,6 @@ def _panel(ax: Axes, chart: Chart, part: Readings, figure: str, norm: Any) -> An
     _ticks(ax.xaxis, across, x)
     _ticks(ax.yaxis, up, y)
     return drawn
-
-
-def _borders(middle: Array) -> Array:
-    if len(middle) == 1:
-        return np.array([middle[0] - 0.5, middle[0] + 0.5])
-    inner = (middle[1:] + middle[:-1]) / 2
-    return np.concatenate([[2 * middle[0] - inner[0]], inner, [2 * middle[-1] - inner[-1]]])
 
 
 def _ticks(axis: Any, at: Array, values: Array) -> None:
@@ -132,14 +111,14 @@ def slopes(chart: Chart, found: Sequence[Line], figures: Sequence[str]) -> str:
         ax.set_ylabel("|error|, %")
     handles, labels = drawings[0].get_legend_handles_labels()
     paper.legend(handles, labels, loc="outside lower center", ncols=min(4, len(labels)), fontsize=8, frameon=False)
-    return _svg(paper)
+    return svg_of(paper, hatch=0.5)
 
 
 def _line(ax: Axes, line: Line, number: int) -> None:
     colour, mark = COLOURS[number % len(COLOURS)], _MARKS[number % len(_MARKS)]
     size, doubt = 100 * np.abs(line.error), 100 * line.uncertainty
     seen = ~(size <= doubt)
-    words = ", ".join(f"{AXES.get(name, name)} {value}" for name, value in line.at.items()) or "points"
+    words = place(line.at, "points")
     low = np.minimum(np.nan_to_num(doubt), 0.999 * size)
     ax.errorbar(line.s, size, yerr=[low, np.nan_to_num(doubt)], fmt="none", ecolor=colour, elinewidth=0.6, alpha=0.5)
     ax.plot(line.s[seen], size[seen], mark, color=colour, markersize=4, label=words)
@@ -162,12 +141,3 @@ def _reference(ax: Axes, chart: Chart, chosen: Sequence[Line]) -> None:
     ends = np.array([s.min(), s.max()])
     level = 60 * float(np.nanmax(size[known])) * (ends / ends[1]) ** chart.expected
     ax.plot(ends, level, color="0.4", linestyle=":", linewidth=1.2, label=f"slope {chart.expected:g}, predicted")
-
-
-def _svg(figure: Figure) -> str:
-    import matplotlib as mpl
-
-    text = io.StringIO()
-    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "halfplane", "font.size": 9, "hatch.linewidth": 0.5}):
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), flags=re.DOTALL)

@@ -19,13 +19,6 @@ from scenes import Block, Bodies, InputError, Scene, load_scene
 _SMALL = 0.05  # a/h at which derived constants are taken
 
 
-def place(at: Mapping[str, str]) -> str:
-    """The coordinates of a line in words."""
-    from reports.maps.pictures import AXES
-
-    return ", ".join(f"{AXES.get(name, name)} {value}" for name, value in at.items()) or "all"
-
-
 def derived_constants(folder: Path) -> list[str]:
     """Constants of (a/h)^2 from the Fourier integrals and sums of layers, beside the fits."""
     laws = json.loads((folder / "laws.json").read_text(encoding="utf-8"))["laws"]

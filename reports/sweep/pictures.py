@@ -108,7 +108,7 @@ def _picture(sheet: Sheet, shown: str) -> Picture:
         drawings[0].legend(fontsize=8, frameon=False)
     left = f" {len(set(keys)) - len(panels)} more sets of the other axes are in index.csv." if len(set(keys)) > len(panels) else ""
     bars = how if np.isfinite(sheet.uncertainty).any() else "without uncertainty"
-    return Picture(shown, _svg(figure), f"{shown} over {' and '.join(sheet.label(m) for m in moving[:2])}; {bars}.{left}")
+    return Picture(shown, svg_of(figure), f"{shown} over {' and '.join(sheet.label(m) for m in moving[:2])}; {bars}.{left}")
 
 
 def _columns(table: Table) -> tuple[list[str], list[str]]:
@@ -164,7 +164,10 @@ def _map(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], 
     value, hidden = np.full((len(steps[1]), len(steps[0])), np.nan), np.zeros((len(steps[1]), len(steps[0])), dtype=bool)
     place = tuple(np.searchsorted(step, column) for step, column in zip(steps, columns, strict=True))
     value[place[1], place[0]], hidden[place[1], place[0]] = sheet.value[here], sheet.unresolved[here]
-    edges = [_edges(step, sheet.logarithmic(name)) for step, name in zip(steps, moving, strict=True)]
+    edges = [
+        np.exp(borders_of(np.log(step))) if sheet.logarithmic(name) else borders_of(step)
+        for step, name in zip(steps, moving, strict=True)
+    ]
     least = float(np.nanmin(sheet.value))
     signed = least < 0
     cmap, low = ("RdBu_r", -limit) if signed else ("viridis", least)
@@ -213,21 +216,23 @@ def _few_ticks(axis: Any, sheet: Sheet, column: str) -> None:
         axis.set_ticks([], minor=True)
 
 
-def _edges(steps: Array, logarithmic: bool) -> Array:
-    """Borders half-way between the steps (n,) -> (n + 1,)."""
-    at = np.log(steps) if logarithmic else steps
-    if len(at) == 1:
-        borders = np.array([at[0] - 0.5, at[0] + 0.5])
-    else:
-        inner = (at[1:] + at[:-1]) / 2
-        borders = np.concatenate([[2 * at[0] - inner[0]], inner, [2 * at[-1] - inner[-1]]])
-    return np.exp(borders) if logarithmic else borders
+def borders_of(middles: Array) -> Array:
+    """Borders half-way between the middles (n,) of cells, and as far beyond the outer ones: (n + 1,).
+
+    >>> borders_of(np.array([1.0, 2.0, 4.0])).tolist()
+    [0.5, 1.5, 3.0, 5.0]
+    """
+    if len(middles) == 1:
+        return np.array([middles[0] - 0.5, middles[0] + 0.5])
+    inner = (middles[1:] + middles[:-1]) / 2
+    return np.concatenate([[2 * middles[0] - inner[0]], inner, [2 * middles[-1] - inner[-1]]])
 
 
-def _svg(figure: Any) -> str:
+def svg_of(figure: Figure, hatch: float = 0.6) -> str:
+    """The text of an SVG without a date, its hatches drawn with lines that wide."""
     import matplotlib as mpl
 
     text = io.StringIO()
-    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "halfplane", "font.size": 9, "hatch.linewidth": 0.6}):
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "halfplane", "font.size": 9, "hatch.linewidth": hatch}):
         literal(figure).savefig(text, format="svg", metadata={"Date": None})
     return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), flags=re.DOTALL)
