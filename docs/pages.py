@@ -2,7 +2,7 @@
 
     python docs/pages.py
 
-verification.md, gallery.md, misprints.md, architecture.svg and values.json. A test makes all of them again and compares.
+verification.md, gallery.md, misprints.md, architecture.svg, values.json, and our columns in third.md. A test makes all of it again.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ FOLDER = Path(__file__).parent
 ROOT = FOLDER.parent
 PUBLISHED = ROOT / "reports" / "published"
 WRITTEN = "<!-- written by `make pages` -->"
+_THIRD_COLUMNS = 10
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
 
 
@@ -43,6 +44,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "verification.md": "\n".join([*verification()]) + "\n",
         "gallery.md": "\n".join([*gallery()]) + "\n",
         "misprints.md": "\n".join([*misprint_page(examples)]) + "\n",
+        "third.md": third_opinion((FOLDER / "third.md").read_text(encoding="utf-8")),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
     }
 
@@ -59,6 +61,18 @@ def values(examples: Paper) -> dict[str, quoting.Entry]:
         known |= quoting.map_values(path.stem, path.read_text(encoding="utf-8"))
     asked = set[str]().union(*(quoting.quoted(path.read_text(encoding="utf-8")) for path in FOLDER.glob("*.md")))
     return {key: known[key] for key in sorted(asked & known.keys())}
+
+
+def third_opinion(text: str) -> str:
+    """The page with our published figures in its table of scenes; CalculiX' columns stay those of the day on which it ran."""
+    scenes, lines = published(), text.splitlines()
+    for place, line in enumerate(lines):
+        cells = line.strip("| ").split(" | ")
+        if (content := scenes.get(cells[0].removesuffix(" *"))) and len(cells) == _THIRD_COLUMNS:
+            keys = ("peak_pressure", "shear", "dissipation")
+            cells[-5::2] = [quoting.published_share(content, key, signed=True) or "–" for key in keys]
+            lines[place] = f"| {' | '.join(cells)} |"
+    return "\n".join(lines) + "\n"
 
 
 # ----------------------------------------------------------------------------------------------------------- verification
