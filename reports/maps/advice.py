@@ -20,7 +20,7 @@ def tell(source: str, limit: float) -> int:
         say(f"{source}: both bodies are half-planes of like materials: half-plane theory is the very model")
         return WITHIN
     known = [part for part in found if part.values is not None]
-    rows = [(part.what, *_cells(part), part.how) for part in found]
+    rows = [(part.what, *cells(part), part.how) for part in found]
     if len(found) > 1 and known:
         rows.append(("sum", *(percent(*total(known, figure)) for figure in FIGURES), "errors and uncertainties added up"))
     heads = ("departure", *(WORDS[figure] for figure in FIGURES), "where from")
@@ -34,7 +34,8 @@ def total(known: list[Part], figure: str) -> tuple[float, float]:
     return sum(error for error, _ in pairs), sum(doubt for _, doubt in pairs)
 
 
-def _cells(part: Part) -> tuple[str, ...]:
+def cells(part: Part) -> tuple[str, ...]:
+    """The errors of a departure in words, one a figure."""
     if part.values is None:
         return ("unknown",) * len(FIGURES)
     return tuple(percent(*part.values[figure]) for figure in FIGURES)

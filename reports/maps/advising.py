@@ -7,13 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from reports.maps.atlas import MAPS, PUBLISHED, Chart
 from reports.maps.corrections import correction
-from reports.maps.fitting import Line, lines
+from reports.maps.fitting import Line, along, lines
 from reports.maps.readings import read
-from scenes import Block, Cylinder, EllipseLoad, FlatRounded, Hertz, InputError, Pad, Scene
+from reports.sweep.figures import QUANTITIES
+from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
 
 FIGURES = ("error.dissipation", "error.p0", "error.contact_half_width")
 # Of the error, what the correction left on the worst held-out point: 14 % (map `block`); rounded up.
@@ -60,12 +59,7 @@ def parts(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, list[Part]]:
 def _half_width(scene: Scene) -> float:
     import semi_analytic
 
-    solution = semi_analytic.solve(scene, cycles="steady", fields=())
-    steps = solution.last_cycle
-    load = solution.normal_load[steps]
-    at = scene.load.mean_normal_load if isinstance(scene.load, EllipseLoad) else float(load.max())
-    order = np.argsort(load, kind="stable")
-    return float(np.interp(at, load[order], solution.contact_half_width[steps][order]))
+    return QUANTITIES["contact_half_width"].value(semi_analytic.solve(scene, cycles="steady", fields=()))
 
 
 def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
@@ -153,14 +147,17 @@ def _from_map(what: str, chart: Chart, s: float, place: Mapping[str, float], fol
 def between(found: Sequence[Line], s: float, place: Mapping[str, float]) -> tuple[float, float, list[str]]:
     """Error and uncertainty at s and a place among the lines, and what lies outside of them.
 
-    Along a line error/s^2 is interpolated over log s, and kept beyond its ends; between lines, over the logarithms of their
-    coordinates. The doubt is that of the points, and a quarter of what neighbouring lines differ by.
+    Along a line as `fitting.along` reads it; between lines, over the logarithms of their coordinates. The doubt is that of the
+    points, and a quarter of what neighbouring lines differ by.
     """
     outside: list[str] = []
 
     def level(names: Sequence[str], chosen: Sequence[Line]) -> tuple[float, float]:
         if not names:
-            return _along(chosen[0], s, outside)
+            largest = float(chosen[0].s[chosen[0].known].max())
+            if s > largest * (1 + 1e-6):
+                outside.append(f"s = {s:.3g} is beyond {largest:.3g}")
+            return along(chosen[0], s)
         name, rest = names[0], names[1:]
         steps = sorted({float(line.at[name]) for line in chosen})
         at = min(max(place[name], steps[0]), steps[-1])
@@ -177,16 +174,3 @@ def between(found: Sequence[Line], s: float, place: Mapping[str, float]) -> tupl
 
     error, doubt = level(tuple(place), found)
     return error, doubt, list(dict.fromkeys(outside))
-
-
-def _along(line: Line, s: float, outside: list[str]) -> tuple[float, float]:
-    known = np.isfinite(line.error) & np.isfinite(line.uncertainty)
-    order = np.argsort(line.s[known])
-    at = line.s[known][order]
-    scaled = [np.interp(math.log(s), np.log(at), c[known][order] / at**2) for c in (line.error, line.uncertainty)]
-    if s > at[-1] * (1 + 1e-6):
-        outside.append(f"s = {s:.3g} is beyond {at[-1]:.3g}")
-    if s < at[0]:
-        # Below the smallest point the law goes on; of its uncertainty nothing is gained.
-        return float(scaled[0] * s**2), float(scaled[1] * at[0] ** 2)
-    return float(scaled[0] * s**2), float(scaled[1] * s**2)

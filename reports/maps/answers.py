@@ -8,7 +8,7 @@ import numpy as np
 
 from reports.maps import trials
 from reports.maps.atlas import WORDS, Chart, Map, place
-from reports.maps.fitting import Line, lines
+from reports.maps.fitting import Line, along, lines
 from reports.maps.limits import bound, words
 from reports.maps.readings import Readings, read
 
@@ -26,13 +26,8 @@ _FIGURES = ("error.dissipation", "error.p0")
 
 def reading_at(line: Line, s: float) -> tuple[float, float] | None:
     """Error and uncertainty at s, by straight lines between the points over log s; None outside them."""
-    order = np.argsort(line.s)
-    at = line.s[order]
-    if not at[0] * (1 - 1e-9) <= s <= at[-1] * (1 + 1e-9):
-        return None
-    # error/s^2 hardly moves along a line, so that it is what is interpolated.
-    error, doubt = (np.interp(np.log(s), np.log(at), column[order] / at**2) * s**2 for column in (line.error, line.uncertainty))
-    return float(error), float(doubt)
+    inside = line.s.min() * (1 - 1e-9) <= s <= line.s.max() * (1 + 1e-9)
+    return along(line, s) if inside else None
 
 
 def percent(error: float, doubt: float) -> str:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from reports.maps.layers import curvature_sum
 from reports.maps.quadratic import Curvatures, dissipation_error
+from reports.metrics import compliance
 from scenes import Hertz, InputError, Scene
 from scenes.bodies import Block
 
@@ -126,10 +127,9 @@ def _times(start: float, cycle_start: float, period: float) -> Array:
 
 
 def _hertz(scene: Scene, load: float) -> float:
-    # notation: a^2 = 4 P R/(pi E*)
-    compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (scene.material.lower, scene.material.upper))
+    # notation: a^2 = 4 P R/(pi E*) = 2 A P R/pi
     assert isinstance(scene.profile, Hertz)
-    return math.sqrt(4 * load * scene.profile.radius * compliance / math.pi)
+    return math.sqrt(2 * load * scene.profile.radius * compliance(scene.material) / math.pi)
 
 
 def _block(scene: Scene) -> Block:

@@ -30,6 +30,11 @@ class Line:
     uncertainty: Array
     law: Law | None
 
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Points that have an error and an uncertainty."""
+        return np.isfinite(self.error) & np.isfinite(self.uncertainty)
+
 
 def small_parameter(chart: Chart, readings: Readings) -> Array:
     """s (n,) of the rows."""
@@ -47,6 +52,17 @@ def lines(chart: Chart, readings: Readings) -> Iterator[Line]:
             if chart.expected is not None:
                 law = fit_law(s, error, doubt if np.isfinite(doubt).any() else _SHARE * np.abs(error), chart.expected)
             yield Line(figure, at, s, error, doubt, law)
+
+
+def along(line: Line, s: float) -> tuple[float, float]:
+    """Error and uncertainty at s: error/s^2, which hardly moves along a line, is interpolated over log s and kept beyond its ends.
+
+    Below the smallest point the law goes on; of its uncertainty nothing is gained.
+    """
+    order = np.argsort(line.s[line.known])
+    at, *columns = (column[line.known][order] for column in (line.s, line.error, line.uncertainty))
+    error, doubt = (float(np.interp(np.log(s), np.log(at), column / at**2)) for column in columns)
+    return error * s**2, doubt * max(s, float(at[0])) ** 2
 
 
 def as_rows(study: str, found: Iterator[Line]) -> Iterator[dict[str, Any]]:

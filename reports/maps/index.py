@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from reports.maps.advice import total
-from reports.maps.advising import FIGURES, Part, parts
+from reports.maps.advice import cells, total
+from reports.maps.advising import FIGURES, parts
 from reports.maps.answers import answer, percent
 from reports.maps.atlas import WORDS, Map
 from reports.maps.readings import read
 from reports.maps.tabling import table
+from reports.metrics import compliance
 from scenes import Block, Bodies, Cylinder, Elastic, Hertz, Materials, PolygonLoad, Scene, load_scene
 
 
@@ -32,10 +33,10 @@ def page(folder: Path, there: list[Map]) -> str:
 def designers_scene() -> Scene:
     """A block 4 a high and 8 a wide, steel, under a titanium cylinder of radius 8 a; f = 0.5, P constant, Q between +-0.6 f P."""
     steel, titanium = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=115e3, poisson_ratio=0.33)
-    compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (steel, titanium))
-    load = math.pi / (4 * 8.0 * compliance)
+    materials = Materials(lower=steel, upper=titanium)
+    load = math.pi / (2 * 8.0 * compliance(materials))
     changes = {
-        "material": Materials(lower=steel, upper=titanium),
+        "material": materials,
         "profile": Hertz(radius=8.0),
         "bodies": Bodies(lower=Block(width=8.0, height=4.0), upper=Cylinder(radius=8.0)),
         "load": PolygonLoad(way_in=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)),
@@ -56,9 +57,5 @@ def _question(folder: Path) -> str:
         f"{percent(*total(known, 'error.p0'))}, at f = 0.5, the block 8 a wide on a fixed base. Errors add up, cross "
         "terms left out."
     )
-    rows = [[part.what, *(_cell(part, figure) for figure in FIGURES), part.how] for part in found]
+    rows = [[part.what, *cells(part), part.how] for part in found]
     return words + "\n\n" + table(["departure", *(WORDS[figure] for figure in FIGURES), "where from"], rows)
-
-
-def _cell(part: Part, figure: str) -> str:
-    return "unknown" if part.values is None else percent(*part.values[figure])
