@@ -17,7 +17,7 @@ from typing import Any
 from reports.sweep.claims import Claims
 from reports.sweep.crews import Crew, Loss
 from reports.sweep.index import Reader
-from reports.sweep.points import Point, described
+from reports.sweep.points import Point
 from reports.sweep.store import Store
 from reports.sweep.versions import code_versions
 from scenes import InputError
@@ -203,8 +203,3 @@ class Sweep:
 def is_final(result: Mapping[str, Any]) -> bool:
     """Whether a result stands: not one that says that a worker died, which is tried again by the next sweep."""
     return not result.get("again", False)
-
-
-def failure_words(point: Point, reason: str) -> str:
-    """A failed point in one line."""
-    return f"point {point.number} ({described(point.coordinates)}) failed: {reason}"

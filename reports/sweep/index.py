@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -108,7 +106,7 @@ def read_index(folder: str | Path) -> Table:
 
 
 def write_index(store: Store, table: Table) -> None:
-    """index.csv in one go, and index.parquet where pyarrow is installed."""
+    """index.csv in one go."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(map(harmless, table.columns))
@@ -129,13 +127,8 @@ def write_parquet(store: Store, table: Table) -> bool:
         from pyarrow import parquet
     except ImportError:
         return False
-    handle, temporary = tempfile.mkstemp(prefix=".", suffix=".part", dir=store.folder)
-    os.close(handle)
-    try:
-        columns = {name: [row[name] for row in table.rows] for name in table.columns}
-        parquet.write_table(pyarrow.table(columns), temporary)
-        os.replace(temporary, store.folder / "index.parquet")
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    columns = {name: [row[name] for row in table.rows] for name in table.columns}
+    content = io.BytesIO()
+    parquet.write_table(pyarrow.table(columns), content)
+    store.write_bytes(store.folder / "index.parquet", content.getvalue())
     return True

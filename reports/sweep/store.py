@@ -83,12 +83,16 @@ class Store:
         self.write_text(self.path(str(result["address"])), text)
 
     def write_text(self, path: Path, text: str) -> None:
-        """Write a file in one go: temporary name, flushed to the disk, moved."""
+        """Write a file of text in one go, as `write_bytes` does."""
+        self.write_bytes(path, text.encode())
+
+    def write_bytes(self, path: Path, content: bytes) -> None:
+        """Write a file in one go: temporary name, flushed to the disk, moved; StoreError where that can't be."""
         with _writing(self.folder):
             handle, temporary = tempfile.mkstemp(prefix=".", suffix=".part", dir=path.parent)
             try:
-                with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
-                    file.write(text)
+                with os.fdopen(handle, "wb") as file:
+                    file.write(content)
                     file.flush()
                     os.fsync(file.fileno())
                 os.chmod(temporary, 0o666 & ~_umask())
