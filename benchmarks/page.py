@@ -17,7 +17,7 @@ from reports import Comparison, write
 from scenes import load_scene
 
 SCENES = ("hertz-paper", "flat-rounded-paper", "flat-pad-on-block", "motor", "time-series")
-# What the issue asks for.
+# What is promised.
 MOST_SECONDS, MOST_MEGABYTES = 3.0, 8.0
 _DRAWN = ("matplotlib", "plotly", "pyvista", "typst")
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
@@ -25,15 +26,13 @@ TITLE = "What is skipped"
 RUNS = 2
 
 
-@contextlib.contextmanager
-def replaced(holder: Any, name: str, value: Any) -> Iterator[None]:
-    """An attribute replaced for a while."""
-    kept = getattr(holder, name)
-    setattr(holder, name, value)
-    try:
-        yield
-    finally:
-        setattr(holder, name, kept)
+# Plain functions: a mock's own bookkeeping would count in the times.
+def _no(*_: Any) -> bool:
+    return False
+
+
+def _yes(*_: Any) -> bool:
+    return True
 
 
 def module(name: str) -> Any:
@@ -41,26 +40,26 @@ def module(name: str) -> Any:
     return import_module(f"halfplane_fe.{name}")
 
 
-def whole_faces() -> contextlib.AbstractContextManager[None]:
+def whole_faces() -> contextlib.AbstractContextManager[Any]:
     """Both halves of mirror-symmetric faces are solved."""
-    return replaced(module("solve"), "mirrored", lambda _faces: False)
+    return mock.patch.object(module("solve"), "mirrored", _no)
 
 
-def factors_anew() -> contextlib.AbstractContextManager[None]:
+def factors_anew() -> contextlib.AbstractContextManager[Any]:
     """A new Cholesky factor for each set of equations."""
 
     def nested(self: Systems, name: str) -> NestedFactor:
         return NestedFactor(getattr(self, name), self.interface.x, self.interface.normals[1], Counter())
 
-    return replaced(Systems, "_nested", nested)
+    return mock.patch.object(Systems, "_nested", nested)
 
 
-def every_revolution() -> contextlib.AbstractContextManager[None]:
+def every_revolution() -> contextlib.AbstractContextManager[Any]:
     """No revolution counts as a repetition of the one before."""
-    return replaced(module("run"), "REPEATS", -1.0)
+    return mock.patch.object(module("run"), "REPEATS", -1.0)
 
 
-def both_bodies() -> contextlib.AbstractContextManager[None]:
+def both_bodies() -> contextlib.AbstractContextManager[Any]:
     """Like bodies are meshed and condensed one by one."""
     pair = module("pair")
     own = pair.build
@@ -71,7 +70,7 @@ def both_bodies() -> contextlib.AbstractContextManager[None]:
             for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper))
         )  # type: ignore[return-value]
 
-    return replaced(module("solve"), "meshed_pair", twice)
+    return mock.patch.object(module("solve"), "meshed_pair", twice)
 
 
 @contextlib.contextmanager
@@ -152,22 +151,22 @@ def switches() -> Iterator[dict[str, Any]]:
 
 def _normal_alone() -> tuple[Any, Any]:
     solve = finite_elements("hertz-normal")
-    return (contextlib.nullcontext, solve), (lambda: replaced(module("solve"), "needs_shear", lambda _scene: True), solve)
+    return (contextlib.nullcontext, solve), (lambda: mock.patch.object(module("solve"), "needs_shear", _yes), solve)
 
 
-def every_point() -> contextlib.AbstractContextManager[None]:
+def every_point() -> contextlib.AbstractContextManager[Any]:
     """Half-plane theory evaluates x and -x one by one."""
 
     def apart(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         order = np.argsort(np.abs(x), kind="stable")
         return np.abs(x)[order], np.argsort(order)
 
-    return replaced(import_module("semi_analytic.question"), "folded", apart)
+    return mock.patch.object(import_module("semi_analytic.question"), "folded", apart)
 
 
-def every_cycle() -> contextlib.AbstractContextManager[None]:
+def every_cycle() -> contextlib.AbstractContextManager[Any]:
     """Half-plane theory takes no cycle for a repetition of the one before."""
-    return replaced(import_module("semi_analytic.history"), "same", lambda *_: False)
+    return mock.patch.object(import_module("semi_analytic.history"), "same", _no)
 
 
 def scene_work(name: str) -> dict[str, Any]:
