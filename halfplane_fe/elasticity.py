@@ -14,7 +14,7 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse.linalg import SuperLU, splu
 from skfem.helpers import div
 from skfem.models.elasticity import lame_parameters, linear_elasticity
@@ -250,11 +250,14 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     InputError
         For linear elements of a nearly incompressible body: they lock.
     ConvergenceError
-        If the sparse solve leaves a residual above 1e-8.
+        If the sparse solve leaves a residual above 1e-8, or rounding leaves no stiffness.
     """
     system = _assemble(body, material)
     stiffness, residual = _interface_stiffness(system)
-    compliance = _compliance(system, stiffness, material, datum_length)
+    try:
+        compliance = _compliance(system, stiffness, material, datum_length)
+    except LinAlgError as reason:
+        raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
     asymmetry = float(np.abs(compliance - compliance.T).max() / np.abs(compliance).max())
     n, places = system.contact.shape[1], system.basis.doflocs[:, system.contact[0]]
     return CondensedBody(

@@ -10,7 +10,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from scenes import ConvergenceError, InputError
+from scenes import Block, Bodies, ConvergenceError, InputError
 from semi_analytic.contact import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon
 
@@ -111,3 +111,13 @@ def test_so_little_load_that_it_may_be_none_is_refused_as_that():
     scene = make_scene(ellipse(1.0, 1 - 1e-13, 0.0, 1e-14, 90.0), 0.5)
     with pytest.raises(InputError, match="finite elements can't tell from separation"):
         halfplane_fe.solve(scene, SWIFT, FEW)
+
+
+@pytest.mark.parametrize(("height", "words"), [(1e5, "still change state"), (1e8, "a stiffness is lost in rounding")])
+def test_a_block_like_a_needle_is_refused_in_a_sentence(height, words):
+    """4 a wide: a matrix that is not positive definite was LinAlgError, with a traceback, at 4e6 a."""
+    scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=100.0)
+    scene = scene.model_copy(update={"bodies": Bodies(lower=Block(width=90.0, height=height))})
+    with pytest.raises(ConvergenceError, match=words) as caught:
+        halfplane_fe.solve(scene, replace(SWIFT, edge_element_size=1 / 64, element_size=1 / 16), FEW)
+    assert "\n" not in str(caught.value)
