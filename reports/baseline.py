@@ -13,10 +13,9 @@ from typing import Any
 
 from scenes import ContactSolution, InputError, Scene
 from scenes.bounded import parsed_json, text_of
+from scenes.scene import WORDS
 
 BASELINE, COMPARISON, SOLUTION = "halfplane baseline 1", "halfplane comparison 1", "halfplane solution 1"
-# What is said about a scene, and what is demanded of an answer, moves no figure of the answer.
-WORDS = ("name", "title", "purpose", "source", "tags", "units", "tolerances", "expected")
 # The work that a change of the code moves; what a store of condensed bodies spares would differ from one run to the next.
 COUNTS = (
     "degrees of freedom",

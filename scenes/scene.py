@@ -22,6 +22,10 @@ from scenes.time_series import TimeSeriesLoad
 Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad, Field(discriminator="kind")]
 
 
+# Keys that say what a scene is and what is demanded of an answer: they move no figure of it.
+WORDS = ("name", "title", "purpose", "source", "tags", "units", "tolerances", "expected")
+
+
 class Friction(BaseModel):
     """Coulomb friction with one coefficient."""
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from reports.sweep.figures import fields_needed, is_metric, own_doubts, take
 from scenes import ContactSolution, ConvergenceError, Friction, PolygonLoad, Scene
+from scenes.scene import WORDS
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, SolverSettings
@@ -38,8 +39,6 @@ class Question:
 
 
 Values = dict[str, float | None]
-# They move no number, and would keep points of one group apart.
-_WORDS = ("name", "title", "purpose", "source", "tolerances")
 
 
 def exact_alone(asked: Asked, scene: Scene) -> ContactSolution:
@@ -117,7 +116,8 @@ def _shared_scales(scene: Scene) -> Scales:
     from halfplane_fe.scales import largest_load
 
     changed = {"friction": Friction(coefficient=0.0), "load": PolygonLoad(way_in=((largest_load(scene), 0.0),)), "cycles": 1}
-    words = {name: Scene.model_fields[name].get_default(call_default_factory=True) for name in _WORDS}
+    # Words move no number, and would keep points of one group apart.
+    words = {name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS}
     still = scene.model_copy(update=words | changed)
     return _scales_of(still.model_dump_json())
 

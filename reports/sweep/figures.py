@@ -97,6 +97,11 @@ def is_metric(name: str) -> bool:
     return name in DEFINITIONS
 
 
+def is_error(name: str) -> bool:
+    """Whether a figure says how far the engines are apart: it is 0 where they agree."""
+    return is_metric(name) or parts(name)[0] == "error"
+
+
 def parts(name: str) -> tuple[str, str]:
     """("error", "dissipation") of "error.dissipation"."""
     prefix, _, quantity = name.partition(".")
@@ -120,7 +125,7 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
                 f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe., exact. or error. before one of "
                 f"{', '.join(QUANTITIES)}"
             )
-        needed = {"fe", "exact"} if is_metric(name) or prefix == "error" else {prefix}
+        needed = {"fe", "exact"} if is_error(name) else {prefix}
         if missing := needed - set(engines):
             raise ValueError(f"figures: {name!r} needs engines = [..., {sorted(missing)[0]!r}]")
         if uncertainty == "budget" and not is_metric(name):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from reports.drawing import literal
 from reports.sweep.axes import Axis
-from reports.sweep.figures import is_metric
+from reports.sweep.figures import is_error
 from reports.sweep.index import Table
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Sheet:
     @property
     def unresolved(self) -> NDArray[np.bool_]:
         """Where an error does not stand out of its uncertainty; never for a quantity that is no error."""
-        if not (is_metric(self.name) or self.name.startswith("error.")):
+        if not is_error(self.name):
             return np.zeros(len(self.value), dtype=bool)
         return np.abs(self.value) <= self.uncertainty
 
@@ -153,7 +153,8 @@ def _line(_f: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key
         ax.errorbar(x, y, yerr=doubt, color=colour, capsize=2, linewidth=1, label=key or sheet.name)
         ax.plot(x[~hollow], y[~hollow], "o", color=colour, markersize=4)
     ax.plot(x[hollow], y[hollow], "o", markerfacecolor="white", color=colour, markersize=4)
-    ax.axhline(0, color="0.6", linewidth=0.6) if sheet.name.startswith("error.") or is_metric(sheet.name) else None
+    if is_error(sheet.name):
+        ax.axhline(0, color="0.6", linewidth=0.6)
     _dress(ax, sheet, moving[0], None)
     ax.set_ylabel(sheet.name)
 

@@ -17,13 +17,12 @@ from reports.sweep.study import Study
 from reports.sweep.versions import code_versions
 from scenes import InputError, Scene
 from scenes.refusals import refusal
+from scenes.scene import WORDS
 
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-# A scene's words and tolerances change no figure: points that differ in them alone have one result.
-_WORDS = ("name", "title", "purpose", "source", "units", "tolerances", "tags", "expected")
 _MOST = 1_000_000
 _KINDS = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
 
@@ -185,7 +184,8 @@ def _settings(preset: str, mesh: dict[str, Any], solver: dict[str, Any]) -> tupl
 
 
 def _address(study: Study, scene: Scene, mesh: MeshSettings, solver: SolverSettings) -> str:
-    question = {key: value for key, value in scene.model_dump(mode="json").items() if key not in _WORDS}
+    # Points that differ in words alone have one result.
+    question = {key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS}
     content: dict[str, Any] = {
         "scene": question,
         "engines": sorted(study.engines),
