@@ -14,15 +14,21 @@ from reports.definitions import name_of
 from reports.sampling import Cycle
 from reports.units import units
 from reports.verdicts import Metric
+from scenes import ContactSolution
 
 Array = NDArray[np.float64]
 LINES = tuple(f"line-{k}" for k in range(7))
 
 
+def sides(comparison: Comparison) -> tuple[tuple[str, Cycle, ContactSolution], ...]:
+    """Class of its lines, last cycle and answer: of the reference, then of the result."""
+    return ("r", comparison.expected, comparison.reference), ("f", comparison.found, comparison.result)
+
+
 def half_widths(comparison: Comparison, time: Array, time_words: str) -> Plate:
     """Contact and stick edges of both engines through the last cycle, the difference of the half-widths beside them."""
     length = comparison.scales.half_width
-    cycles = (("r", comparison.expected, comparison.reference), ("f", comparison.found, comparison.result))
+    cycles = sides(comparison)
     edges = (("contact_edges", "p", "contact edge"), ("stick_edges", "q", "stick edge"))
     shown = [getattr(cycle, name) / length for _, cycle, _ in cycles for name, _, _ in edges]
     axes = Axis(*limits(time, margin=0), time_words), Axis(*limits(*shown), "x / a_ref")
@@ -126,7 +132,7 @@ def slip_histories(comparison: Comparison, time: Array, time_words: str) -> Plat
     """Slip of chosen points through the last cycle, both engines, from where each stood at the start of the cycle."""
     rows = places(comparison)
     length, scale = units(comparison.scene)[1], comparison.scales.half_width
-    cycles = (("r", comparison.expected, comparison.reference), ("f", comparison.found, comparison.result))
+    cycles = sides(comparison)
     slips = {who: cycle.slip[:, rows] - cycle.slip[0, rows] for who, cycle, _ in cycles}
     axes = (
         Axis(*limits(time, margin=0), time_words, count=8),

@@ -13,6 +13,7 @@ from reports.charts.plate import Key, Plate
 from reports.charts.scale import limits
 from reports.comparison import Comparison
 from reports.definitions import name_of
+from reports.figures_cycle import sides
 from reports.instants import Event
 from reports.missing import missing
 from reports.sampling import Cycle
@@ -140,7 +141,7 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
             "U_reference": comparison.expected.rigid_shift,
             "U_result": comparison.found.rigid_shift,
         },
-        tuple(Key(f"{w} p", name_of(s.engine)) for w, s in (("r", comparison.reference), ("f", comparison.result))),
+        tuple(Key(f"{w} p", name_of(s.engine)) for w, _, s in sides(comparison)),
     )
 
 
@@ -148,7 +149,7 @@ def hysteresis_panel(comparison: Comparison, chosen: Sequence[Event], clip: str,
     """Q over the shift of both engines; `sheared`: over the shift less its mean slope, so that the loop opens."""
     length, series = units(comparison.scene)[1], "V" if sheared else "U"
     words = f"U − k Q, about its mean  [{length}]" if sheared else f"rigid shift U  [{length}]"
-    cycles = (("r", comparison.expected, comparison.reference), ("f", comparison.found, comparison.result))
+    cycles = sides(comparison)
     shifts = [(sheared_shift(cycle) if sheared else cycle.rigid_shift) for _, cycle, _ in cycles]
     loads = [cycle.tangential_load for _, cycle, _ in cycles]
     axes = (
