@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.score.guesses import TOUCHES
+
 Array = NDArray[np.float64]
 
 _ADDS_UP = 0.02  # below what trapezia over ten elements a half-width lose at a square-root edge
-_PULLS = 1e-3  # of the largest pressure: as far as a pull is small; `guesses` names what goes beyond
-_TOUCHES = 0.01  # of the largest pressure: below it a point counts as free where nothing else tells
+_CARRIES = 0.01  # of the largest pressure: below it a point counts as free where nothing else tells
 
 
 def tension(pressure: Array) -> list[str]:
@@ -21,7 +22,7 @@ def tension(pressure: Array) -> list[str]:
     []
     """
     least = float(pressure.min())
-    if least >= 0 or least < -_PULLS * float(pressure.max()):
+    if least >= 0 or least < -TOUCHES * float(pressure.max()):
         return []
     return [f"the contact pulls at some points, by up to {-least:.4g}: kept as it is (a linear overclosure law allows it)"]
 
@@ -47,7 +48,7 @@ def free_face(x: Array, pressure: Array, shear: Array) -> list[str]:
     ['the stress leaves shear on the face beside the contact, which adds 5.0 % to what the shear adds up to: kept as it is']
     """
     k = int(np.argmax(pressure.max(axis=1)))
-    touching = pressure[k] > _TOUCHES * pressure[k].max()
+    touching = pressure[k] > _CARRIES * pressure[k].max()
     whole = float(np.trapezoid(shear[k], x))
     inside = float(np.trapezoid(np.where(touching, shear[k], 0.0), x))
     if inside == 0 or abs(whole / inside - 1) < _ADDS_UP:
