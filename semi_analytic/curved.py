@@ -27,6 +27,8 @@ Indices = NDArray[np.intp]
 
 _CHUNK = 2_000_000
 _QUARTERS = 4
+_SHORT = 1 / 32
+_GAUSS12 = np.polynomial.legendre.leggauss(12)
 
 
 def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
@@ -72,18 +74,34 @@ def curved_slip(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
 
 
 def curved_log(contact: Contact, piece: Piece, last: Array) -> Array:
-    """int dQ ln(2 L/a) over a piece's arc up to the times `last` (n,): shape (n,) [force per thickness]."""
+    """int dQ ln(2 L/a) over a piece's arc up to the times `last` (n,): shape (n,) [force per thickness].
+
+    Each less the one before: what n arcs from one lower end have in common is integrated once, between neighbours by Gauss' rule
+    where they are closer to each other than to any place at which the logarithm is singular or P(a) has a corner.
+    """
     assert piece.arc is not None
-    leg = piece.anchor.leg
+    leg, first, whole = piece.anchor.leg, piece.arc[0], piece.anchor.time
+    corners = _corner_times(contact, piece)
+    end = float(np.max(last, initial=first))
+    # Never in less than quarters: swift harmonics over a long range are not what the rules are best at.
+    marks = np.unique(np.clip(np.concatenate([last, corners, np.linspace(first, end, _QUARTERS + 1)]), first, end))
+    low, high = marks[:-1], marks[1:]
+    rough = np.unique(np.concatenate([[first, whole], corners]))
+    before = rough[np.maximum(np.searchsorted(rough, low, side="right") - 1, 0)]
+    after = rough[np.minimum(np.searchsorted(rough, high), len(rough) - 1)]
+    room = np.minimum(np.minimum(low - before, after - high), _SHORT * (whole - first))
+    smooth = high - low <= room
+    rises = np.zeros(len(marks))
+    for here, rule in ((smooth, _gauss), (~smooth, graded)):
+        time, weight = rule(low[here], high[here])
+        rises[1:][here] = np.sum(weight * contact.log_ratio(leg.loads(time)[0]) * _force_rate(leg, time), axis=-1)
+    return np.cumsum(rises)[np.searchsorted(marks, np.clip(last, first, end))]
 
-    def rise(_: Indices, low: Array, high: Array) -> Array:
-        # In quarters: swift harmonics over a long range are not what the rule is best at.
-        marks = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _QUARTERS + 1)
-        time, weight = graded(marks[:, :-1], marks[:, 1:])
-        return np.sum(weight * contact.log_ratio(leg.loads(time)[0]) * _force_rate(leg, time), axis=(-2, -1))
 
-    end = last[:, None]
-    return _in_parts(rise, np.full(end.shape, piece.arc[0]), end, _corner_times(contact, piece))[:, 0]
+def _gauss(begin: Array, end: Array) -> tuple[Array, Array]:
+    """Gauss' rule on [begin, end], a new last axis: 1e-18 where no singularity is closer than the range is long."""
+    half = (end - begin)[:, None] / 2
+    return (begin + end)[:, None] / 2 + half * _GAUSS12[0], half * _GAUSS12[1]
 
 
 def _meets(piece: Piece, edge: Array) -> tuple[float, Array]:

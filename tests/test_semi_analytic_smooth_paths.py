@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from scenes import Tabulated
 from scenes.callable_loads import CallableLoad
 from scenes.harmonics import HarmonicLoad
 from scenes.time_series import TimeSeriesLoad
@@ -18,6 +19,7 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.quadrature import graded
 from semi_analytic.route import own_route
+from semi_analytic.tabulated import TabulatedContact
 from semi_analytic_cases import ellipse, make_scene, polygon
 
 TURN = 2 * math.pi
@@ -187,3 +189,27 @@ def test_settled_integrals_and_what_they_say_of_themselves(width, settles):
     # A pole beside an end of a part costs the rule 4e-12 however short the part: that it cannot see.
     assert abs(found.value[0] - exact) <= found.error[0] + 3e-11 * abs(exact)
     assert bool(found.error[0] <= 1e-10 * abs(exact)) is settles
+
+
+def test_what_instants_share_of_an_arc_is_integrated_once(monkeypatch):
+    """Closed-int Q dU of harmonics on a table of 13 rows: each instant integrated its arc from the start, over every knot."""
+    inverted = []
+    invert = TabulatedContact.half_width
+
+    def counted(self, load):
+        inverted.append(np.size(load))
+        return invert(self, load)
+
+    monkeypatch.setattr(TabulatedContact, "half_width", counted)
+    x = np.linspace(0.0, 6.0, 13)
+    profile = Tabulated(points=np.column_stack([x, np.cosh(x / 3) - 1]).tolist())
+    load = HarmonicLoad(
+        mean_normal_load=0.8,
+        mean_tangential_load=0.0,
+        normal_harmonics=[(0.5, 0.0)],
+        tangential_harmonics=[(0.05, 40.0), (0.02, -60.0)],
+    )
+    scene = make_scene(load, 0.3).model_copy(update={"profile": profile})
+    answer = solve(scene, x=[0.0], fields=("dissipation",))
+    assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12, abs=0)
+    assert sum(inverted) < 4e6  # 2.0e6, and 7.0e7 before
