@@ -214,6 +214,17 @@ class TestDamage:
         assert values(tmp_path / "truth") == truth
         assert sum(len(task) for task in crew.handed) == 1
 
+    @pytest.mark.usefixtures("truth")
+    def test_a_result_that_can_not_be_read_is_a_sentence_and_stays(self, tmp_path: Path) -> None:
+        """What is no damage is not made anew over it: no right to read, a folder in its place."""
+        store = Store(tmp_path / "truth")
+        path = store.path(min(store.addresses()))
+        path.unlink()
+        path.mkdir()
+        with pytest.raises(StoreError, match="this result can't be read: Is a directory; mend that, or name another"):
+            store.read(path.stem)
+        assert path.is_dir()
+
     def test_a_full_disk_is_a_sentence_and_loses_nothing(
         self, tmp_path: Path, truth: dict[float, float], hire: Callable[[Crew], Crew], monkeypatch: pytest.MonkeyPatch
     ) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from reports.application import NOT_CONVERGED, WITHIN
+from reports.baseline import replace_text
 from reports.console import say
 from reports.maps import fitting, index, pages
 from reports.maps.atlas import MAPS, PUBLISHED, STUDIES, Map, map_named
@@ -32,7 +33,7 @@ def make(name: str, out: Path | None, stores: Path, workers: int | None, *, rema
                 shutil.rmtree(store)
             source = str(STUDIES / f"{study}.toml")
             code = max(code, command.sweep(source, store, "processes", "", workers, True, quiet))
-            (folder / f"{study}.csv").write_text(as_csv(read_index(store)), encoding="utf-8")
+            replace_text(folder / f"{study}.csv", as_csv(read_index(store)))
             if code > NOT_CONVERGED:
                 return code
     write(folder, present(folder))
@@ -50,13 +51,13 @@ def write(folder: Path, there: list[Map]) -> None:
     """
     if not there:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
-    (folder / "laws.json").write_text(laws_text(folder, there), encoding="utf-8")
+    replace_text(folder / "laws.json", laws_text(folder, there))
     for asked in there:
         for chart in asked.charts:
             for name, svg, _ in pages.drawings(chart, read(folder, chart.study)):
-                (folder / name).write_text(svg, encoding="utf-8")
-        (folder / f"{asked.name}.md").write_text(pages.page(asked, folder), encoding="utf-8")
-    (folder / "README.md").write_text(index.page(folder, there), encoding="utf-8")
+                replace_text(folder / name, svg)
+        replace_text(folder / f"{asked.name}.md", pages.page(asked, folder))
+    replace_text(folder / "README.md", index.page(folder, there))
 
 
 def laws_text(folder: Path, there: list[Map]) -> str:

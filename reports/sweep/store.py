@@ -102,7 +102,13 @@ class Store:
                 raise
 
     def read(self, address: str) -> dict[str, Any] | None:
-        """The result of an address; None where there is none. A file that is damaged is set aside, and there is none."""
+        """The result of an address; None where there is none. A file that is damaged is set aside, and there is none.
+
+        Raises
+        ------
+        StoreError
+            Where the file is there and can't be read.
+        """
         path = self.path(address)
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
@@ -110,6 +116,9 @@ class Store:
             whole = stored["format"] == _FORMAT and stored["sha256"] == _sum(canonical(result)) and result["address"] == address
         except FileNotFoundError:
             return None
+        except OSError as reason:
+            why = reason.strerror or reason
+            raise StoreError(f"{path}: this result can't be read: {why}; mend that, or name another --out") from reason
         except (ValueError, KeyError, TypeError, UnicodeDecodeError):
             whole = False
         if whole:
