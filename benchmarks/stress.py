@@ -25,6 +25,7 @@ import numpy as np
 import stress_fe
 import stress_half_plane
 import stress_histories
+import stress_slivers
 from claim import Row
 from stress_case import Case, Found
 
@@ -121,6 +122,7 @@ def cases() -> Iterator[Case]:
     yield from stress_half_plane.cases()
     yield from stress_histories.cases()
     yield from stress_fe.cases()
+    yield from stress_slivers.cases()
 
 
 def rows() -> Iterator[Row]:

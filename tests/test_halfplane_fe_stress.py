@@ -1,7 +1,10 @@
 """Where the finite-element model is under stress: radii smaller than the contact, failures at the start, slip nobody can see."""
 
+import importlib
 import re
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +16,11 @@ from meshes import MeshSettings
 from scenes import Block, Bodies, ConvergenceError, InputError
 from semi_analytic.contact import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon
+
+BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
+sys.path.insert(0, str(BENCHMARKS))
+stress_fe, stress_slivers = importlib.import_module("stress_fe"), importlib.import_module("stress_slivers")
+sys.path.remove(str(BENCHMARKS))
 
 SWIFT = MeshSettings.swift()
 FEW = SolverSettings(steps_per_cycle=24)
@@ -121,3 +129,19 @@ def test_a_block_like_a_needle_is_refused_in_a_sentence(height, words):
     with pytest.raises(ConvergenceError, match=words) as caught:
         halfplane_fe.solve(scene, replace(SWIFT, edge_element_size=1 / 64, element_size=1 / 16), FEW)
     assert "\n" not in str(caught.value)
+
+
+def test_slivers_of_a_hundredth_of_a_degree_do_no_harm():
+    found = stress_slivers.with_slivers(1e-4)
+    assert found.shown["aspect"] > 1e4
+    assert max(found.errors.values()) < 0.05  # p 6.5e-3, q 3.3e-2, W 1.0e-3; without slivers 6.0e-3, 2.0e-2, 6.8e-4
+
+
+def test_slivers_whose_stiffness_is_rounding_are_refused():
+    with pytest.raises(ConvergenceError, match="the sparse factorisation left a relative residual"):
+        stress_slivers.with_slivers(1e-10)
+
+
+def test_more_increments_move_nothing_where_slip_goes_one_way():
+    """600 on three lines against 16 each; benchmarks/stress.py takes 112,500."""
+    assert max(stress_fe.many_steps(2, 200).errors.values()) < 1e-9
