@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from reports.maps.atlas import MAPS, PUBLISHED, Chart
-from reports.maps.corrections import correction
+from reports.maps.contour import work_constant
+from reports.maps.corrections import correction, smaller_than_the_maps, to_and_fro
 from reports.maps.fitting import Line, along, lines
+from reports.maps.pads import RATIO, SHEAR, work_lines
 from reports.maps.readings import read
 from reports.sweep.figures import QUANTITIES
 from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
@@ -79,12 +81,10 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
 
 
 def _flat_pad(profile: FlatRounded, name: str, pad: Pad) -> list[Part]:
-    """The map of flat pads has pads 2 b + 1.4 R wide and R high: larger ones need nothing more, smaller ones are unknown."""
-    width = 2 * profile.flat_half_length + 1.4 * profile.radius
-    if pad.height >= 0.99 * profile.radius and pad.width >= 0.99 * width:
-        return []
+    """Pads as large as those of the map need nothing more, smaller ones are unknown."""
+    too_small = smaller_than_the_maps(profile, pad)
     what = f"the {name} body, a pad {pad.width:g} wide and {pad.height:g} high"
-    return [Part(what, None, f"the map `pad` has pads 2 b + 1.4 R = {width:g} wide and R = {profile.radius:g} high, or larger")]
+    return [Part(what, None, too_small)] if too_small else []
 
 
 def _two_blocks(scene: Scene, half_width: float) -> Part:
@@ -116,8 +116,40 @@ def _curvature(scene: Scene, half_width: float, folder: Path) -> list[Part]:
     what = f"true arcs, a/R = {half_width / radius:.3g}"
     if isinstance(scene.profile, FlatRounded):
         flat = scene.profile.flat_half_length / half_width
-        return [_from_map(f"{what}, b/a = {flat:.3g}", charts["pad"], half_width / radius, {"flat": flat}, folder)]
+        found = _from_map(f"{what}, b/a = {flat:.3g}", charts["pad"], half_width / radius, {"flat": flat}, folder)
+        return [_by_the_law(scene, found, half_width / radius, flat, folder)]
     return [_from_map(what, charts["cylinder"], half_width / radius, {"f": scene.friction.coefficient}, folder)]
+
+
+def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder: Path) -> Part:
+    """Dissipation of a flat pad by its first-order law for this very loop, and by the map for what is left of it, in (a/R)^2.
+
+    p0 is off by what shear adds to the higher of two peaks: that of the map goes with Q/P, within a third of the change.
+    """
+    if found.values is None:
+        return found
+    try:
+        cycle = to_and_fro(scene)
+    except InputError:
+        return replace(found, how=f"{found.how} of constant P and Q = {RATIO} f P, which this loop is not", extrapolated=True)
+    second = [_less_the_law(line) for line in work_lines(folder)]
+    first = work_constant(flat, cycle.ratio) * curvature
+    rest, doubt, _ = between(second, curvature, {"flat": flat})
+    # Of the rest no other loop is in the map: as much as it would move by with the law.
+    other = abs(rest) * abs(work_constant(flat, cycle.ratio) / work_constant(flat, RATIO) - 1)
+    pressure, unsure = found.values["error.p0"]
+    scaled = pressure * cycle.largest / SHEAR
+    values = {
+        **found.values,
+        "error.dissipation": (first + rest, doubt + other),
+        "error.p0": (scaled, unsure * max(1.0, cycle.largest / SHEAR) + abs(scaled - pressure) / 3),
+    }
+    return replace(found, values=values, how=f"law of its contour, first power of a/R, for this loop; {found.how}")
+
+
+def _less_the_law(line: Line) -> Line:
+    """What is left of a line of dissipation without its first order."""
+    return replace(line, error=line.error - work_constant(float(line.at["flat"]), RATIO) * line.s, order=2.0)
 
 
 def _unlike(scene: Scene, folder: Path) -> list[Part]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reports.maps import trials
+from reports.maps import pads, trials
 from reports.maps.atlas import WORDS, Chart, Map, place
 from reports.maps.fitting import Line, along, lines
 from reports.maps.limits import bound, words
@@ -70,6 +70,8 @@ def more(asked: Map, folder: Path) -> list[str]:
     """Parts of a page after its laws."""
     if asked.name == "block" and asked.held_out:
         return [*trials.derived_constants(folder), *trials.corrected_blocks(folder)]
+    if asked.name == "curvature" and asked.held_out:
+        return [*pads.derived_constants(folder), *pads.corrected_pads(folder)]
     if asked.name == "one-block":
         return trials.odd_part(folder)
     if asked.name == "loop":

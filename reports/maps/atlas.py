@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from scenes import InputError
@@ -55,6 +55,8 @@ class Chart:
     expected : exponent of s that theory predicts; None where no law is sought
     prediction : why
     within : sentence of the designer's table, "height / a >" or "a / R <"
+    step : exponent by which the series in s goes on
+    others : figures whose exponent is another one, with that
     """
 
     study: str
@@ -66,6 +68,12 @@ class Chart:
     expected: float | None
     prediction: str
     within: str
+    step: float = 2.0
+    others: Mapping[str, float] = field(default_factory=dict)
+
+    def order(self, figure: str) -> float | None:
+        """Exponent of s that theory predicts of a figure; None where no law is sought."""
+        return self.others.get(figure, self.expected)
 
 
 @dataclass(frozen=True)
@@ -92,6 +100,11 @@ _CURVED = (
     "an arc's next term, x⁴/(8 R³), changes the gap by (a/R)² of itself (alone: a by −3/16, p0 by +1/16 of (a/R)²); the "
     "normals' turning is odd in the curvature of the line between the faces, which y-mirror reverses, so that it counts in its "
     "square; a body of size R adds its own O((a/R)²)"
+)
+_CONTOUR = (
+    "a contour that is no parabola changes the body's tangential compliance in the first power of its slope, and evenly, so that W "
+    "moves by k a/R (`reports/maps/contour.py`; a parabola has k = 0); what pressure and shear do to each other is odd and of the "
+    "first power, so that p0, the higher of two peaks, moves by it while Q acts; the half-width, a mean of two edges, keeps to 2"
 )
 _BETA = (
     "y-mirror swaps the bodies (β → −β, Q → −Q), x-mirror restores Q: p0 and W are even in β, so O(β²) at fixed f. Pressing makes "
@@ -132,8 +145,21 @@ MAPS = {
             "How small must the contact be against the radius?",
             (
                 Chart("cylinder", "curvature", "", "f", "a/R", False, 2.0, _CURVED, "a / R <"),
-                Chart("pad", "curvature", "flat", "", "a/R", False, 2.0, _CURVED, "a / R <"),
+                Chart(
+                    "pad",
+                    "curvature",
+                    "flat",
+                    "",
+                    "a/R",
+                    False,
+                    1.0,
+                    _CONTOUR,
+                    "a / R <",
+                    1.0,
+                    {"error.contact_half_width": 2.0},
+                ),
             ),
+            ("pad-held-out",),
         ),
         Map(
             "unlike",

@@ -1,8 +1,9 @@
-"""Half-plane theory's figures corrected for two equal finite blocks: cheap, with a stated range, outside the half-plane engine.
+"""Half-plane theory's figures corrected for two equal finite blocks and for a flat pad: cheap, with a stated range.
 
 What the blocks add to the curvature under load is known (smooth walls and rollers: sums over images) or fitted (free sides, fixed
 base: constants in published/maps/laws.json, from the map `block`); what that does to a cycle follows for every loop by
-`reports.maps.quadratic`. Nothing here was fitted to any loop but the paper's.
+`reports.maps.quadratic`. Nothing here was fitted to any loop but the paper's. Of a pad W moves by k a/R, k from
+`reports.maps.contour`: nothing is fitted there. The half-plane engine stays as it is.
 """
 
 from __future__ import annotations
@@ -16,18 +17,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.maps.contour import work_constant
 from reports.maps.layers import curvature_sum
 from reports.maps.quadratic import Curvatures, dissipation_error
 from reports.metrics import compliance
-from scenes import Hertz, InputError, Scene
-from scenes.bodies import Block
+from scenes import Block, FlatRounded, HalfPlane, Hertz, InputError, Pad, Scene
+from semi_analytic.contact import contact_of
 
 Array = NDArray[np.float64]
 LAWS = Path(__file__).parents[1] / "published" / "maps" / "laws.json"
 # Where the held-out points of the map were tried: see docs/maps.md for what is left there.
 LEAST_HEIGHT = 3.6  # half-widths at the largest load
 LEAST_ASPECT, POISSON = 1.0, (0.25, 0.35)
+MOST_CURVATURE, FLATS = 0.1, (0.2, 0.9)  # a/R and b/a of a pad
 _PER_LEG = 80
+_STILL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -115,8 +119,85 @@ def correction(scene: Scene) -> Correction:
 
 
 def corrected_dissipation(scene: Scene, value: float) -> float:
-    """Half-plane theory's dissipation `value` of a scene with two equal blocks, corrected for their size; see `correction`."""
-    return value * (1 + correction(scene).dissipation)
+    """Half-plane theory's dissipation `value` of a scene with two equal blocks (`correction`) or a flat pad (`pad_correction`)."""
+    flat_pad = isinstance(scene.profile, FlatRounded)
+    return value * (1 + (pad_correction(scene) if flat_pad else correction(scene).dissipation))
+
+
+def pad_correction(scene: Scene) -> float:
+    """k a/R, by which the contour of a flat pad with rounded edges moves the dissipation of a cycle at constant P.
+
+    Raises
+    ------
+    InputError
+        Other than one pad and one half-plane of one material, a pad that its size moves too, P that moves or Q that does not go
+        simply to and fro, and a/R or b/a that no finite elements were tried at.
+    """
+    where, profile = scene.name or "scene", scene.profile
+    pads = [body for body in (scene.bodies.lower, scene.bodies.upper) if isinstance(body, Pad)]
+    planes = [body for body in (scene.bodies.lower, scene.bodies.upper) if isinstance(body, HalfPlane)]
+    if not isinstance(profile, FlatRounded) or len(pads) != 1 or len(planes) != 1:
+        raise InputError(f"{where}: bodies: the correction is for a pad with a flat face on a half-plane; take `halfplane run`")
+    if scene.material.lower != scene.material.upper:
+        raise InputError(f"{where}: material: the correction is for a pad and a half-plane of one material; take `halfplane run`")
+    if too_small := smaller_than_the_maps(profile, pads[0]):
+        raise InputError(f"{where}: bodies: the pad is too small: {too_small}")
+    cycle = to_and_fro(scene)
+    half_width = float(contact_of(profile, scene.material).half_width(cycle.load))
+    curvature, flat = half_width / profile.radius, profile.flat_half_length / half_width
+    if curvature > MOST_CURVATURE * (1 + 1e-9) or not FLATS[0] * (1 - 1e-9) <= flat <= FLATS[1] * (1 + 1e-9):
+        raise InputError(
+            f"{where}: profile: a/R = {curvature:.3g} with b/a = {flat:.3g} is refused: the correction holds up to "
+            f"{MOST_CURVATURE:g} and for b/a of {FLATS[0]:g} to {FLATS[1]:g}"
+        )
+    return work_constant(flat, cycle.ratio) * curvature
+
+
+def smaller_than_the_maps(profile: FlatRounded, pad: Pad) -> str:
+    """Which pads the map `pad` has, where this one is smaller than they are; else empty."""
+    width = 2 * profile.flat_half_length + 1.4 * profile.radius
+    if pad.height >= 0.99 * profile.radius and pad.width >= 0.99 * width:
+        return ""
+    return f"the map `pad` has pads 2 b + 1.4 R = {width:g} wide and R = {profile.radius:g} high, or larger"
+
+
+@dataclass(frozen=True)
+class ToAndFro:
+    """A cycle at constant P in which Q turns twice: P, half of the range of Q over f P, the largest |Q| over P."""
+
+    load: float
+    ratio: float
+    largest: float
+
+
+def to_and_fro(scene: Scene) -> ToAndFro:
+    """The cycle of a scene, where it is of that kind.
+
+    Raises
+    ------
+    InputError
+        For any other.
+    """
+    path = scene.load.path()
+    where = scene.name or "scene"
+    if path.period is None:
+        raise InputError(f"{where}: load: the path has no cycle, and the correction is that of a cycle")
+    times = _times(path.start, path.cycle_start, path.period)
+    loads = np.array([[float(part) for part in path.at(t)] for t in times[times >= path.cycle_start + path.period * (1 - 1e-9)]])
+    normal, tangential = loads.T
+    moves = np.sign(np.diff(tangential)[np.abs(np.diff(tangential)) > _STILL * np.abs(tangential).max()])
+    turns = int(np.sum(moves != np.roll(moves, 1)))
+    if np.ptp(normal) > _STILL * normal.max() or turns != 2:
+        raise InputError(
+            f"{where}: load: a pad's correction is for constant P and a Q that turns twice in a cycle; take `halfplane run`"
+        )
+    load = float(normal[0])
+    ratio = float(np.ptp(tangential)) / (2 * scene.friction.coefficient * load)
+    if ratio >= 1:
+        raise InputError(
+            f"{where}: load: half of Q's range is {ratio:.3g} f P: the contact slides, which no correction is for"
+        )
+    return ToAndFro(load, ratio, float(np.abs(tangential).max()) / load)
 
 
 def _times(start: float, cycle_start: float, period: float) -> Array:

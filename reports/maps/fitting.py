@@ -21,7 +21,7 @@ _PROBE = 0.02  # curvature at which the sensitivity of dissipation is taken
 
 @dataclass(frozen=True)
 class Line:
-    """The points of a chart along its small parameter, other axes fixed at `at`, and their law."""
+    """The points of a chart along its small parameter, other axes fixed at `at`, their law, and the exponent of its first term."""
 
     figure: str
     at: Mapping[str, str]
@@ -29,6 +29,7 @@ class Line:
     error: Array
     uncertainty: Array
     law: Law | None
+    order: float = 2.0
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -49,20 +50,22 @@ def lines(chart: Chart, readings: Readings) -> Iterator[Line]:
             s = small_parameter(chart, part)
             error, doubt = part.errors(figure)
             law = None
-            if chart.expected is not None:
-                law = fit_law(s, error, doubt if np.isfinite(doubt).any() else _SHARE * np.abs(error), chart.expected)
-            yield Line(figure, at, s, error, doubt, law)
+            order = chart.order(figure)
+            if order is not None:
+                unsure = doubt if np.isfinite(doubt).any() else _SHARE * np.abs(error)
+                law = fit_law(s, error, unsure, order, chart.step)
+            yield Line(figure, at, s, error, doubt, law, order or 2.0)
 
 
 def along(line: Line, s: float) -> tuple[float, float]:
-    """Error and uncertainty at s: error/s^2, which hardly moves along a line, is interpolated over log s and kept beyond its ends.
+    """Error and uncertainty at s: error/s^n, n the line's order, is interpolated over log s and kept beyond the ends.
 
     Below the smallest point the law goes on; of its uncertainty nothing is gained.
     """
     order = np.argsort(line.s[line.known])
     at, *columns = (column[line.known][order] for column in (line.s, line.error, line.uncertainty))
-    error, doubt = (float(np.interp(np.log(s), np.log(at), column / at**2)) for column in columns)
-    return error * s**2, doubt * max(s, float(at[0])) ** 2
+    error, doubt = (float(np.interp(np.log(s), np.log(at), column / at**line.order)) for column in columns)
+    return error * s**line.order, doubt * max(s, float(at[0])) ** line.order
 
 
 def as_rows(study: str, found: Iterator[Line]) -> Iterator[dict[str, Any]]:

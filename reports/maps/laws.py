@@ -2,9 +2,9 @@
 
     |e| = C s^n,    s -> 0
 
-The fit is of log |e| = log C + n log s + d s^2. The last term stands for the next one of a series in s^2: without it the exponent
-of points that reach to large s is off by more than its interval. The range is found, not chosen: the largest s are left out until
-what is left shows no more curvature in the logarithms than that.
+The fit is of log |e| = log C + n log s + d s^2. The last term stands for the next one of a series in s^2 (or of one in s: then it
+is d s): without it the exponent of points that reach to large s is off by more than its interval. The range is found, not chosen:
+the largest s are left out until what is left shows no more curvature in the logarithms than that.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ class Law:
     constant, constant_doubt : at the fitted exponent
     expected : exponent that theory predicts
     fixed, fixed_doubt : constant at the expected exponent, on the same points
-    next_term : d, at the expected exponent: the law holds to a share d s^2
+    next_term : d, at the expected exponent: the law holds to a share d s^step
+    step : exponent by which the series goes on
     sign : of the error
     smallest, largest : of s in the fit
     points : in the fit; `left_out`: resolved points at larger s that are not asymptotic
@@ -49,6 +50,7 @@ class Law:
     fixed: float
     fixed_doubt: float
     next_term: float
+    step: float
     sign: int
     smallest: float
     largest: float
@@ -63,12 +65,13 @@ class Law:
 
     def value(self, s: float) -> float:
         """The error by the law at the expected exponent and its next term, with its sign."""
-        return self.sign * self.fixed * s**self.expected * math.exp(self.next_term * s**2)
+        return self.sign * self.fixed * s**self.expected * math.exp(self.next_term * s**self.step)
 
 
-def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: float) -> Law | None:
+def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: float, step: float = 2.0) -> Law | None:
     """The law of errors (n,) at s (n,), each with its uncertainty (n,); None where fewer than five points can be had.
 
+    `expected` is the exponent that theory predicts, `step` that by which its series goes on.
     A point takes part where |error| > uncertainty and where it has the sign of the point with the smallest s among these.
     Intervals have two parts, in quadrature: independent errors of standard deviation u, widened by the root of the misfit where
     that is above 1; and an error that all points share, as points cut alike do: what the fit moves by when all errors move by +-u.
@@ -90,9 +93,28 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
     if len(x) < FEWEST:
         return None
     total = len(x)
-    while len(x) > FEWEST and _bent(x, e, u):
+    while len(x) > FEWEST and _bent(x, e, u, step):
         x, e, u = x[:-1], e[:-1], u[:-1]
-    return _fitted(x, e, u, expected, sign, total - len(x))
+    return _fitted(x, e, u, (expected, step), sign, total - len(x))
+
+
+def leading_constant(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, order: float) -> tuple[float, float]:
+    """k of error = s^order (k + k1 s + k2 s^2 + k3 s^3) by all points (n,), and half its 95 % interval (parts as in `fit_law`).
+
+    For a series in s whose second term soon counts: of that, the exponential that `fit_law` takes is a poor image.
+
+    >>> s = np.array([0.1, 0.2, 0.3, 0.4, 0.5])
+    >>> round(leading_constant(s, -s * (2 + 3 * s), 1e-4 * s, 1.0)[0], 6)
+    -2.0
+    """
+    x, e, u = (np.asarray(column, dtype=float) for column in (s, error, uncertainty))
+    sign = float(np.sign(e[np.argmin(x)]))
+
+    def series(x: Array, e: Array, u: Array) -> tuple[Array, Array, float]:
+        return _solve(e / x**order, [x**power for power in range(4)], x**order / u)
+
+    found, doubt, _ = _with_doubt(x, sign * e, u, series, 4)
+    return sign * float(found[0]), float(doubt[0])
 
 
 def _solve(target: Array, columns: Sequence[Array], weight: Array) -> tuple[Array, Array, float]:
@@ -104,26 +126,27 @@ def _solve(target: Array, columns: Sequence[Array], weight: Array) -> tuple[Arra
     return found, covariance, float(rest @ rest) / max(len(target) - len(columns), 1)
 
 
-def _free(x: Array, e: Array, u: Array) -> tuple[Array, Array, float]:
+def _free(x: Array, e: Array, u: Array, step: float) -> tuple[Array, Array, float]:
     """log C, n, d."""
-    return _solve(np.log(e), [np.ones_like(x), np.log(x), x**2], e / u)
+    return _solve(np.log(e), [np.ones_like(x), np.log(x), x**step], e / u)
 
 
-def _held(x: Array, e: Array, u: Array, expected: float) -> tuple[Array, Array, float]:
+def _held(x: Array, e: Array, u: Array, expected: float, step: float) -> tuple[Array, Array, float]:
     """log C, d at a given exponent."""
-    return _solve(np.log(e) - expected * np.log(x), [np.ones_like(x), x**2], e / u)
+    return _solve(np.log(e) - expected * np.log(x), [np.ones_like(x), x**step], e / u)
 
 
-def _bent(x: Array, e: Array, u: Array) -> bool:
+def _bent(x: Array, e: Array, u: Array, step: float) -> bool:
     if len(x) < FEWEST:
         return False
-    found, covariance, _ = _solve(np.log(e), [np.ones_like(x), np.log(x), x**2, np.log(x) ** 2], e / u)
+    found, covariance, _ = _solve(np.log(e), [np.ones_like(x), np.log(x), x**step, np.log(x) ** 2], e / u)
     return bool(abs(found[3]) > _BEND * math.sqrt(covariance[3, 3]))
 
 
-def _fitted(x: Array, e: Array, u: Array, expected: float, sign: int, left_out: int) -> Law:
-    found, doubt, misfit = _with_doubt(x, e, u, _free, 3)
-    held, held_doubt, _ = _with_doubt(x, e, u, partial(_held, expected=expected), 2)
+def _fitted(x: Array, e: Array, u: Array, series: tuple[float, float], sign: int, left_out: int) -> Law:
+    expected, step = series
+    found, doubt, misfit = _with_doubt(x, e, u, partial(_free, step=step), 3)
+    held, held_doubt, _ = _with_doubt(x, e, u, partial(_held, expected=expected, step=step), 2)
     return Law(
         order=float(found[1]),
         order_doubt=float(doubt[1]),
@@ -133,13 +156,14 @@ def _fitted(x: Array, e: Array, u: Array, expected: float, sign: int, left_out: 
         fixed=math.exp(held[0]),
         fixed_doubt=math.exp(held[0]) * math.expm1(held_doubt[0]),
         next_term=float(held[1]),
+        step=step,
         sign=sign,
         smallest=float(x[0]),
         largest=float(x[-1]),
         points=len(x),
         left_out=left_out,
         misfit=misfit,
-        bent=_bent(x, e, u),
+        bent=_bent(x, e, u, step),
     )
 
 

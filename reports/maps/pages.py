@@ -15,6 +15,7 @@ from reports.maps.pictures import heat, slopes
 from reports.maps.readings import Readings, read
 from reports.maps.tabling import table
 
+_POWERS = {1.0: "", 2.0: "²"}
 _LEVELS = (0.01, 0.05, 0.1)
 _DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
 _TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")
@@ -112,8 +113,8 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
     ]
     prediction = f"Predicted exponent {chart.expected:g}: {chart.prediction}."
     how = (
-        "Fits of log |error| = log C + n log s + d s², weighted; intervals 95 %, of independent errors and of one that all points "
-        "share. An interval wider than ±0.3 decides little."
+        f"Fits of log |error| = log C + n log s + d s{_POWERS[chart.step]}, weighted; intervals 95 %, of independent errors and "
+        "of one that all points share. An interval wider than ±0.3 decides little."
     )
     return ["### Laws", prediction, table(head, rows), how]
 

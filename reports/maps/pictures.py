@@ -99,7 +99,7 @@ def slopes(chart: Chart, found: Sequence[Line], figures: Sequence[str]) -> str:
         chosen = [line for line in found if line.figure == figure]
         for number, line in enumerate(chosen):
             _line(ax, line, number)
-        _reference(ax, chart, chosen)
+        _reference(ax, chart, figure, chosen)
         ax.set_xscale("log")
         ax.set_yscale("log")
         ax.set_title(WORDS[figure], fontsize=9)
@@ -128,7 +128,7 @@ def _line(ax: Axes, line: Line, number: int) -> None:
         ax.plot(s, [100 * abs(line.law.value(float(here))) for here in s], color=colour, linewidth=1)
 
 
-def _reference(ax: Axes, chart: Chart, chosen: Sequence[Line]) -> None:
+def _reference(ax: Axes, chart: Chart, figure: str, chosen: Sequence[Line]) -> None:
     if not chosen:
         return
     s = np.concatenate([line.s for line in chosen])
@@ -136,8 +136,10 @@ def _reference(ax: Axes, chart: Chart, chosen: Sequence[Line]) -> None:
     known = np.isfinite(size) & (size > 0)
     floor = max(100 * float(np.nanmin(size[known])) / 2, 1e-4)
     ax.set_ylim(bottom=floor)
-    if chart.expected is None:
+    order = chart.order(figure)
+    if order is None:
         return
     ends = np.array([s.min(), s.max()])
-    level = 60 * float(np.nanmax(size[known])) * (ends / ends[1]) ** chart.expected
-    ax.plot(ends, level, color="0.4", linestyle=":", linewidth=1.2, label=f"slope {chart.expected:g}, predicted")
+    level = 60 * float(np.nanmax(size[known])) * (ends / ends[1]) ** order
+    others = "".join(f"; {WORDS[name]}: {power:g}" for name, power in chart.others.items())
+    ax.plot(ends, level, color="0.4", linestyle=":", linewidth=1.2, label=f"slope {chart.expected:g}, predicted{others}")

@@ -92,8 +92,8 @@ def _blocks(base: str, height: float, aspect: float, scene: Scene) -> Scene:
     return scene.model_copy(update={"bodies": Bodies(lower=block, upper=block)})
 
 
-def _left(error: float, predicted: float) -> float:
-    """Error of the corrected figure: FE over corrected theory, less 1."""
+def left(error: float, predicted: float) -> float:
+    """Error of a corrected figure: finite elements over corrected theory, less 1."""
     return (1 + error) / (1 + predicted) - 1
 
 
@@ -110,11 +110,11 @@ def corrected_blocks(folder: Path) -> list[str]:
                 [row["base"], row["aspect"], row["height"], f"{100 * error:+.2f}", f"{100 * doubt:.2f}", "refused", str(refused)]
             )
             continue
-        left = _left(error, found.dissipation)
-        shares.append(1 - abs(left) / abs(error))
-        verdict = "resolved" if abs(left) > doubt else "not resolved"
+        rest = left(error, found.dissipation)
+        shares.append(1 - abs(rest) / abs(error))
+        verdict = "resolved" if abs(rest) > doubt else "not resolved"
         rows.append(
-            [row["base"], row["aspect"], row["height"], f"{100 * error:+.2f}", f"{100 * doubt:.2f}", f"{100 * left:+.2f}", verdict]
+            [row["base"], row["aspect"], row["height"], f"{100 * error:+.2f}", f"{100 * doubt:.2f}", f"{100 * rest:+.2f}", verdict]
         )
     head = [
         "base",
@@ -181,9 +181,9 @@ def corrected_loops(folder: Path) -> list[str]:
             rows.append([row["amplitude"], row["margin"], row["phase"], "sticks throughout", "", "", ""])
             continue
         found = correction(loop_scene(float(row["amplitude"]), float(row["margin"]), float(row["phase"])))
-        left = _left(here, found.dissipation)
+        rest = left(here, found.dissipation)
         before.append(abs(here))
-        after.append(abs(left))
+        after.append(abs(rest))
         rows.append(
             [
                 row["amplitude"],
@@ -192,7 +192,7 @@ def corrected_loops(folder: Path) -> list[str]:
                 f"{100 * here:+.2f}",
                 f"{100 * unsure:.2f}",
                 f"{100 * found.dissipation:+.2f}",
-                f"{100 * left:+.2f}",
+                f"{100 * rest:+.2f}",
             ]
         )
     words = (
