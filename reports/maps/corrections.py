@@ -194,9 +194,7 @@ def to_and_fro(scene: Scene) -> ToAndFro:
     load = float(normal[0])
     ratio = float(np.ptp(tangential)) / (2 * scene.friction.coefficient * load)
     if ratio >= 1:
-        raise InputError(
-            f"{where}: load: half of Q's range is {ratio:.3g} f P: the contact slides, which no correction is for"
-        )
+        raise InputError(f"{where}: load: half of Q's range is {ratio:.3g} f P: the contact slides, which no correction is for")
     return ToAndFro(load, ratio, float(np.abs(tangential).max()) / load)
 
 
