@@ -53,6 +53,8 @@ class Measured:
     seconds : CPU time
     error, mesh_part, increment_part : of the dissipation; the first is the sum of the others to first order
     shear : rms over the instants of the last cycle of the L2 error of q over f ||p||
+    loop_mesh_part, loop_corners : of the closed integral of Q dU over the instants of the last cycle, against that of theory at
+        these instants, and of that against the loop without corners
     """
 
     seconds: float
@@ -60,6 +62,8 @@ class Measured:
     mesh_part: float
     increment_part: float
     shear: float
+    loop_mesh_part: float
+    loop_corners: float
     nodes: int
     increments: int
 
@@ -72,7 +76,9 @@ def measure(name: str, setting: Setting) -> Measured:
     answer = halfplane_fe.solve(scene, setting.mesh, setting.solver)
     seconds = time.process_time() - start
     truth = semi_analytic.solve(scene).dissipation
-    polygon = semi_analytic.solve(scene, x=[0.0], time=answer.time, straight_steps=True, fields=("dissipation",)).dissipation
+    stepped = semi_analytic.solve(scene, x=[0.0], time=answer.time, straight_steps=True, fields=("dissipation", "rigid_shift"))
+    polygon = stepped.dissipation
+    loop = np.trapezoid(answer.tangential_load[answer.last_cycle], stepped.rigid_shift[answer.last_cycle])
     cycle = answer.last_cycle[:: max(1, len(answer.last_cycle) // 60)]
     exact = semi_analytic.solve(scene, x=answer.x, time=answer.time[: cycle[-1] + 1], fields=("pressure", "shear"))
     off = np.trapezoid((answer.shear[cycle] - exact.shear[cycle]) ** 2, answer.x, axis=1)
@@ -83,6 +89,8 @@ def measure(name: str, setting: Setting) -> Measured:
         answer.dissipation / polygon - 1,
         polygon / truth - 1,
         float(np.sqrt(np.mean(off / size))),
+        float(answer.loop_work - loop) / truth,
+        float(loop / truth - 1),
         len(answer.x),
         answer.work.counts["steps solved"],
     )

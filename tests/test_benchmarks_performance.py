@@ -50,10 +50,11 @@ def test_a_rival_is_no_worse_in_time_and_error_and_better_in_one(
     benchmark_of: Import, seconds: float, error: float, rivals: int
 ) -> None:
     precision = benchmark_of("performance_precision")
-    default = {"text": "default", "seconds": 1.0, "work": 1.0, "shear": None}
-    other = {"text": "other", "seconds": seconds, "work": error, "shear": None}
+    default = {"text": "default", "seconds": 1.0, "work": 1.0, "shear": None, "loop": 1.0}
+    other = {"text": "other", "seconds": seconds, "work": error, "shear": None, "loop": 1.2}
     found = {"series": {"named settings": [default], "else": [other]}}
-    assert len(precision.better(found, default, "work")) == rivals
+    assert len(precision.better(found, default, ["work", "shear"])) == rivals
+    assert precision.better(found, default, ["work", "shear", "loop"]) == []
 
 
 def test_what_is_switched_off_is_off_and_comes_back(benchmark_of: Import) -> None:
