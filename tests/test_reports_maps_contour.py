@@ -13,7 +13,7 @@ from scipy.integrate import quad
 
 from reports.maps.advising import parts
 from reports.maps.atlas import PUBLISHED
-from reports.maps.contour import kernel, potential, work_constant
+from reports.maps.contour import kernel, potential, share_of, work_constant
 from reports.maps.corrections import corrected_dissipation, pad_correction
 from reports.maps.laws import leading_constant
 from reports.maps.pads import RATIO, work_lines
@@ -217,6 +217,49 @@ def test_advice_on_a_pad_goes_by_the_first_power() -> None:
             assert found[0].values is not None
             error, _ = found[0].values["error.dissipation"]
             assert error == pytest.approx(curvature * work_constant(0.5, ratio), rel=within)
+
+
+def without_beta(upper_stiff: bool, curvature: float) -> Scene:
+    """Moduli that differ by two, and beta = 0: G2/G1 = (1 - 2 nu2)/(1 - 2 nu1) = 1/2."""
+    stiff = Elastic(young_modulus=210e3, poisson_ratio=0.3)
+    soft = Elastic(young_modulus=210e3 * 1.4 / 2.6, poisson_ratio=0.4)
+    materials = Materials(upper=stiff if upper_stiff else soft, lower=soft if upper_stiff else stiff)
+    base = pad(0.5, curvature)
+    load = float(contact_of(base.profile, materials).load(1.0))
+    return changed(
+        base, material=materials, load=PolygonLoad(way_in=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),))
+    )
+
+
+@pytest.mark.parametrize(("upper_stiff", "share"), [(True, 0.7369), (False, 1.2631)])
+def test_the_curved_bodys_modulus_alone_counts(upper_stiff: bool, share: float) -> None:
+    scene = without_beta(upper_stiff, 1e-3)
+    assert share_of(scene.material.upper, scene.material) == pytest.approx(share, abs=1e-4)
+    _, found = parts(scene)
+    assert [part.what[:9] for part in found] == ["true arcs"]
+    assert found[0].values is not None
+    assert found[0].values["error.dissipation"][0] == pytest.approx(1e-3 * share * work_constant(0.5, 0.6), rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("upper_stiff", [True, False])
+def test_finite_elements_count_the_curved_bodys_modulus(upper_stiff: bool) -> None:
+    """Measured: W -1.472 and -2.519 % (advised -1.473 and -2.525 ± 0.01), p0 +0.246 and +0.440 % (+0.23 and +0.40 ± 0.04)."""
+    import halfplane_fe
+    import semi_analytic
+    from meshes import MeshSettings
+
+    scene = without_beta(upper_stiff, 0.04)
+    fe = halfplane_fe.solve(scene, MeshSettings(element_size=0.025, edge_element_size=0.005, growth=0.1))
+    exact = semi_analytic.solve(scene, x=fe.x, time=fe.time, fields=("dissipation", "pressure"))
+    _, found = parts(scene)
+    assert found[0].values is not None
+    for figure, measured in (
+        ("error.dissipation", fe.dissipation / exact.dissipation - 1),
+        ("error.p0", fe.pressure.max() / exact.pressure.max() - 1),
+    ):
+        error, doubt = found[0].values[figure]
+        assert abs(measured - error) <= doubt
 
 
 def test_advice_says_where_the_loop_is_another() -> None:

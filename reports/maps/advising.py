@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from reports.maps.atlas import MAPS, PUBLISHED, Chart
-from reports.maps.contour import work_constant
+from reports.maps.contour import share_of, work_constant
 from reports.maps.corrections import correction, smaller_than_the_maps, to_and_fro
 from reports.maps.fitting import Line, along, lines
 from reports.maps.pads import RATIO, SHEAR, work_lines
@@ -124,7 +124,7 @@ def _curvature(scene: Scene, half_width: float, folder: Path) -> list[Part]:
 def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder: Path) -> Part:
     """Dissipation of a flat pad by its first-order law for this very loop, and by the map for what is left of it, in (a/R)^2.
 
-    p0 is off by what shear adds to the higher of two peaks: that of the map goes with Q/P, within a third of the change.
+    p0 is off by what shear adds to the higher of two peaks: that of the map goes with Q/P, within half of the change.
     """
     if found.values is None:
         return found
@@ -133,16 +133,18 @@ def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder
     except InputError:
         return replace(found, how=f"{found.how} of constant P and Q = {RATIO} f P, which this loop is not", extrapolated=True)
     second = [_less_the_law(line) for line in work_lines(folder)]
+    # The bodies' own moduli: first and second order go with the share of the curved one.
+    share = share_of(scene.material.upper if isinstance(scene.bodies.upper, Pad) else scene.material.lower, scene.material)
     first = work_constant(flat, cycle.ratio) * curvature
     rest, doubt, _ = between(second, curvature, {"flat": flat})
     # Of the rest no other loop is in the map: as much as it would move by with the law.
     other = abs(rest) * abs(work_constant(flat, cycle.ratio) / work_constant(flat, RATIO) - 1)
     pressure, unsure = found.values["error.p0"]
-    scaled = pressure * cycle.largest / SHEAR
+    scaled = pressure * share * cycle.largest / SHEAR
     values = {
         **found.values,
-        "error.dissipation": (first + rest, doubt + other),
-        "error.p0": (scaled, unsure * max(1.0, cycle.largest / SHEAR) + abs(scaled - pressure) / 3),
+        "error.dissipation": (share * (first + rest), share * (doubt + other)),
+        "error.p0": (scaled, unsure * max(1.0, share * cycle.largest / SHEAR) + abs(scaled - pressure) / 2),
     }
     return replace(found, values=values, how=f"law of its contour, first power of a/R, for this loop; {found.how}")
 

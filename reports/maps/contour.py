@@ -35,6 +35,7 @@ from scipy.special import xlogy
 
 from scenes import Elastic, FlatRounded, Hertz, Materials
 from semi_analytic.contact import Contact, contact_of
+from semi_analytic.elasticity import composite_modulus
 
 Array = NDArray[np.float64]
 _NODES = 24
@@ -85,6 +86,15 @@ def work_constant(flat: float, ratio: float, nodes: int = _NODES) -> float:
     punch = share / np.pi @ kernel(edge * np.sin(within), x, flat) @ force
     change = 4 * (2 / np.pi**2) * (shear * punch - force @ kernel(x, x, flat) @ force)
     return float(change) / _half_plane_work(contact, load, stuck)
+
+
+def share_of(body: Elastic, materials: Materials) -> float:
+    """2 E*/E' of the body that is curved, by which its law counts: 1 for like materials, 2 on a rigid half-plane.
+
+    >>> round(share_of(_ALIKE.upper, _ALIKE), 12)
+    1.0
+    """
+    return 2 * composite_modulus(materials) * (1 - body.poisson_ratio**2) / body.young_modulus
 
 
 def _half_plane_work(contact: Contact, load: float, stuck: float) -> float:
