@@ -100,6 +100,18 @@ def test_flaws_of_the_model_are_not_looked_for_where_theory_explains_all(
     assert asked
 
 
+def test_a_fault_whose_model_does_not_settle_is_told(table: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    def march(*_given: object, **_options: object) -> None:
+        raise NotSettledError
+
+    wrong = planted(table, "elastic_slip", "cattaneo-mindlin")
+    assert "not all was tried" not in " ".join(diagnose(wrong)[0].evidence)
+    monkeypatch.setattr("reports.score.diagnosis_flaws.march", march)
+    assert diagnose(wrong)[0].evidence[-1] == (
+        "not all was tried: a model with this fault does not settle (coupling, elastic slip, small body, soft normal, steps)"
+    )
+
+
 @pytest.mark.parametrize(
     ("key", "severity", "name"),
     [

@@ -8,7 +8,7 @@ at once are both found.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from reports.comparison import Comparison
 from reports.score.diagnosis_arrays import array_faults
@@ -68,9 +68,10 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     if whole.within():
         return tuple(_by_work(comparison))
     found: list[Diagnosis] = []
+    untried: set[str] = set()
     rest = whole
     for number in range(ROUNDS):
-        ranked = _ranked(rest)
+        ranked = _ranked(rest, untried)
         if not ranked or ranked[0][0] < LEAST_EXPLAINED:
             break
         taken = {one.fault for one in found}
@@ -78,27 +79,35 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         rest = ranked[0][1].mended(rest)
         if rest.within(REST):
             break
-    return tuple(sorted(found, key=lambda one: -one.strength)) or (_unknown(whole),)
+    first, *others = sorted(found, key=lambda one: -one.strength) or [_unknown(whole)]
+    return (_with_untried(first, untried), *others)
 
 
-def _ranked(what: Discrepancy) -> list[tuple[float, Hypothesis]]:
+def _with_untried(one: Diagnosis, untried: set[str]) -> Diagnosis:
+    if not untried:
+        return one
+    names = ", ".join(sorted(untried)).replace("_", " ")
+    return replace(one, evidence=(*one.evidence, f"not all was tried: a model with this fault does not settle ({names})"))
+
+
+def _ranked(what: Discrepancy, untried: set[str]) -> list[tuple[float, Hypothesis]]:
     """The best hypothesis of every fault with the share it explains, the best first."""
     best: dict[str, tuple[float, Hypothesis]] = {}
-    for one in _hypotheses(what):
+    for one in _hypotheses(what, untried):
         explained = what.explained(one.predicted) - COST * FITTED.get(one.fault, 0)
         if one.fault not in best or explained > best[one.fault][0]:
             best[one.fault] = explained, one
     return sorted(best.values(), key=lambda pair: -pair[0])
 
 
-def _hypotheses(what: Discrepancy) -> Iterator[Hypothesis]:
+def _hypotheses(what: Discrepancy, untried: set[str]) -> Iterator[Hypothesis]:
     """Every hypothesis; flaws of the model only where nothing plainer explains it all, for no fit of them is as good."""
     theory = list(theory_faults(what))
     plain = [*array_faults(what), *theory, *coarse_edge(what)]
     yield from plain
     if max(what.explained(one.predicted) for one in plain) < CLEAR:
         by_fault = {one.fault: one for one in theory}
-        yield from flaw_faults(what, by_fault.get("stiffness"), by_fault.get("offset"))
+        yield from flaw_faults(what, by_fault.get("stiffness"), by_fault.get("offset"), untried)
 
 
 def _named(what: Discrepancy, ranked: list[tuple[float, Hypothesis]], number: int) -> Iterator[Diagnosis]:

@@ -18,6 +18,8 @@ from reports.score.diagnosis_discrepancy import Array, Discrepancy, Tractions
 from reports.score.diagnosis_hypothesis import Hypothesis
 from reports.score.diagnosis_model import Flaws, Grid, NotSettledError, grid, march
 
+# The faults that are looked for here.
+FLAWS = {"soft_normal", "small_body", "coupling", "elastic_slip", "steps"}
 # Half-length of the grid over the largest half-width of the reference: soft layers widen a contact.
 ROOM = 1.35
 # Increments of a cycle that the model takes for a smooth path.
@@ -75,8 +77,13 @@ class Start:
     model: Tractions
 
 
-def flaw_faults(what: Discrepancy, stiffness: Hypothesis | None, offset: Hypothesis | None) -> Iterator[Hypothesis]:
-    """Every fault of the model that the discrepancy may have; `stiffness` and `offset`: the E*/R and the centre that fit best."""
+def flaw_faults(
+    what: Discrepancy, stiffness: Hypothesis | None, offset: Hypothesis | None, untried: set[str]
+) -> Iterator[Hypothesis]:
+    """Every fault of the model that the discrepancy may have; `stiffness` and `offset`: the E*/R and the centre that fit best.
+
+    `untried` gets those faults whose model does not settle.
+    """
     model = model_of(what, INCREMENTS)
     try:
         start = Start(what.expected, model.answer(what, Flaws()))
@@ -84,6 +91,7 @@ def flaw_faults(what: Discrepancy, stiffness: Hypothesis | None, offset: Hypothe
         if stiffness is not None:
             moved = Start(stiffness.predicted, model.answer(what, Flaws(steepness=stiffness.figures["factor"])))
     except NotSettledError:
+        untried |= FLAWS
         return
     if found := fit(what, model, moved, ("normal_layer",)):
         yield Hypothesis("soft_normal", found[1], {"stiffness": 1 / found[0]["normal_layer"]})
@@ -92,13 +100,13 @@ def flaw_faults(what: Discrepancy, stiffness: Hypothesis | None, offset: Hypothe
     if not what.scene.friction.coefficient:
         return
     if np.any(what.found[1]):
-        yield from _coupling(what, offset)
+        yield from _coupling(what, offset, untried)
     if np.any(what.expected[1]):
-        yield from _elastic_slip(what, model, start)
-        yield from _implicit_steps(what)
+        yield from _elastic_slip(what, model, start, untried)
+        yield from _implicit_steps(what, untried)
 
 
-def _elastic_slip(what: Discrepancy, model: Model, start: Start) -> Iterator[Hypothesis]:
+def _elastic_slip(what: Discrepancy, model: Model, start: Start, untried: set[str]) -> Iterator[Hypothesis]:
     """A layer in shear; a thin one, whose effect stays within elements of the edges, again on finer ones."""
     found = fit(what, model, start, ("shear_layer",))
     if found and found[0]["shear_layer"] * FINE < THIN:
@@ -106,6 +114,7 @@ def _elastic_slip(what: Discrepancy, model: Model, start: Start) -> Iterator[Hyp
         try:
             found = fit(what, fine, Start(what.expected, fine.answer(what, Flaws())), ("shear_layer",), found[0], _FITS_AGAIN)
         except NotSettledError:
+            untried.add("elastic_slip")
             return
     if found:
         yield Hypothesis("elastic_slip", found[1], {"stiffness": 1 / found[0]["shear_layer"]})
@@ -117,7 +126,7 @@ def _of_one_body(bends: dict[str, float]) -> bool:
     return 1 / ALIKE <= quotient <= ALIKE
 
 
-def _coupling(what: Discrepancy, offset: Hypothesis | None) -> Iterator[Hypothesis]:
+def _coupling(what: Discrepancy, offset: Hypothesis | None, untried: set[str]) -> Iterator[Hypothesis]:
     """Pressure draws unlike faces along x, and shear lifts one side of the contact: odd parts, which the mirrored grid has not."""
     model = model_of(what, INCREMENTS, mirrored=False)
     try:
@@ -126,6 +135,7 @@ def _coupling(what: Discrepancy, offset: Hypothesis | None) -> Iterator[Hypothes
             start = Start(offset.predicted, model.answer(what, Flaws(offset=offset.figures["distance"] * model.half_width)))
         found = fit(what, model, start, ("coupling",))
     except NotSettledError:
+        untried.add("coupling")
         return
     if found:
         yield Hypothesis("coupling", found[1], {"beta": found[0]["coupling"]})
@@ -241,7 +251,7 @@ def _least_squares(what: Discrepancy, model: Model, start: Start, sizes: dict[st
     return None if all(abs(size) <= 1e-5 for size in new.values()) else new
 
 
-def _implicit_steps(what: Discrepancy) -> Iterator[Hypothesis]:
+def _implicit_steps(what: Discrepancy, untried: set[str]) -> Iterator[Hypothesis]:
     """One implicit increment from instant to instant of the result: all of P first, in effect, and Q at the last pressure."""
     steps = len(what.comparison.found.time) - 1
     if what.scene.load.path().period is None or steps > MOST_STEPS:
@@ -250,5 +260,6 @@ def _implicit_steps(what: Discrepancy) -> Iterator[Hypothesis]:
         base = model_of(what, SMOOTH, fine=FINEST).answer(what, Flaws())
         p, q = model_of(what, 0, fine=FINEST).answer(what, Flaws())
     except NotSettledError:
+        untried.add("steps")
         return
     yield Hypothesis("steps", (what.expected[0] + p - base[0], what.expected[1] + q - base[1]), {"steps": float(steps)})
