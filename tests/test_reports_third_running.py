@@ -88,6 +88,7 @@ def test_no_calculix_names_make_peers(monkeypatch: pytest.MonkeyPatch, tmp_path:
         find_calculix()
 
 
-def test_the_version_is_what_the_program_says(tmp_path: Path) -> None:
+def test_the_version_is_what_the_program_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # the stand-in leaves files where it is called
     assert calculix_version(stand_in(tmp_path, "echo 'This is Version 2.20'")) == "2.20"
     assert calculix_version(stand_in(tmp_path, "true")) == "of unknown version"
