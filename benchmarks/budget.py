@@ -26,7 +26,7 @@ from claim import Row, table
 import halfplane_fe
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.budget import Budget, ErrorBudget, error_budget
+from reports.budget import Budget, ErrorBudget, are_half_planes, error_budget
 from reports.convergence import Ladder, extrapolate, grid_convergence
 from reports.ladders import climb, coarser, without_steps
 from scenes import Scene, load_scene, scene_names
@@ -61,7 +61,7 @@ def budgeted(scene: Scene, mesh: MeshSettings = COARSE) -> ErrorBudget:
 def library() -> dict[str, ErrorBudget]:
     """Budgets of all half-plane scenes of the library."""
     scenes = {name: load_scene(name) for name in scene_names()}
-    return {name: budgeted(scene) for name, scene in scenes.items() if scene.bodies.half_planes}
+    return {name: budgeted(scene) for name, scene in scenes.items() if are_half_planes(scene)}
 
 
 def counted() -> list[tuple[str, Budget]]:

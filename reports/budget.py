@@ -14,8 +14,11 @@ from reports.comparison import Comparison
 from reports.convergence import Extrapolation, Ladder, extrapolate
 from reports.ladders import Ladders, Rung
 from reports.verdicts import Metric
+from scenes import Scene
 
 ROUNDING = 1e-12
+# Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
+_NO_COUPLING = 1e-9
 # They are the step's part and the rest of another metric: a budget of them would count it twice.
 _PARTS = ("dissipation_polygon", "dissipation_step")
 # What `record.errors` of the reference says of a metric.
@@ -65,7 +68,7 @@ class Budget:
     ----------
     metric : the verdict on the whole error, with its tolerance
     terms : every source but the idealisation
-    half_planes : whether the bodies are half-planes, so that there is no idealisation
+    half_planes : whether the bodies are the half-planes of theory, so that there is no idealisation, see `are_half_planes`
     """
 
     metric: Metric
@@ -127,10 +130,21 @@ class ErrorBudget:
         return f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured terms leave unexplained"
 
 
+def are_half_planes(scene: Scene) -> bool:
+    """Whether theory is exact for the bodies of `scene`: half-planes whose normal and shear tractions do not feel each other.
+
+    Unlike materials couple the two by Dundurs' beta, which theory leaves out: that is an idealisation too.
+    """
+    from halfplane_fe.dundurs import dundurs
+
+    return scene.bodies.half_planes and abs(dundurs(scene.material).beta) < _NO_COUPLING
+
+
 def error_budget(comparison: Comparison, ladders: Ladders, plain_seconds: float) -> ErrorBudget:
     """The budgets of every metric of `comparison` that has a finite value."""
+    half_planes = are_half_planes(comparison.scene)
     budgets = tuple(
-        Budget(metric, tuple(_terms(metric, comparison, ladders)), comparison.scene.bodies.half_planes)
+        Budget(metric, tuple(_terms(metric, comparison, ladders)), half_planes)
         for metric in comparison.metrics
         if metric.key not in _PARTS and metric.value is not None and math.isfinite(metric.value)
     )

@@ -12,7 +12,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.budget import Budget, Term, error_budget, with_budget
+from reports.budget import Budget, Term, are_half_planes, error_budget, with_budget
 from reports.budget_words import share
 from reports.comparison import Comparison, compare
 from reports.ladders import Ladders, Rung, climb, coarser, mesh_ratio
@@ -177,3 +177,11 @@ def test_real_bodies_have_an_idealisation_error_and_no_far_field():
     assert found.resolved is True
     assert found.honest is None
     assert found.terms[3].how == "none: the bodies have a size of their own"
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"), [("hertz-paper", True), ("unlike-beta-tenth", False), ("unlike-beta-fifth", False), ("blocks", False)]
+)
+def test_coupling_of_unlike_materials_is_an_idealisation_too(name: str, expected: bool) -> None:
+    """Of such half-planes theory is not the truth: their discrepancy is no error that an uncertainty of the numbers must cover."""
+    assert are_half_planes(load_scene(name)) is expected
