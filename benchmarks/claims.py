@@ -72,7 +72,7 @@ TEN = (
     (
         "Finite elements: beside peers",
         "... over Kratos 10.4's 11 s",
-        "time over Kratos' 11 s of another day, for a shear as good (side by side 1/28 to 1/31: docs/performance.md)",
+        "time over Kratos' 11 s of another day, for a shear as good (side by side: docs/performance.md)",
     ),
     ("Real bodies", "blocks 10 a high and wide, mesh error: dissipation", "mesh error of the dissipation between real blocks"),
     (
