@@ -135,15 +135,15 @@ def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder
     second = [_less_the_law(line) for line in work_lines(folder)]
     # The bodies' own moduli: first and second order go with the share of the curved one.
     share = share_of(scene.material.upper if isinstance(scene.bodies.upper, Pad) else scene.material.lower, scene.material)
-    first = work_constant(flat, cycle.ratio) * curvature
+    constant = work_constant(flat, cycle.ratio)
     rest, doubt, _ = between(second, curvature, {"flat": flat})
     # Of the rest no other loop is in the map: as much as it would move by with the law.
-    other = abs(rest) * abs(work_constant(flat, cycle.ratio) / work_constant(flat, RATIO) - 1)
+    other = abs(rest) * abs(constant / work_constant(flat, RATIO) - 1)
     pressure, unsure = found.values["error.p0"]
     scaled = pressure * share * cycle.largest / SHEAR
     values = {
         **found.values,
-        "error.dissipation": (share * (first + rest), share * (doubt + other)),
+        "error.dissipation": (share * (constant * curvature + rest), share * (doubt + other)),
         "error.p0": (scaled, unsure * max(1.0, share * cycle.largest / SHEAR) + abs(scaled - pressure) / 2),
     }
     return replace(found, values=values, how=f"law of its contour, first power of a/R, for this loop; {found.how}")

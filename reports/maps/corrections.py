@@ -99,19 +99,12 @@ def correction(scene: Scene) -> Correction:
         a path without a cycle, sides or Poisson's ratio other than in the maps, blocks too low or narrower than high.
     """
     block = _block(scene)
-    path = scene.load.path()
-    if path.period is None:
-        raise InputError(f"{scene.name or 'scene'}: load: the path has no cycle, and the correction is that of a cycle")
-    times = _times(path.start, path.cycle_start, path.period)
-    loads = [path.at(t) for t in times]
-    normal = np.array([float(p) for p, _ in loads])
-    tangential = np.array([float(q) for _, q in loads])
+    normal, tangential, cycle = _sampled(scene)
     largest = float(normal.max())
     half_width = _hertz(scene, largest)
     height, aspect = block.height / half_width, block.width / block.height
     _check_range(block, height, aspect, scene)
     added = added_curvatures(block.base, aspect, 1 / height, scene.material.lower.poisson_ratio)
-    cycle = int(np.sum(times > path.cycle_start + path.period * (1 + 1e-9)))
     error = dissipation_error(normal / largest, tangential / largest, scene.friction.coefficient, added, cycle)
     if math.isnan(error):
         raise InputError(f"{scene.name or 'scene'}: load: half-plane theory dissipates nothing here, so nothing is relative to it")
@@ -178,13 +171,9 @@ def to_and_fro(scene: Scene) -> ToAndFro:
     InputError
         For any other.
     """
-    path = scene.load.path()
     where = scene.name or "scene"
-    if path.period is None:
-        raise InputError(f"{where}: load: the path has no cycle, and the correction is that of a cycle")
-    times = _times(path.start, path.cycle_start, path.period)
-    loads = np.array([[float(part) for part in path.at(t)] for t in times[times >= path.cycle_start + path.period * (1 - 1e-9)]])
-    normal, tangential = loads.T
+    *loads, cycle = _sampled(scene)
+    normal, tangential = (load[-cycle - 1 :] for load in loads)
     moves = np.sign(np.diff(tangential)[np.abs(np.diff(tangential)) > _STILL * np.abs(tangential).max()])
     turns = int(np.sum(moves != np.roll(moves, 1)))
     if np.ptp(normal) > _STILL * normal.max() or turns != 2:
@@ -196,6 +185,16 @@ def to_and_fro(scene: Scene) -> ToAndFro:
     if ratio >= 1:
         raise InputError(f"{where}: load: half of Q's range is {ratio:.3g} f P: the contact slides, which no correction is for")
     return ToAndFro(load, ratio, float(np.abs(tangential).max()) / load)
+
+
+def _sampled(scene: Scene) -> tuple[Array, Array, int]:
+    """P and Q over the way in and two cycles, (n,) each, and how many of these instants the second cycle has after its start."""
+    path = scene.load.path()
+    if path.period is None:
+        raise InputError(f"{scene.name or 'scene'}: load: the path has no cycle, and the correction is that of a cycle")
+    times = _times(path.start, path.cycle_start, path.period)
+    normal, tangential = np.array([[float(part) for part in path.at(t)] for t in times]).T
+    return normal, tangential, int(np.sum(times > path.cycle_start + path.period * (1 + 1e-9)))
 
 
 def _times(start: float, cycle_start: float, period: float) -> Array:
