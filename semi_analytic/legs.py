@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +22,8 @@ Array = NDArray[np.float64]
 _SAMPLES = 257
 _ROUNDING = 1e-14
 _LEAST = 1e-290
+_IDLE = 3
+_ROUNDING_OF_TIME = 4.5e-16
 
 
 class Combination(NamedTuple):
@@ -159,7 +160,7 @@ def time_of(leg: Leg, what: Combination, amount: ArrayLike, begin: float, end: f
     elif isinstance(leg, EllipseLeg):
         inside = _time_on_ellipse(leg, what, wanted, begin, end)
     else:
-        inside = _time_bracketed(lambda t: change(leg, what, t, begin), np.clip(wanted / total, 0, 1) * total, begin, end)
+        inside = _time_by_newton(leg, what, np.clip(wanted / total, 0, 1) * total, total, begin, end)
     return np.where(sign * wanted <= 0, begin, np.where(sign * wanted >= abs(total), end, np.clip(inside, begin, end)))
 
 
@@ -184,9 +185,24 @@ def mirrored(leg: EllipseLeg, what: Combination, time: ArrayLike, near: float) -
     return twin + 2 * math.pi * np.round((near - twin) / (2 * math.pi))
 
 
-def _time_bracketed(function: Callable[[Array], Array], wanted: Array, begin: float, end: float) -> Array:
+def _time_by_newton(leg: Leg, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:
+    """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where rounding stops them from gaining."""
+    rising = math.copysign(1.0, total)
     low, high = np.full(wanted.shape, begin), np.full(wanted.shape, end)
-    return elementwise.find_root(lambda t, target: function(t) - target, (low, high), args=(wanted,)).x
+    time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)  # exact for a cosine that turns at both ends
+    best, least, idle, last = time, np.full(wanted.shape, math.inf), np.zeros(wanted.shape, int), high - low
+    while True:
+        fault, slope = rising * (change(leg, what, time, begin) - wanted), rising * rate(leg, what, time)
+        better = np.abs(fault) < least
+        best, least, idle = np.where(better, time, best), np.where(better, np.abs(fault), least), np.where(better, 0, idle + 1)
+        if np.all((least == 0) | (idle >= _IDLE) | (last <= _ROUNDING_OF_TIME * np.abs(best))):
+            return best
+        low, high = np.where(fault < 0, time, low), np.where(fault > 0, time, high)
+        steep = slope > 0
+        newton = time - np.where(steep, fault / np.where(steep, slope, 1.0), math.inf)
+        kept = (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last)
+        following = np.where(kept, newton, (low + high) / 2)
+        last, time = np.abs(following - time), following
 
 
 def stretches(leg: Leg, friction: float) -> list[tuple[float, float]]:
