@@ -7,12 +7,15 @@ import traceback
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from scenes.bounded import SOLUTION, check_size, in_words, shown, within_memory
 from scenes.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # What the libraries raise on files that are broken off, spoilt or something else.
 _FAULTS = (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RuntimeError, OverflowError)
@@ -42,6 +45,8 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Datase
 
 def _opened(path: Path) -> xr.Dataset:
     """Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered, and refused by their names."""
+    import xarray as xr
+
     return xr.open_dataset(path, engine="h5netcdf", phony_dims="access")
 
 

@@ -7,16 +7,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.errors import InputError
 from scenes.netcdf import first_line, stored_dataset
 from scenes.notebook import solution_html
 from scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -137,6 +139,8 @@ class ContactSolution:
 
     def to_dataset(self) -> xr.Dataset:
         """Everything but the meshes as an xarray.Dataset; the inverse is `from_dataset`."""
+        import xarray as xr
+
         per_step = {name: ("step", getattr(self, name)) for name in _PER_STEP}
         edges = {name: (("step", "side"), getattr(self, name)) for name in _EDGES}
         on_grid = {name: (("step", "point"), getattr(self, name)) for name in _ON_GRID}

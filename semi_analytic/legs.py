@@ -12,14 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import elementwise
 
 from scenes import ChebyshevLeg, EllipseLeg, HarmonicLeg, Leg, ParabolaLeg, StraightLeg
 from semi_analytic.turning import stationary_on_harmonics, stationary_on_series
 
 Array = NDArray[np.float64]
 
-_SAMPLES = 257
 _ROUNDING = 1e-14
 _LEAST = 1e-290
 _IDLE = 3
@@ -109,7 +107,7 @@ def stationary(leg: Leg, what: Combination) -> list[float]:
         return stationary_on_harmonics(leg, what.normal, what.tangential)
     if isinstance(leg, ChebyshevLeg):
         return stationary_on_series(leg, what.normal, what.tangential)
-    return _stationary_sampled(leg, what)
+    raise TypeError(f"no formula for the turning points of a {type(leg).__name__}")
 
 
 def _stationary_on_ellipse(leg: EllipseLeg, what: Combination) -> list[float]:
@@ -131,18 +129,6 @@ def _stationary_on_parabola(leg: ParabolaLeg, what: Combination) -> list[float]:
         return []
     time = leg.start - (what.normal + what.tangential * alpha) / bend * (leg.end - leg.start)
     return [time] if leg.start < time < leg.end else []
-
-
-def _stationary_sampled(leg: Leg, what: Combination) -> list[float]:
-    """Sign changes of the rate between samples, then bracketed to rounding: for legs without a formula."""
-    times = np.linspace(leg.start, leg.end, _SAMPLES)
-    rates = rate(leg, what, times)
-    found = list(times[1:-1][rates[1:-1] == 0])
-    turning = np.flatnonzero(rates[:-1] * rates[1:] < 0)
-    if len(turning):
-        roots = elementwise.find_root(lambda t: rate(leg, what, t), (times[turning], times[turning + 1]))
-        found.extend(roots.x)
-    return sorted(float(time) for time in found)
 
 
 def time_of(leg: Leg, what: Combination, amount: ArrayLike, begin: float, end: float) -> Array:

@@ -16,8 +16,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import beta, betainc, gamma, hyp2f1, rgamma
 
 from semi_analytic.hertz import log_excess
 from semi_analytic.panels import INVERSE_ROOT, in_chunks, panels
@@ -34,7 +34,7 @@ def load_factor(exponent: float) -> float:
     >>> round(load_factor(1.0), 15), round(load_factor(2.0), 15)  # 1 and pi/4
     (1.0, 0.785398163397448)
     """
-    return float(beta((exponent + 1) / 2, 0.5)) / 2
+    return float(scipy.special.beta((exponent + 1) / 2, 0.5)) / 2
 
 
 def pressure_function(exponent: float, ratio: ArrayLike) -> Array:
@@ -50,7 +50,7 @@ def pressure_function(exponent: float, ratio: ArrayLike) -> Array:
             return np.arcsinh(root / xi)
     # Near the middle the hypergeometric function hangs on 1 - xi^2, which has forgotten xi.
     inner = xi < (_INNER if exponent < 4 else 0.0)
-    result = np.asarray(root * hyp2f1(1 - exponent / 2, 1.0, 1.5, np.where(inner, 0.5, root * root)))
+    result = np.asarray(root * scipy.special.hyp2f1(1 - exponent / 2, 1.0, 1.5, np.where(inner, 0.5, root * root)))
     if np.any(inner):
         result[inner] = in_chunks(lambda at, _: _pressure_inside(exponent, at), xi[inner], 0.0, len(INVERSE_ROOT.up))
     return result
@@ -62,7 +62,8 @@ def _pressure_inside(exponent: float, xi: Array) -> Array:
     node = panels(first[..., 0, 0], 1.0, (), INVERSE_ROOT)
     root = np.sqrt(node.above * (node.at + first))
     whole = np.sum(node.weight * node.at ** (exponent - 1) / root, axis=(-2, -1))
-    other = np.sqrt(np.pi) / 2 * gamma((1 - exponent) / 2) * rgamma(1 - exponent / 2) if exponent < 3 else 0.0
+    second = scipy.special.gamma((1 - exponent) / 2) * scipy.special.rgamma(1 - exponent / 2)
+    other = np.sqrt(np.pi) / 2 * second if exponent < 3 else 0.0
     return np.where(xi < _MIDDLE, 1 / (exponent - 1) + other * xi ** (exponent - 1), whole)
 
 
@@ -73,7 +74,7 @@ def spread_function(exponent: float, ratio: ArrayLike) -> Array:
     0.2
     """
     zeta = np.asarray(ratio, dtype=float)
-    return np.asarray(betainc(exponent / 2, 0.5, zeta * zeta) * (beta(exponent / 2, 0.5) / 2))
+    return np.asarray(scipy.special.betainc(exponent / 2, 0.5, zeta * zeta) * (scipy.special.beta(exponent / 2, 0.5) / 2))
 
 
 @dataclass(frozen=True)
