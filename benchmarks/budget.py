@@ -26,7 +26,8 @@ from claim import Row, table
 import halfplane_fe
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.budget import Budget, ErrorBudget, are_half_planes, error_budget
+from reports.body_words import are_half_planes
+from reports.budget import Budget, ErrorBudget, error_budget
 from reports.convergence import Ladder, extrapolate, grid_convergence
 from reports.ladders import climb, coarser, without_steps
 from scenes import Scene, load_scene, scene_names

@@ -5,6 +5,8 @@ from __future__ import annotations
 from reports.units import number, signed, units
 from scenes import Block, Cylinder, HalfPlane, Pad, Scene, Shape
 
+# Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
+_NO_COUPLING = 1e-9
 _SIDES = {"free": "its sides free", "guided": "its sides guided by smooth walls"}
 _BASE = {"fixed": "its base fixed to a rigid plane", "rollers": "its base on rollers along a rigid plane"}
 
@@ -42,14 +44,37 @@ def bodies_in_words(scene: Scene) -> str:
     return f"{parts}{load} {gap}."
 
 
+def coupled(scene: Scene) -> bool:
+    """Whether normal and shear tractions of these materials feel each other: Dundurs' beta is not 0, and there is friction."""
+    if scene.material.alike or not scene.friction.coefficient:
+        return False
+    from halfplane_fe.dundurs import dundurs
+
+    return abs(dundurs(scene.material).beta) >= _NO_COUPLING
+
+
+def are_half_planes(scene: Scene) -> bool:
+    """Whether theory is exact for the bodies of `scene`: half-planes whose normal and shear tractions do not feel each other.
+
+    Unlike materials couple the two by Dundurs' beta, which theory leaves out: that is an idealisation too.
+    """
+    return scene.bodies.half_planes and not coupled(scene)
+
+
 def idealisation(scene: Scene) -> str:
-    """What the discrepancy holds beside the errors of the engines; empty for half-planes."""
-    if scene.bodies.half_planes:
+    """What the discrepancy of the two engines holds beside their errors; empty for half-planes for which theory is exact."""
+    if are_half_planes(scene):
         return ""
+    if scene.bodies.half_planes:
+        return (
+            "The finite elements solve the half-planes with this coupling, half-plane theory without it: the discrepancy contains "
+            "that idealisation error, and a tolerance missed is a finding about the idealisation, not a fault of the engines."
+        )
     causes = [
         "the size of the bodies",
         "their supports",
         *(["the true shape of their faces"] if scene.bodies.faces_are_true else []),
+        *(["the coupling of normal and shear tractions by unlike materials"] if coupled(scene) else []),
     ]
     listed = ", ".join(causes[:-1]) + " and " + causes[-1]
     return (
@@ -67,10 +92,11 @@ def unlike_materials(scene: Scene) -> str:
 
     found = dundurs(scene.material)
     neglect = (
-        ": half-plane theory as used here neglects the coupling of normal and shear tractions that goes with it, so the "
-        "discrepancy contains that too"
-        if abs(found.beta) > 1e-12
+        ": half-plane theory as used here neglects the coupling of normal and shear tractions that goes with it"
+        if coupled(scene)
         else ", so normal and shear tractions of half-planes are not coupled"
+        if scene.friction.coefficient
+        else ", which has nothing to couple without friction"
     )
     return (
         f"Unlike materials: Dundurs' parameters are α = {signed(found.alpha)} (positive where the upper body is the more "

@@ -10,15 +10,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from reports.body_words import are_half_planes
 from reports.comparison import Comparison
 from reports.convergence import Extrapolation, Ladder, extrapolate
 from reports.ladders import Ladders, Rung
 from reports.verdicts import Metric
-from scenes import Scene
 
 ROUNDING = 1e-12
-# Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
-_NO_COUPLING = 1e-9
 # They are the step's part and the rest of another metric: a budget of them would count it twice.
 _PARTS = ("dissipation_polygon", "dissipation_step")
 # What `record.errors` of the reference says of a metric.
@@ -128,16 +126,6 @@ class ErrorBudget:
         if not known:
             return "not assessed: the true error is known for half-planes only, and where every term was measured"
         return f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured terms leave unexplained"
-
-
-def are_half_planes(scene: Scene) -> bool:
-    """Whether theory is exact for the bodies of `scene`: half-planes whose normal and shear tractions do not feel each other.
-
-    Unlike materials couple the two by Dundurs' beta, which theory leaves out: that is an idealisation too.
-    """
-    from halfplane_fe.dundurs import dundurs
-
-    return scene.bodies.half_planes and abs(dundurs(scene.material).beta) < _NO_COUPLING
 
 
 def error_budget(comparison: Comparison, ladders: Ladders, plain_seconds: float) -> ErrorBudget:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.body_words import bodies_in_words, unlike_materials
 from reports.budget_words import cost, heads, honest_of, honesty, rows
 from reports.certificates import Certificate
 from reports.charts.plate import Plate
@@ -26,6 +26,7 @@ from reports.verdicts import Metric
 from reports.wording import (
     CLAIM,
     accuracy_of,
+    beyond_theory,
     lead,
     percent,
     question,
@@ -66,7 +67,7 @@ def render(
         claim=CLAIM,
         question=question(scene),
         bodies=[bodies_in_words(scene), unlike_materials(scene)],
-        idealisation=idealisation(scene),
+        idealisation=beyond_theory(comparison),
         lead=lead(comparison),
         meshes=_meshes(comparison.result),
         verdict=verdict(comparison),

@@ -12,14 +12,25 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.body_words import bodies_in_words, unlike_materials
 from reports.budget_words import heads, honest_of, rows
 from reports.charts.plate import Plate
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.provenance import commit
 from reports.verdicts import Metric
-from reports.wording import CLAIM, accuracy_of, lead, question, tolerance_of, uncertainty_of, unit_of, value_of, verdict
+from reports.wording import (
+    CLAIM,
+    accuracy_of,
+    beyond_theory,
+    lead,
+    question,
+    tolerance_of,
+    uncertainty_of,
+    unit_of,
+    value_of,
+    verdict,
+)
 from scenes import InputError
 
 _TEMPLATES = resources.files("reports") / "templates"
@@ -60,7 +71,7 @@ def _content(comparison: Comparison, figures: Sequence[Mapping[str, Any]], comma
         "passed": comparison.passed,
         "lead": lead(comparison),
         "verdict": verdict(comparison),
-        "words": [w for w in (question(scene), bodies_in_words(scene), unlike_materials(scene), idealisation(scene)) if w],
+        "words": [w for w in (question(scene), bodies_in_words(scene), unlike_materials(scene), beyond_theory(comparison)) if w],
         "metrics": [_metric(comparison, metric) for metric in comparison.headlines],
         "notes": list(comparison.notes),
         "budget": {"heads": heads(budget), "rows": rows(budget)} if budget else None,

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from reports.baseline import COUNTS
-from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.body_words import are_half_planes, bodies_in_words, idealisation, unlike_materials
 from reports.definitions import DEFINITIONS, name_of
 from reports.publishing import External, error_of
 from reports.units import energy_unit, units
@@ -99,7 +99,7 @@ def _lead(scene: Scene, found: Sequence[Metric], stored: Mapping[str, Any]) -> s
     laws = "both answers obey every law of contact" if stored["admissible"] else "a law of contact is violated"
     if not outside:
         return f"Within all tolerances of the scene; {laws}."
-    why = "" if scene.bodies.half_planes else ": a finding about the idealisation"
+    why = "" if are_half_planes(scene) else ": a finding about the idealisation"
     return f"Outside tolerance in {', '.join(outside)}{why}; {laws}."
 
 

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from reports import expected
-from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.body_words import bodies_in_words, unlike_materials
 from reports.budget_words import content, honest_of
 from reports.certificates import Certificate
 from reports.comparison import Comparison
 from reports.missing import derived
 from reports.verdicts import Metric
-from reports.wording import CLAIM, question, verdict
+from reports.wording import CLAIM, beyond_theory, question, verdict
 from scenes import ContactSolution
 
 
@@ -53,7 +53,7 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
         "question": question(comparison.scene),
         "bodies": bodies_in_words(comparison.scene),
         "unlike_materials": unlike_materials(comparison.scene),
-        "idealisation": idealisation(comparison.scene),
+        "idealisation": beyond_theory(comparison),
         "verdict": {
             "passed": comparison.passed,
             "accurate": comparison.accurate,

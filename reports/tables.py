@@ -19,7 +19,7 @@ _ROWS = 12
 
 def show_verdict(comparison: Comparison) -> None:
     """The headline metrics with their tolerances, and the verdict in a sentence."""
-    from reports.wording import accuracy_of, tolerance_of, unit_of, value_of, verdict
+    from reports.wording import accuracy_of, lead, tolerance_of, unit_of, value_of, verdict
 
     scene = comparison.scene
     show_table(
@@ -28,7 +28,7 @@ def show_verdict(comparison: Comparison) -> None:
         [(m.label, value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in comparison.headlines],
         right=(1, 3),
     )
-    say(verdict(comparison), "bold green" if comparison.passed else "bold red")
+    say(f"{lead(comparison)} {verdict(comparison)}", "bold green" if comparison.passed else "bold red")
 
 
 def show_budget(comparison: Comparison) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from reports.body_words import are_half_planes, idealisation
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.units import load_unit, number, units
@@ -129,12 +130,35 @@ def verdict(comparison: Comparison) -> str:
 
 
 def lead(comparison: Comparison) -> str:
-    """The verdict in a few words; a tolerance missed by real bodies that obey every law is a finding."""
+    """The verdict in a few words.
+
+    A tolerance missed by answers that obey every law is a finding where theory is an idealisation: real bodies, or half-planes of
+    unlike materials. Of somebody else's result it may be a fault as well.
+    """
     if comparison.passed:
         return "Within tolerance."
-    if comparison.admissible and not comparison.scene.bodies.half_planes:
+    if not comparison.admissible or not beyond_theory(comparison):
+        return "Not within tolerance."
+    if _both_ours(comparison):
         return "Outside tolerance: a finding about the idealisation."
-    return "Not within tolerance."
+    return "Outside tolerance: by the idealisation, by the result, or by both."
+
+
+def beyond_theory(comparison: Comparison) -> str:
+    """What the discrepancy holds beside errors of the engines, in a sentence; empty where the reference is exact for the bodies."""
+    if _both_ours(comparison):
+        return idealisation(comparison.scene)
+    if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
+        return ""
+    return (
+        "Half-plane theory is an idealisation of these bodies: the discrepancy contains its error beside that of "
+        f"{name_of(comparison.result.engine)}, and nothing here tells the two apart; `--against fe` takes finite elements of the "
+        "bodies for the reference."
+    )
+
+
+def _both_ours(comparison: Comparison) -> bool:
+    return {comparison.reference.engine, comparison.result.engine} == {"semi_analytic", "halfplane_fe"}
 
 
 def sentence(text: str) -> str:

@@ -17,7 +17,7 @@ from reports import Comparison, compare, write
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.cli import main
 from reports.figures_bodies import outline, sketch
-from reports.wording import lead, question
+from reports.wording import beyond_theory, lead, question
 from scenes import Block, Bodies, Cylinder, Pad, Scene, load_scene, scene_text
 from test_reports_fields import TOML
 
@@ -139,6 +139,25 @@ class TestPage:
         assert "a finding" in lead(found)
         violated = replace(found, result_certificates=(replace(found.result_certificates[0], value=1.0),))
         assert lead(violated) == "Not within tolerance."
+
+    def test_of_somebody_elses_result_it_may_be_a_fault_as_well(self, found: Comparison) -> None:
+        theirs = replace(found, result=replace(found.result, engine="their code"))
+        assert lead(theirs) == "Outside tolerance: by the idealisation, by the result, or by both."
+        assert "that of their code" in beyond_theory(theirs)
+        on_the_same_bodies = replace(theirs, reference=replace(found.result, engine="halfplane_fe"))
+        assert lead(on_the_same_bodies) == "Not within tolerance."
+        assert not beyond_theory(on_the_same_bodies)
+
+
+@pytest.mark.parametrize(("name", "found"), [("unlike-beta-tenth", True), ("cattaneo-mindlin", False)])
+def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines(name: str, found: bool) -> None:
+    """The same pressure, 10 % off, is a finding where theory leaves the coupling out, and an error where theory is exact."""
+    exact = semi_analytic.solve(load_scene(name), cycles="steady")
+    off = replace(exact, pressure=1.1 * exact.pressure, engine="halfplane_fe")
+    comparison = replace(compare(exact, off), result_certificates=())
+    assert not comparison.passed
+    assert lead(comparison) == ("Outside tolerance: a finding about the idealisation." if found else "Not within tolerance.")
+    assert ("not a fault of the engines" in beyond_theory(comparison)) is found
 
 
 def test_check_names_the_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,7 +12,8 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.budget import Budget, Term, are_half_planes, error_budget, with_budget
+from reports.body_words import are_half_planes
+from reports.budget import Budget, Term, error_budget, with_budget
 from reports.budget_words import share
 from reports.comparison import Comparison, compare
 from reports.ladders import Ladders, Rung, climb, coarser, mesh_ratio

@@ -82,7 +82,7 @@ def _scored(path: Path, scene: Scene, mapping: Mapping, against: Against, stages
 
 def show(comparison: Comparison) -> None:
     """Guesses, verdict, diagnoses, and the mesh study where it is one."""
-    from reports.wording import accuracy_of, tolerance_of, unit_of, value_of, verdict
+    from reports.wording import accuracy_of, lead, tolerance_of, unit_of, value_of, verdict
 
     for sentence in comparison.guesses:
         say(f"Taken for granted: {sentence}.")
@@ -95,7 +95,7 @@ def show(comparison: Comparison) -> None:
     )
     for sentence in _lacking(comparison):
         say(sentence)
-    say(verdict(comparison))
+    say(f"{lead(comparison)} {verdict(comparison)}")
     if comparison.diagnoses:
         say("What it most likely suffers from:")
     for number, one in enumerate(comparison.diagnoses, 1):
