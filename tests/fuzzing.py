@@ -15,6 +15,7 @@ from field_files import mesh, pressure_at, shear_at
 from reports import baseline
 from reports.checking import require_admissible
 from reports.folder import MANIFEST, claim
+from reports.score.guesses import whole_path
 from reports.score.mapping import Mapping as ScoreMapping
 from reports.score.mapping import load_mapping
 from reports.score.reading import read
@@ -149,7 +150,7 @@ def _profile(path: Path) -> object:
 
 def _scored(path: Path) -> object:
     scene = load_scene("hertz-paper")
-    return contact_solution(read(path, ScoreMapping(), scene), ScoreMapping(), scene)
+    return contact_solution(read(path, ScoreMapping(), scene), ScoreMapping(), whole_path(scene))
 
 
 def _sweep(path: Path) -> object:

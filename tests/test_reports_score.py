@@ -320,6 +320,19 @@ def test_our_own_solution_is_scored_as_it_is(tmp_path):
         score_file(tmp_path / "other.nc", Mapping(), solution.scene)
 
 
+def test_theory_is_solved_once_for_the_scales_and_once_for_the_reference(tmp_path, monkeypatch):
+    solution = exact("hertz-paper")
+    table = written(rows(solution), tmp_path / "table.csv")
+    solution.save(tmp_path / "own.nc")
+    calls, solve = [], semi_analytic.solve
+    monkeypatch.setattr(semi_analytic, "solve", lambda *scene, **known: calls.append(known) or solve(*scene, **known))
+    score_file(table, Mapping(), solution.scene)
+    assert len(calls) == 2
+    calls.clear()
+    score_file(tmp_path / "own.nc", Mapping(), solution.scene)  # states everything itself: its scales are its own
+    assert len(calls) == 1
+
+
 def test_the_package_can_be_called_before_and_after_its_parts_are_imported():
     import reports.score.mapping
 

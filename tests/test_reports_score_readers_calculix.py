@@ -1,5 +1,7 @@
 """What CalculiX 2.20 really wrote (tests/data/README.md), read as tractions: equilibrium decides every sign."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -166,7 +168,7 @@ def test_a_flat_slave_face_is_read_whole():
     assert not np.any(found.pressure[:, np.abs(found.x) > 1.0])
 
 
-def test_stress_stands_in_for_contact_values(tmp_path):
+def test_stress_stands_in_for_contact_values(tmp_path, monkeypatch):
     path = edited(tmp_path, "surface-to-surface.frd", (" -4  CONTACT ", " -4  CONTAXT "))
     found = result(path)
     normal, tangential = resultants(found)
@@ -174,6 +176,10 @@ def test_stress_stands_in_for_contact_values(tmp_path):
     np.testing.assert_allclose(normal, [P, P], rtol=0.12)
     np.testing.assert_allclose(tangential, [0.0, Q], atol=0.1 * Q)
     assert found.slip is None
+    opened, own = [], Path.open
+    monkeypatch.setattr(Path, "open", lambda path, *how, **more: opened.append(path) or own(path, *how, **more))
+    result(path)
+    assert opened == [path]  # read once, although it has no contact values
     assert "p = -SYY and q = SXY of the lower body" in found.notes[0]
     # Resultants still come from the .dat file, whichever body was the slave.
     path.with_suffix(".dat").write_bytes((DATA / "surface-to-surface.dat").read_bytes())

@@ -85,8 +85,8 @@ class FrdFile:
     ended: bool
 
 
-def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",)) -> FrdFile:
-    """Nodes, elements, and the result blocks of the `names`.
+def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",), instead: Collection[str] = ()) -> FrdFile:
+    """Nodes, elements, and the result blocks of the `names`; where there is none, those of the names `instead`.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",)) -> FrdFile
     """
     path = Path(path)
     check_size(path)
-    found = _Found(frozenset(names))
+    found = _Found(frozenset(names), frozenset(instead))
     with path.open("rb") as stream:
         lines = Lines(path, enumerate(stream, start=1))
         for line in lines:
@@ -115,7 +115,7 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",)) -> FrdFile
         found.points,
         tuple(found.elements),
         tuple(dict.fromkeys(found.times)),
-        tuple(found.blocks),
+        tuple(found.blocks or [block() for block in found.instead]),
         tuple(dict.fromkeys(found.names)),
         found.ended,
     )
@@ -134,12 +134,14 @@ class _Found:
     """What has been read so far."""
 
     wanted: frozenset[str]
+    second_best: frozenset[str]
     version: list[str] = field(default_factory=list)
     nodes: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     points: Array = field(default_factory=lambda: np.empty((0, 3)))
     elements: list[FrdElement] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
     blocks: list[FrdBlock] = field(default_factory=list)
+    instead: list[Callable[[], FrdBlock]] = field(default_factory=list)
     names: list[str] = field(default_factory=list)
     ended: bool = False
 
@@ -196,10 +198,17 @@ def _results(lines: Lines, header: bytes, found: _Found) -> None:
     found.names.append(name)
     start = lines.number + 1
     records = lines.records(f"block {name}")
-    if name in found.wanted:
+
+    def block() -> FrdBlock:
         nodes, values = table(lines, records, label, len(components), start)
         expect_count(lines, announced, len(nodes), f"records of block {name}", at)
-        found.blocks.append(FrdBlock(name, time, components, nodes, values, at))
+        return FrdBlock(name, time, components, nodes, values, at)
+
+    if name in found.wanted:
+        found.blocks.append(block())
+        found.instead.clear()
+    elif name in found.second_best and not found.blocks:
+        found.instead.append(block)
 
 
 def _block_name(lines: Lines) -> tuple[str, int]:

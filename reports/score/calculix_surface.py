@@ -43,9 +43,9 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
     InputError
         File and what is wrong: see `read_frd` and `read_dat`; no contact results and no stress; nodes without coordinates.
     """
-    file = read_frd(path)
-    if not file.blocks:
-        return _from_stress(path, mapping)
+    file = read_frd(path, ("CONTACT",), instead=("STRESS",))
+    if not file.blocks or file.blocks[0].name == "STRESS":
+        return _from_stress(path, mapping, file)
     mesh = CalculixMesh.of(file)
     blocks, notes = _one_block_a_time(file, _WANTED, "contact values")
     _refuse_not_finite(file)
@@ -142,9 +142,8 @@ def _scattered(mesh: CalculixMesh, block: FrdBlock, name: str) -> Array:
     return values
 
 
-def _from_stress(path: Path, mapping: Mapping) -> SurfaceResult:
+def _from_stress(path: Path, mapping: Mapping, file: FrdFile) -> SurfaceResult:
     """p = -SYY and q = SXY at the lower body's face: the traction on its outward normal +y."""
-    file = read_frd(path, ("STRESS",))
     if not file.blocks:
         raise InputError(
             f"{path}: no block CONTACT and none STRESS; it has {', '.join(file.names) or 'none'}: add *CONTACT FILE "

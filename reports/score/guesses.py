@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from reports.score.mapping import Mapping
 from reports.score.surface import SurfaceResult
-from scenes import InputError, Scene, freeze
+from scenes import ContactSolution, InputError, Scene, freeze
 
 Array = NDArray[np.float64]
 
@@ -36,19 +36,23 @@ class Expected:
     pressure: float
 
 
-def expected_scales(scene: Scene) -> Expected:
-    """The scales of a scene, of the half-plane engine's own instants."""
+def whole_path(scene: Scene) -> ContactSolution:
+    """Half-widths and loads of half-plane theory through the whole path, at the engine's own instants."""
     import semi_analytic
 
-    known = semi_analytic.solve(scene, x=[0.0], fields=())
-    half_width, load = float(np.nanmax(known.contact_half_width)), float(np.max(known.normal_load))
+    return semi_analytic.solve(scene, x=[0.0], fields=())
+
+
+def expected_scales(whole: ContactSolution) -> Expected:
+    """The scales of a scene, of its `whole_path`."""
+    half_width, load = float(np.nanmax(whole.contact_half_width)), float(np.max(whole.normal_load))
     return Expected(half_width, load, load / (2 * half_width))
 
 
-def guessed(result: SurfaceResult, mapping: Mapping, scene: Scene) -> tuple[SurfaceResult, tuple[str, ...]]:
+def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> tuple[SurfaceResult, tuple[str, ...]]:
     """`result` in the scene's units and our signs, and a sentence for each guess that took.
 
-    What the mapping states is never guessed at.
+    What the mapping states is never guessed at. `whole` is the `whole_path` of the scene.
 
     Raises
     ------
@@ -57,7 +61,7 @@ def guessed(result: SurfaceResult, mapping: Mapping, scene: Scene) -> tuple[Surf
     """
     if not np.any(result.pressure):
         raise InputError(f"{result.source}: the pressure is zero at every point and instant: nothing to score")
-    scales = expected_scales(scene)
+    scales = expected_scales(whole)
     said: list[str] = []
     for step in (_pressure_sign, _load_sign, _length, _stress, _loads, _middle):
         result, sentence = step(result, mapping, scales)

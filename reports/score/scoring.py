@@ -13,6 +13,7 @@ from reports.certificates import certificates
 from reports.comparison import Comparison, compare
 from reports.metrics import scales
 from reports.missing import DERIVED, WHOLE_CYCLE, derived
+from reports.score.guesses import whole_path
 from reports.score.mapping import Mapping
 from reports.score.reading import read
 from reports.score.rule import by_same_rule
@@ -74,7 +75,7 @@ def score(
 def score_file(path: Path, mapping: Mapping, scene: Scene, *, against: Against = "exact") -> Comparison:
     """A result in a file, without diagnoses: of the project's own (.nc) as it is, any other through `mapping`."""
     if path.suffix.lower() == OWN and path.is_file():
-        return score_solution(own_solution(path, scene), (), against=against, polygon=True)
+        return score_solution(own_solution(path, scene), (), None, against=against, polygon=True)
     sure = mapping.times is not None or mapping.columns.time is not None
     return score_surface(read(path, mapping, scene), mapping, scene, against=against, sure_of_times=sure)
 
@@ -92,23 +93,31 @@ def score_surface(
     result: SurfaceResult, mapping: Mapping, scene: Scene, *, against: Against = "exact", sure_of_times: bool = True
 ) -> Comparison:
     """A result in the common form, guesses applied, without diagnoses."""
-    solution, guesses = contact_solution(result, mapping, scene, sure_of_times=sure_of_times)
-    return score_solution(solution, guesses, against=against)
+    whole = whole_path(scene)
+    solution, guesses = contact_solution(result, mapping, whole, sure_of_times=sure_of_times)
+    return score_solution(solution, guesses, whole, against=against)
 
 
 def score_solution(
-    solution: ContactSolution, guesses: tuple[str, ...], *, against: Against = "exact", polygon: bool = False
+    solution: ContactSolution,
+    guesses: tuple[str, ...],
+    whole: ContactSolution | None,
+    *,
+    against: Against = "exact",
+    polygon: bool = False,
 ) -> Comparison:
     """A solution against a fresh reference, without diagnoses.
 
+    `whole` is the `whole_path` of its scene; None has it solved, where the solution was worked out of a foreign result.
     `polygon` asks for theory on the straight steps between the instants as well, which tells the error of the steps where the
     instants are all the increments of a solver.
     """
     reference = _like_parts(_REFERENCES[against](solution), solution)
     steps = _on_polygon(solution) if polygon and against == "exact" else None
-    whole = _whole(solution.scene)
-    like, words = by_same_rule(reference, solution, scales(whole).half_width)
-    found = compare(like, solution, polygon_reference=steps, scales_from=whole if derived(solution) else None)
+    if whole is None and derived(solution):
+        whole = whole_path(solution.scene)
+    like, words = (reference, ()) if whole is None else by_same_rule(reference, solution, scales(whole).half_width)
+    found = compare(like, solution, polygon_reference=steps, scales_from=whole)
     checks = certificates(reference)
     return replace(found, reference=reference, reference_certificates=checks, guesses=guesses, notes=(*words, *found.notes))
 
@@ -130,13 +139,6 @@ def _like_parts(reference: ContactSolution, solution: ContactSolution) -> Contac
     """`reference`, holding no whole cycle either where `solution` holds none."""
     lacking = {name: why for name, why in solution.work.skipped.items() if name == WHOLE_CYCLE}
     return replace(reference, work=replace(reference.work, skipped={**reference.work.skipped, **lacking}))
-
-
-def _whole(scene: Scene) -> ContactSolution:
-    """Half-widths and loads of theory through the whole path."""
-    import semi_analytic
-
-    return semi_analytic.solve(scene, x=[0.0], fields=())
 
 
 def _on_polygon(solution: ContactSolution) -> ContactSolution | None:

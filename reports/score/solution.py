@@ -23,19 +23,21 @@ FEWEST = 8
 
 
 def contact_solution(
-    result: SurfaceResult, mapping: Mapping, scene: Scene, *, sure_of_times: bool = True
+    result: SurfaceResult, mapping: Mapping, whole: ContactSolution, *, sure_of_times: bool = True
 ) -> tuple[ContactSolution, tuple[str, ...]]:
     """The solution that `result` amounts to, and what was guessed on the way, in sentences.
 
     Nothing is filled in: what the result does not hold is NaN, named in `work.skipped`, and left out of the comparison. Worked
     out from its own fields, and said so in the notes, are states, edges, and of a whole cycle with slip the work of friction.
+    `whole` is the `whole_path` of the scene that it answers.
 
     Raises
     ------
     InputError
         For a history that is not the scene's.
     """
-    result, guesses = guessed(result, mapping, scene)
+    scene = whole.scene
+    result, guesses = guessed(result, mapping, whole)
     history = matched(result, scene, sure_of_times=sure_of_times)
     found = zones(result, scene.friction.coefficient, history.time)
     steps = _last_cycle(scene, history)

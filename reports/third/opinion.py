@@ -13,6 +13,7 @@ from halfplane_fe.scales import Scales
 from halfplane_fe.solve import versions
 from reports.comparison import Comparison
 from reports.console import Stages
+from reports.score.guesses import whole_path
 from reports.score.mapping import Mapping
 from reports.score.reading import read
 from reports.score.scoring import score_solution
@@ -87,8 +88,8 @@ def judged(path: Path, deck: Deck, code: str) -> Comparison:
     result = replace(
         _from_unloaded(read(path, mapping, deck.scene), deck), source=f"{path.name}, the deck of scene {deck.scene.name}"
     )
-    solution, guesses = contact_solution(result, mapping, deck.scene)
-    return score_solution(solution, guesses)
+    whole = whole_path(deck.scene)
+    return score_solution(*contact_solution(result, mapping, whole), whole)
 
 
 def _from_unloaded(result: SurfaceResult, deck: Deck) -> SurfaceResult:
