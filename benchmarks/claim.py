@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
+import subprocess
 from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def commit() -> str:
+    """The commit that is measured, with a plus sign where files were changed since."""
+    found = subprocess.run(["git", "describe", "--always", "--dirty=+"], capture_output=True, text=True, cwd=ROOT, check=False)
+    return found.stdout.strip()
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,11 @@ from __future__ import annotations
 import json
 import os
 import platform
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from fnmatch import fnmatch
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import blame
@@ -43,10 +41,9 @@ import semi_analytic_histories
 import semi_analytic_precision
 import stress
 import sweep
-from claim import Row, table
+from claim import ROOT, Row, commit, table
 from regress_truth import DIGITS
 
-ROOT = Path(__file__).parents[1]
 STORE, PAGE, README = ROOT / "docs" / "numbers.json", ROOT / "docs" / "numbers.md", ROOT / "README.md"
 MARKS = "<!-- ten numbers: written by make numbers -->", "<!-- end of the ten numbers -->"
 # The ten that matter most, as (section, row, what README says of it).
@@ -112,12 +109,6 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Sweeps": sweep.rows,
         "Time": engines.times,
     }
-
-
-def commit() -> str:
-    """The commit that is measured, with a plus sign where files were changed since."""
-    found = subprocess.run(["git", "describe", "--always", "--dirty=+"], capture_output=True, text=True, cwd=ROOT, check=False)
-    return found.stdout.strip()
 
 
 def kept_sections() -> dict[str, dict[str, Any]]:

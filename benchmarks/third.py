@@ -1,79 +1,115 @@
-"""CalculiX on the exported decks, against half-plane theory, ours beside it: error in p, q and W, and time, with versions.
+"""CalculiX on the exported decks, against half-plane theory: error in p, q and W, and time. docs/third.md shows what is found.
 
-    python benchmarks/third.py [SCENE ...]
+    python benchmarks/third.py                      (every case that this command has not measured yet)
+    python benchmarks/third.py hertz-paper ...      (these cases anew; the others stay as found)
 
-A minute or two a scene; `make peers` installs CalculiX. Without it there are no rows but the one that says so. Times are wall times
-of one thread each, everything included; they vary by 20-30 % from run to run.
+A minute or two a case; `make peers` installs CalculiX, without which nothing is measured. What is found is kept in third.json, case
+by case, with its day, commit and version; `make pages` writes the page from it. Times are wall times of one thread.
 """
 
 from __future__ import annotations
 
-import os
-import shutil
+import json
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
 
-from claim import Row, table
+from claim import commit
 
-import halfplane_fe
-import semi_analytic
-from reports import compare
-from reports.comparison import Comparison
 from reports.console import Stages
-from reports.third.opinion import ThirdOpinion, ask_calculix
+from reports.third.opinion import ask_calculix
 from reports.third.settings import DeckSettings
-from scenes import load_scene
+from scenes import load_scene, scene_names
 
-SCENES = ("hertz-paper", "cattaneo-mindlin")
+KEPT = Path(__file__).with_suffix(".json")
 LIMIT = 1800.0
-QUANTITIES = (
-    ("dissipation", "work of friction of the last cycle"),
-    ("pressure", "p, relative L2, worst instant"),
-    ("shear", "q, relative L2 over f p, worst instant"),
-    ("peak_pressure", "peak pressure"),
-)
+QUANTITIES = ("peak_pressure", "pressure", "shear", "dissipation")
+TWICE = ("hertz-paper", "cattaneo-mindlin", "flat-pad-on-block")
+# Their time series make decks of many hundred instants.
+UNTRIED = ("flight", "time-series")
 
 
-def beside(name: str) -> Iterator[Row]:
-    """Both codes on one scene."""
-    scene = load_scene(name)
+@dataclass(frozen=True)
+class Case:
+    """A scene and how often it goes round; the stick slope of the contact where it is not the deck's own, over E*/h."""
+
+    scene: str
+    revolutions: int = 1
+    stick_slope: float | None = None
+
+    @property
+    def name(self) -> str:
+        words = [self.scene]
+        words += [f"{self.revolutions} revolutions"] if self.revolutions > 1 else []
+        words += [f"stick slope {self.stick_slope:g}"] if self.stick_slope is not None else []
+        return ", ".join(words)
+
+    @property
+    def settings(self) -> DeckSettings:
+        if self.stick_slope is None:
+            return DeckSettings(cycles=self.revolutions)
+        return DeckSettings(cycles=self.revolutions, stick_stiffness=self.stick_slope)
+
+
+def cases() -> dict[str, Case]:
+    """Name -> case: the library in one revolution, what takes two to settle in two, a stiffer stick."""
+    library = [Case(name) for name in scene_names() if name not in UNTRIED]
+    found = [*library, *(Case(name, revolutions=2) for name in TWICE), Case("cattaneo-mindlin", stick_slope=50.0)]
+    return {case.name: case for case in found}
+
+
+def measured(case: Case) -> dict[str, Any]:
+    """What CalculiX says to a case, for JSON; a metric that has no value is null."""
     begun = time.perf_counter()
-    ours = halfplane_fe.solve(scene)
-    seconds = time.perf_counter() - begun
-    own = compare(semi_analytic.solve(scene, x=ours.x, time=ours.time), ours)
-    opinion = ask_calculix(scene, DeckSettings(), LIMIT, Stages(quiet=True), ours.scales)
-    if opinion.comparison is None or opinion.done is None:
-        yield Row(f"{name}: {opinion.code} gave no answer", float("nan"), None, opinion.failure)
-        return
-    yield from _errors(name, own, opinion, opinion.comparison)
-    own_words = f"ours {seconds:.1f} s, default mesh, {len(ours.time)} instants"
-    how = f"{opinion.done.increments} increments, {opinion.done.iterations} iterations; {own_words}"
-    yield Row(f"{name}: {opinion.code}, wall time", opinion.done.seconds, None, how, "s")
+    opinion = ask_calculix(load_scene(case.scene), case.settings, LIMIT, Stages(quiet=True))
+    deck, done = opinion.deck, opinion.done
+    errors: Mapping[str, float | None] = {}
+    if opinion.comparison is not None:
+        errors = {key: opinion.comparison.metric(key).value for key in QUANTITIES}
+    return {
+        "code": opinion.code,
+        "nodes": deck.reference,
+        "instants": len(deck.time) - 1,
+        "seconds": round(done.seconds if done else time.perf_counter() - begun, 1),
+        "increments": done.increments if done else None,
+        "iterations": done.iterations if done else None,
+        "failure": opinion.failure,
+        "errors": {key: None if value is None else float(f"{value:.4g}") for key, value in errors.items()},
+        "day": datetime.now(UTC).date().isoformat(),
+        "commit": commit(),
+    }
 
 
-def _errors(name: str, own: Comparison, opinion: ThirdOpinion, theirs: Comparison) -> Iterator[Row]:
-    deck = opinion.deck
-    size = f"a/{1 / deck.settings.edge_element_size:g}, {deck.reference} nodes, {len(deck.time) - 1} instants"
-    for key, words in QUANTITIES:
-        value, ours = theirs.metric(key).value, own.metric(key).value
-        yield Row(f"{name}: {opinion.code}, {words}", float(value), None, f"{size}; ours {ours:.2g}")
+def kept() -> dict[str, dict[str, Any]]:
+    """What was found before, by the name of the case."""
+    return json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
 
 
-def third() -> Iterator[Row]:
-    """All rows of this page."""
-    if shutil.which("ccx") is None:
-        yield Row("CalculiX", float("nan"), None, "ccx is not on PATH: make peers installs it; nothing was measured")
-        return
-    for name in SCENES:
-        yield from beside(name)
+def keep(name: str, found: dict[str, Any]) -> None:
+    """Put one case beside the others, in the order of names."""
+    text = json.dumps(dict(sorted((kept() | {name: found}).items())), indent=1, ensure_ascii=False)
+    KEPT.write_text(text + "\n", encoding="utf-8")
 
 
-def main() -> None:
-    os.environ["HALFPLANE_CACHE"] = "off"  # bodies are condensed anew
-    names = sys.argv[1:]
-    print(table([row for name in names for row in beside(name)] if names else list(third())))
+def main(names: list[str]) -> int:
+    known = cases()
+    if unknown := [name for name in names if name not in known]:
+        print(f"no case is called {' or '.join(unknown)}; there are: {'; '.join(known)}", file=sys.stderr)
+        return 2
+    before = kept()
+    for name in names or [name for name in known if "commit" not in before.get(name, {})]:
+        found = measured(known[name])
+        keep(name, found)
+        print(f"{found['seconds']:6.1f} s  {name}: {found['failure'] or found['errors']}", flush=True)
+    missing = [name for name in known if name not in kept()]
+    if missing:
+        print(f"not run yet: {'; '.join(missing)}")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(sys.argv[1:]))
