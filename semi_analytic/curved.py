@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from scenes import Leg
 from semi_analytic.contact import Contact, corner_loads
-from semi_analytic.legs import NORMAL_LOAD, change, rate, time_of
-from semi_analytic.memory import Piece
+from semi_analytic.legs import NORMAL_LOAD, change, rate
+from semi_analytic.memory import Piece, front_time
 from semi_analytic.quadrature import NODES, graded
 
 Array = NDArray[np.float64]
@@ -107,8 +107,7 @@ def _gauss(begin: Array, end: Array) -> tuple[Array, Array]:
 def _meets(piece: Piece, edge: Array) -> tuple[float, Array]:
     """Time of the lower end of the arc, and the time at which P = P_x, kept inside the arc as it was appended."""
     assert piece.arc is not None
-    first, whole = piece.arc[0], piece.anchor.time
-    return first, time_of(piece.anchor.leg, NORMAL_LOAD, edge - piece.bottom, first, whole)
+    return piece.arc[0], front_time(piece, edge)
 
 
 def _force_rate(leg: Leg, time: Array) -> Array:
@@ -117,12 +116,9 @@ def _force_rate(leg: Leg, time: Array) -> Array:
 
 def _corner_times(contact: Contact, piece: Piece) -> Array:
     """Times of the arc, as it was appended, at which its load is that of a corner: ascending."""
-    assert piece.arc is not None
     loads = corner_loads(contact)
     loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
-    if not len(loads):
-        return loads
-    return time_of(piece.anchor.leg, NORMAL_LOAD, loads - piece.bottom, piece.arc[0], piece.anchor.time)
+    return front_time(piece, loads) if len(loads) else loads
 
 
 def _in_parts(rise: Callable[[Indices, Array, Array], Array], begin: Array, end: Array, cuts: Array) -> Array:

@@ -64,16 +64,19 @@ def value_on(piece: Piece, eta: ArrayLike) -> Array:
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     if piece.arc is None:
         return piece.anchor.tangential + (piece.slope + piece.bend * step) * step
-    first, last = _whole_arc(piece)
-    rise = np.asarray(eta, dtype=float) - piece.bottom
-    time = time_of(piece.anchor.leg, NORMAL_LOAD, rise, first, last)
-    return piece.anchor.tangential + change(piece.anchor.leg, Combination(0.0, 1.0), time, piece.anchor.time)
+    return piece.anchor.tangential + change(piece.anchor.leg, Combination(0.0, 1.0), front_time(piece, eta), piece.anchor.time)
 
 
 def _whole_arc(piece: Piece) -> tuple[float, float]:
     """The arc as it was appended, before anything was cut off its top."""
     assert piece.arc is not None  # for the type checker: only called for arcs
     return piece.arc[0], piece.anchor.time
+
+
+def front_time(piece: Piece, front: ArrayLike) -> Array:
+    """Time of an arc's leg at which its load is `front`, shape of `front`."""
+    first, last = _whole_arc(piece)
+    return time_of(piece.anchor.leg, NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, first, last)
 
 
 def values(curve: Curve, eta: ArrayLike) -> Array:
@@ -95,9 +98,7 @@ def cut(curve: Curve, load: float) -> Curve:
         return curve
     if curve.arc is None:
         return curve._replace(top=load)
-    first, last = _whole_arc(curve)
-    time = float(time_of(curve.anchor.leg, NORMAL_LOAD, load - curve.bottom, first, last))
-    return curve._replace(top=load, arc=(first, time))
+    return curve._replace(top=load, arc=(curve.arc[0], float(front_time(curve, load))))
 
 
 def append(curve: Curve, leg: Leg, begin: float, end: Instant) -> Piece:
@@ -134,9 +135,7 @@ def flat(piece: Piece, direction: int, friction: float) -> bool:
 def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> Array:
     """Rise of the level s M(eta) - f eta from the piece's anchor to `eta`; at the lower end a front leaves the piece."""
     if piece.arc is not None:
-        first, last = _whole_arc(piece)
-        time = time_of(piece.anchor.leg, NORMAL_LOAD, np.asarray(eta, dtype=float) - piece.bottom, first, last)
-        return change(piece.anchor.leg, level(direction, friction), time, last)
+        return change(piece.anchor.leg, level(direction, friction), front_time(piece, eta), piece.anchor.time)
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     return (direction * (piece.slope + piece.bend * step) - friction) * step
 
@@ -167,12 +166,6 @@ def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: Leg, tim
     bottom = float(change(arc_leg, what, first, last))
     front = time_of(arc_leg, what, rise - bottom, first, last)
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) - change(arc_leg, NORMAL_LOAD, front, last)
-
-
-def front_time(piece: Piece, front: ArrayLike) -> Array:
-    """Time of an arc's leg at which its load is `front`, shape of `front`."""
-    first, last = _whole_arc(piece)
-    return time_of(piece.anchor.leg, NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, first, last)
 
 
 def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) -> bool:
