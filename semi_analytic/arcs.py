@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 from scenes import EllipseLeg
 from semi_analytic.contact import Contact, corner_loads
+from semi_analytic.quadrature import gauss
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_NODES = {count: np.polynomial.legendre.leggauss(count) for count in (6, 10, 16, 24, 40, 80)}
 _SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
 _CORNERED = ((0.12, 16), (0.8, 24), (2.5, 40), (math.inf, 80))
 
@@ -109,13 +109,12 @@ def inside(low: Array, high: Array, edge: Array, cubed: int) -> Nodes:
 def _rule(a: Array, b: Array, cubed: int) -> tuple[Array, Array]:
     widest = float(np.max(b - a, initial=0.0))
     count = next(number for limit, number in (_CORNERED if cubed else _SPANS) if widest <= limit)
-    node, weight = _NODES[count]
-    half = (b - a)[..., None] / 2
+    node, weight = gauss(count)
+    length = (b - a)[..., None]
     if not cubed:
-        return (a + b)[..., None] / 2 + half * node, half * weight
-    part = (1 + node) / 2
+        return a[..., None] + length * node, length * weight
     start = (a if cubed > 0 else b)[..., None]
-    return start + cubed * 2 * half * part**3, 3 * half * weight * part**2
+    return start + cubed * length * node**3, 3 * length * weight * node**2
 
 
 def density(z: Array) -> Array:

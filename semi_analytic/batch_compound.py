@@ -19,12 +19,13 @@ from semi_analytic.flat_law import load_function, log_function
 from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.hertz import log_excess
 from semi_analytic.pile import rising_root
+from semi_analytic.quadrature import gauss
 from semi_analytic.tip import tip_load, tip_log, tip_pressure
 
 Array = NDArray[np.float64]
 
 _NEARBY = 0.3
-_NODES, _WEIGHTS = ((1 + part) / 2 if k == 0 else part / 2 for k, part in enumerate(np.polynomial.legendre.leggauss(12)))
+_NODES, _WEIGHTS = gauss(12)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from semi_analytic.batch_kernel import Room
 from semi_analytic.flat_law import inverse_load_function, log_function
 from semi_analytic.flat_rounded import FlatRoundedContact
+from semi_analytic.quadrature import gauss
 
 Array = NDArray[np.float64]
 
@@ -168,5 +169,5 @@ def _fits() -> tuple[tuple[float, ...], ...]:
 
 
 _L_FIT, _J_FIT, _RATE_FIT = _fits()
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(7)
-_NEAR_RULE = tuple(zip(((1 + _NODES) / 2).tolist(), (_WEIGHTS * (1 - _NODES) / 4).tolist(), strict=True))
+_NODES, _WEIGHTS = gauss(7)
+_NEAR_RULE = tuple(zip(_NODES.tolist(), (_WEIGHTS * (1 - _NODES)).tolist(), strict=True))

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from semi_analytic.quadrature import graded
+from semi_analytic.quadrature import gauss, graded
 
 Array = NDArray[np.float64]
 
@@ -21,12 +21,7 @@ _DIGITS = 30.0
 _COUNTS = (12, 14, 16, 18, 20, 23, 26, 32, 42)
 
 
-def _gauss(count: int) -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(count)
-    return (1 + nodes) / 2, weights / 2
-
-
-RULES: tuple[tuple[Array, Array], ...] = (*(_gauss(count) for count in _COUNTS), graded(0.0, 1.0))
+RULES: tuple[tuple[Array, Array], ...] = (*(gauss(count) for count in _COUNTS), graded(0.0, 1.0))
 """Nodes and weights on [0, 1], each symmetric about the middle; the last one for singularities at the ends."""
 
 _LEAST = np.cosh(_DIGITS / (2 * np.array(_COUNTS)))[:, None]

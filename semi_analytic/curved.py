@@ -20,7 +20,7 @@ from scenes import Leg
 from semi_analytic.contact import Contact, corner_loads
 from semi_analytic.legs import NORMAL_LOAD, change, rate
 from semi_analytic.memory import Piece, front_time
-from semi_analytic.quadrature import NODES, graded
+from semi_analytic.quadrature import NODES, gauss, graded
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -28,7 +28,6 @@ Indices = NDArray[np.intp]
 _CHUNK = 2_000_000
 _QUARTERS = 4
 _SHORT = 1 / 32
-_GAUSS12 = np.polynomial.legendre.leggauss(12)
 
 
 def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
@@ -100,8 +99,9 @@ def curved_log(contact: Contact, piece: Piece, last: Array) -> Array:
 
 def _gauss(begin: Array, end: Array) -> tuple[Array, Array]:
     """Gauss' rule on [begin, end], a new last axis: 1e-18 where no singularity is closer than the range is long."""
-    half = (end - begin)[:, None] / 2
-    return (begin + end)[:, None] / 2 + half * _GAUSS12[0], half * _GAUSS12[1]
+    node, weight = gauss(12)
+    length = (end - begin)[:, None]
+    return begin[:, None] + length * node, length * weight
 
 
 def _meets(piece: Piece, edge: Array) -> tuple[float, Array]:

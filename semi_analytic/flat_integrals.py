@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semi_analytic.flat_law import inverse_load_function, load_function
-from semi_analytic.quadrature import graded
+from semi_analytic.quadrature import gauss, graded
 
 Array = NDArray[np.float64]
 
@@ -20,9 +20,6 @@ NEARBY = 0.3
 
 _DEEP = 2.5
 _CLOSE = 0.01
-_GAUSS3 = np.polynomial.legendre.leggauss(3)
-_GAUSS24 = np.polynomial.legendre.leggauss(24)
-_GAUSS12 = np.polynomial.legendre.leggauss(12)
 
 
 def _moment(tau: Array) -> Array:
@@ -40,13 +37,13 @@ def by_depth(smooth: Callable[..., Array], graded_rule: Callable[..., Array], pl
 
 def pressure_moment_integral(inner: Array, tau: Array) -> Array:
     """int arctan(t) F(t) dr, r = sqrt(t^2 + g^2), from the least r on: the same integrand as a function of r^2 alone."""
-    node, weight = _GAUSS24
+    node, weight = gauss(24)
     least = np.sqrt(np.maximum(inner, 0.0))
     square = np.maximum(tau * tau + inner, 0.0)
     rise = np.where(inner > 0, tau * tau, square) / np.where(square > 0, np.sqrt(square) + least, 1.0) * (square > 0)
-    above = rise[..., None] * (1 + node) / 2
+    above = rise[..., None] * node
     t = np.sqrt(above * (above + 2 * least[..., None]) + np.maximum(-inner, 0.0)[..., None])
-    return rise / 2 * np.sum(weight * _moment(t), axis=-1)
+    return rise * np.sum(weight * _moment(t), axis=-1)
 
 
 def spread_moment_integral(edge: Array, tau: Array) -> Array:
@@ -101,11 +98,11 @@ def spread_when_shallow(edge: Array, tau: Array) -> Array:
 
 def _over_angle(weight: Callable[[Array], Array], edge: Array, tau: Array) -> Array:
     """int_0^tau 2 t weight(t) arccosh(x^/sqrt(1 + t^2)) dt over t = edge sin(angle), smooth up to the edge, by Gauss' rule."""
-    node, share = _GAUSS24
+    node, share = gauss(24)
     result, there = np.zeros(tau.shape), tau > 0
     end = edge[there]
-    widest = np.arcsin(tau[there] / end)[:, None] / 2
-    angle = widest * (1 + node)
+    widest = np.arcsin(tau[there] / end)[:, None]
+    angle = widest * node
     t, root = end[:, None] * np.sin(angle), end[:, None] * np.cos(angle)
     terms = 2 * t * weight(t) * np.arcsinh(root / np.sqrt(1 + t * t)) * root
     result[there] = widest[:, 0] * (terms @ share)
@@ -123,8 +120,7 @@ def spread_integral(weight: Callable[[Array], Array], edge: Array, tau: Array) -
 def square_gap(upper: Array, lower: Array, rise: Array) -> Array:
     """Difference of two tau^2, from the rise of F between them where they are close: F' = arctan tau."""
     direct = np.maximum(upper - lower, 0.0)
-    node, weight = _GAUSS3
-    mean = sum(w / 2 * np.arctan(np.sqrt(lower + direct * (1 + n) / 2)) for n, w in zip(node, weight, strict=True))
+    mean = sum(w * np.arctan(np.sqrt(lower + direct * n)) for n, w in zip(*gauss(3), strict=True))
     return np.where(direct < _CLOSE * upper, rise / np.where(mean > 0, mean, np.inf), direct)
 
 
@@ -134,10 +130,10 @@ def drop_of_tau(upper: Array, load: Array, drop: Array) -> Array:
     square = upper * upper
     small = np.where(drop < NEARBY * load, drop, 0.0)
     gap = small / np.where(upper > 0, np.arctan(upper), np.inf)
-    node, weight = _GAUSS12
+    node, weight = gauss(12)
     for _ in range(5):
-        inside = np.maximum(square[..., None] - gap[..., None] * (1 + node) / 2, 0.0)
-        fault = gap / 2 * np.sum(weight * np.arctan(np.sqrt(inside)), axis=-1) - small
+        inside = np.maximum(square[..., None] - gap[..., None] * node, 0.0)
+        fault = gap * np.sum(weight * np.arctan(np.sqrt(inside)), axis=-1) - small
         slope = np.arctan(np.sqrt(np.maximum(square - gap, 0.0)))
         gap = gap - fault / np.where(slope > 0, slope, np.inf)
     lower = np.sqrt(np.maximum(square - gap, 0.0))
@@ -146,9 +142,9 @@ def drop_of_tau(upper: Array, load: Array, drop: Array) -> Array:
 
 def log_area_nearby(upper: Array, drop: Array) -> Array:
     """Lam/unit = int t arctan(t) ln((1 + t^2)/(1 + tau_c^2)) dt by Gauss' rule, from tau and the drop to tau_c."""
-    node, weight = _GAUSS12
-    above = drop[..., None] * (1 + node) / 2
+    node, weight = gauss(12)
+    above = drop[..., None] * node
     lower = (upper - drop)[..., None]
     t = lower + above
     integrand = t * np.arctan(t) * np.log1p(above * (t + lower) / (1 + lower * lower))
-    return drop / 2 * np.sum(weight * integrand, axis=-1)
+    return drop * np.sum(weight * integrand, axis=-1)

@@ -1,4 +1,4 @@
-"""Quadrature rules for singular ends on panels between given marks, with the distances from both ends free of cancellation."""
+"""Rules for singular ends on panels between given marks, with the distances from both ends of the range free of cancellation."""
 
 from __future__ import annotations
 
@@ -8,32 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semi_analytic.quadrature import ROOTS, Rule
+
 Array = NDArray[np.float64]
 
-_STEP = 0.375
 CHUNK = 4_000_000
 """Nodes that are held at a time."""
-
-
-class Rule(NamedTuple):
-    """Trapezoidal rule in s of 1/(1 + exp(-s)) on [0, 1]: distances from both ends, weights."""
-
-    up: Array
-    down: Array
-    share: Array
-
-
-def _rule(low: float, high: float) -> Rule:
-    s = np.arange(low, high + _STEP / 2, _STEP)
-    up, down = 1 / (1 + np.exp(-s)), 1 / (1 + np.exp(s))
-    return Rule(up, down, _STEP * up * down)
-
-
-ROOTS = _rule(-36.0, 36.0)
-"""For roots and logarithms at the ends."""
-
-INVERSE_ROOT = _rule(-75.0, 36.0)
-"""For an inverse root at the lower end too."""
 
 
 class Nodes(NamedTuple):

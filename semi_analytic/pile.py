@@ -17,7 +17,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semi_analytic.panels import CHUNK, ROOTS, panels
+from semi_analytic.panels import CHUNK, panels
+from semi_analytic.quadrature import ROOTS, gauss
 from semi_analytic.sheets import OCTAVES, Kind, Sheet, sheet_of
 
 Array = NDArray[np.float64]
@@ -28,8 +29,6 @@ _CLOSE = 0.01
 _NEARBY = 0.3
 _APART = 0.02
 _REMEMBERED = 8
-_GAUSS6 = np.polynomial.legendre.leggauss(6)
-_GAUSS12 = np.polynomial.legendre.leggauss(12)
 
 
 def rising_root(function: Callable[[Array], Array], slope: Callable[[Array], Array], value: Array, guess: Array) -> Array:
@@ -194,9 +193,10 @@ class Pile:
         for first, last, behind in ((start, np.minimum(corner, end), number), (np.minimum(corner, end), end, number + 1)):
             b = self._begins[np.minimum(behind, len(self._begins) - 1)]
             inner, outer = np.sqrt(np.maximum(first - b, 0.0)), np.sqrt(np.maximum(last - b, 0.0))
-            root = inner[..., None] + (outer - inner)[..., None] * (1 + _GAUSS6[0]) / 2
+            node, share = gauss(6)
+            root = inner[..., None] + (outer - inner)[..., None] * node
             at = b[..., None] + root * root
-            weight = (outer - inner)[..., None] * _GAUSS6[1] * root
+            weight = (outer - inner)[..., None] * share * root
             above = above + np.sum(weight * self.stiffness(at), axis=-1)
             below = below + np.sum(weight * 2 * at, axis=-1)
         return above / np.where(below > 0, below, 1.0)
@@ -261,7 +261,7 @@ class Pile:
         return result
 
     def _area_nearby(self, load: Array, slipped: Array) -> Array:
-        node, weight = (1 + _GAUSS12[0]) / 2, _GAUSS12[1] / 2
+        node, weight = gauss(12)
         eta = (load - slipped)[:, None] + slipped[:, None] * node
         half = self.half_width(eta)
         return np.square(slipped) * np.sum(weight * (1 - node) / (half * self.stiffness(half)), axis=-1)

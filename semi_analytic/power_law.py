@@ -20,7 +20,8 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from semi_analytic.hertz import log_excess
-from semi_analytic.panels import INVERSE_ROOT, in_chunks, panels
+from semi_analytic.panels import in_chunks, panels
+from semi_analytic.quadrature import INVERSE_ROOT
 
 Array = NDArray[np.float64]
 

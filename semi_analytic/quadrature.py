@@ -1,26 +1,44 @@
-"""One rule for integrands whose singularities lie at the ends of the range or close to them."""
+"""Quadrature rules: Gauss' for smooth integrands, and one for singularities that lie at the ends of the range or close to them."""
 
 from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-_RANGE = 36.0
+_STEP = 0.375
 
 
-def _rule(step: float) -> tuple[Array, Array, Array]:
-    """Places s, distances to the nearer end and weights on [0, 1]."""
-    s = np.arange(-_RANGE, _RANGE + step / 2, step)
-    near = 1 / (1 + np.exp(np.abs(s)))
-    return s, near, step * near * (1 - near)
+class Rule(NamedTuple):
+    """Trapezoidal rule in s of 1/(1 + exp(-s)) on [0, 1]: distances of the nodes from both ends, weights, (n,) each."""
+
+    up: Array
+    down: Array
+    share: Array
 
 
-_S, _NEAR, _WEIGHT = _rule(0.375)
+def _rule(low: float, high: float) -> Rule:
+    s = np.arange(low, high + _STEP / 2, _STEP)
+    up, down = 1 / (1 + np.exp(-s)), 1 / (1 + np.exp(s))
+    near = np.minimum(up, down)
+    return Rule(up, down, _STEP * near * (1 - near))
 
-NODES = len(_S)
-"""Nodes of the rule."""
+
+ROOTS = _rule(-36.0, 36.0)
+"""For roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the range, is left out."""
+
+INVERSE_ROOT = _rule(-75.0, 36.0)
+"""For an inverse root at the lower end too: its integral over what is left out there, 3e-33 of the range, is 1e-16."""
+
+NODES = len(ROOTS.up)
+"""Nodes of `graded`."""
+
+_LOWER = ROOTS.up < 0.5
+_NEAR = np.minimum(ROOTS.up, ROOTS.down)
 
 
 def graded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
@@ -35,4 +53,19 @@ def graded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     """
     first, last = np.asarray(begin, dtype=float)[..., None], np.asarray(end, dtype=float)[..., None]
     length = last - first
-    return np.where(_S < 0, first + length * _NEAR, last - length * _NEAR), length * _WEIGHT
+    return np.where(_LOWER, first + length * _NEAR, last - length * _NEAR), length * ROOTS.share
+
+
+@cache
+def gauss(count: int) -> tuple[Array, Array]:
+    """Nodes and weights of Gauss' rule on [0, 1], (count,) each, read-only: exact for polynomials up to degree 2 count - 1.
+
+    >>> nodes, weights = gauss(3)
+    >>> round(float(np.sum(weights * nodes**5)), 15)
+    0.166666666666667
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    rule = (1 + nodes) / 2, weights / 2
+    for part in rule:
+        part.flags.writeable = False
+    return rule

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semi_analytic.contact import Contact, corner_loads
-from semi_analytic.panels import ROOTS
 from semi_analytic.pile import Pile
-from semi_analytic.quadrature import NODES, graded
+from semi_analytic.quadrature import NODES, ROOTS, gauss, graded
 from semi_analytic.stack import Records
 
 Array = NDArray[np.float64]
@@ -26,9 +25,8 @@ _RULES = ((0.05, 4), (0.3, 6), (0.6, 12), (0.9, 24))
 
 def _crowded(count: int) -> tuple[Array, Array]:
     """Gauss' rule in t on [0, 1] of 3 t^2 - 2 t^3."""
-    node, weight = np.polynomial.legendre.leggauss(count)
-    t = (1 + node) / 2
-    return t * t * (3 - 2 * t), weight * 3 * t * (1 - t)
+    t, weight = gauss(count)
+    return t * t * (3 - 2 * t), weight * 6 * t * (1 - t)
 
 
 _CROWDED = _crowded(24)
@@ -95,8 +93,8 @@ def _smooth_work(contact: Contact, records: Records, corners: Array) -> Array:
     for limit, count in (*_RULES, (np.inf, 0)):
         here = np.flatnonzero((share > below) & (share <= limit) & ~(behind & (count > 0)))
         below = limit
-        node, weight = np.polynomial.legendre.leggauss(count) if count else (2 * ROOTS.up - 1, 2 * ROOTS.share)
-        result[here] = _by_rule(contact, records, here, slip, slip_after, (1 + node) / 2, weight / 2)
+        part, weight = gauss(count) if count else (ROOTS.up, ROOTS.share)
+        result[here] = _by_rule(contact, records, here, slip, slip_after, part, weight)
     here = np.flatnonzero(behind & (share <= _RULES[-1][0]))
     result[here] = _by_rule(contact, records, here, slip, slip_after, *_CROWDED)
     return result
