@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import ChebyshevLeg, EllipseLeg, HarmonicLeg, Leg, ParabolaLeg, StraightLeg
-from semi_analytic.turning import stationary_on_harmonics, stationary_on_series
+from semi_analytic.turning import LEAST, stationary_on_harmonics, stationary_on_series
 
 Array = NDArray[np.float64]
 
 _ROUNDING = 1e-14
-_LEAST = 1e-290
 _IDLE = 3
 _ROUNDING_OF_TIME = 4.5e-16
 
@@ -138,7 +137,7 @@ def time_of(leg: Leg, what: Combination, amount: ArrayLike, begin: float, end: f
     """
     wanted = np.asarray(amount, dtype=float)
     total = float(change(leg, what, end, begin))
-    if abs(total) < _LEAST:
+    if abs(total) < LEAST:
         return np.full(wanted.shape, begin)
     sign = math.copysign(1.0, total)
     if isinstance(leg, StraightLeg):

@@ -16,6 +16,9 @@ from scenes import ChebyshevLeg, HarmonicLeg
 
 Array = NDArray[np.float64]
 
+LEAST = 1e-290
+"""Changes of load below it are none: their inverse, and soon the numbers themselves, are not known to rounding any more."""
+
 _ROUNDING = 1e-14
 # A double root is known to the root of a rounding only. Taking too many does no harm: a stretch is cut in two.
 _DOUBLE = 1e-5
@@ -36,7 +39,10 @@ def stationary_on_harmonics(leg: HarmonicLeg, normal: float, tangential: float) 
             amplitude[number] += 1j * number * factor * length * np.exp(-1j * phase)
             size[number] += abs(number * factor * length)
     # The rate is Re of sum amplitude_k exp(i k t).
-    amplitude[np.abs(amplitude) <= _ROUNDING * np.sum(size)] = 0
+    whole = float(np.sum(size))
+    if whole < LEAST:
+        return []
+    amplitude[np.abs(amplitude) <= _ROUNDING * whole] = 0
     known = np.flatnonzero(amplitude)
     if not len(known):
         return []

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from scenes import Compound, EvenPolynomial, PowerLaw, TimeSeriesLoad, Wedge
+from scenes import Compound, EvenPolynomial, HarmonicLoad, PowerLaw, TimeSeriesLoad, Wedge
 from semi_analytic import solve
 from semi_analytic.contact import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon
@@ -108,6 +108,14 @@ def test_the_work_of_a_load_that_all_but_leaves():
     left = 1e-12
     scene = make_scene(ellipse(1.0, 1 - left, 0.0, 0.2 * left, 90.0), 0.5, radius=100.0)
     assert solve(scene, x=[0.0]).dissipation == pytest.approx(5.0929581788030931689e-26, rel=1e-14, abs=0)  # 3e-16
+
+
+@pytest.mark.parametrize("swing", [1e-17, 1e-280, 2.2e-311, 5e-324])
+def test_a_load_that_swings_by_less_than_any_number_holds_still(swing):
+    """Amplitudes without an inverse were a warning of overflow, out of roots that they are divided by."""
+    load = {"kind": "harmonics", "mean_normal_load": 1.0, "mean_tangential_load": 0.0, "tangential_harmonics": [[0.2, 30.0]]}
+    scene = make_scene(HarmonicLoad(**load, normal_harmonics=[(swing, 20.0)]), 0.5)
+    assert solve(scene, x=[0.0]).dissipation == pytest.approx(float(mindlin(0.4, 0.5, 1.0)), rel=1e-13, abs=0)
 
 
 def wedge_scene(load):
