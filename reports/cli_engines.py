@@ -62,12 +62,13 @@ def export(
     out: Out = None,
     steps_per_cycle: Annotated[int | None, Parameter(help="Instants of a revolution; turning points come on top.")] = None,
     cycles: Annotated[int | None, Parameter(help="Revolutions at most.")] = None,
+    json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """The bodies and the load history as an input deck for another code."""
     from reports.third import exporting
 
-    return exporting.export(scene, to, out, steps_per_cycle, cycles, quiet)
+    return exporting.export(scene, to, out, steps_per_cycle, cycles, quiet, json)
 
 
 @app.command(group=SOLVE, sort_key=2, help_epilogue="")
@@ -105,8 +106,8 @@ def fields(
             help='Times of the path, or "events" of the last cycle, the default without a series.',
         ),
     ] = (),
-    every: Annotated[int | None, Parameter(help="A series over the last cycle: each so-manieth stored step.")] = None,
-    frames: Annotated[int | None, Parameter(help="A series over the last cycle: so many instants evenly in time.")] = None,
+    every: Annotated[int | None, Parameter(help="A series over the last cycle: every Nth stored step.")] = None,
+    frames: Annotated[int | None, Parameter(help="A series over the last cycle: N instants evenly in time.")] = None,
     animate: Annotated[
         bool,
         Parameter(
@@ -115,6 +116,7 @@ def fields(
     ] = False,
     out: Out = None,
     pictures: Annotated[bool, Parameter(help="Draw the meshes and the von Mises stress at the instants of --at as PNG.")] = True,
+    json: Json = False,
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
 ) -> int:
@@ -122,14 +124,17 @@ def fields(
     from reports import commands_engines
     from reports.series import Wish
 
-    return commands_engines.fields(scene, Wish(at, every, frames, pictures, animate), out, quiet, finite_elements)
+    return commands_engines.fields(scene, Wish(at, every, frames, pictures, animate), out, quiet, finite_elements, json)
 
 
 @app.command(group=JUDGE, sort_key=5, help_epilogue="")
 def paper(
-    *, out: Annotated[Path | None, Parameter(help="Folder for the results; out/paper if left out.")] = None, quiet: Quiet = False
+    *,
+    out: Annotated[Path | None, Parameter(help="Folder for the results; out/paper if left out.")] = None,
+    json: Json = False,
+    quiet: Quiet = False,
 ) -> int:
     """The paper again from half-plane theory: its figures, statements and misprints."""
     from reports import commands_engines
 
-    return commands_engines.paper(out, quiet)
+    return commands_engines.paper(out, quiet, json)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from reports.application import SOLVE, WITHIN, Json, Quiet, app
+from reports.application import SOLVE, Json, Quiet, app
 
 _sweep = App(
     name="sweep",
@@ -31,33 +31,26 @@ def sweep(
     workers: Annotated[int | None, Parameter(help="Processes, or tasks at once; all cores if left out.")] = None,
     resume: Annotated[bool, Parameter(negative="", help="Go on with the results that the folder holds.")] = False,
     out: Annotated[Path | None, Parameter(help="Folder of the store; out/<study file> if left out.")] = None,
+    json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Run a study: every point of a scene's axes, into a store that a later run goes on with."""
     from reports.sweep import command
 
-    return command.sweep(study, out, executor, scheduler, workers, resume, quiet)
+    return command.sweep(study, out, executor, scheduler, workers, resume, quiet, as_json=json)
 
 
 @_sweep.command(help_epilogue="")
 def status(folder: Folder, /, *, json: Json = False) -> int:
     """How far a sweep is: done, failed, running, time left."""
-    if json:
-        from reports.console import say
-        from reports.machine import sweep_json
-        from reports.sweep.progress import state_of
-        from reports.sweep.store import Store
-
-        say(sweep_json(state_of(Store(folder))[0]))
-        return WITHIN
     from reports.sweep import command
 
-    return command.status(folder)
+    return command.status(folder, json)
 
 
 @_sweep.command(help_epilogue="")
-def report(folder: Folder, /) -> int:
+def report(folder: Folder, /, *, json: Json = False) -> int:
     """The page of a sweep: its table and a figure of each quantity, also while it runs."""
     from reports.sweep import command
 
-    return command.report(folder)
+    return command.report(folder, json)

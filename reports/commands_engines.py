@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from reports import jobs
 from reports.application import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
@@ -14,6 +15,9 @@ from reports.options import FiniteElementOptions
 from reports.series import Wish, check_series
 from reports.tables import show_budget, show_expected, show_fields, show_third, show_verdict
 from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene
+
+if TYPE_CHECKING:
+    from reports.paper.page import PaperReport
 
 
 def run(
@@ -102,7 +106,7 @@ def fe(source: str, out: Path | None, quiet: bool, options: FiniteElementOptions
     return _alone(source, out, quiet, as_json, lambda scene, stages: jobs.solve_finite_elements(scene, options, stages))
 
 
-def fields(source: str, wish: Wish, out: Path | None, quiet: bool, options: FiniteElementOptions) -> int:
+def fields(source: str, wish: Wish, out: Path | None, quiet: bool, options: FiniteElementOptions, as_json: bool = False) -> int:
     """Finite elements, and both bodies at chosen instants or over the cycle: for ParaView, as pictures, as a film."""
     stages = Stages(quiet)
     scene = jobs.read(source)
@@ -122,9 +126,15 @@ def fields(source: str, wish: Wish, out: Path | None, quiet: bool, options: Fini
     except Interrupted as stop:
         return _interrupted(stop, folder)
     except ConvergenceError as failure:
-        return _not_converged(failure, scene, folder)
+        return _not_converged(failure, scene, folder, as_json)
+    file = folder / "fields" / "fields.pvd"
+    if as_json:
+        from reports.machine import fields_json
+
+        say(fields_json(scene, report, file))
+        return WITHIN
     show_fields(scene, report)
-    say(str(folder / "fields" / "fields.pvd"))
+    say(str(file))
     return WITHIN
 
 
@@ -215,15 +225,29 @@ def _not_converged(failure: ConvergenceError, scene: Scene, folder: Path, as_jso
     return NOT_CONVERGED
 
 
-def paper(out: Path | None, quiet: bool) -> int:
+def paper(out: Path | None, quiet: bool, as_json: bool = False) -> int:
     """The paper's figures and both tables; outside if a misprint is not proven."""
     stages = Stages(quiet)
     folder = claim(out or default_folder("paper"))
     with stages.stage("loading"):
         from reports.paper import page
-        from reports.paper.tables import proven_in_words
     command = shlex.join(["halfplane", "paper", "--out", str(folder)])
     report = page.write(folder, stages, command)
+    code = WITHIN if report.proven else OUTSIDE
+    if as_json:
+        from reports.machine import paper_json
+
+        say(paper_json(report, code, stages.seconds))
+    else:
+        _show_paper(report)
+    return code
+
+
+def _show_paper(report: PaperReport) -> None:
+    """Both tables, and how many of each verdict."""
+    from reports.paper.page import tally
+    from reports.paper.tables import proven_in_words
+
     show_table(
         "What the paper states in words",
         ("statement", "where", "the paper", "computed", "verdict"),
@@ -234,8 +258,7 @@ def paper(out: Path | None, quiet: bool) -> int:
         ("where", "printed", "right", "proof", "proven"),
         [(row.key, row.printed, row.right, row.proof, proven_in_words(row)) for row in report.misprints],
     )
-    counts = ", ".join(f"{count} {verdict}" for verdict, count in page.tally(report.statements).items())
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in tally(report.statements).items())
     proven = sum(row.proven is True for row in report.misprints)
     say(f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints: {proven} proven by evaluation")
     say(str(report.page))
-    return WITHIN if report.proven else OUTSIDE

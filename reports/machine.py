@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from reports.checking import PathCheck
     from reports.doctor import Finding as Check
     from reports.expected import Finding
+    from reports.fields_job import FieldsReport
     from reports.jobs import Report
+    from reports.maps.advice import Advice
+    from reports.paper.page import PaperReport
     from reports.sweep.progress import State
     from scenes import ContactSolution, Scene
 
@@ -116,12 +119,104 @@ def doctor_json(findings: Sequence[Check], code: int) -> str:
     return _text({"format": FORMAT, "exit_code": code, "passed": code == 0, "checks": checks})
 
 
-def sweep_json(state: State) -> str:
-    """How far a sweep is; `seconds_left` is null where no sweep is at work or no rate is known."""
+def sweep_json(state: State, code: int = 0, **written: Path) -> str:
+    """How far a sweep is, and what was `written`; `seconds_left` is null where no sweep is at work or no rate is known."""
+    return _text({"format": FORMAT, "title": state.title, "exit_code": code, **_points(state), **_names(written)})
+
+
+def _points(state: State) -> dict[str, Any]:
     counts = {name: getattr(state, name) for name in ("done", "failed", "running", "waiting", "total")}
     failures = [{"point": number, "reason": reason} for number, reason in state.failures]
-    more = {"seconds_left": state.left, "damaged": state.damaged, "failures": failures}
-    return _text({"format": FORMAT, "title": state.title, "exit_code": 0, "points": counts, **more})
+    return {"points": counts, "seconds_left": state.left, "damaged": state.damaged, "failures": failures}
+
+
+def _names(written: Mapping[str, Path]) -> dict[str, str]:
+    return {name: str(path) for name, path in written.items()}
+
+
+def maps_json(studies: Mapping[str, State], code: int, page: Path) -> str:
+    """The studies that were run for a map, none where only pages were written, and the page that leads to all."""
+    points = {name: _points(state) for name, state in studies.items()}
+    return _text({"format": FORMAT, "exit_code": code, "passed": code == 0, "studies": points, "page": str(page)})
+
+
+def advice_json(advice: Advice, sentence: str) -> str:
+    """What the maps say: every departure (`errors` null where they know nothing), the sum of what is known, and the answer."""
+    from reports.maps.advice import total
+    from reports.maps.advising import FIGURES
+
+    departures = [
+        {
+            "what": part.what,
+            "errors": None if part.values is None else {_bare(name): _doubted(part.values[name]) for name in FIGURES},
+            "extrapolated": part.extrapolated,
+            "from": part.how,
+        }
+        for part in advice.parts
+    ]
+    return _text(
+        {
+            "format": FORMAT,
+            "scene": advice.scene.name,
+            "exit_code": advice.exit_code,
+            "passed": advice.exit_code == 0,
+            "sentence": sentence,
+            "limit": advice.limit,
+            "within_limit": advice.may,
+            "extrapolated": advice.extrapolated,
+            "contact_half_width": advice.half_width,
+            "departures": departures,
+            "sum_of_known": {_bare(name): _doubted(total(advice.known, name)) for name in FIGURES} if advice.known else None,
+        }
+    )
+
+
+def _bare(figure: str) -> str:
+    return figure.removeprefix("error.")
+
+
+def _doubted(pair: tuple[float, float]) -> dict[str, float]:
+    return {"error": pair[0], "uncertainty": pair[1]}
+
+
+def fields_json(scene: Scene, report: FieldsReport, file: Path) -> str:
+    """What `fields` wrote: every instant with its largest von Mises stress, the files, the notes."""
+    instants = [
+        {
+            "label": one.instant.label,
+            "time": one.time,
+            "normal_load": one.normal_load,
+            "tangential_load": one.tangential_load,
+            "largest_von_mises": {"value": one.largest.value, "body": one.largest.body, "place": list(one.largest.place)},
+        }
+        for one in report.instants
+    ]
+    more = {"notes": list(report.notes), "files": list(report.files), "file": str(file), "seconds": dict(report.seconds)}
+    return _text({"format": FORMAT, "scene": scene.name, "exit_code": 0, "passed": True, "instants": instants, **more})
+
+
+def paper_json(report: PaperReport, code: int, seconds: Mapping[str, float]) -> str:
+    """Both tables of the paper: statements with verdicts, misprints with proofs (`proven` null: nothing to evaluate)."""
+    from reports.paper.page import tally
+
+    return _text(
+        {
+            "format": FORMAT,
+            "exit_code": code,
+            "passed": code == 0,
+            "verdicts": tally(report.statements),
+            "statements": [vars(row) for row in report.statements],
+            "misprints": [vars(row) for row in report.misprints],
+            "page": str(report.page),
+            "seconds": dict(seconds),
+        }
+    )
+
+
+def deck_json(scene: Scene, figures: Mapping[str, Any], file: Path, seconds: Mapping[str, float]) -> str:
+    """What an exported deck holds, and where it is."""
+    more = {"file": str(file), "seconds": dict(seconds)}
+    return _text({"format": FORMAT, "scene": scene.name, "exit_code": 0, "passed": True, **figures, **more})
 
 
 def _text(content: dict[str, Any]) -> str:

@@ -2,30 +2,90 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+from reports import jobs
 from reports.application import OUTSIDE, WITHIN
 from reports.console import say, show_table
 from reports.maps.advising import FIGURES, Part, parts
 from reports.maps.answers import percent
 from reports.maps.atlas import WORDS
-from scenes import InputError, load_scene
+from scenes import InputError, Scene
 
 
-def tell(source: str, limit: float) -> int:
+@dataclass(frozen=True)
+class Advice:
+    """What the maps say of a scene.
+
+    Attributes
+    ----------
+    half_width : a by half-plane theory at the mean (else the largest) load [length]
+    parts : every departure from half-planes; none where theory is the very model
+    limit : error of dissipation up to which theory may be used
+    """
+
+    scene: Scene
+    half_width: float
+    parts: tuple[Part, ...]
+    limit: float
+
+    @property
+    def known(self) -> list[Part]:
+        """The departures of which the maps know something."""
+        return [part for part in self.parts if part.values is not None]
+
+    @property
+    def extrapolated(self) -> bool:
+        """Whether a departure is outside of what was run."""
+        return any(part.extrapolated for part in self.parts)
+
+    @property
+    def may(self) -> bool | None:
+        """Whether the error of dissipation, with its uncertainty, is within the limit; None where a departure is unknown."""
+        if len(self.known) < len(self.parts):
+            return None
+        error, doubt = total(self.known, "error.dissipation")
+        return abs(error) + doubt <= self.limit
+
+    @property
+    def exit_code(self) -> int:
+        """1 where the error may exceed the limit, is not known, or is extrapolated."""
+        return WITHIN if self.may and not self.extrapolated else OUTSIDE
+
+
+def tell(source: str, limit: float, as_json: bool = False) -> int:
     """Print the advice on a scene; 1 where the error of dissipation may exceed `limit`, or is not known."""
-    if not limit > 0:
-        raise InputError(f"--limit {limit:g} is refused: it is an error above 0, such as 0.05")
-    scene = load_scene(source)
+    if not 0 < limit < 1:
+        raise InputError(f"--limit {limit:g} is refused: it is a share above 0 and below 1, such as 0.05 for 5 %")
+    scene = jobs.read(source)
+    advice = Advice(scene, *parts_of(scene), limit)
+    if as_json:
+        from reports.machine import advice_json
+
+        say(advice_json(advice, sentence(advice)))
+        return advice.exit_code
+    if advice.parts:
+        _show(advice, source)
+    say(sentence(advice) if advice.parts else f"{source}: {sentence(advice)}")
+    return advice.exit_code
+
+
+def parts_of(scene: Scene) -> tuple[float, tuple[Part, ...]]:
+    """Half-width and departures."""
     half_width, found = parts(scene)
-    if not found:
-        say(f"{source}: both bodies are half-planes of like materials: half-plane theory is the very model")
-        return WITHIN
-    known = [part for part in found if part.values is not None]
-    rows = [(part.what, *cells(part), part.how) for part in found]
-    if len(found) > 1 and known:
-        rows.append(("sum", *(percent(*total(known, figure)) for figure in FIGURES), "errors and uncertainties added up"))
+    return half_width, tuple(found)
+
+
+def _show(advice: Advice, source: str) -> None:
+    from reports.units import units
+
+    rows = [(part.what, *cells(part), part.how) for part in advice.parts]
+    if len(rows) > 1 and advice.known:
+        name = "sum" if len(advice.known) == len(rows) else "sum of what is known"
+        rows.append((name, *(_cell(*total(advice.known, figure), advice.extrapolated) for figure in FIGURES), "all added up"))
     heads = ("departure", *(WORDS[figure] for figure in FIGURES), "where from")
-    show_table(f"{scene.title or source}: error of half-plane theory, a = {half_width:.4g}", heads, rows)
-    return _verdict(found, known, limit)
+    title = advice.scene.title or source
+    show_table(f"{title}: error of half-plane theory, a = {advice.half_width:.4g} {units(advice.scene)[1]}", heads, rows)
 
 
 def total(known: list[Part], figure: str) -> tuple[float, float]:
@@ -35,23 +95,28 @@ def total(known: list[Part], figure: str) -> tuple[float, float]:
 
 
 def cells(part: Part) -> tuple[str, ...]:
-    """The errors of a departure in words, one a figure."""
+    """The errors of a departure in words, one a figure; nobody knows how far an extrapolated one is off."""
     if part.values is None:
         return ("unknown",) * len(FIGURES)
-    return tuple(percent(*part.values[figure]) for figure in FIGURES)
+    return tuple(_cell(*part.values[figure], part.extrapolated) for figure in FIGURES)
 
 
-def _verdict(found: list[Part], known: list[Part], limit: float) -> int:
-    if len(known) < len(found):
-        say(f"The maps do not know {len(found) - len(known)} of these departures: run it (`halfplane run`).")
-        return OUTSIDE
-    error, doubt = total(known, "error.dissipation")
-    beyond = any(part.extrapolated for part in found)
-    worst = abs(error) + doubt
-    words = f"dissipation by half-plane theory is off by {percent(error, doubt)}"
-    if len(found) > 1:
+def _cell(error: float, doubt: float, extrapolated: bool) -> str:
+    return f"about {100 * error:+.2g} %, extrapolated".replace("-", "−") if extrapolated else percent(error, doubt)
+
+
+def sentence(advice: Advice) -> str:
+    """May theory be used, by how much it is off, and what to do."""
+    if not advice.parts:
+        return "both bodies are half-planes of like materials (Dundurs' β is 0): half-plane theory is the very model"
+    if advice.may is None:
+        return f"The maps do not know {len(advice.parts) - len(advice.known)} of these departures: run it (`halfplane run`)."
+    error, doubt = total(advice.known, "error.dissipation")
+    off = _cell(error, doubt, advice.extrapolated)
+    words = f"dissipation by half-plane theory is off by {off}"
+    if len(advice.parts) > 1:
         words += ", cross terms left out"
-    if beyond:
-        words += "; part of that is extrapolated, so run it (`halfplane run`) before you rely on it"
-    say(f"{'Yes' if worst <= limit else 'No'}: {words}. The limit is {100 * limit:g} %.")
-    return WITHIN if worst <= limit and not beyond else OUTSIDE
+    if advice.extrapolated:
+        words += "; the maps do not reach there, so run it (`halfplane run`) before you rely on it"
+    answer = "No" if not advice.may else "Not sure" if advice.extrapolated else "Yes"
+    return f"{answer}: {words}. The limit is {100 * advice.limit:g} %."

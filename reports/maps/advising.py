@@ -17,6 +17,7 @@ from reports.sweep.figures import QUANTITIES
 from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
 
 FIGURES = ("error.dissipation", "error.p0", "error.contact_half_width")
+_WORDS = {"flat": "b/a", "aspect": "width/height"}
 # Of the error, what the correction left on the worst held-out point: 14 % (map `block`); rounded up.
 _LEFT = 0.15
 
@@ -131,7 +132,7 @@ def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder
     try:
         cycle = to_and_fro(scene)
     except InputError:
-        return replace(found, how=f"{found.how} of constant P and Q = {RATIO} f P, which this loop is not", extrapolated=True)
+        return replace(found, how=f"{found.how}; it has constant P and Q = {RATIO} f P, which this loop is not", extrapolated=True)
     second = [_less_the_law(line) for line in work_lines(folder)]
     # The bodies' own moduli: first and second order go with the share of the curved one.
     share = share_of(scene.material.upper if isinstance(scene.bodies.upper, Pad) else scene.material.lower, scene.material)
@@ -161,25 +162,31 @@ def _unlike(scene: Scene, folder: Path) -> list[Part]:
     if abs(found.beta) < 1e-9:
         return []
     f = scene.friction.coefficient
-    what = f"unlike materials, beta = {found.beta:.3g}, f = {f:g}"
+    what = f"unlike materials, β = {found.beta:.3g}, f = {f:g}".replace("-", "−")
     return [_from_map(what, MAPS["unlike"].charts[0], abs(found.beta), {"f": f}, folder)]
 
 
 def _from_map(what: str, chart: Chart, s: float, place: Mapping[str, float], folder: Path) -> Part:
     if not (folder / f"{chart.study}.csv").exists():
-        return Part(what, None, f"the map `{chart.study}` is not there; make it by `halfplane map all`")
+        return Part(what, None, f"{_source(chart)} is not there; make it by `halfplane map all`")
     every = list(lines(chart, read(folder, chart.study)))
     values, outside = {}, []
     for figure in FIGURES:
-        error, doubt, said = between([line for line in every if line.figure == figure], s, place)
+        error, doubt, said = between([line for line in every if line.figure == figure], s, place, chart.small)
         values[figure] = (error, doubt)
         outside = said
-    how = f"map `{chart.study}`" + (f"; extrapolated: {', '.join(outside)}" if outside else "")
+    how = _source(chart) + (f"; extrapolated: {', '.join(outside)}" if outside else "")
     return Part(what, values, how, bool(outside))
 
 
-def between(found: Sequence[Line], s: float, place: Mapping[str, float]) -> tuple[float, float, list[str]]:
-    """Error and uncertainty at s and a place among the lines, and what lies outside of them.
+def _source(chart: Chart) -> str:
+    """A map by the name that `halfplane map` takes, with the study where it has several."""
+    name = next((asked.name for asked in MAPS.values() if chart in asked.charts), chart.study)
+    return f"map `{name}`" + (f", {chart.study}" if chart.study != name else "")
+
+
+def between(found: Sequence[Line], s: float, place: Mapping[str, float], small: str = "s") -> tuple[float, float, list[str]]:
+    """Error and uncertainty at s, which is called `small`, and a place among the lines, and what lies outside of them.
 
     Along a line as `fitting.along` reads it; between lines, over the logarithms of their coordinates. The doubt is that of the
     points, and a quarter of what neighbouring lines differ by.
@@ -190,13 +197,14 @@ def between(found: Sequence[Line], s: float, place: Mapping[str, float]) -> tupl
         if not names:
             largest = float(chosen[0].s[chosen[0].known].max())
             if s > largest * (1 + 1e-6):
-                outside.append(f"s = {s:.3g} is beyond {largest:.3g}")
+                outside.append(f"{small} = {s:.3g} is beyond {largest:.3g}")
             return along(chosen[0], s)
         name, rest = names[0], names[1:]
         steps = sorted({float(line.at[name]) for line in chosen})
         at = min(max(place[name], steps[0]), steps[-1])
         if not math.isclose(at, place[name], rel_tol=1e-6):
-            outside.append(f"{name} = {place[name]:.3g} is outside {steps[0]:g} to {steps[-1]:g}, taken at {at:g}")
+            there = f"outside {steps[0]:g} to {steps[-1]:g}" if len(steps) > 1 else "not in it"
+            outside.append(f"{_WORDS.get(name, name)} = {place[name]:.3g} is {there}, taken at {at:g}")
         above = next((k for k, step in enumerate(steps) if step >= at * (1 - 1e-9)), len(steps) - 1)
         below = max(above - 1, 0) if steps[above] > at * (1 + 1e-9) else above
         ends = [level(rest, [line for line in chosen if float(line.at[name]) == steps[k]]) for k in (below, above)]

@@ -19,11 +19,23 @@ from scenes import InputError
 _DIGITS = 6
 
 
-def make(name: str, out: Path | None, stores: Path, workers: int | None, *, remake: bool, pages_only: bool, quiet: bool) -> int:
+def make(
+    name: str,
+    out: Path | None,
+    stores: Path,
+    workers: int | None,
+    *,
+    remake: bool,
+    pages_only: bool,
+    quiet: bool,
+    as_json: bool = False,
+) -> int:
     """Run the studies of a map, or of all, and write tables and pages into `out`; 3 where a point failed."""
     from reports.sweep import command, read_index
+    from reports.sweep.progress import state_of
+    from reports.sweep.store import Store
 
-    folder, code = out or PUBLISHED, WITHIN
+    folder, code, states = out or PUBLISHED, WITHIN, {}
     wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
     folder.mkdir(parents=True, exist_ok=True)
     for asked in wanted if not pages_only else ():
@@ -32,12 +44,19 @@ def make(name: str, out: Path | None, stores: Path, workers: int | None, *, rema
             if remake and store.exists():
                 shutil.rmtree(store)
             source = str(STUDIES / f"{study}.toml")
-            code = max(code, command.sweep(source, store, "processes", "", workers, True, quiet))
+            code = max(code, command.sweep(source, store, "processes", "", workers, True, quiet, tell=not as_json))
             replace_text(folder / f"{study}.csv", as_csv(read_index(store)))
             if code > NOT_CONVERGED:
                 return code
+            states[study] = state_of(Store(store))[0]
     write(folder, present(folder))
-    say(str(folder / "README.md"))
+    page = folder / "README.md"
+    if as_json:
+        from reports.machine import maps_json
+
+        say(maps_json(states, code, page))
+    else:
+        say(str(page))
     return code
 
 

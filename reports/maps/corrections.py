@@ -147,11 +147,11 @@ def pad_correction(scene: Scene) -> float:
 
 
 def smaller_than_the_maps(profile: FlatRounded, pad: Pad) -> str:
-    """Which pads the map `pad` has, where this one is smaller than they are; else empty."""
+    """Which pads the map `curvature` has, where this one is smaller than they are; else empty."""
     width = 2 * profile.flat_half_length + 1.4 * profile.radius
     if pad.height >= 0.99 * profile.radius and pad.width >= 0.99 * width:
         return ""
-    return f"the map `pad` has pads 2 b + 1.4 R = {width:g} wide and R = {profile.radius:g} high, or larger"
+    return f"the map `curvature` has pads 2 b + 1.4 R = {width:g} wide and R = {profile.radius:g} high, or larger"
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,19 @@ from reports.sweep.store import Store, StoreError
 _SHOWN = 20
 
 
-def sweep(source: str, out: Path | None, executor: str, scheduler: str, workers: int | None, resume: bool, quiet: bool) -> int:
-    """Run a study, or go on with it; 3 where a point failed."""
+def sweep(
+    source: str,
+    out: Path | None,
+    executor: str,
+    scheduler: str,
+    workers: int | None,
+    resume: bool,
+    quiet: bool,
+    *,
+    tell: bool = True,
+    as_json: bool = False,
+) -> int:
+    """Run a study, or go on with it; 3 where a point failed. Without `tell` nothing is said on stdout."""
     from reports.sweep.crews import available_cores, crew_of
 
     stages = Stages(quiet)
@@ -30,18 +41,26 @@ def sweep(source: str, out: Path | None, executor: str, scheduler: str, workers:
     crew_of(executor, scheduler, workers)
     with stages.stage("checking the study") as report:
         prepared = prepare(source, folder, resume=resume, report=lambda count: report(count, None, "points checked"))
-    _announce(prepared, workers or available_cores(), executor)
+    if tell and not as_json:
+        _announce(prepared, workers or available_cores(), executor)
     again = _command(source, folder, executor, scheduler, workers)
     try:
         with _stopped_by_sigterm(), stages.stage("sweep") as report:
-            tell = teller(stages, report, quiet)
-            table = work(prepared, executor=executor, scheduler=scheduler, workers=workers, report=tell)
+            told = teller(stages, report, quiet)
+            table = work(prepared, executor=executor, scheduler=scheduler, workers=workers, report=told)
     except KeyboardInterrupt:
         complain(f"halfplane: interrupted; {_stored(prepared)}; go on with: {again}")
         return INTERRUPTED
     except StoreError as fault:
         raise StoreError(f"{fault}; {_stored(prepared)}; once there is room go on with: {again}") from fault
-    return _summary(prepared.store, table)
+    code = NOT_CONVERGED if any(row["status"] != "done" for row in table.rows) else WITHIN
+    if as_json:
+        from reports.machine import sweep_json
+
+        say(sweep_json(state_of(prepared.store)[0], code, file=prepared.store.folder / "index.csv"))
+    elif tell:
+        _summary(prepared.store, table)
+    return code
 
 
 def _announce(prepared: Prepared, workers: int, executor: str) -> None:
@@ -93,19 +112,23 @@ def _stopped_by_sigterm() -> Generator[None, None, None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def _summary(store: Store, table: Table) -> int:
+def _summary(store: Store, table: Table) -> None:
     failed = [row for row in table.rows if row["status"] != "done"]
     if failed:
         rows = [(str(row["number"]), described({name: row[name] for name in table.axes}), row["reason"]) for row in failed[:_SHOWN]]
         show_table(f"{len(failed)} of {len(table.rows)} points failed", ("point", "at", "reason"), rows)
     say(f"{len(table.rows) - len(failed)} points done, {len(failed)} failed; `halfplane sweep report {store.folder}` draws them")
     say(str(store.folder / "index.csv"))
-    return NOT_CONVERGED if failed else WITHIN
 
 
-def status(folder: Path) -> int:
+def status(folder: Path, as_json: bool = False) -> int:
     """How far a sweep is, from outside."""
     state, _ = state_of(Store(folder))
+    if as_json:
+        from reports.machine import sweep_json
+
+        say(sweep_json(state))
+        return WITHIN
     show_table(state.title or str(folder), ("points", "number"), _counts(state), right=(1,))
     for name in state.damaged:
         say(f"damaged and set aside: results/{name}; the next sweep makes it anew")
@@ -125,9 +148,16 @@ def _counts(state: State) -> Sequence[tuple[str, str]]:
     return [(name, str(getattr(state, name))) for name in names]
 
 
-def report(folder: Path) -> int:
+def report(folder: Path, as_json: bool = False) -> int:
     """The page of what is there so far."""
     from reports.sweep.page import write_page
 
-    say(str(write_page(Store(folder))))
+    store = Store(folder)
+    page = write_page(store)
+    if as_json:
+        from reports.machine import sweep_json
+
+        say(sweep_json(state_of(store)[0], page=page))
+    else:
+        say(str(page))
     return WITHIN

@@ -1,0 +1,136 @@
+"""`--json`: one JSON document on stdout and nothing else, the same figures as the words, and the exit code of the words."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from reports.application import OUTSIDE, WITHIN
+from reports.cli import main
+from reports.machine import FORMAT, paper_json
+from reports.paper.page import PaperReport
+from reports.paper.tables import Misprint, Statement, Verdict
+from scenes import scene_text
+from test_cli_commands import COARSE
+
+STUDY = """
+title = "Friction"
+scene = "hertz-paper"
+engines = ["exact"]
+figures = ["exact.dissipation"]
+[[axes]]
+name = "f"
+key = "friction.coefficient"
+values = [1.0, 1.2]
+"""
+
+
+@pytest.fixture
+def said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Any:
+    """Runs a command in an empty folder: its exit code and the document that is its whole stdout."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: str) -> tuple[int, dict[str, Any]]:
+        code = main([*words, "--json"])
+        found = json.loads(capsys.readouterr().out)
+        assert found["format"] == FORMAT
+        assert found["exit_code"] == code
+        return code, found
+
+    return run
+
+
+class TestAdvice:
+    def test_every_departure_and_their_sum(self, said: Any) -> None:
+        code, found = said("advise", "blocks")
+        assert code == WITHIN
+        assert found["within_limit"] is found["passed"] is True
+        (blocks,) = found["departures"]
+        assert blocks["errors"] == found["sum_of_known"]
+        assert blocks["errors"]["dissipation"]["error"] == pytest.approx(-0.0277, abs=0.005)  # the published run
+        assert set(blocks["errors"]) == {"dissipation", "p0", "contact_half_width"}
+        assert found["sentence"].startswith("Yes: dissipation")
+
+    def test_beyond_the_limit_is_outside(self, said: Any) -> None:
+        code, found = said("advise", "blocks", "--limit", "0.02")
+        assert code == OUTSIDE
+        assert found["within_limit"] is found["passed"] is False
+
+    def test_what_no_map_knows_is_null_and_outside(self, said: Any) -> None:
+        code, found = said("advise", "pad-on-block")
+        assert code == OUTSIDE
+        assert (found["within_limit"] is None) is any(one["errors"] is None for one in found["departures"])
+
+    def test_half_planes_have_no_departure(self, said: Any) -> None:
+        _, found = said("advise", "hertz-paper")
+        assert found["departures"] == []
+        assert found["sum_of_known"] is None
+
+
+def test_extrapolated_advice_has_no_uncertainty_in_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A flat pad of a/R = 0.54: the map ends at 0.4, and its own uncertainty there was printed as if it were known beyond."""
+    monkeypatch.setenv("COLUMNS", "400")
+    text = scene_text("flat-pad-on-block").split("[[expected]]")[0].split("[tolerances]")[0]
+    (tmp_path / "pad.toml").write_text(text, encoding="utf-8")
+    assert main(["advise", str(tmp_path / "pad.toml")]) == OUTSIDE
+    out = capsys.readouterr().out
+    (arcs,) = (line for line in out.splitlines() if "true arcs" in line)
+    assert "extrapolated" in arcs
+    assert "about −" in arcs
+    assert "±" not in arcs
+    assert "map `curvature`, pad" in out  # the name that `halfplane map` takes
+
+
+def test_a_limit_in_per_cent_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["advise", "blocks", "--limit", "5"]) == 2
+    assert "such as 0.05 for 5 %" in capsys.readouterr().err
+
+
+def test_fields_tell_instants_and_files(said: Any) -> None:
+    code, found = said("fields", "hertz-normal", "--no-pictures", "--quiet", *COARSE)
+    assert code == WITHIN
+    assert Path(found["file"]).exists()
+    assert all((Path("out/hertz-normal") / name).exists() for name in found["files"])
+    assert all(one["largest_von_mises"]["value"] > 0 for one in found["instants"])
+    assert found["instants"]
+
+
+def test_export_tells_what_the_deck_holds(said: Any) -> None:
+    code, found = said("export", "hertz-normal", "--to", "calculix", "--quiet")
+    assert code == WITHIN
+    deck = Path(found["file"]).read_text(encoding="utf-8")
+    assert found["nodes"] > found["elements"] / 2 > 100
+    assert f"\n{found['nodes']}, " in deck
+
+
+def test_a_sweep_tells_its_points_and_where_its_files_are(said: Any, tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    code, found = said("sweep", "study.toml", "--workers", "1", "--quiet")
+    assert code == WITHIN
+    assert found["points"]["done"] == found["points"]["total"] == 2
+    assert Path(found["file"]).read_text(encoding="utf-8").count("\n") == 3
+    assert said("sweep", "status", "out/study")[1]["points"] == found["points"]
+    page = said("sweep", "report", "out/study")[1]
+    assert page["points"] == found["points"]
+    assert Path(page["page"]).exists()
+
+
+def test_a_map_tells_its_page(said: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: list[Path] = []
+    monkeypatch.setattr("reports.maps.command.write", lambda folder, there: written.append(folder))
+    code, found = said("map", "unlike", "--pages", "--out", "maps")
+    assert code == WITHIN
+    assert found["studies"] == {}  # pages alone run none
+    assert [Path(found["page"]).parent] == written
+
+
+def test_the_paper_tells_both_tables() -> None:
+    statement = Statement("key", "where", "words", "computed", Verdict.REFINED, {"a": 1.0})
+    misprint = Misprint("key", "where", "printed", "right", "proof", None, {})
+    found = json.loads(paper_json(PaperReport((statement,), (misprint,), Path("out/report.html")), 0, {"page": 1.0}))
+    assert found["verdicts"] == {"confirmed": 0, "refined": 1, "contradicted": 0}
+    assert found["statements"][0]["verdict"] == "refined"
+    assert found["misprints"][0]["proven"] is None
