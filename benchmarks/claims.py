@@ -25,6 +25,7 @@ import diagnosis
 import engines
 import far_field
 import faults
+import fe_edges
 import fe_orders
 import fe_peers
 import fe_precision
@@ -35,12 +36,14 @@ import page
 import penalty
 import real_bodies
 import score_examples
+import score_rules
 import semi_analytic_batch
 import semi_analytic_extremes
 import semi_analytic_histories
 import semi_analytic_precision
 import stress
 import sweep
+import sweep_coverage
 from claim import ROOT, Row, commit, table
 from regress_truth import DIGITS
 
@@ -96,6 +99,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Finite elements: work and precision": fe_precision.precision,
         "Finite elements: beside peers": fe_peers.peers,
         "Finite elements: growth of the cost": fe_scaling.scaling,
+        "Finite elements: edges and increments": fe_edges.rows,
         "Finite elements: penalty and exact law": penalty.penalty,
         "Finite elements: planted faults": must_fail.must_fail,
         "Real bodies": real_bodies.rows,
@@ -105,8 +109,10 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Error budget: planted faults": blame.rows,
         "Other people's results: diagnosis of planted faults": diagnosis.rows,
         "Other people's results: the examples": score_examples.rows,
+        "Other people's results: rules and readers": score_rules.rows,
         "The report": page.rows,
         "Sweeps": sweep.rows,
+        "Sweeps: cheap uncertainty": sweep_coverage.rows,
         "Time": engines.times,
     }
 

@@ -2,7 +2,7 @@
 
     python docs/pages.py
 
-verification.md, gallery.md, misprints.md, architecture.svg, values.json, and our columns in third.md. A test makes all of it again.
+verification.md, gallery.md, misprints.md, architecture.svg, values.json, and the tables of third.md. A test makes all of it again.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ FOLDER = Path(__file__).parent
 ROOT = FOLDER.parent
 PUBLISHED = ROOT / "reports" / "published"
 WRITTEN = "<!-- written by `make pages` -->"
-_THIRD_COLUMNS = 10
+THIRD = ROOT / "benchmarks" / "third.json"
+_COUNTS = ("nodes", "instants", "increments", "iterations")
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
 
 
@@ -57,22 +58,46 @@ def without_rounding(text: str) -> str:
 def values(examples: Paper) -> dict[str, quoting.Entry]:
     """What pages quote by a key, and nothing else: what is shown, where it comes from."""
     known = quoting.paper_values(examples) | quoting.published_values(published())
+    known |= quoting.third_values(third(), published())
+    known |= quoting.claim_values(json.loads((FOLDER / "numbers.json").read_text(encoding="utf-8")))
     for path in sorted((PUBLISHED / "maps").glob("*.md")):
         known |= quoting.map_values(path.stem, path.read_text(encoding="utf-8"))
     asked = set[str]().union(*(quoting.quoted(path.read_text(encoding="utf-8")) for path in FOLDER.glob("*.md")))
     return {key: known[key] for key in sorted(asked & known.keys())}
 
 
+def third() -> dict[str, Any]:
+    """What CalculiX gave, by case: benchmarks/third.json."""
+    return json.loads(THIRD.read_text(encoding="utf-8"))
+
+
 def third_opinion(text: str) -> str:
-    """The page with our published figures in its table of scenes; CalculiX' columns stay those of the day on which it ran."""
-    scenes, lines = published(), text.splitlines()
-    for place, line in enumerate(lines):
-        cells = line.strip("| ").split(" | ")
-        if (content := scenes.get(cells[0].removesuffix(" *"))) and len(cells) == _THIRD_COLUMNS:
-            keys = ("peak_pressure", "shear", "dissipation")
-            cells[-5::2] = [quoting.published_share(content, key, signed=True) or "–" for key in keys]
-            lines[place] = f"| {' | '.join(cells)} |"
-    return "\n".join(lines) + "\n"
+    """The page with its two tables: CalculiX' figures as benchmarks/third.py measured them, ours as published."""
+    cases = third()
+    for words, of in (("two revolutions", ", 2 revolutions"), ("one revolution", "")):
+        begin, end = f"<!-- {words}: written by `make pages` -->", f"<!-- end of {words} -->"
+        table = _third_table({name: case for name, case in cases.items() if name.partition(",")[0] + of == name})
+        before, _, rest = text.partition(begin)
+        text = "\n".join([f"{before}{begin}", "", *table, "", f"{end}{rest.partition(end)[2]}"])
+    return text
+
+
+def _third_table(cases: Mapping[str, Any]) -> Iterator[str]:
+    """A row for each case: size, cost, each error beside ours, and when it was measured."""
+    scenes = published()
+    errors = "peak p: CalculiX | ours | q, L2: CalculiX | ours | W: CalculiX | ours"
+    yield f"| scene | nodes, instants | increments, iterations | time [s] | {errors} | measured |"
+    yield f"|{'---|' * 11}"
+    for name, case in sorted(cases.items()):
+        scene = name.partition(",")[0]
+        shown = {key: "–" if case[key] is None else f"{case[key]:.0f}" for key in ("seconds", *_COUNTS)}
+        nodes, instants, increments, iterations = (shown[key] for key in _COUNTS)
+        cells = [scene, f"{nodes}, {instants}", f"{increments}, {iterations}", shown["seconds"]]
+        for key in ("peak_pressure", "shear", "dissipation"):
+            theirs, ours = case["errors"].get(key), quoting.published_share(scenes[scene], key)
+            cells += [quoting.share(scenes[scene], key, theirs) or case["failure"] or "–", ours or "–"]
+        cells.append(f"{case['code']}, {case['day']}, " + (case.get("commit") or f"by hand, {case['typed']}"))
+        yield f"| {' | '.join(cells)} |"
 
 
 # ----------------------------------------------------------------------------------------------------------- verification

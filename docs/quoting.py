@@ -2,6 +2,8 @@
 
 - `peak pressure, SCENE` and the like: reports/published/values.json
 - the paper's: its statements and misprints, worked out anew
+- `SECTION: CLAIM`: docs/numbers.json, by make numbers
+- `CalculiX, CASE: FIGURE`: benchmarks/third.json, by benchmarks/third.py
 - `MAP: ROW: COLUMN` is a cell of a table on a page of reports/published/maps, ROW being the row's first cells; `MAP: SOME WORDS` is
   the sentence on it that starts so
 """
@@ -58,13 +60,42 @@ def published_values(scenes: Mapping[str, Any]) -> dict[str, Entry]:
     return found
 
 
-def published_share(content: Mapping[str, Any], key: str, *, signed: bool = False) -> str | None:
-    """A metric of a published scene in per cent, norms without a sign unless asked; None where it has no value or is no share."""
-    value = content["frozen"].get(f"metric.{key}")
+def published_share(content: Mapping[str, Any], key: str) -> str | None:
+    """A metric of a published scene in per cent; None where it has no value or is no share."""
+    return share(content, key, content["frozen"].get(f"metric.{key}"))
+
+
+def share(content: Mapping[str, Any], key: str, value: float | None) -> str | None:
+    """A metric of a published scene, or of another code on it, in per cent, norms without a sign; None where it is no share."""
     if value is None or (key == "dissipation" and "dissipation" in content["absolute"]):
         return None
-    sign = "+" if signed or key not in {"pressure", "shear"} else ""
+    sign = "" if key in {"pressure", "shear"} else "+"
     return f"{100 * value:{sign}.2g} %".replace("-", "−")
+
+
+def claim_values(kept: Mapping[str, Any]) -> dict[str, Entry]:
+    """Key -> figure of every claim of docs/numbers.json: counts as they are, others to two digits."""
+    found: dict[str, Entry] = {}
+    for title, section in kept.items():
+        for row in section["rows"]:
+            value, unit = row["measured"], row["unit"]
+            shown = f"{value:.0f}" if value.is_integer() else f"{value:.2g}"
+            source = f"{row['how']}; make numbers, on {section['commit']}"
+            found[f"{title}: {row['what']}"] = _entry(f"{shown} {unit}".strip(), source)
+    return found
+
+
+def third_values(cases: Mapping[str, Any], scenes: Mapping[str, Any]) -> dict[str, Entry]:
+    """Key -> figure of CalculiX on a case of benchmarks/third.json, and how many scenes it was tried on and converged."""
+    found: dict[str, Entry] = {}
+    for name, case in cases.items():
+        source = f"{case['code']} on {case['day']}, benchmarks/third.py"
+        for key, value in case["errors"].items():
+            if (shown := share(scenes[name.partition(",")[0]], key, value)) is not None:
+                found[f"CalculiX, {name}: {key}"] = _entry(shown, source)
+    tried = [case for name, case in cases.items() if name in scenes]
+    counts = {"tried": len(tried), "converged": sum(not case["failure"] for case in tried)}
+    return found | {f"CalculiX, scenes {words}": _entry(str(n), "benchmarks/third.json") for words, n in counts.items()}
 
 
 def map_values(name: str, page: str) -> dict[str, Entry]:
