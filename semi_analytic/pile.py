@@ -82,17 +82,13 @@ class Pile:
         return ()
 
     @property
-    def seams(self) -> Array:
-        """Half-widths from a(0) up between which P and dP/da are one smooth function each; the breaks are among them."""
-        return np.array([self.least, *self.breaks])
-
-    @property
     def noise(self) -> float:
         """Relative error of P and dP/da themselves."""
         return 2 * _EPS
 
     @cached_property
     def _begins(self) -> Array:
+        """Half-widths from a(0) up behind which P and dP/da are one smooth function each of sqrt(a - begin)."""
         return np.array([self.least, *self.breaks])
 
     @cached_property
@@ -111,7 +107,7 @@ class Pile:
             number = np.minimum(np.searchsorted(sheet.x, x), len(sheet.x) - 1)
             if top <= sheet.top < top * 2.0 ** (OCTAVES // 2) and np.array_equal(sheet.x[number], x):
                 return sheet, number
-        sheet = sheet_of(kind, x, top, self.seams, self._begins, (self.load, self.stiffness), order)
+        sheet = sheet_of(kind, x, top, self._begins, (self.load, self.stiffness), order)
         known[:] = [sheet, *known[: _REMEMBERED - 1]]
         return sheet, np.arange(len(x))
 

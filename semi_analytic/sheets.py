@@ -91,19 +91,18 @@ class Sheet:
         return clenshaw(self.coefficients, number, t), self.error[number]
 
 
-def sheet_of(kind: Kind, x: Array, top: float, seams: Array, begins: Array, laws: tuple[Law, Law], order: int) -> Sheet:
+def sheet_of(kind: Kind, x: Array, top: float, begins: Array, laws: tuple[Law, Law], order: int) -> Sheet:
     """The integral of an order (0: w = 1, 1: w = P) at points `x` (k,), ascending.
 
     Parameters
     ----------
     top : largest half-width
-    seams : half-widths between which the laws are smooth in sqrt(alpha - b), from a(0) up
-    begins : b of the stretches: a(0) and the corners
+    begins : b of the stretches in which the laws are smooth in sqrt(alpha - b): a(0) and the corners
     laws : P and dP/da
     """
     # Octaves, so that a small half-width has digits of its own.
     octaves = begins[0] + (top - begins[0]) * 0.5 ** np.arange(1, OCTAVES)
-    marks = np.append(np.union1d(seams[seams < top], octaves), top)
+    marks = np.append(np.union1d(begins[begins < top], octaves), top)
     panels = _panels(kind, x, marks, begins)
     found, coefficients, tails = [], [], []
     coarse = np.full(len(panels.point), np.inf)
