@@ -31,8 +31,6 @@ _PIECES = 1024
 _SETTLED = 1e-10
 _PATIENT, _NOTHING = 3, 1e-14
 _LEVELS = 16
-# An amplitude below this part of the mean moves no edge; dividing by a subnormal one overflows.
-_STILL = 1e-200
 
 
 def works_in_pieces(e: Ellipses, profiles: Profiles) -> tuple[Array, Array]:
@@ -67,8 +65,7 @@ def _works(e: Ellipses, profiles: Profiles) -> dict[str, Array]:
 
 def angles(e: Ellipses, corners: Array) -> dict[str, Array]:
     """Ends of the pieces of each phase, ascending, (marks, m), for corners (c, m)."""
-    amplitude = np.where(e.amplitude > _STILL * e.mean, e.amplitude, np.inf)
-    cosine = (corners - e.mean) / amplitude
+    cosine = (corners - e.mean) / np.where(e.moving, e.amplitude, np.inf)
     above = np.maximum(corners - e.permanent, 0.0)
     # Corners that are not met, but nearly: a cut at the greatest or least load.
     high, low = np.arccos(np.clip(cosine, -1.0, 1.0)), np.arccos(np.clip(-cosine, -1.0, 1.0))

@@ -23,8 +23,6 @@ Array = NDArray[np.float64]
 _CHUNK = 500
 _GRID = np.arange(1, 24) / 24
 _ZOOMS = 7
-# An amplitude below this part of the mean moves no edge; dividing by a subnormal one overflows.
-_STILL = 1e-200
 
 
 def density_of(e: Ellipses, contact: BatchContact | Profiles, x: Array) -> tuple[Array, Array]:
@@ -41,9 +39,8 @@ def _densities(e: Ellipses, profiles: Profiles, x: Array) -> tuple[Array, Array]
     """The same for x (m, 1), all at once."""
     contact = profiles.of((slice(None), None))
     edge = contact.load(x)
-    span = 2 * e.amplitude
-    moving = span > _STILL * e.mean
-    risen = np.where(moving, (edge - e.mean + e.amplitude) / np.where(moving, span, 1.0), np.where(edge > e.mean, 1.0, 0.0))
+    share = (edge - e.mean + e.amplitude) / np.where(e.moving, 2 * e.amplitude, 1.0)
+    risen = np.where(e.moving, share, np.where(edge > e.mean, 1.0, 0.0))
     away = 2 * np.arcsin(np.sqrt(np.clip(risen, 0.0, 1.0)))
     above, start, turn = np.maximum(edge - e.permanent, 0.0), e.start, e.turn
     passed = [2 * np.arcsin(np.sqrt(np.minimum(above / np.where(size > 0, size, np.inf), 1.0))) for size in (e.v, e.u)]

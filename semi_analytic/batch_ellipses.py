@@ -56,6 +56,11 @@ class Ellipses:
         """t_E in (0, pi]."""
         return np.arctan2(self.sine, self.cosine)
 
+    @property
+    def moving(self) -> NDArray[np.bool_]:
+        """Whether P moves: an amplitude below 1e-200 of the mean moves no edge, and dividing by a subnormal one overflows."""
+        return self.amplitude > 1e-200 * self.mean
+
     def load(self, cosine: Array) -> Array:
         """P where cos t is known, from the least load so that it keeps its digits close to full unloading."""
         return (self.mean - self.amplitude) + self.amplitude * (1 + cosine)
