@@ -20,7 +20,7 @@ from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.hertz import log_excess
 from semi_analytic.pile import rising_root
 from semi_analytic.quadrature import gauss
-from semi_analytic.tip import tip_load, tip_log, tip_pressure
+from semi_analytic.tip import tip_load, tip_log, tip_pressure, tip_rise
 
 Array = NDArray[np.float64]
 
@@ -59,11 +59,9 @@ class CompoundContacts:
         rest = np.maximum(np.asarray(load, dtype=float) - self.corner_loads[0], 0.0)
 
         def above(square: Array) -> Array:
-            # P - P(b): the tip's share is pi/2 tau^2 - F, or by its closed form where that is large.
-            t = np.sqrt(square)
-            flat = load_function(t)
-            tip = np.where(t < 1, np.pi / 2 * square - flat, (1 + square) * np.arctan2(1, t) + t - np.pi / 2)
-            return inner * tip + outer * flat
+            # P - P(b)
+            flat = load_function(np.sqrt(square))
+            return inner * tip_rise(square, flat) + outer * flat
 
         guess = rest / (inner + outer) + np.where(outer > 0, 0.0, np.square(rest / (2 * inner)))
         return np.sqrt(rising_root(above, lambda square: self.rate(np.sqrt(square)), rest, guess))

@@ -18,7 +18,7 @@ from scenes.chebyshev import Pieces, halved
 from semi_analytic.flat_law import load_function, log_function
 from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.pile import Pile, rising_root
-from semi_analytic.tip import tip_load, tip_log, tip_stiffness
+from semi_analytic.tip import tip_load, tip_log, tip_rise, tip_stiffness
 
 Array = NDArray[np.float64]
 
@@ -62,14 +62,13 @@ class CompoundContact(Pile):
         return half / self.inner_radius, half / self.outer_radius
 
     def _excess(self, square: Array) -> Array:
-        """P - P(b) as a function of tau^2: the tip's share is pi/2 tau^2 - F, or by its closed form where that is large."""
+        """P - P(b) as a function of tau^2."""
         inner, outer = self._units
-        t = np.sqrt(square)
-        edge = load_function(t)
-        tip = np.where(t < 1, np.pi / 2 * square - edge, (1 + square) * np.arctan2(1, t) + t - np.pi / 2)
-        return inner * tip + outer * edge
+        edge = load_function(np.sqrt(square))
+        return inner * tip_rise(square, edge) + outer * edge
 
     def _slope(self, square: Array) -> Array:
+        """dP/d(tau^2)."""
         inner, outer = self._units
         angle = np.arctan(np.sqrt(square))
         return inner * (np.pi / 2 - angle) + outer * angle

@@ -27,6 +27,18 @@ def tip_load(a: ArrayLike, b: ArrayLike) -> Array:
     return (end * tau + half * half * np.arctan2(end, tau)) / 2
 
 
+def tip_rise(square: Array, flat: Array) -> Array:
+    """P - P(b) over b^2/2, (1 + t^2) arccot t + t - pi/2 with t = tau/b, from t^2 and F(t) = `flat` of `flat_law`.
+
+    The same as pi/2 t^2 - F(t), which keeps its digits where t is small; the other does where t is large.
+
+    >>> round(float(tip_rise(np.array(1.0), np.array(np.pi / 2 - 1))), 12)
+    1.0
+    """
+    t = np.sqrt(square)
+    return np.where(t < 1, np.pi / 2 * square - flat, (1 + square) * np.arctan2(1, t) + t - np.pi / 2)
+
+
 def tip_stiffness(a: ArrayLike, b: ArrayLike) -> Array:
     """dP/da = a arcsin(b/a)."""
     half, end = np.asarray(a, dtype=float), np.minimum(b, a)
