@@ -85,8 +85,10 @@ def third_opinion(text: str) -> str:
 def _third_table(cases: Mapping[str, Any]) -> Iterator[str]:
     """A row for each case: size, cost, each error beside ours, and when it was measured."""
     scenes = published()
+    days = sorted({f"{case['code']} on {case['day']}" for case in cases.values()})
+    yield from (f"Measured with {' and '.join(days)}.", "")
     errors = "peak p: CalculiX | ours | q, L2: CalculiX | ours | W: CalculiX | ours"
-    yield f"| scene | nodes, instants | increments, iterations | time [s] | {errors} | measured |"
+    yield f"| scene | nodes, instants | increments, iterations | time [s] | {errors} | commit |"
     yield f"|{'---|' * 11}"
     for name, case in sorted(cases.items()):
         scene = name.partition(",")[0]
@@ -96,8 +98,8 @@ def _third_table(cases: Mapping[str, Any]) -> Iterator[str]:
         for key in ("peak_pressure", "shear", "dissipation"):
             theirs, ours = case["errors"].get(key), quoting.published_share(scenes[scene], key)
             cells += [quoting.share(scenes[scene], key, theirs) or case["failure"] or "–", ours or "–"]
-        cells.append(f"{case['code']}, {case['day']}, " + (case.get("commit") or f"by hand, {case['typed']}"))
-        yield f"| {' | '.join(cells)} |"
+        cells.append(case.get("commit") or f"by hand, {case['typed']}")
+        yield f"| {' | '.join(cells)} |".replace(" %", "\u00a0%")
 
 
 # ----------------------------------------------------------------------------------------------------------- verification
