@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from scenes import Record, Scene, Work, freeze
+from scenes import Materials, Record, Scene, Work, freeze
 from semi_analytic.elasticity import coupling_constant
 from semi_analytic.history import Span
 from semi_analytic.memory import pieces, value_on
@@ -69,9 +69,7 @@ def _mismatch(snapshot: Snapshot) -> Array:
 
 
 def _notes(scene: Scene, question: Question, errors: Mapping[str, float]) -> Iterator[str]:
-    beta = coupling_constant(scene.material)
-    if beta != 0:
-        yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
+    yield from neglected_coupling(scene.material)
     steady = question.route.history.steady_from
     unsteady = steady is None or question.route.covered[-1] < steady
     if unsteady and "dissipation" in question.fields and question.route.period is not None:
@@ -81,15 +79,19 @@ def _notes(scene: Scene, question: Question, errors: Mapping[str, float]) -> Ite
             yield f"{name}: quadratures and rounding may have left an error of {error:.1e} of the largest value"
 
 
+def neglected_coupling(material: Materials) -> Iterator[str]:
+    """A sentence where the materials couple normal and shear tractions, which half-plane theory here leaves out."""
+    beta = coupling_constant(material)
+    if beta != 0:
+        yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
+
+
 def work_of(scene: Scene, question: Question, work_done: Dissipations, seconds: Mapping[str, float]) -> Work:
     """What was done and what was not."""
     history = question.route.history
     alive = max(_depths(history.spans))
-    skipped = {name: (len(question.time), "not asked for") for name in FIELDS if name not in question.fields}
-    if history.steady_from is not None:
-        copies = max(scene.cycles, len(question.route.covered)) - len(history.cycles)
-        if copies > 0 and not question.route.straight:
-            skipped["cycles"] = (copies, f"copies of cycle {history.steady_from + 1}, which is steady")
+    copies = max(scene.cycles, len(question.route.covered)) - len(history.cycles)
+    skipped = not_evaluated(question.fields, len(question.time), None if question.route.straight else history.steady_from, copies)
     if work_done.stick_spans:
         skipped["quadratures"] = (work_done.stick_spans, "full stick: nothing slips")
     counts = {
@@ -103,6 +105,14 @@ def work_of(scene: Scene, question: Question, work_done: Dissipations, seconds: 
         "quadrature_nodes": work_done.slip_spans * NODES,
     }
     return Work(counts, skipped, dict(seconds))
+
+
+def not_evaluated(fields: Collection[str], instants: int, steady_from: int | None, copies: int) -> dict[str, tuple[int, str]]:
+    """What was skipped, with count and reason: fields that nobody asked for, cycles that are `copies` of a steady one."""
+    skipped = {name: (instants, "not asked for") for name in FIELDS if name not in fields}
+    if steady_from is not None and copies > 0:
+        skipped["cycles"] = (copies, f"copies of cycle {steady_from + 1}, which is steady")
+    return skipped
 
 
 def _depths(spans: Iterable[Span]) -> Iterator[int]:

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import ContactSolution, Record, Scene, Work, freeze
-from semi_analytic.bookkeeping import versions
+from semi_analytic.bookkeeping import neglected_coupling, not_evaluated, versions
 from semi_analytic.contact import Contact, contact_of
-from semi_analytic.elasticity import composite_modulus, coupling_constant
+from semi_analytic.elasticity import composite_modulus
 from semi_analytic.errors import field_errors
 from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.proofs import certificates, ending
-from semi_analytic.question import FIELDS, folded, spread
+from semi_analytic.question import folded, spread
 from semi_analytic.rounding import rounding_of_slip
 from semi_analytic.route import Cycles
 from semi_analytic.time_series import Series, calendar_of, follow, instants_of
@@ -134,9 +134,7 @@ def _record(scene: Scene, asked: Asked, series: Series, factor: float, grids: Ma
 
 
 def _notes(scene: Scene, asked: Asked, series: Series, thinned: int) -> Iterator[str]:
-    beta = coupling_constant(scene.material)
-    if beta != 0:
-        yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
+    yield from neglected_coupling(scene.material)
     if series.calendar.period is not None and "dissipation" in asked.fields:
         yield "no closed integral of Q dU is taken over a long series: the dissipation was found in one way only"
     if thinned:
@@ -145,12 +143,9 @@ def _notes(scene: Scene, asked: Asked, series: Series, thinned: int) -> Iterator
 
 def _work(scene: Scene, asked: Asked, series: Series, seconds: Mapping[str, float]) -> Work:
     calendar, passes = series.calendar, series.passes
-    skipped = {name: (len(asked.time), "not asked for") for name in FIELDS if name not in asked.fields}
     solved = len(calendar.tables) - 1 if calendar.period is not None else 1
-    if calendar.steady_from is not None:
-        copies = max(scene.cycles, len(calendar.covered)) - solved
-        if copies > 0:
-            skipped["cycles"] = (copies, f"copies of cycle {calendar.steady_from + 1}, which is steady")
+    copies = max(scene.cycles, len(calendar.covered)) - solved
+    skipped = not_evaluated(asked.fields, len(asked.time), calendar.steady_from, copies)
     slips = sum(each.slips for each in passes)
     counts = {
         "instants": len(asked.time),
