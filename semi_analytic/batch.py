@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semi_analytic.batch_cuts import works_in_pieces
-from semi_analytic.batch_ellipses import Ellipses, ellipses_of
+from semi_analytic.batch_ellipses import Ellipses
 from semi_analytic.batch_flat import LOW, area_at_all_loads, area_at_low_loads, careful_area
 from semi_analytic.batch_kernel import ROWS, Area, Room, bracket, members_at_once, sums
 from semi_analytic.batch_profiles import BatchContact, Profiles
@@ -18,8 +18,6 @@ from semi_analytic.batch_rules import RULES, rule_of
 from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.hertz import HertzContact, log_excess
 from semi_analytic.power_law import PowerLawContact
-
-__all__ = ["Ellipses", "Reason", "dissipation_of", "ellipses_of"]
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, Scene, freeze
-from semi_analytic.batch import Ellipses, dissipation_of, ellipses_of
+from semi_analytic.batch import dissipation_of
 from semi_analytic.batch_density import density_of
+from semi_analytic.batch_ellipses import Ellipses, ellipses_of
 from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
 from semi_analytic.corners import has_corners
 from semi_analytic.errors import dissipation_error, field_errors
@@ -147,7 +148,7 @@ def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
     """Friction work of a solved cycle and its relative error; a steady ellipse by formulas that keep their digits, however small
     the slip.
     """
-    if question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact):
+    if _is_smooth_loop(question, number):
         forward, reverse = dissipation_of(_loop(question), question.contact)
         return _unit_of_work(question) * float(forward[0] + reverse[0]), 0.0
     spans = question.route.history.cycles[number]
@@ -160,13 +161,18 @@ def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
 def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
     """W(x) of a solved cycle, (k,), and its error over its largest value."""
     x = question.distance
-    if question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact):
+    if _is_smooth_loop(question, number):
         forward, reverse = density_of(_loop(question).take(np.zeros(len(x), dtype=int)), question.contact, x)
         return _unit_of_work(question) * (forward + reverse), 0.0
     spans = question.route.history.cycles[number]
     split = pointwise_dissipation(question.contact, question.modulus, spans, x)
     worst = float(np.max(split.error))
     return split.total, (worst / float(np.max(split.total)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
+
+
+def _is_smooth_loop(question: Question, number: int) -> bool:
+    """Whether a cycle is the steady state of an ellipse whose work the formulas of `batch_ellipses` give."""
+    return question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact)
 
 
 def _loop(question: Question) -> Ellipses:
