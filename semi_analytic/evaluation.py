@@ -34,14 +34,14 @@ class Asked(Protocol):
 
 
 def series_of(asked: Asked, snapshot: Snapshot) -> dict[str, Array]:
-    """Loads, half-widths, edges and rigid movements: (n,) or (n, 2)."""
+    """Loads, half-widths, edges and rigid movements: (n,) or (n, 2); ArithmeticError where no half-width was found for a load."""
     contact, fields = asked.contact, asked.fields
     factor, nothing = 2 / (math.pi * asked.modulus), np.full(len(asked.time), np.nan)
     front = snapshot.load - snapshot.slipped
-    half = contact.half_width(snapshot.load)
+    half = _half_width(contact, snapshot.load)
     slid = np.flatnonzero(snapshot.slipped)
     stick = half.copy()
-    stick[slid] = contact.half_width(front[slid])
+    stick[slid] = _half_width(contact, front[slid])
     stick[(front <= 0) & (stick == 0)] = np.nan
     shift = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0] if "rigid_shift" in fields else nothing
     return {
@@ -54,6 +54,15 @@ def series_of(asked: Asked, snapshot: Snapshot) -> dict[str, Array]:
         "contact_edges": half[:, None] * np.array([-1.0, 1.0]),
         "stick_edges": stick[:, None] * np.array([-1.0, 1.0]),
     }
+
+
+def _half_width(contact: Contact, load: Array) -> Array:
+    """a(P), (n,): an inverse that was not found, NaN, must not go on as an answer."""
+    half = contact.half_width(load)
+    lost = np.flatnonzero(~np.isfinite(half))
+    if len(lost):
+        raise ArithmeticError(f"no half-width was found for the normal load {float(load[lost[0]]):.17g}")
+    return half
 
 
 def grids_of(asked: Asked, snapshot: Snapshot, half: Array, stick: Array) -> dict[str, NDArray[Any]]:

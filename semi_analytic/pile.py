@@ -34,6 +34,8 @@ _REMEMBERED = 8
 def rising_root(function: Callable[[Array], Array], slope: Callable[[Array], Array], value: Array, guess: Array) -> Array:
     """The x > 0 at which a rising function has a `value` >= 0, to rounding: Newton's method between logarithms.
 
+    Arrays of one shape; 0 for a value of 0, NaN where 60 steps do not find it.
+
     >>> float(rising_root(lambda x: x**3, lambda x: 3 * x**2, np.array(8.0), np.array(1.0)))
     2.0
     """

@@ -200,6 +200,21 @@ def test_full_stick_takes_no_quadrature_and_the_figure_alone_no_field(monkeypatc
     assert solve(load_scene("hertz-paper"), fields=("dissipation",)).dissipation > 0
 
 
+@pytest.mark.parametrize(("time", "lost"), [(0.5, 0.5 * P), (2.0, 0.7 * P)], ids=["contact", "front"])
+def test_a_half_width_that_was_not_found_stops_the_answer(monkeypatch, time, lost):
+    """An inverse that leaves NaN behind for some load, of the contact or of the front of slip alone, goes no further."""
+    found = HertzContact.half_width
+
+    def missing(self, load):
+        return np.where(np.abs(np.asarray(load) - lost) < 1e-6, np.nan, found(self, load))
+
+    scene = make_scene(polygon([(P, 0.0), (P, 0.3 * P)]))
+    assert np.isfinite(solve(scene, time=[time]).stick_half_width.item())
+    monkeypatch.setattr(HertzContact, "half_width", missing)
+    with pytest.raises(ArithmeticError, match="no half-width was found for the normal load"):
+        solve(scene, time=[time])
+
+
 def test_paper_scene_effort_is_bounded():
     """Effort as a number, not a time: two cycles solved of six, five pieces alive at most."""
     counts = solve(load_scene("hertz-paper")).work.counts
