@@ -1,4 +1,4 @@
-"""Field files, VTU by meshio and their collection PVD: meshio is kept in this one module, since it is hardly maintained."""
+"""Field files written, VTU by meshio and their collection PVD; meshio, hardly maintained, is kept here and in `foreign`."""
 
 from __future__ import annotations
 

@@ -94,8 +94,8 @@ class HertzContact:
     def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^eta eta' arccosh(|x|/a) d eta' over the loads at which x is outside [force^2 per thickness^2].
 
-        (eta^2/2) arccosh(sqrt(P_x/eta)) + (1/4) [2 P_x r - 2 sqrt(P_x) r_3 / 3], in terms of s = sqrt(P_x - eta):
-        the last bracket is int_0^eta eta' sqrt(P_x) / sqrt(P_x - eta') d eta'.
+        (eta^2/2) arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta), in parts:
+        the second term is a quarter of int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
         """
         edge = self.load(x)
         inner = np.minimum(np.asarray(load, dtype=float), edge)
