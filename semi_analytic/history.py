@@ -8,37 +8,27 @@ by span, for many instants at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InadmissibleLoadError, Leg
-from semi_analytic.legs import (
-    NORMAL_LOAD,
-    Combination,
-    Instant,
-    change,
-    change_from,
-    instant,
-    level,
-    rate,
-    stationary,
-    stretches,
-    time_of,
-)
-from semi_analytic.memory import Curve, Piece, append, clip, cut, flat, level_on, pieces, same, slipped_load, value_on
+from semi_analytic.legs import NORMAL_LOAD, Instant, change, change_from, instant, level, rate, stretches, time_of
+from semi_analytic.memory import Curve, append, clip, cut, flat, level_on, same, slipped_load
 from semi_analytic.rounding import repeats_within, slipped_share
+from semi_analytic.sides import sides
 
 Array = NDArray[np.float64]
 
+# Share of the largest load, or of the rates of P and Q, below which a difference is rounding.
 _ROUNDING = 1e-14
+# Share of a stretch of time, or of a level, within which two instants are one.
 _NEAR = 1e-14
+# Share of f P by which a front may miss the end of the piece that it meets.
 _LAST_DIGITS = 2e-15
-_SAMPLES = 33
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +198,7 @@ def _unload(curve: Curve, first: Instant, last: Instant, friction: float, delay:
     The admissible cones of later points lie inside those of earlier ones, so the state is that of one step; only the
     direction may change, where the path crosses the curve.
     """
-    for begin, end, direction in _sides(curve, first, last, friction):
+    for begin, end, direction in sides(curve, first, last, friction):
         a, b = instant(first.leg, begin), instant(first.leg, end)
         if direction:
             for span in _slip(curve, direction, a, b, friction, delay):
@@ -231,67 +221,6 @@ def _retrace(curve: Curve, first: Instant, last: Instant, friction: float, delay
         curve = curve.below
     if last.time > begin.time:
         yield Span(begin, last, delay, 0, curve, friction)
-
-
-def _sides(curve: Curve, first: Instant, last: Instant, friction: float) -> list[tuple[float, float, int]]:
-    """(begin, end, direction) where the path runs above (+1), below (-1) or along (0) the curve that it unloads."""
-    runs: list[tuple[float, float, int]] = []
-    begin = first.time
-    for piece in pieces(curve):
-        drop = piece.bottom - first.normal
-        reached = float(change(first.leg, NORMAL_LOAD, last.time, first.time)) < drop
-        end = float(time_of(first.leg, NORMAL_LOAD, drop, first.time, last.time)) if reached else last.time
-        if end > begin:
-            runs += _sides_on(piece, first.leg, begin, end, friction)
-        begin = max(begin, end)
-        if not reached:
-            break
-    merged: list[tuple[float, float, int]] = []
-    for run in runs:
-        if merged and merged[-1][2] == run[2]:
-            merged[-1] = (merged[-1][0], run[1], run[2])
-        else:
-            merged.append(run)
-    return merged
-
-
-def _sides_on(piece: Piece, leg: Leg, begin: float, end: float, friction: float) -> list[tuple[float, float, int]]:
-    """The same while the load is within one piece: signs of Q - M(P) between its roots."""
-
-    def excess(time: ArrayLike) -> Array:
-        if piece.arc is None and piece.bend == 0:
-            return change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
-        normal, tangential = leg.loads(time)
-        return tangential - value_on(piece, np.clip(normal, piece.bottom, piece.anchor.normal))
-
-    turning = stationary(leg, Combination(-piece.slope, 1.0)) if piece.arc is None else []
-    count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
-    times = np.unique([*np.linspace(begin, end, count), *(time for time in turning if begin < time < end)])
-    noise = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
-    above = excess(times)
-    signs = np.where(np.abs(above) <= noise, 0, np.sign(above)).astype(int)
-    if not np.any(signs):
-        return [(begin, end, 0)]
-    known = np.flatnonzero(signs)
-    marks, directions = [begin], [int(signs[known[0]])]
-    for left, right in pairwise(known):
-        if signs[left] != signs[right]:
-            marks.append(_root(excess, float(times[left]), float(times[right])))
-            directions.append(int(signs[right]))
-    return list(zip(marks, [*marks[1:], end], directions, strict=True))
-
-
-def _root(function: Callable[[ArrayLike], Array], low: float, high: float) -> float:
-    """Bisection to the last digit."""
-    sign = np.sign(function(low))
-    while True:
-        middle = (low + high) / 2
-        if not low < middle < high:
-            return middle
-        if np.sign(function(middle)) == sign:
-            low = middle
-        else:
-            high = middle
 
 
 @dataclass(frozen=True)
