@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reports.score.calculix_frd import FrdElement, FrdFile
+from reports.score.inside_out import inside_out
 from scenes import InputError
 
 Array = NDArray[np.float64]
@@ -29,6 +30,13 @@ _FACES: dict[int, _Faces] = {
     **dict.fromkeys((7, 8), _TRIANGLE),
     **dict.fromkeys((9, 10), _QUADRANGLE),
 }
+_SHAPES: dict[int, str] = {
+    **dict.fromkeys((1, 4), "hexahedron"),
+    **dict.fromkeys((2, 5), "wedge"),
+    **dict.fromkeys((3, 6), "tetra"),
+    **dict.fromkeys((7, 8), "triangle"),
+    **dict.fromkeys((9, 10), "quad"),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +48,8 @@ class CalculixMesh:
     path : where it was read
     numbers : (n_nodes,), of the nodes, ascending
     points : (n_nodes, 3) [length]
-    cells : rows of nodes of the elements, (n_elements, n_nodes_each), a block for each count of nodes
+    cells : rows of nodes of the elements, (n_elements, n_nodes_each), a block for each kind
+    kinds : of the blocks, as meshio calls their shape; "" for one without faces
     elements : by number
     """
 
@@ -48,16 +57,19 @@ class CalculixMesh:
     numbers: Integers
     points: Array
     cells: tuple[Integers, ...]
+    kinds: tuple[str, ...]
     elements: dict[int, FrdElement]
 
     @classmethod
     def of(cls, file: FrdFile) -> CalculixMesh:
         """The mesh of a file; InputError for an element with a node that is not there."""
         order = np.argsort(file.nodes)
-        bare = cls(file.path, file.nodes[order], file.points[order], (), {element.number: element for element in file.elements})
-        sizes = sorted({len(element.nodes) for element in file.elements})
-        blocks = (np.array([e.nodes for e in file.elements if len(e.nodes) == size], np.int64) for size in sizes)
-        return cls(bare.path, bare.numbers, bare.points, tuple(bare.rows(block) for block in blocks), bare.elements)
+        bare = cls(file.path, file.nodes[order], file.points[order], (), (), {element.number: element for element in file.elements})
+        alike: dict[tuple[int, str], list[tuple[int, ...]]] = {}
+        for element in file.elements:
+            alike.setdefault((len(element.nodes), _SHAPES.get(element.kind, "")), []).append(element.nodes)
+        cells = tuple(bare.rows(np.array(alike[key], np.int64)) for key in sorted(alike))
+        return replace(bare, cells=cells, kinds=tuple(shape for _, shape in sorted(alike)))
 
     def rows(self, nodes: Integers) -> Integers:
         """Rows of node numbers of any shape; InputError for a node without coordinates."""
@@ -69,6 +81,10 @@ class CalculixMesh:
                 "plane elements anew); write *NODE FILE, OUTPUT=3D in the deck and run it again"
             )
         return np.asarray(at, np.int64)
+
+    def inside_out(self) -> list[str]:
+        """A sentence where elements are turned inside out."""
+        return inside_out(self.points, zip(self.kinds, self.cells, strict=True))
 
     def face(self, element: int, face: int) -> tuple[Array, float, float]:
         """Middle of an element's face (3,), its length in x, and how far the element's middle lies above it [length]."""

@@ -7,7 +7,7 @@ place or weight: of them the plain mean of each face stands at its middle.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -87,7 +87,8 @@ def _places(path: Path, tables: Sequence[DatTable]) -> _Places:
             f"{path}: contact stress of nodes and of element faces in one file; print one contact pair (mapping's surface)"
         )
     keys = np.unique(np.concatenate([table.ids for table in tables if len(table.ids)]), axis=0)
-    return _nodes(path, mesh, keys[:, 0]) if kinds == {1} else _faces(path, mesh, keys)
+    found = _nodes(path, mesh, keys[:, 0]) if kinds == {1} else _faces(path, mesh, keys)
+    return replace(found, notes=(*found.notes, *mesh.inside_out()))
 
 
 def _nodes(path: Path, mesh: CalculixMesh, nodes: Integers) -> _Places:

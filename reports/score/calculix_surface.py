@@ -51,6 +51,7 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
     _refuse_not_finite(file)
     slave = _slave(path, mesh, blocks)
     notes += [f"contact values stand at the slave face, that of the {slave.body} body", SLIP_NOTE, *slave.plane.notes, *slave.notes]
+    notes += mesh.inside_out()
     columns = {name: np.array([_scattered(mesh, block, name)[slave.plane.rows] for block in blocks]) for name in _WANTED[1:]}
     notes += tension(columns["CPRESS"])
     fields = {
@@ -167,6 +168,7 @@ def _from_stress(path: Path, mapping: Mapping, file: FrdFile) -> SurfaceResult:
         "stress extrapolated to the nodes is coarser than the contact values",
         *plane.notes,
         *left_out,
+        *mesh.inside_out(),
     ]
     fields = {"pressure": -factor * stress["SYY"], "shear": factor * stress["SXY"]}
     notes += free_face(plane.x, fields["pressure"], fields["shear"])

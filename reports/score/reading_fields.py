@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from meshes import FieldFrame, read_frames
 from reports.score.field_surface import FieldSurface, surface_cells, surface_points
+from reports.score.inside_out import inside_out
 from reports.score.mapping import Mapping, converted, find_column, listed, plain, stated_times
 from reports.score.resultants import free_face
 from reports.score.surface import SurfaceResult
@@ -60,7 +61,7 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:  # noqa: 
     slip = None if taken[0][2] is None else np.array([fields[2] for fields in taken])
     x = converted(mapping, "x", source.surface.x)
     fields = {"pressure": pressure, "shear": shear, "slip": slip}
-    notes = [*source.notes, *source.surface.notes]
+    notes = [*source.notes, *source.surface.notes, *inside_out(frames[0].points, frames[0].cells)]
     if source.of_stress:
         notes += free_face(x, pressure, shear)
     return surface_result(str(path), mapping.code, x, dict(fields), {"time": _times(path, mapping, frames)}, notes)
