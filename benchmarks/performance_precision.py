@@ -8,14 +8,13 @@ in everything.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import fe_precision
-from fe_precision import DEFAULT, FINE, SWIFT, Setting, sizes
+from fe_precision import DEFAULT, FINE, SWIFT, Measured, Setting, sizes
 
 import halfplane_fe
 from halfplane_fe import SolverSettings
@@ -73,30 +72,7 @@ def series(whole: bool) -> dict[str, list[Setting]]:
     }
 
 
-@dataclass(frozen=True)
-class Errors:
-    """Signed errors of a run and its CPU seconds; on blocks all of an error is the mesh's part."""
-
-    seconds: float
-    mesh_part: float
-    increment_part: float
-    shear: float | None
-    loop_mesh_part: float
-    loop_corners: float
-
-
-def errors(name: str, setting: Setting, truth: float | None) -> Errors:
-    """One run; `truth` is the dissipation where theory has none."""
-    if truth is None:
-        found = fe_precision.measure(name, setting)
-        return Errors(found.seconds, found.mesh_part, found.increment_part, found.shear, found.loop_mesh_part, found.loop_corners)
-    begun = time.process_time()
-    answer = halfplane_fe.solve(load_scene(name), setting.mesh, setting.solver)
-    seconds = time.process_time() - begun
-    return Errors(seconds, answer.dissipation / truth - 1, 0.0, None, answer.loop_work / truth - 1, 0.0)
-
-
-def point(text: str, found: Errors, exact_law: Errors | None) -> Point:
+def point(text: str, found: Measured, exact_law: Measured | None) -> Point:
     """Sizes of the parts added; with `exact_law` on the same mesh beside it, what the layer adds is a part too."""
     base = exact_law or found
     work = abs(base.mesh_part) + abs(found.mesh_part - base.mesh_part) + abs(found.increment_part)
@@ -110,12 +86,12 @@ def finite_elements(name: str) -> dict[str, Any]:
     if name == "blocks":
         truth = halfplane_fe.solve(load_scene(name), REFERENCE.mesh, REFERENCE.solver).dissipation
     fe_precision.measure.cache_clear()
-    exact_law = errors(name, DEFAULT, truth)
+    exact_law = fe_precision.measure(name, DEFAULT, truth)
     found: dict[str, list[dict[str, Any]]] = {}
     for title, settings in series(name == "hertz-paper").items():
         found[title] = []
         for setting in settings:
-            one = exact_law if setting == DEFAULT else errors(name, setting, truth)
+            one = exact_law if setting == DEFAULT else fe_precision.measure(name, setting, truth)
             found[title].append(asdict(point(setting.text, one, exact_law if setting.solver.method == "penalty" else None)))
     print(f"    {name}: {sum(len(points) for points in found.values())} runs", flush=True)
     return {"series": found, "reference": truth}
