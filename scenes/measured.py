@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, ValidationInfo, model_validator
 
 from scenes.materials import FROZEN
-from scenes.tables import RowError, Table, line_of, with_file
+from scenes.tables import RowError, Table, place_of, with_file
 
 Array = NDArray[np.float64]
 _COLUMNS = ("x", "h")
@@ -54,10 +53,7 @@ class Tabulated(BaseModel):
         try:
             one_sided(self.points.values, self.asymmetry)
         except RowError as fault:
-            path = Path((info.context or {}).get("folder", ".")) / (self.file or "")
-            known = self.file is not None and path.is_file()
-            where = f"{path}, line {line_of(path, fault.row, _COLUMNS)}" if known else f"points, row {fault.row + 1}"
-            raise ValueError(f"{where}: {fault.rule}") from fault
+            raise ValueError(f"{place_of(fault, info, self.file, 'points', _COLUMNS)}: {fault.rule}") from fault
         return self
 
     @property

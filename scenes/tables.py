@@ -86,8 +86,20 @@ def with_file(data: Any, info: ValidationInfo, key: str, names: tuple[str, ...])
     """Raw input of a model with the table of its `file` put under `key`; a path is relative to the scene file."""
     if not isinstance(data, dict) or not isinstance(data.get("file"), str) or data.get(key) is not None:
         return data
-    folder = Path((info.context or {}).get("folder", "."))
-    return data | {key: read_table(folder / data["file"], names)}
+    return data | {key: read_table(_folder(info) / data["file"], names)}
+
+
+def _folder(info: ValidationInfo) -> Path:
+    """Where the scene file lies."""
+    return Path((info.context or {}).get("folder", "."))
+
+
+def place_of(fault: RowError, info: ValidationInfo, file: str | None, key: str, names: tuple[str, ...]) -> str:
+    """Where the user finds a bad row: line of the `file` that the table was read from, else row of the table under `key`."""
+    path = _folder(info) / (file or "")
+    if file is not None and path.is_file():
+        return f"{path}, line {_line_of(path, fault.row, names)}"
+    return f"{key}, row {fault.row + 1}"
 
 
 def read_table(path: Path, names: tuple[str, ...]) -> Table:
@@ -123,7 +135,7 @@ def read_table(path: Path, names: tuple[str, ...]) -> Table:
         raise ValueError(_first_fault(path, skip, names)) from reason
 
 
-def line_of(path: Path, row: int, names: tuple[str, ...]) -> int:
+def _line_of(path: Path, row: int, names: tuple[str, ...]) -> int:
     """The line of the file, counted from 1, on which the row of numbers `row`, counted from 0, stands."""
     with path.open(encoding="utf-8") as file:
         lines = _numbered(file)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -12,7 +11,7 @@ from pydantic import BaseModel, Field, ValidationInfo, model_validator
 
 from scenes.loads import LoadPath, StraightLeg
 from scenes.materials import FROZEN
-from scenes.tables import RowError, Table, line_of, with_file
+from scenes.tables import RowError, Table, place_of, with_file
 
 _COLUMNS = ("time", "P", "Q")
 
@@ -44,10 +43,7 @@ class TimeSeriesLoad(BaseModel):
         try:
             _check_rows(self.rows.values, self.repeats)
         except RowError as fault:
-            path = Path((info.context or {}).get("folder", ".")) / (self.file or "")
-            known = self.file is not None and path.is_file()
-            where = f"{path}, line {line_of(path, fault.row, _COLUMNS)}" if known else f"rows, row {fault.row + 1}"
-            raise ValueError(f"{where}: {fault.rule}") from fault
+            raise ValueError(f"{place_of(fault, info, self.file, 'rows', _COLUMNS)}: {fault.rule}") from fault
         return self
 
     def series(self) -> NDArray[np.float64]:
