@@ -179,6 +179,21 @@ class Wedge(BaseModel):
         return inside * (distance - inside / 2) / self.tip_radius
 
 
+def first_fall(coefficients: NDArray[np.float64]) -> float | None:
+    """A place s > 0 in the first stretch where sum c_k s^k is negative, not all c_k (n,) being 0; None where it never is.
+
+    >>> first_fall(np.array([2.0, -3.0, 1.0])), first_fall(np.array([1.0, 0.0]))  # (1 - s)(2 - s)
+    (1.5, None)
+    """
+    roots = polynomial.polyroots(np.trim_zeros(coefficients, "b"))
+    # Double roots come as pairs a root of a rounding apart.
+    ends = np.sort(roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)])
+    marks = np.concatenate([[0.0], ends, [2 * ends[-1] if len(ends) else 1.0]])
+    between = (marks[:-1] + marks[1:]) / 2
+    falls = between[polynomial.polyval(between, coefficients) < -1e-12 * polynomial.polyval(between, np.abs(coefficients))]
+    return float(falls[0]) if len(falls) else None
+
+
 class EvenPolynomial(BaseModel):
     """Even polynomial: h = sum over k of rises[k] (x / length)^(2 k + 2), rising for x > 0.
 
@@ -194,17 +209,13 @@ class EvenPolynomial(BaseModel):
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
-        # h' / (2 x) as a polynomial in (x/length)^2: where it is negative between two of its roots, the profile falls.
-        slope = np.array(self.rises) * np.arange(1, len(self.rises) + 1)
+        # h' / (2 x) as a polynomial in (x/length)^2.
+        slope = np.array(self.rises) * np.arange(1.0, len(self.rises) + 1)
         if not np.any(slope):
             raise ValueError("all powers are 0: a flat profile has no edge; one of them must be positive")
-        roots = polynomial.polyroots(np.trim_zeros(slope, "b")) if len(slope) > 1 else np.empty(0)
-        ends = np.sort(roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)])
-        marks = np.concatenate([[0.0], ends, [2 * ends[-1] if len(ends) else 1.0]])
-        between = (marks[:-1] + marks[1:]) / 2
-        falls = between[polynomial.polyval(between, slope) < -1e-12 * polynomial.polyval(between, np.abs(slope))]
-        if len(falls):
-            raise ValueError(f"the profile falls at x = {self.length * np.sqrt(falls[0]):.6g}: it must rise for all x > 0")
+        square = first_fall(slope)
+        if square is not None:
+            raise ValueError(f"the profile falls at x = {self.length * np.sqrt(square):.6g}: it must rise for all x > 0")
         return self
 
     @property

@@ -13,6 +13,7 @@ from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
+from scenes.profiles import first_fall
 from semi_analytic.pile import Pile, rising_root
 from semi_analytic.power_law import load_factor, spread_function
 
@@ -34,13 +35,9 @@ class PolynomialContact(Pile):
     def __post_init__(self) -> None:
         # dP/da over a as a polynomial in a^2: negative somewhere, the contact would split there before it grows.
         slope = self.loads * np.arange(1, len(self.loads) + 1)
-        roots = polynomial.polyroots(np.trim_zeros(slope, "b")) if np.any(slope[1:]) else np.empty(0)
-        ends = np.sort(roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)])
-        marks = np.concatenate([[0.0], ends, [2 * ends[-1] if len(ends) else 1.0]])
-        between = (marks[:-1] + marks[1:]) / 2
-        falls = between[polynomial.polyval(between, slope) < -1e-12 * polynomial.polyval(between, np.abs(slope))]
-        if len(falls):
-            where = self.length * float(np.sqrt(falls[0]))
+        square = first_fall(slope)
+        if square is not None:
+            where = self.length * float(np.sqrt(square))
             raise InputError(
                 f"profile: the contact would split near a half-width of {where:.6g}; half-plane theory here needs one contact"
             )
