@@ -1,4 +1,25 @@
-"""The independent referent: a plane-strain finite-element contact model, condensed to the interface."""
+"""The independent referent: a plane-strain finite-element contact model, condensed to the interface.
+
+In the order in which a scene passes through::
+
+    settings.py                            method and step control
+    path.py                                turning points of the loads, increments, inadmissible paths
+    scales.py                              the coarse run: half-width, innermost edge
+    pair.py                                the two bodies: meshed, condensed, supported, their gap
+    elasticity.py, far_field.py, store.py  a body condensed to its contact nodes, Flamant on its arc, kept on disk
+    interface.py, mortar.py                both bodies as one compliance; sides that do not match, or are curved
+    mirror.py, datum.py                    symmetric faces on one half; the datum of approach and shift
+    law.py                                 Signorini and Coulomb as one projection
+    contact.py                             one increment: the active set
+    systems.py, nested.py, coupled.py      its linear systems, of like and of unlike bodies, with factors that kept.py keeps
+    tresca.py                              the two convex halves, where the sets do not settle
+    events.py, stepping.py, run.py         to the next touch or release, along a stretch, over the whole path
+    energy.py                              balance, friction work, step error, certificates
+    edges.py, visible.py                   edges of contact and stick, states as a reader sees them
+    answer.py, solve.py                    the answer: `solve`
+    penalty.py, resolution.py, dundurs.py  what the layer costs, what the mesh can't see, how unlike the bodies are
+    fields.py                              displacement and stress inside the bodies
+"""
 
 from halfplane_fe.fields import BodyFields, Snapshot, fields
 from halfplane_fe.path import check_admissible

@@ -1,4 +1,22 @@
-"""The question and the form of the answer: frozen types, the reading of scene files, the library of scenes. No mechanics."""
+"""The question and the form of the answer: frozen types, the reading of scene files, the library of scenes. No mechanics.
+
+The question::
+
+    scene.py                               all of it, with friction and tolerances
+    materials.py, bodies.py, faces.py      elastic constants, shapes, faces as they are made
+    profiles.py, measured.py, callables.py h(x): formulas, tables, Python functions
+    loads.py, harmonics.py                 P(t) and Q(t) as legs: lines, the parabola, ellipses; several harmonics
+    time_series.py, callable_loads.py      measured rows, Python functions
+    expected.py, tags.py                   numbers that a scene expects, words to find it by
+    chebyshev.py                           series that stand for functions
+
+Its files and the answer::
+
+    reading.py, tables.py, bounded.py      scene files, columns of numbers, both only up to a stated size
+    refusals.py, errors.py                 why something was refused, as a sentence
+    solution.py, netcdf.py                 the form of every answer, and its file
+    notebook.py                            scenes and answers in a notebook
+"""
 
 from scenes.bodies import Block, Bodies, Cylinder, HalfPlane, Pad, Shape
 from scenes.callable_loads import CallableLoad, ChebyshevLeg

@@ -1,0 +1,25 @@
+"""Each package says in its docstring which file holds what: every file is there, and nothing that is not."""
+
+import re
+from collections import Counter
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+
+def named(text):
+    """Files that a docstring names, with how often."""
+    return Counter(re.findall(r"\b\w+\.py\b", text))
+
+
+@pytest.mark.parametrize("package", ["scenes", "semi_analytic", "meshes", "halfplane_fe"])
+def test_every_file_has_its_place_on_the_map_once(package):
+    module = import_module(package)
+    files = {path.name for path in Path(module.__file__).parent.glob("*.py")} - {"__init__.py"}
+    assert named(module.__doc__) == Counter(files)
+
+
+def test_a_file_that_is_missing_or_named_twice_is_noticed():
+    assert named("one.py, two.py") != Counter({"one.py"})
+    assert named("one.py, one.py") != Counter({"one.py"})
