@@ -20,6 +20,12 @@ def heads(budget: ErrorBudget, *, full: bool = True) -> tuple[str, ...]:
     return ("metric", "E", *names, rest, "± u", "verdict", "accurate")
 
 
+def narrow(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Both for a terminal: without the verdict on accuracy, which the table above has, and without what is none everywhere."""
+    kept = [k for k, head in enumerate(heads) if head != "accurate" and any(row[k] != "none" for row in rows)]
+    return tuple(heads[k] for k in kept), [tuple(row[k] for k in kept) for row in rows]
+
+
 def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> list[tuple[str, ...]]:
     """One row for each metric, as `heads` has the columns."""
     return [
@@ -50,7 +56,8 @@ def _amount(value: float, metric: Metric, *, signed: bool = False) -> str:
     """Two digits, in per cent unless the metric is absolute; what is below 1e-9 of it is rounding and says so."""
     if abs(value) < 1e-11:
         return "0"
-    text = f"{abs(value) * (1 if metric.absolute else 100):.2g}" + ("" if metric.absolute else " %")
+    size = abs(value) * (1 if metric.absolute else 100)
+    text = (f"{size:.2g}" if size < 99.5 else f"{size:.0f}") + ("" if metric.absolute else " %")
     return ("−" if value < 0 else "+" if signed else "") + text
 
 

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
 
+from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -110,12 +111,37 @@ class Stages:
 
 def show_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
     """A table on stdout; columns whose numbers are in `right` are set flush right."""
-    table = Table(title=Text(_printable(title)), title_justify="left", title_style="bold", pad_edge=False)
-    for number, column in enumerate(columns):
-        table.add_column(column, justify="right" if number in right else "left", overflow="fold")
-    for row in rows:
+    console, lines = Console(highlight=False), [list(row) for row in rows]
+    # Rules between columns, and a blank on both sides of each where no word has to be broken for it.
+    airy, close = (_widths([columns, *lines], console.width - rules) for rules in (3 * len(columns) - 1, len(columns) + 1))
+    widths, blank = (airy, 1) if airy or not close else (close, 0)
+    table = Table(title=Text(_printable(title)), title_justify="left", title_style="bold", pad_edge=False, padding=(0, blank))
+    sizes: Sequence[int | None] = widths or [None] * len(columns)
+    for number, (column, cells) in enumerate(zip(columns, sizes, strict=True)):
+        table.add_column(column, justify="right" if number in right else "left", overflow="fold", width=cells)
+    for row in lines:
         table.add_row(*(_coloured(cell) for cell in row))
-    Console(highlight=False).print(table)
+    console.print(table)
+
+
+def _widths(lines: Sequence[Sequence[str]], room: int) -> list[int]:
+    """Widths of columns in which no word is broken, for a table that has `room` for its cells; empty where there is none.
+
+    >>> _widths([("a long head", "b"), ("word", "c")], 80), _widths([("a long head", "two words")], 12), _widths([("words",)], 4)
+    ([11, 1], [6, 6], [])
+    """
+    columns = list(zip(*lines, strict=True))
+    whole = [max(cell_len(_printable(cell)) for cell in column) for column in columns]
+    least = [max(cell_len(word) for cell in column for word in _printable(cell).split() or [""]) for column in columns]
+    if sum(whole) <= room:
+        return whole
+    if sum(least) > room:
+        return []
+    while spare := room - sum(least):
+        short = [k for k, cells in enumerate(least) if cells < whole[k]][:spare]
+        for k in short:
+            least[k] += 1
+    return least
 
 
 def _coloured(cell: str) -> Text:

@@ -35,10 +35,10 @@ def show_budget(comparison: Comparison) -> None:
     """Where the errors come from, if that was measured."""
     if comparison.budget is None:
         return
-    from reports.budget_words import cost, heads, rows
+    from reports.budget_words import cost, heads, narrow, rows
 
-    columns = heads(comparison.budget, full=False)
-    show_table("Where the discrepancy comes from", columns, rows(comparison.budget, full=False), right=range(1, len(columns) - 2))
+    columns, lines = narrow(heads(comparison.budget, full=False), rows(comparison.budget, full=False))
+    show_table("Where the discrepancy comes from", columns, lines, right=range(1, len(columns) - 1))
     say(f"Honest: {comparison.honest}")
     say(cost(comparison.budget))
 
