@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.body_words import are_half_planes
 from reports.charts import marks
 from reports.charts.panel import Axis, frame, panel
 from reports.charts.plate import Key, Plate
@@ -129,7 +130,7 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
         "Hysteresis loop",
         "Left: shift of the upper body over the lower. Right: each less its own mean slope (k = "
         f"{loop_compliance(comparison.expected):.4g} and {loop_compliance(comparison.found):.4g} {length} per {load}) and mean, "
-        "which leaves the area, the dissipation of the cycle, as it is.",
+        f"which leaves the area as it is: {_area(comparison)}.",
         "Tangential load over rigid shift for both engines, as it is and sheared so that the loop opens.",
         tuple(
             hysteresis_panel(comparison, chosen, clip, sheared=sheared)
@@ -142,6 +143,16 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
             "U_result": comparison.found.rigid_shift,
         },
         tuple(Key(f"{w} p", name_of(s.engine)) for w, _, s in sides(comparison)),
+    )
+
+
+def _area(comparison: Comparison) -> str:
+    """What the area of the loop is; P works too where it varies and the approach hangs on Q as well."""
+    if are_half_planes(comparison.scene) or np.ptp(comparison.found.normal_load) == 0:
+        return "the dissipation of the cycle"
+    return (
+        "the work of Q in the cycle, which between half-planes of like materials is the dissipation; of these bodies P works too "
+        "(∮ P dV below)"
     )
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from reports.metrics import Array, norm, peak_place, shares
 from reports.sampling import Cycle
+from scenes import ContactSolution
 
 # Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth is 0.
 NO_DISSIPATION = 1e-12
@@ -40,6 +41,16 @@ def rigid_shift(reference: Cycle, result: Cycle, shift_scale: float) -> Array:
 def loop_work(cycle: Cycle) -> float:
     """Closed integral of Q dU by the trapezoidal rule over the instants [energy / thickness]: a second way to W."""
     return float(np.trapezoid(cycle.tangential_load, cycle.rigid_shift))
+
+
+def approach_work(solution: ContactSolution) -> float:
+    """Closed integral of P dV, V the approach, over the last cycle by the trapezoidal rule [energy / thickness].
+
+    What the normal load puts in. With Q dU it adds up to the dissipation; alone it is 0 where V hangs on P only, as between
+    half-planes of like materials.
+    """
+    steps = solution.last_cycle
+    return float(np.trapezoid(solution.normal_load[steps], solution.rigid_approach[steps]))
 
 
 def loop_distance(reference: Cycle, result: Cycle, shift_scale: float) -> Array:

@@ -7,11 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from reports.body_words import are_half_planes
 from reports.certificates import certificates
 from reports.definitions import name_of
 from reports.drawing import table_text
 from reports.folder import filled
+from reports.metrics_work import approach_work
 from reports.summary import solution_content, strict
+from reports.units import energy_unit, load_unit, units
 from scenes import ContactSolution
 
 
@@ -22,6 +25,7 @@ def is_admissible(solution: ContactSolution) -> bool:
 
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """What a person wants to know first, as (quantity, value)."""
+    load, (_, length, stress), work = load_unit(solution.scene), units(solution.scene), energy_unit(solution.scene)
     checks = certificates(solution)
     broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
     rows = [
@@ -30,20 +34,27 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
         (
             "last instant",
-            f"time {solution.time[-1]:.6g}, P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g}",
+            f"time {solution.time[-1]:.6g}, P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}",
         ),
-        ("largest pressure", f"{np.max(solution.pressure):.8g}"),
-        ("largest contact half-width", f"{np.nanmax(solution.contact_half_width):.8g}"),
-        ("permanent stick half-width", _or_none(solution.permanent_stick_half_width)),
-        ("dissipation of the last cycle", _or_none(solution.dissipation)),
+        (f"largest pressure [{stress}]", f"{np.max(solution.pressure):.8g}"),
+        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
+        (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
+        (f"dissipation {_of_the_last_cycle(solution)} [{work}]", _or_none(solution.dissipation)),
     ]
     if np.isfinite(solution.loop_work):
-        rows.append(("the same as closed integral of Q dU", f"{solution.loop_work:.10g}"))
+        rows.append((f"closed integral of Q dU [{work}]", f"{solution.loop_work:.10g}"))
+        if not are_half_planes(solution.scene) and solution.engine == "halfplane_fe":
+            rows.append((f"closed integral of P dV, V the approach [{work}]", f"{approach_work(solution):.10g}"))
     rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
     rows.extend(("note", note) for note in solution.record.notes)
-    rows.extend((f"{name} (work)", str(count)) for name, count in solution.work.counts.items())
-    rows.extend((f"{name} (skipped)", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
+    rows.extend((f"{name.replace('_', ' ')} (work)", str(count)) for name, count in solution.work.counts.items())
+    rows.extend((f"{name.replace('_', ' ')} (skipped)", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
     return rows
+
+
+def _of_the_last_cycle(solution: ContactSolution) -> str:
+    """A path that does not repeat is one cycle."""
+    return "of the whole path" if solution.scene.load.path().period is None else "of the last cycle"
 
 
 def _or_none(value: float) -> str:

@@ -101,7 +101,8 @@ class ContactSolution:
         U = (A/pi) int M' ln(2 L/a) d eta
     dissipation_density : (n_points,) [energy / area], of the last whole cycle
     dissipation : energy per unit thickness, of the last whole cycle
-    loop_work : closed integral of Q dU over the last whole cycle, the second and independent way to the dissipation;
+    loop_work : closed integral of Q dU over the last whole cycle, between half-planes of like materials the second and
+        independent way to the dissipation (of other bodies that of P dV, V the approach, comes to it);
         NaN where the last cycle does not end in the state it started from
     cycle_dissipation : (n_cycles,); a path that is not periodic counts as one cycle
     permanent_stick_half_width : largest half-width that sticks through the whole last cycle [length]; NaN if none
