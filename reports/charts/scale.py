@@ -44,6 +44,8 @@ def ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> list
 
     >>> ticks(-1.2, 1.2), ticks(1e-4, 1.0, log=True), ticks(0.9, 9.0, log=True)
     ([-1.0, -0.5, 0.0, 0.5, 1.0], [0.0001, 0.001, 0.01, 0.1, 1.0], [1.0, 2.0, 5.0])
+    >>> ticks(-17.0, 17.0, 3)
+    [-10.0, 0.0, 10.0]
     """
     if log:
         powers = np.arange(np.ceil(np.log10(low) - 1e-9), np.floor(np.log10(high) + 1e-9) + 1)
@@ -55,9 +57,15 @@ def ticks(low: float, high: float, count: int = 5, *, log: bool = False) -> list
         return [float(f"{10.0**p:.12g}") for p in powers[::every]]
     rough = (high - low) / count
     power = 10.0 ** np.floor(np.log10(rough))
-    step = next(s * power for s in (1, 2, 2.5, 5, 10) if s * power >= 0.999 * rough)
-    numbers = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
+    steps = [s * power for s in (1, 2, 2.5, 5, 10)]
+    coarse = next(k for k, step in enumerate(steps) if step >= 0.999 * rough)
+    # One number says nothing of an axis' scale: then the next finer step, which is below `rough` and has more than one.
+    numbers = next(n for n in (_multiples(low, high, steps[k]) for k in (coarse, max(coarse - 1, 0))) if len(n) > 1 or not coarse)
     return [float(f"{n:.12g}") + 0.0 for n in numbers]
+
+
+def _multiples(low: float, high: float, step: float) -> Array:
+    return np.asarray(np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step)
 
 
 def labels(numbers: Sequence[float]) -> list[str]:
