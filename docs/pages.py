@@ -58,7 +58,7 @@ def without_rounding(text: str) -> str:
 def values(examples: Paper) -> dict[str, quoting.Entry]:
     """What pages quote by a key, and nothing else: what is shown, where it comes from."""
     known = quoting.paper_values(examples) | quoting.published_values(published())
-    known |= quoting.third_values(third(), published())
+    known |= quoting.limit_values() | quoting.third_values(third(), published())
     known |= quoting.claim_values(json.loads((FOLDER / "numbers.json").read_text(encoding="utf-8")))
     for path in sorted((PUBLISHED / "maps").glob("*.md")):
         known |= quoting.map_values(path.stem, path.read_text(encoding="utf-8"))

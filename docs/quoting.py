@@ -3,6 +3,7 @@
 - `peak pressure, SCENE` and the like: reports/published/values.json
 - the paper's: its statements and misprints, worked out anew
 - `SECTION: CLAIM`: docs/numbers.json, by make numbers
+- `limit: FILE`: how much of a file is read, from the code
 - `CalculiX, CASE: FIGURE`: benchmarks/third.json, by benchmarks/third.py
 - `MAP: ROW: COLUMN` is a cell of a table on a page of reports/published/maps, ROW being the row's first cells; `MAP: SOME WORDS` is
   the sentence on it that starts so
@@ -15,8 +16,11 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from meshes import foreign, limits
 from reports.paper.cases import Paper
 from reports.paper.page import misprints, statements, tally
+from reports.score import calculix_frd, reading_csv
+from scenes import bounded
 
 Entry = dict[str, str]
 _QUOTE = re.compile(r"(?<!`)\{number\}`([^`]+)`")
@@ -83,6 +87,21 @@ def claim_values(kept: Mapping[str, Any]) -> dict[str, Entry]:
             source = f"{row['how']}; make numbers, on {section['commit']}"
             found[f"{title}: {row['what']}"] = _entry(f"{shown} {unit}".strip(), source)
     return found
+
+
+def limit_values() -> dict[str, Entry]:
+    """Key -> how large a file, how many rows or nodes are taken at most."""
+    sizes = {
+        "TOML": bounded.TOML,
+        "text": bounded.TEXT,
+        "NetCDF": bounded.SOLUTION,
+        "fields": foreign.LARGEST,
+        "unpacked": foreign.UNPACKED,
+        ".frd and .dat": calculix_frd.LARGEST,
+    }
+    counts = {"rows": reading_csv.MOST_ROWS, "contact nodes": limits.MOST_CONTACT_NODES, "nodes": limits.MOST_NODES}
+    shown = {key: bounded.in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
+    return {f"limit: {key}": _entry(text, "the code") for key, text in shown.items()}
 
 
 def third_values(cases: Mapping[str, Any], scenes: Mapping[str, Any]) -> dict[str, Entry]:
