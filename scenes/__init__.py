@@ -8,6 +8,7 @@ The question::
     loads.py, harmonics.py                 P(t) and Q(t) as legs: lines, the parabola, ellipses; several harmonics
     time_series.py, callable_loads.py      measured rows, Python functions
     expected.py, tags.py                   numbers that a scene expects, words to find it by
+    consistent.py                          whether units can be one set
     chebyshev.py                           series that stand for functions
 
 Its files and the answer::

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from scenes.bounded import TEXT, TOML, parsed_json, text_of
 from scenes.errors import InputError
-from scenes.refusals import did_you_mean, refusal
+from scenes.refusals import did_you_mean, not_toml, refusal
 from scenes.scene import Scene
 
 _LIBRARY = resources.files("scenes") / "library"
@@ -75,6 +75,8 @@ def _unknown_scene(name: str) -> str:
 
 def _parse(path: Path) -> dict[str, Any]:
     """The raw mapping in a file."""
+    if path.suffix not in (".toml", ".json") and path.is_dir():
+        raise InputError(f"{path}: this is a folder; name the scene file in it, which ends in .toml or .json")
     if path.suffix not in (".toml", ".json"):
         raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
     most = TOML if path.suffix == ".toml" else TEXT
@@ -84,7 +86,8 @@ def _parse(path: Path) -> dict[str, Any]:
     try:
         data = tomllib.loads(text) if path.suffix == ".toml" else parsed_json(text)
     except (ValueError, RecursionError) as reason:  # the parsers' own errors, numbers of thousands of digits, thousands of brackets
-        raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {reason}") from reason
+        why = not_toml(text, reason) if path.suffix == ".toml" else f"not valid JSON: {reason}"
+        raise InputError(f"{path}: {why}") from reason
     if not isinstance(data, dict):
         raise InputError(f"{path}: a scene is a table of keys, not a {type(data).__name__}")
     return data

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -45,13 +46,33 @@ def refusal(faults: ValidationError, data: dict[str, Any], model: type[BaseModel
     return f"{key} = {shown(value)} is refused: {rule}{more}"
 
 
+def not_toml(text: str, reason: Exception) -> str:
+    """Why TOML was refused, with the line at fault; a comma within a number is pointed at.
+
+    >>> not_toml("a = 1\\nb = 0,4", ValueError("Expected newline (at line 2, column 6)"))
+    "not valid TOML: Expected newline (at line 2, column 6), in 'b = 0,4'; write a decimal point, not a comma"
+    """
+    found = re.search(r"\(at line (\d+), column \d+\)", str(reason))
+    lines = text.split("\n")
+    if not found or not 0 < int(found[1]) <= len(lines):
+        return f"not valid TOML: {reason}"
+    line = lines[int(found[1]) - 1].strip()
+    comma = "; write a decimal point, not a comma" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
+    return f"not valid TOML: {reason}, in {shown(line)}{comma}"
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """A question after the known word that is most like `word`, with a blank before it; empty where none is.
 
     >>> did_you_mean("radias", ["radius", "kind"]), did_you_mean("zzz", ["radius", "kind"])
     (' did you mean radius?', '')
+    >>> did_you_mean("phase", ["base", "phase_degrees"])
+    ' did you mean phase_degrees?'
     """
-    near = difflib.get_close_matches(word, list(known), n=1)
+    words = sorted(known, key=len)
+    # A key cut short, or with a unit behind it, is nearer than one with as many letters in common.
+    begun = [key for key in words if min(len(key), len(word)) > 2 and (key.startswith(word) or word.startswith(key))]
+    near = begun or difflib.get_close_matches(word, words, n=1)
     return f" did you mean {near[0]}?" if near else ""
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import BaseModel, Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
 from scenes.bodies import Bodies, Pad
 from scenes.callable_loads import CallableLoad
+from scenes.consistent import inconsistent
 from scenes.errors import InputError
 from scenes.expected import Expected
 from scenes.harmonics import HarmonicLoad
@@ -61,7 +62,7 @@ class Scene(BaseModel):
     purpose: str = Field("", description="what the scene is for")
     source: str = Field("", description="where its numbers come from")
     tags: tuple[Tag, ...] = Field((), description="words to find it by, of a closed set: `halfplane scenes --tag`")
-    units: str = Field("N, mm, MPa", description="any consistent set: words for the axes only")
+    units: str = Field("N, mm, MPa", description="any consistent set, as force, length, stress: words for the axes only")
     material: Materials
     profile: Profile
     friction: Friction
@@ -70,6 +71,13 @@ class Scene(BaseModel):
     tolerances: Tolerances = Tolerances()
     expected: tuple[Expected, ...] = Field((), description="known numbers, checked by `halfplane run`")
     cycles: int = Field(6, ge=1, description="at most so many revolutions; the engines stop once the cycle repeats")
+
+    @field_validator("units")
+    @classmethod
+    def _units_are_one_set(cls, units: str) -> str:
+        if reason := inconsistent(units):
+            raise ValueError(f"{units!r} can't be: {reason}")
+        return units
 
     @model_validator(mode="after")
     def _faces_make_the_profile(self) -> Self:

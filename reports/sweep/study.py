@@ -14,7 +14,7 @@ from reports.sweep.figures import check_figures
 from scenes import InputError, Scene, load_scene
 from scenes.bounded import TOML, parsed_json, text_of
 from scenes.materials import FROZEN
-from scenes.refusals import refusal
+from scenes.refusals import not_toml, refusal
 
 Engine = Literal["fe", "exact"]
 Preset = Literal["default", "swift", "fine"]
@@ -84,7 +84,8 @@ def load_study(source: str | Path) -> Study:
     try:
         data = parsed_json(text) if path.suffix == ".json" else tomllib.loads(text)
     except (ValueError, RecursionError) as reason:
-        raise InputError(f"{source}: not valid {'JSON' if path.suffix == '.json' else 'TOML'}: {reason}") from reason
+        why = f"not valid JSON: {reason}" if path.suffix == ".json" else not_toml(text, reason)
+        raise InputError(f"{source}: {why}") from reason
     if not isinstance(data, dict):
         raise InputError(f"{source}: a study is a table of keys")
     return study_of(data, str(source), path.parent)
@@ -93,6 +94,8 @@ def load_study(source: str | Path) -> Study:
 def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
     """A checked study from raw keys; a scene named as a file lies in `folder`."""
     named = data.get("scene")
+    if named is None and {"material", "profile", "load"} <= data.keys():
+        raise InputError(f"{where}: this is a scene; a study is a file beside it with `scene` and `axes`: docs/sweeps.md")
     if isinstance(named, str):
         scene = load_scene(folder / named if Path(named).suffix else named)
         data = data | {"scene": json.loads(scene.model_dump_json())}

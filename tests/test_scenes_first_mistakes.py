@@ -1,0 +1,56 @@
+"""The mistakes of a first scene: what is said of each names the cure."""
+
+from pathlib import Path
+
+import pytest
+
+from reports.sweep.study import load_study
+from scenes import InputError, load_scene, scene_text
+
+PLAIN = scene_text("hertz-paper").split("[[expected]]")[0]
+
+
+def refused(folder: Path, old: str, new: str) -> str:
+    assert old in PLAIN
+    file = folder / "mine.toml"
+    file.write_text(PLAIN.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError) as refusal:
+        load_scene(file)
+    assert str(refusal.value).startswith(f"{file}: ")
+    return str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "cure"),
+    [
+        ("phase_degrees", "phase", "did you mean phase_degrees?"),  # it was "base"
+        ("radius", "radius_mm", "did you mean radius?"),
+        ("coefficient = 1.0", "coefficient = 1,0", "in 'coefficient = 1,0'; write a decimal point, not a comma"),
+        ('kind = "ellipse"', 'kind = "ellipse', "in 'kind = \"ellipse"),
+        ("title", 'units = "N, mm, GPa"\ntitle', "N/mm^2 is MPa, not GPa"),
+        ("title", 'units = "N, m, MPa"\ntitle', "N/m^2 is Pa, not MPa"),
+        ("title", 'units = "mm, N, MPa"\ntitle', "force, length and stress in this order"),
+        ("title", 'units = "N mm MPa"\ntitle', "with commas between"),
+    ],
+)
+def test_the_sentence_names_the_cure(old: str, new: str, cure: str, tmp_path: Path) -> None:
+    assert cure in refused(tmp_path, old, new)
+
+
+@pytest.mark.parametrize("units", ["N, mm, MPa", "N, m, Pa", "kN, mm, GPa", "lbf, in, psi", "kip, in, ksi", "SI", "N, furlong, Pa"])
+def test_consistent_units_and_unknown_words_are_taken(units: str, tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(f'units = "{units}"\n{PLAIN}', encoding="utf-8")
+    assert load_scene(file).units == units
+
+
+def test_a_folder_is_called_one(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="this is a folder; name the scene file in it"):
+        load_scene(tmp_path)
+
+
+def test_a_scene_is_no_study(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(PLAIN, encoding="utf-8")
+    with pytest.raises(InputError, match="this is a scene; a study is a file beside it"):
+        load_study(file)
