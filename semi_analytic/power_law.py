@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 _INNER = 0.1
 _MIDDLE = 1e-11
+# Share of P that is beyond P_x from which on 1 - (x/a)^2 keeps more digits by x than by the loads.
+_INSIDE = 0.9
 
 
 def load_factor(exponent: float) -> float:
@@ -161,13 +163,16 @@ class PowerLawContact:
 
     def root_quotient(self, x: ArrayLike, excess: ArrayLike, load: ArrayLike) -> Array:
         """sqrt((eta - P_x)/(a(eta)^2 - x^2)) from eta and eta - P_x > 0."""
-        del x
-        rise, p = np.broadcast_arrays(np.asarray(excess, dtype=float), np.asarray(load, dtype=float))
+        distance, rise, p = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (np.abs(x), excess, load)))
+        half = np.where(p > 0, self.half_width(p), np.inf)
         part = np.minimum(rise / np.where(p > 0, p, np.inf), 1.0)
-        with np.errstate(divide="ignore"):
-            share = -np.expm1(2 / self.exponent * np.log1p(-part))
+        # 1 - (x/a)^2 by the excess, which is known near the edge; far inside it has forgotten x, and x itself is known.
+        ratio = distance / half
+        share = np.where(
+            part < _INSIDE, -np.expm1(2 / self.exponent * np.log1p(-np.minimum(part, _INSIDE))), (1 - ratio) * (1 + ratio)
+        )
         fraction = np.where(part > 0, part / np.where(share > 0, share, 1.0), self.exponent / 2)
-        return np.sqrt(fraction * p) / np.where(p > 0, self.half_width(p), np.inf)
+        return np.sqrt(fraction * p) / half
 
     def log_ratio(self, load: ArrayLike) -> Array:
         """ln(2 L/a(P)); that of the smallest number for P = 0, where it is multiplied by P."""
