@@ -32,4 +32,5 @@ def inconsistent(units: str) -> str:
     if abs(_STRESSES[stress] / wanted - 1) < _ROUNDING:
         return ""
     name = next((f" is {word}," for word, size in _STRESSES.items() if abs(size / wanted - 1) < _ROUNDING), " is")
-    return f"{force}/{length}^2{name} not {stress}: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
+    fault = f"{force}/{length}^2{name} not {stress}"
+    return f"{fault}: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
