@@ -30,6 +30,7 @@ import fe_orders
 import fe_peers
 import fe_precision
 import fe_scaling
+import map_laws
 import mpmath
 import must_fail
 import page
@@ -110,6 +111,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Other people's results: diagnosis of planted faults": diagnosis.rows,
         "Other people's results: the examples": score_examples.rows,
         "Other people's results: rules and readers": score_rules.rows,
+        "Maps of the idealisation": map_laws.rows,
         "The report": page.rows,
         "Sweeps": sweep.rows,
         "Sweeps: cheap uncertainty": sweep_coverage.rows,
