@@ -53,3 +53,13 @@ def test_a_row_changed_by_hand_is_seen(claims, kept: dict) -> None:
     next(row for row in forged[title]["rows"] if row["what"] == what)["measured"] = 1e-3
     assert claims.ten_of(forged) not in claims.README.read_text("utf-8")
     assert claims.page_of(forged).partition("\n\n## ")[2] not in claims.PAGE.read_text("utf-8")
+
+
+def test_every_case_of_calculix_is_kept_by_the_name_that_measures_it(monkeypatch_module) -> None:
+    monkeypatch_module.syspath_prepend(str(ROOT / "benchmarks"))
+    import third
+
+    kept = third.kept()
+    assert set(kept) == set(third.cases())
+    assert all(case["code"].startswith("CalculiX ") and case["day"] and case["errors"] for case in kept.values())
+    assert third.main(["no such case"]) == 2
