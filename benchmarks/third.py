@@ -1,6 +1,6 @@
 """CalculiX on the exported decks, against half-plane theory: error in p, q and W, and time. docs/third.md shows what is found.
 
-    python benchmarks/third.py                      (every case that this command has not measured yet)
+    python benchmarks/third.py                      (every case that has not been measured yet)
     python benchmarks/third.py hertz-paper ...      (these cases anew; the others stay as found)
 
 A minute or two a case; `make peers` installs CalculiX, without which nothing is measured. What is found is kept in third.json, case
@@ -101,7 +101,7 @@ def main(names: list[str]) -> int:
         print(f"no case is called {' or '.join(unknown)}; there are: {'; '.join(known)}", file=sys.stderr)
         return 2
     before = kept()
-    for name in names or [name for name in known if "commit" not in before.get(name, {})]:
+    for name in names or [name for name in known if name not in before]:
         found = measured(known[name])
         keep(name, found)
         print(f"{found['seconds']:6.1f} s  {name}: {found['failure'] or found['errors']}", flush=True)

@@ -98,8 +98,7 @@ def _third_table(cases: Mapping[str, Any]) -> Iterator[str]:
         for key in ("peak_pressure", "shear", "dissipation"):
             theirs, ours = case["errors"].get(key), quoting.published_share(scenes[scene], key)
             cells += [quoting.share(scenes[scene], key, theirs) or case["failure"] or "–", ours or "–"]
-        cells.append(case.get("commit") or f"by hand, {case['typed']}")
-        yield f"| {' | '.join(cells)} |".replace(" %", "\u00a0%")
+        yield f"| {' | '.join([*cells, case['commit']])} |".replace(" %", "\u00a0%")
 
 
 # ----------------------------------------------------------------------------------------------------------- verification
