@@ -8,7 +8,8 @@ P - P_x = 2 P1 (z^2 - z_x^2) = 2 P1 (y_x^2 - y^2). Q = Q0 + (Q1/P1) cos(phase) (
 term is a straight line in the memory; the last is integrated here, with dQ = -+ Q1 sin(phase) g(z) dz, g(z) = 2 (1 - 2
 z^2)/sqrt(1 - z^2). Where the integrand holds sqrt(z^2 - e^2)^(-+1), the variable ln(z + sqrt(z^2 - e^2)) makes it smooth,
 for e^2 < 0 too; where it holds sqrt(e^2 - z^2)^(-+1), arcsin(z/e). So an edge of contact anywhere, and a stick phase that
-starts next to the least load or ends next to the largest, cost no digits. Corners of the profile cut the arcs; behind one P(a)
+starts next to the least load or ends next to the largest, cost no digits. Slips hold the logarithm of the load besides: where P
+hardly stays above 0, steps close to that take the rule for singular ends. Corners of the profile cut the arcs; behind one P(a)
 goes like d^(3/2) of the distance from it, and steps near it have their nodes at cubes.
 """
 
@@ -23,13 +24,15 @@ from numpy.typing import NDArray
 
 from scenes import EllipseLeg
 from semi_analytic.contact import Contact, corner_loads
-from semi_analytic.quadrature import gauss
+from semi_analytic.quadrature import gauss, graded
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
 _CORNERED = ((0.12, 16), (0.8, 24), (2.5, 40), (math.inf, 80))
+# Digits, as a power of e, that Gauss' rule shall keep beside a logarithm.
+_DIGITS = 34.0
 
 
 class Nodes(NamedTuple):
@@ -99,10 +102,11 @@ def _limits_inside(low: Array, high: Array, edge: Array) -> tuple[Array, Array]:
     return a, np.maximum(a, b)
 
 
-def inside(low: Array, high: Array, edge: Array, cubed: int) -> Nodes:
-    """Nodes for low < z < high with z^2 < e^2 = `edge`; weights are 0 where there are none."""
+def inside(low: Array, high: Array, edge: Array, cubed: int, beside: bool = False) -> Nodes:
+    """Nodes for low < z < high with z^2 < e^2 = `edge`; weights are 0 where there are none. `beside` a singularity: many nodes."""
     e = np.sqrt(np.maximum(edge, 0.0))
-    s, weight = _rule(*_limits_inside(low, high, edge), cubed)
+    a, b = _limits_inside(low, high, edge)
+    s, weight = graded(a, b) if beside else _rule(a, b, cubed)
     return Nodes(e[..., None] * np.sin(s), weight, e[..., None] * np.cos(s))
 
 
@@ -192,13 +196,31 @@ def _touched(half: Half, edge_load: Array, beyond: bool) -> Iterator[tuple[tuple
     instant, point = np.nonzero(span > 0)
     choose, limits = (outside, _limits_outside) if beyond else (inside, _limits_inside)
     a, b = limits(half.low[instant], half.high[instant], edge[point])
-    below = -1.0
-    for limit, _ in _CORNERED if half.cubed else _SPANS:
-        some = np.flatnonzero((b - a > below) & (b - a <= limit))
+    spans, below = _CORNERED if half.cubed else _SPANS, -1.0
+    beside = np.zeros(len(a), dtype=bool)
+    if not beyond and half.curvature > 0:
+        beside = _beside_no_load(half, a, b, e[point], spans)
+        i, k = instant[beside], point[beside]
+        if len(i):
+            yield (i, k), inside(half.low[i], half.high[i], edge[k], half.cubed, beside=True)
+    for limit, _ in spans:
+        some = np.flatnonzero((b - a > below) & (b - a <= limit) & ~beside)
         below = limit
         if len(some):
             i, k = instant[some], point[some]
             yield (i, k), choose(half.low[i], half.high[i], edge[k], half.cubed)
+
+
+def _beside_no_load(half: Half, a: Array, b: Array, e: Array, spans: tuple[tuple[float, int], ...]) -> NDArray[np.bool_]:
+    """Which ranges of arcsin(z/e) from a to b (m,) are too close to where P = 0 for as many of Gauss' nodes as they would get.
+
+    That is at z^2 = -P_min/(2 P1), +-i arsinh(sqrt(P_min/(2 P1))/e); n nodes leave rho^(-2 n), rho + 1/rho being twice the sum of
+    the distances from a and b over b - a.
+    """
+    height = np.arcsinh(math.sqrt(max(half.extreme / half.curvature, 0.0)) / e)
+    limits, counts = (np.array(column, dtype=float) for column in zip(*spans, strict=True))
+    count = counts[np.searchsorted(limits, b - a)]
+    return np.asarray(np.hypot(a, height) + np.hypot(b, height) < np.cosh(_DIGITS / (2 * count)) * (b - a))
 
 
 def arc_log(contact: Contact, leg: EllipseLeg, first: float, last: Array) -> Array:
