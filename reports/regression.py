@@ -55,12 +55,14 @@ def _show(found: Difference, as_json: bool, quiet: bool) -> None:
 
 
 def _tell(found: Difference) -> None:
-    show_table(
-        f"{found.scene}: A = {found.a}, B = {found.b}",
-        ("figure", "A", "B", "B less A", "tolerance", "verdict"),
-        [_cells(row) for row in found.rows],
-        right=(1, 2, 3, 4),
-    )
+    shown = [_cells(row) for row in found.rows if not _identical(row)]
+    title = f"{found.scene}: A = {found.a}, B = {found.b}"
+    if shown:
+        show_table(title, ("figure", "A", "B", "B less A", "tolerance", "verdict"), shown, right=(1, 2, 3, 4))
+    else:
+        say(title)
+    if identical := len(found.rows) - len(shown):
+        say(f"{identical} figures are the same to the last digit and not listed (--json has them)")
     for note in found.notes:
         say(note)
     apart = [row.key for row in found.rows if row.verdict != SAME]
@@ -69,6 +71,10 @@ def _tell(found: Difference) -> None:
         if apart
         else f"all {len(found.rows)} figures are the same within tolerance"
     )
+
+
+def _identical(row: Row) -> bool:
+    return row.verdict == SAME and (row.difference == 0 or row.a == row.b)
 
 
 def _cells(row: Row) -> tuple[str, ...]:

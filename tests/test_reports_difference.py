@@ -193,6 +193,9 @@ class TestCommand:
         table = json.loads(capsys.readouterr().out)
         assert [row["key"] for row in table["rows"] if row["verdict"] != SAME] == ["halfplane_fe.dissipation"]
         assert table["same"] is False
+        assert main(["diff", str(other), kept]) == 1
+        words = capsys.readouterr().out
+        assert f"{len(table['rows']) - 1} figures are the same to the last digit and not listed" in words
         assert main(["diff", str(other), kept, "--quiet"]) == 1
         assert main(["diff", kept, str(tmp_path / "quiet.json"), "--accept", "--quiet"]) == 0
         assert capsys.readouterr().out == ""
