@@ -125,12 +125,13 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
     if not moves(comparison):
         return None
     load, length = load_unit(comparison.scene), units(comparison.scene)[1]
+    slopes = " and ".join(f"{loop_compliance(cycle):.4g}" for cycle in (comparison.expected, comparison.found))
+    area = "" if comparison.scene.load.path().period is None else f", which leaves the area as it is: {_area(comparison)}"
     return Plate(
         "hysteresis",
         "Hysteresis loop",
-        "Left: shift of the upper body over the lower. Right: each less its own mean slope (k = "
-        f"{loop_compliance(comparison.expected):.4g} and {loop_compliance(comparison.found):.4g} {length} per {load}) and mean, "
-        f"which leaves the area as it is: {_area(comparison)}.",
+        "Left: shift of the upper body over the lower. Right: each less its own mean slope "
+        f"(k = {slopes} {length} per {load}) and mean{area}.",
         "Tangential load over rigid shift for both engines, as it is and sheared so that the loop opens.",
         tuple(
             hysteresis_panel(comparison, chosen, clip, sheared=sheared)

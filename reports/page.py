@@ -158,7 +158,12 @@ def _claims(comparison: Comparison) -> list[tuple[str, bool | None, str]]:
 
 def _notes(comparison: Comparison) -> list[str]:
     """What a reader must not miss: of the metrics, then of the solutions."""
-    return [*(f"{m.label}: {m.note}." for m in comparison.headlines if m.note), *comparison.notes]
+    return [*(_note(m.label, m.note) for m in comparison.headlines if m.note), *comparison.notes]
+
+
+def _note(label: str, note: str) -> str:
+    """A note with the label of its metric, where it does not begin with that itself."""
+    return sentence(note if note.lower().startswith(label.lower()) else f"{label}: {note}")
 
 
 def _scales(comparison: Comparison) -> list[tuple[str, str, str]]:

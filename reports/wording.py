@@ -33,8 +33,13 @@ def question(scene: Scene) -> str:
     return (
         f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
         f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}. "
-        "What do they transmit, where do they slip, and what does a cycle dissipate?"
+        f"What do they transmit, where do they slip, and what does {'a cycle' if _repeats(scene) else 'the path'} dissipate?"
     )
+
+
+def _repeats(scene: Scene) -> bool:
+    load = scene.load
+    return bool(load.cycle) if isinstance(load, PolygonLoad) else getattr(load, "repeats", True)
 
 
 def _loads(scene: Scene, unit: str) -> str:

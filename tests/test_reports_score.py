@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -338,3 +339,16 @@ def test_the_package_can_be_called_before_and_after_its_parts_are_imported():
 
     assert callable(reports.score)
     assert "score" in dir(reports)
+
+
+def test_the_page_says_a_label_once_and_a_strength_for_what_it_is(tmp_path: Path) -> None:
+    """It was "Dissipation: dissipation: not in the result", and "Explains 7 %" of what explains 86.8 % by itself."""
+    scene = load_scene("cattaneo-mindlin")
+    x = np.linspace(-1.1, 1.1, 45)
+    exact = semi_analytic.solve(scene, x=x, time=[1.0, 1.5, 2.0])
+    found = reports.score(x, 0.98 * exact.pressure, exact.shear, scene=scene, time=exact.time, code="mine")
+    page = reports.write(found, tmp_path / "out").read_text(encoding="utf-8")
+    assert "<li>Dissipation: not in the result" in page
+    assert "issipation: dissipation:" not in page
+    assert "0.98 times what it should be" in page
+    assert f"Strength {found.diagnoses[0].strength:.2f} of 1." in page

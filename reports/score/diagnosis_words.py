@@ -14,11 +14,11 @@ FAULTS = {
     "pressure_sign": "The pressure has the wrong sign: it is positive in compression here.",
     "swapped": "Pressure and shear are swapped: exchange the two columns.",
     "frictionless": "There is no shear: the contact has no friction, or the tangential load was not applied.",
-    "units": "The tractions are {factor:g} times too large on the right widths: a factor of units.",
-    "traction_factor": "The tractions are {factor:.4g} times too large on the right widths: a thickness, a unit or a share of the "
-    "surface counted twice; no elastic contact carries other loads on the same width.",
-    "pressure_factor": "The pressure alone is {factor:.4g} times too large, on the right widths with the right shear: a unit or "
-    "an area of that one column; another load or modulus would change widths and shear with it.",
+    "units": "The tractions are {factor:g} times what they should be, on the right widths: a factor of units.",
+    "traction_factor": "The tractions are {factor:.4g} times what they should be, on the right widths: a thickness, a unit or a "
+    "share of the surface counted twice; no elastic contact carries other loads on the same width.",
+    "pressure_factor": "The pressure alone is {factor:.4g} times what it should be, on the right widths with the right shear: a "
+    "unit or an area of that one column; another load or modulus would change widths and shear with it.",
     "offset": "The contact is {distance:.3g} a_ref off along x: the origin of x is not the centre of the profile.",
     "stiffness": "The bodies are {factor:.3g} times as stiff for their curvature as the scene's: check E, nu, plane strain against"
     " plane stress, and the radius ({likely}).",
