@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from reports.answers import SceneAnswers
-from reports.application import MACHINE, SCENES, Json, Out, SceneName, Silent, app
+from reports.application import MACHINE, SCENES, Json, SceneName, Silent, app
 
 _NO_ANSWERS = SceneAnswers()
 
@@ -61,7 +61,12 @@ def schema() -> int:
 
 
 @app.command(group=MACHINE, sort_key=1, help_epilogue="")
-def doctor(*, out: Out = None, json: Json = False, quiet: Silent = False) -> int:
+def doctor(
+    *,
+    out: Annotated[Path | None, Parameter(help="Folder whose disk and rights are looked at; out if left out.")] = None,
+    json: Json = False,
+    quiet: Silent = False,
+) -> int:
     """Can this machine do the work?"""
     from reports import commands_machine
 

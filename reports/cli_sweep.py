@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import App, Parameter
+from cyclopts import App, Group, Parameter
 
 from reports.application import SOLVE, Json, Quiet, app
 
@@ -15,6 +15,7 @@ _sweep = App(
     group=SOLVE,
     sort_key=5,
     help_epilogue="",
+    group_commands=Group("Of a sweep that is there"),
 )
 app.command(_sweep)
 Folder = Annotated[Path, Parameter(help="Folder of a sweep.")]

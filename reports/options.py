@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-_MESH = Group("Mesh (lengths over the contact half-width)", sort_key=2)
-_SOLVER = Group("Solver", sort_key=3)
+_MESH = Group("Mesh (lengths over the contact half-width; what is left out is the engine's own)", sort_key=2)
+_SOLVER = Group("Solver (what is left out is the engine's own)", sort_key=3)
 
 
 def _option(group: Group, text: str) -> Parameter:

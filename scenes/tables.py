@@ -171,7 +171,8 @@ def _header_lines(path: Path, first: tuple[int, str], names: tuple[str, ...]) ->
     if any(_is_number(cell) for cell in cells):
         return 0
     if [cell.lower() for cell in cells] != [name.lower() for name in names]:
-        raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {shown(text)}")
+        cure = "; commas between the columns, points in the numbers" if ";" in text else ""
+        raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {shown(text)}{cure}")
     return number
 
 

@@ -44,6 +44,14 @@ def test_consistent_units_and_unknown_words_are_taken(units: str, tmp_path: Path
     assert load_scene(file).units == units
 
 
+def test_a_table_of_another_country_is_told_apart(tmp_path: Path) -> None:
+    (tmp_path / "loads.csv").write_text("time;P;Q\n0;0,5;0\n", encoding="utf-8")
+    head, _, _ = PLAIN.partition("[load]")
+    (tmp_path / "mine.toml").write_text(f'{head}[load]\nkind = "time_series"\nfile = "loads.csv"\n', encoding="utf-8")
+    with pytest.raises(InputError, match="commas between the columns, points in the numbers"):
+        load_scene(tmp_path / "mine.toml")
+
+
 def test_a_folder_is_called_one(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="this is a folder; name the scene file in it"):
         load_scene(tmp_path)

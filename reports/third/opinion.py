@@ -73,7 +73,7 @@ def ask_calculix(
         folder = Path(name)
         (folder / f"{NAME}.inp").write_text(text, encoding="utf-8")
         try:
-            with stages.stage(code) as report:
+            with stages.stage(code, "per cent of the load path") as report:
                 done = run_calculix(program, folder, NAME, float(deck.deck_time[-1]), limit, report)
         except ConvergenceError as failure:
             return ThirdOpinion(comparison=None, done=None, failure=str(failure), **known)  # type: ignore[arg-type]

@@ -96,7 +96,7 @@ def _watch(process: subprocess.Popen[bytes], sta: Path, end: float, deadline: fl
         if report is not None:
             rows = status(sta)
             reached = rows[-1].total if rows else 0.0
-            report(round(100 * min(reached / end, 1.0)), 100, f"increment {len(rows)}, per cent of the load path")
+            report(round(100 * min(reached / end, 1.0)), 100, f"increment {len(rows)}")
         time.sleep(_EVERY)
     return False
 
