@@ -89,7 +89,7 @@ def test_cells_and_sentences_of_a_map_have_keys_and_none_that_two_share() -> Non
 def test_the_tables_of_the_third_opinion_are_what_was_measured_and_published() -> None:
     """Every case of benchmarks/third.json is in a table or quoted, and a figure changed by hand does not stay."""
     page, cases = TEXTS["third.md"], pages.third()
-    rows = [line for line in page.splitlines() if line.count(" | ") == 10 and not line.startswith("| scene |")]
+    rows = [line for line in page.splitlines() if line.count(" | ") == 9 and not line.startswith("| scene |")]
     for column in (3, 4, 5):
         cells = rows[0].split(" | ")
         forged = page.replace(rows[0], " | ".join([*cells[:column], "+99 %", *cells[column + 1 :]]))
