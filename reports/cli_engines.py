@@ -11,6 +11,7 @@ from reports.application import JUDGE, SOLVE, Json, Out, Quiet, SceneName, app
 from reports.options import FiniteElementOptions
 
 _DEFAULTS = FiniteElementOptions()
+_THIRD_LIMIT = 1800.0
 
 
 @app.command(group=SOLVE, sort_key=1, help_epilogue="")
@@ -31,15 +32,20 @@ def run(
         bool, Parameter(negative="", help="Measure where the discrepancy comes from: coarser meshes, other far fields.")
     ] = False,
     third: Annotated[Literal["calculix"] | None, Parameter(help="A third opinion: runs `ccx` on the exported deck.")] = None,
-    third_limit: Annotated[float, Parameter(help="Seconds after which CalculiX is stopped.")] = 1800.0,
+    third_limit: Annotated[
+        float | None, Parameter(help="Seconds after which the third opinion is stopped; 1800 if left out.")
+    ] = None,
     json: Annotated[bool, Parameter(negative="", help="The verdict as JSON on stdout, and nothing else there.")] = False,
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
 ) -> int:
     """Both engines on one scene: verdict, page and data."""
     from reports import commands_engines
+    from scenes import InputError
 
-    limit = None if third is None else third_limit
+    if third is None and third_limit is not None:
+        raise InputError(f"--third-limit {third_limit:g}: it goes with --third calculix")
+    limit = None if third is None else _THIRD_LIMIT if third_limit is None else third_limit
     return commands_engines.run(
         scene,
         out,

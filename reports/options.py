@@ -24,6 +24,9 @@ def _option(group: Group, text: str) -> Parameter:
     return Parameter(group=group, help=text)
 
 
+_LAYER = _option(_SOLVER, "Of the penalty layer, over E*/h; without one no answer depends on it.")
+
+
 @Parameter(name="*")
 @dataclass(frozen=True)
 class FiniteElementOptions:
@@ -39,8 +42,8 @@ class FiniteElementOptions:
         _option(_SOLVER, "The contact law met exactly, or an elastic layer between the faces."),
     ] = None
     steps_per_cycle: Annotated[int | None, _option(_SOLVER, "Steps of a revolution; turning points come on top.")] = None
-    normal_stiffness: Annotated[float | None, _option(_SOLVER, "Of the penalty layer, over E*/h.")] = None
-    tangential_stiffness: Annotated[float | None, _option(_SOLVER, "Of the penalty layer, over E*/h.")] = None
+    normal_stiffness: Annotated[float | None, _LAYER] = None
+    tangential_stiffness: Annotated[float | None, _LAYER] = None
     max_iterations: Annotated[int | None, _option(_SOLVER, "Of one step, before it counts as not converged.")] = None
 
     def settings(self) -> tuple[MeshSettings, SolverSettings]:

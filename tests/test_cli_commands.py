@@ -244,6 +244,10 @@ class TestBadInput:
         assert "--method" in refused(tmp_path, "run", "hertz-paper", "--method", "magic")
         assert "--vtu soon" in refused(tmp_path, "run", "hertz-paper", "--vtu", "soon")
 
+    def test_options_that_go_with_another(self, tmp_path: Path) -> None:
+        """It was ignored."""
+        assert "it goes with --third calculix" in refused(tmp_path, "run", "hertz-paper", "--third-limit", "10")
+
     def test_out_is_found_unusable_before_any_solving(self, tmp_path: Path) -> None:
         """No stage is announced on stderr: the sentence comes first and alone."""
         (tmp_path / "file").write_text("mine", encoding="utf-8")

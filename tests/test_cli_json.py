@@ -118,6 +118,14 @@ def test_a_sweep_tells_its_points_and_where_its_files_are(said: Any, tmp_path: P
     assert Path(page["page"]).exists()
 
 
+def test_a_sweep_takes_a_worker_at_least(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """None meant all cores without a word."""
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    assert main(["sweep", str(tmp_path / "study.toml"), "--workers", "0", "--out", str(tmp_path / "out")]) == 2
+    assert "--workers 0: at least 1" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_map_tells_its_page(said: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     written: list[Path] = []
     monkeypatch.setattr("reports.maps.command.write", lambda folder, there: written.append(folder))

@@ -173,6 +173,8 @@ def crew_of(executor: str, scheduler: str, workers: int | None) -> Callable[[], 
     InputError
         For an option without the other that it needs.
     """
+    if workers is not None and workers < 1:
+        raise InputError(f"--workers {workers}: at least 1, or leave it out for all cores")
     if executor == "dask":
         if not scheduler:
             raise InputError("--executor dask: it needs --scheduler ADDRESS, such as tcp://node1:8786")
