@@ -8,9 +8,9 @@ P - P_x = 2 P1 (z^2 - z_x^2) = 2 P1 (y_x^2 - y^2). Q = Q0 + (Q1/P1) cos(phase) (
 term is a straight line in the memory; the last is integrated here, with dQ = -+ Q1 sin(phase) g(z) dz, g(z) = 2 (1 - 2
 z^2)/sqrt(1 - z^2). Where the integrand holds sqrt(z^2 - e^2)^(-+1), the variable ln(z + sqrt(z^2 - e^2)) makes it smooth,
 for e^2 < 0 too; where it holds sqrt(e^2 - z^2)^(-+1), arcsin(z/e). So an edge of contact anywhere, and a stick phase that
-starts next to the least load or ends next to the largest, cost no digits. Slips hold the logarithm of the load besides: where P
-hardly stays above 0, steps close to that take the rule for singular ends. Corners of the profile cut the arcs; behind one P(a)
-goes like d^(3/2) of the distance from it, and steps near it have their nodes at cubes.
+starts next to the least load or ends next to the largest, cost no digits. Slips hold the logarithm of the load besides:
+steps that are close to where P would be 0, for their length, take the rule for singular ends. Corners of the profile cut the
+arcs; behind one P(a) goes like d^(3/2) of the distance from it, and steps near it have their nodes at cubes.
 """
 
 from __future__ import annotations
@@ -85,9 +85,10 @@ def _limits_outside(low: Array, high: Array, edge: Array) -> tuple[Array, Array]
     return a, np.maximum(a, b)
 
 
-def outside(low: Array, high: Array, edge: Array, cubed: int) -> Nodes:
-    """Nodes for low < z < high with z^2 > e^2 = `edge`, which may be negative."""
-    s, weight = _rule(*_limits_outside(low, high, edge), cubed)
+def outside(low: Array, high: Array, edge: Array, cubed: int, beside: bool = False) -> Nodes:
+    """Nodes for low < z < high with z^2 > e^2 = `edge`, which may be negative. `beside` a singularity: many nodes."""
+    a, b = _limits_outside(low, high, edge)
+    s, weight = graded(a, b) if beside else _rule(a, b, cubed)
     r = np.exp(s)
     other = edge[..., None] / r
     return Nodes((r + other) / 2, weight, (r - other) / 2)
@@ -198,11 +199,11 @@ def _touched(half: Half, edge_load: Array, beyond: bool) -> Iterator[tuple[tuple
     a, b = limits(half.low[instant], half.high[instant], edge[point])
     spans, below = _CORNERED if half.cubed else _SPANS, -1.0
     beside = np.zeros(len(a), dtype=bool)
-    if not beyond and half.curvature > 0:
-        beside = _beside_no_load(half, a, b, e[point], spans)
+    if beyond == (half.curvature < 0):  # a slip
+        beside = _beside_no_load(half, a, b, edge[point], spans)
         i, k = instant[beside], point[beside]
         if len(i):
-            yield (i, k), inside(half.low[i], half.high[i], edge[k], half.cubed, beside=True)
+            yield (i, k), choose(half.low[i], half.high[i], edge[k], half.cubed, beside=True)
     for limit, _ in spans:
         some = np.flatnonzero((b - a > below) & (b - a <= limit) & ~beside)
         below = limit
@@ -211,16 +212,21 @@ def _touched(half: Half, edge_load: Array, beyond: bool) -> Iterator[tuple[tuple
             yield (i, k), choose(half.low[i], half.high[i], edge[k], half.cubed)
 
 
-def _beside_no_load(half: Half, a: Array, b: Array, e: Array, spans: tuple[tuple[float, int], ...]) -> NDArray[np.bool_]:
-    """Which ranges of arcsin(z/e) from a to b (m,) are too close to where P = 0 for as many of Gauss' nodes as they would get.
+def _beside_no_load(half: Half, a: Array, b: Array, edge: Array, spans: tuple[tuple[float, int], ...]) -> NDArray[np.bool_]:
+    """Which ranges of a slip's variable from a to b (m,) are too close to where P = 0 for Gauss' rule with its count of nodes.
 
-    That is at z^2 = -P_min/(2 P1), +-i arsinh(sqrt(P_min/(2 P1))/e); n nodes leave rho^(-2 n), rho + 1/rho being twice the sum of
-    the distances from a and b over b - a.
+    P = 0 at z^2 = -P_min/(2 P1), that is arcsin(z/e) = +-i arsinh(sqrt(P_min/(2 P1))/e), and y^2 = P_max/(2 P1). n nodes leave
+    rho^(-2 n), rho + 1/rho being twice the sum of the distances from a and b over b - a.
     """
-    height = np.arcsinh(math.sqrt(max(half.extreme / half.curvature, 0.0)) / e)
+    square = -half.extreme / half.curvature
+    if half.curvature > 0:
+        centre, height = np.zeros(len(a)), np.arcsinh(np.sqrt(max(-square, 0.0) / edge))
+    else:
+        centre, height = np.log(math.sqrt(square) + np.sqrt(np.maximum(square - edge, 0.0))), np.zeros(len(a))
     limits, counts = (np.array(column, dtype=float) for column in zip(*spans, strict=True))
     count = counts[np.searchsorted(limits, b - a)]
-    return np.asarray(np.hypot(a, height) + np.hypot(b, height) < np.cosh(_DIGITS / (2 * count)) * (b - a))
+    distances = np.hypot(a - centre, height) + np.hypot(b - centre, height)
+    return np.asarray(distances < np.cosh(_DIGITS / (2 * count)) * (b - a))
 
 
 def arc_log(contact: Contact, leg: EllipseLeg, first: float, last: Array) -> Array:
