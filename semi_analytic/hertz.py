@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+# Of 2 artanh y - 2 y; with eleven terms it leaves 2e-16 up to a ratio of 0.3.
 _TAIL = (2 / np.arange(3.0, 25.0, 2.0)).tolist()
 _SERIES_UP_TO = 0.3
 _BELOW_ONE = 1 - 2.0**-53

@@ -25,6 +25,7 @@ from semi_analytic.legs import NORMAL_LOAD, Combination, change, level, phasor, 
 from semi_analytic.memory import Curve
 from semi_analytic.route import Route, own_route
 
+# Time, over itself or 1, within which two events are one.
 _SAME = 1e-9
 LETTERS = "ABCDEFGHIJKLM"
 

@@ -20,6 +20,7 @@ from semi_analytic.settling import Settled, settled
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+# Share of the contact within which two kinks are one.
 _SHORTEST = 1e-12
 
 

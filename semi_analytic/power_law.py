@@ -25,6 +25,7 @@ from semi_analytic.quadrature import INVERSE_ROOT
 
 Array = NDArray[np.float64]
 
+# Share of a within which p is integrated, and within which its leading terms are taken: the next one is xi^2 of them.
 _INNER = 0.1
 _MIDDLE = 1e-11
 # Share of P that is beyond P_x from which on 1 - (x/a)^2 keeps more digits by x than by the loads.

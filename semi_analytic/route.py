@@ -15,8 +15,10 @@ from semi_analytic.history import History, Span, Turn, check, follow
 Array = NDArray[np.float64]
 Cycles = Literal["all", "steady"]
 
+# Instants of a cycle and of the way in where none are asked for.
 _INSTANTS = 400
 _WAY_IN_INSTANTS = 100
+# Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's own.
 _SLACK = 1e-9
 
 

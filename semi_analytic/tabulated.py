@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 _CHUNK = 2_000_000
 _STEPS = 50
+# Share of a half-width below which Newton's next step would be its square: less than rounding.
 _ROOT_OF_ROUNDING = 1e-9
 
 

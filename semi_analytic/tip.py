@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+# Least r over b. Where it counts, |x - b| < 5e-25 b, r stands in (b - x) ln r alone, which is nothing.
 _TINY = 1e-12
 
 
