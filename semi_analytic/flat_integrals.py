@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 NEARBY = 0.3
 """Share of P within which P_c is close to P: twelve of Gauss' nodes leave 6e-16 of Lam and of the drop of tau."""
 
-# Tau (that of the edge, for spreads) up to which 24 of Gauss' nodes serve the integrands, singular at t = +-i: the two rules differ by 5e-15 there.
+# Tau (that of the edge, for spreads) up to which 24 of Gauss' nodes serve the integrands, singular at t = +-i: there the two rules
+# differ by 5e-15.
 _DEEP = 2.5
 # Share of tau^2 below which a difference is taken from the rise of F: three of Gauss' nodes leave 4e-16.
 _CLOSE = 0.01
