@@ -270,15 +270,20 @@ class Pile:
         return load * ratio - (self._logarithm(0, half)[0] - self._logarithm(0, front)[0])
 
     def _area_across(self, load: Array, slipped: Array) -> Array:
-        """Across corners, or close behind one: in parts, by the rule for singular ends."""
+        """Across corners, or close behind one: in parts, by the rule for singular ends; alike ones, between the same, together."""
         front = load - slipped
-        inside = self._break_loads[(self._break_loads > np.min(front)) & (self._break_loads < np.max(load))]
+        first = np.searchsorted(self._break_loads, front, side="right")
+        after = np.maximum(np.searchsorted(self._break_loads, load, side="left"), first)
         total = np.zeros(load.shape)
-        for k in range(0, len(load), max(CHUNK // (len(ROOTS.up) * (len(inside) + 1)), 1)):
-            here = slice(k, k + max(CHUNK // (len(ROOTS.up) * (len(inside) + 1)), 1))
-            node = panels(0.0, slipped[here], [at - front[here] for at in inside])
-            half = self.half_width(front[here, None, None] + node.at)
-            rate = half * self.stiffness(half)
-            terms = node.weight * node.below / np.where(rate > 0, rate, np.inf)
-            total[here] = np.sum(terms, axis=(-2, -1))
+        pairs, alike = np.unique(np.stack([first, after]), axis=1, return_inverse=True)
+        for number, (low, high) in enumerate(pairs.T):
+            inside = self._break_loads[low:high]
+            size = max(CHUNK // (len(ROOTS.up) * (len(inside) + 1)), 1)
+            members = np.flatnonzero(alike.ravel() == number)
+            for here in np.split(members, np.arange(size, len(members), size)):
+                node = panels(0.0, slipped[here], [at - front[here] for at in inside])
+                half = self.half_width(front[here, None, None] + node.at)
+                rate = half * self.stiffness(half)
+                terms = node.weight * node.below / np.where(rate > 0, rate, np.inf)
+                total[here] = np.sum(terms, axis=(-2, -1))
         return total
