@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reports.body_words import are_half_planes
 from reports.metrics import Array, norm, peak_place, shares
 from reports.sampling import Cycle
 from scenes import ContactSolution
@@ -51,6 +52,14 @@ def approach_work(solution: ContactSolution) -> float:
     """
     steps = solution.last_cycle
     return float(np.trapezoid(solution.normal_load[steps], solution.rigid_approach[steps]))
+
+
+def normal_work(solution: ContactSolution) -> float | None:
+    """`approach_work` where it can be other than 0 and our own finite elements know it; else None."""
+    still = np.ptp(solution.normal_load[solution.last_cycle]) == 0
+    if still or are_half_planes(solution.scene) or solution.engine != "halfplane_fe" or np.isnan(solution.loop_work):
+        return None
+    return approach_work(solution)
 
 
 def loop_distance(reference: Cycle, result: Cycle, shift_scale: float) -> Array:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.body_words import are_half_planes, bodies_in_words, unlike_materials
+from reports.body_words import bodies_in_words, unlike_materials
 from reports.budget_words import cost, heads, honest_of, honesty, rows
 from reports.certificates import Certificate
 from reports.charts.plate import Plate
@@ -19,7 +19,7 @@ from reports.definitions import name_of
 from reports.drawing import SUPPORT_WORDS
 from reports.figures_fields import STATE_KEYS
 from reports.live import as_script, carried
-from reports.metrics_work import approach_work
+from reports.metrics_work import normal_work
 from reports.provenance import commit
 from reports.templating import template
 from reports.units import energy_unit, units
@@ -199,7 +199,7 @@ def _dissipations(comparison: Comparison) -> list[dict[str, str]]:
             "value": _figure(solution.dissipation, "8g"),
             "scaled": _figure(solution.dissipation / comparison.scales.dissipation, "8g"),
             "loop": "–" if np.isnan(solution.loop_work) else f"{solution.loop_work:.8g}",
-            "normal": "–" if (work := _normal_work(solution)) is None else f"{work:.8g}",
+            "normal": "–" if (work := normal_work(solution)) is None else f"{work:.8g}",
             "apart": _apart(solution),
             "cycles": ", ".join(_figure(w, "6g") for w in solution.cycle_dissipation),
         }
@@ -229,14 +229,7 @@ def _apart(solution: ContactSolution) -> str:
     """How far the work of the loads is from the dissipation."""
     if np.isnan(solution.loop_work) or not solution.dissipation:
         return "–"
-    return f"{abs((solution.loop_work + (_normal_work(solution) or 0.0)) / solution.dissipation - 1):.1e}"
-
-
-def _normal_work(solution: ContactSolution) -> float | None:
-    """What P works in a cycle, where it works at all and our own finite elements know it."""
-    if are_half_planes(solution.scene) or solution.engine != "halfplane_fe" or np.isnan(solution.loop_work):
-        return None
-    return approach_work(solution)
+    return f"{abs((solution.loop_work + (normal_work(solution) or 0.0)) / solution.dissipation - 1):.1e}"
 
 
 def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:

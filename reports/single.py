@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from reports.body_words import are_half_planes
 from reports.certificates import certificates
 from reports.definitions import name_of
 from reports.drawing import table_text
 from reports.folder import filled
-from reports.metrics_work import approach_work
+from reports.metrics_work import normal_work
 from reports.summary import solution_content, strict
 from reports.units import energy_unit, load_unit, units
 from scenes import ContactSolution
@@ -43,8 +42,8 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     ]
     if np.isfinite(solution.loop_work):
         rows.append((f"closed integral of Q dU [{work}]", f"{solution.loop_work:.10g}"))
-        if not are_half_planes(solution.scene) and solution.engine == "halfplane_fe":
-            rows.append((f"closed integral of P dV, V the approach [{work}]", f"{approach_work(solution):.10g}"))
+        if (normal := normal_work(solution)) is not None:
+            rows.append((f"closed integral of P dV, V the approach [{work}]", f"{normal:.10g}"))
     rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
     rows.extend(("note", note) for note in solution.record.notes)
     rows.extend((f"{name.replace('_', ' ')} (work)", str(count)) for name, count in solution.work.counts.items())

@@ -86,7 +86,7 @@ def show_fields(scene: Scene, report: FieldsReport) -> None:
     heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"largest von Mises [{stress}]", f"where (x, y) [{length}]")
     show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3, 4))
     if many:
-        say(f"that of {len(report.instants)} instants with the largest stress; all are in fields/fields.json")
+        say(f"shown: of {len(report.instants)} instants the one with the largest stress; all are in fields/fields.json")
     for note in report.notes:
         say(note)
     counts = {kind: sum(name.endswith(kind) for name in report.files) for kind in (".vtu", ".png")}

@@ -17,7 +17,7 @@ from reports import Comparison, compare, write
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.cli import main
 from reports.figures_bodies import outline, sketch
-from reports.metrics_work import approach_work
+from reports.metrics_work import approach_work, normal_work
 from reports.single import summary_rows
 from reports.wording import beyond_theory, lead, question
 from scenes import Block, Bodies, Cylinder, Pad, Scene, load_scene, scene_text
@@ -202,9 +202,12 @@ class TestWorkOfTheLoads:
         page = write(pressed, tmp_path / "out").read_text(encoding="utf-8")
         assert "∮ P dV [N·mm/mm]" in page
         assert f"{approach_work(pressed.result):.8g}" in page
-        assert "of these bodies P works too" in page
+        assert "of these bodies P may work too" in page
         words = dict(summary_rows(pressed.result))
         assert words["closed integral of P dV, V the approach [N·mm/mm]"] == f"{approach_work(pressed.result):.10g}"
+
+    def test_a_load_that_stands_still_works_nothing(self, found: Comparison) -> None:
+        assert normal_work(found.result) is None
 
     def test_half_planes_have_one_route_in_q_alone(self, tmp_path: Path) -> None:
         exact = semi_analytic.solve(load_scene("hertz-paper"), cycles="steady")
