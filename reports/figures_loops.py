@@ -152,8 +152,8 @@ def _area(comparison: Comparison) -> str:
     if are_half_planes(comparison.scene) or np.ptp(comparison.found.normal_load) == 0:
         return "the dissipation of the cycle"
     return (
-        "the work of Q in the cycle, which between half-planes of like materials is the dissipation; of these bodies P may work too "
-        "(∮ P dV below)"
+        "the work of Q in the cycle, which between half-planes of like materials is the dissipation; "
+        "of these bodies P may work too (∮ P dV below)"
     )
 
 

@@ -152,7 +152,7 @@ def _claims(comparison: Comparison) -> list[tuple[str, bool | None, str]]:
             f"{sum(check.holds for check in checks)} of {len(checks)} checks of the laws of contact hold, which need no reference",
         ),
         ("Accurate", comparison.accurate, f"{sum(judged)} of {len(judged)} metrics lie within the tolerance that the scene states"),
-        ("Honest", honesty(comparison), comparison.honest),
+        ("Honest", honesty(comparison), comparison.honest.removeprefix("not assessed: ")),
     ]
 
 
