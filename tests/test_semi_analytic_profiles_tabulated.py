@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 from scenes import FlatRounded, Hertz, InputError, Tabulated
-from semi_analytic import solve
+from semi_analytic import pile, solve
 from semi_analytic.hertz import HertzContact
-from semi_analytic_cases import ellipse, make_scene
+from semi_analytic.panels import panels
+from semi_analytic_cases import ellipse, make_scene, polygon
 from semi_analytic_truth import Truth, profile_contact, worst
 
 
@@ -139,3 +140,18 @@ def test_beside_a_flat_small_loads_keep_their_digits(load):
     digits = 1e-11 + 4e-16 / (float(flat.half_width(small)) - contact.least)
     np.testing.assert_allclose(contact.pressure(x, small), flat.pressure(x, small), rtol=digits)
     assert float(contact.log_area(small, 0.3 * small)) == pytest.approx(float(flat.log_area(small, 0.3 * small)), rel=10 * digits)
+
+
+def test_work_across_knots_is_cut_at_those_between_alone(monkeypatch):
+    """Cut at every knot that any instant crosses, 60 knots took twenty times the nodes for the same W."""
+    cuts = []
+
+    def seen(begin, end, breaks):
+        cuts.extend(np.all((begin <= at) & (at <= end)) for at in breaks)
+        return panels(begin, end, breaks)
+
+    monkeypatch.setattr(pile, "panels", seen)
+    load = polygon([(1.0, 0.0)], [(0.4, 0.1), (0.8, -0.15), (1.0, 0.1)])
+    solve(make_scene(load, 0.7).model_copy(update={"profile": table(lambda x: np.cosh(x) - 1, 1.2, 61)}), x=[0.0])
+    assert len(cuts) > 9
+    assert all(cuts)

@@ -226,6 +226,25 @@ def test_settled_integrals_and_what_they_say_of_themselves(width, settles):
     assert bool(found.error[0] <= 1e-10 * abs(exact)) is settles
 
 
+def test_rounding_ends_the_halving():
+    """Noise of 1e-6 is left after a few halvings with the noise as its error; a corner beside it goes on to the end."""
+    parts = [0, 0]
+    noise = np.random.default_rng(7)
+
+    def work(which, low, high):
+        parts[0] += np.sum(which == 0)
+        parts[1] += np.sum(which == 1)
+        rough = (high - low) * (1 + 1e-6 * noise.uniform(-1, 1, len(low)))
+        corner = np.abs(low - 1 / 3) + np.abs(high - 1 / 3)  # trapezoidal rule of |t - 1/3|
+        return np.where(which == 0, rough, (high - low) * corner / 2)
+
+    found = settling.settled(work, [0.0, 0.0], [1.0, 1.0], 1.0)
+    assert parts[0] < 200
+    assert 1e-8 < found.error[0] < 1e-5
+    assert found.value[1] == pytest.approx((1 / 9 + 4 / 9) / 2, rel=1e-9)
+    assert parts[1] > 30
+
+
 def test_what_instants_share_of_an_arc_is_integrated_once(monkeypatch):
     """Closed-int Q dU of harmonics on a table of 13 rows: each instant integrated its arc from the start, over every knot."""
     inverted = []
