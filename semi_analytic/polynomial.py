@@ -97,12 +97,13 @@ class PolynomialContact(Pile):
         """Sum of K_k [(a/length)^(2 k) arccosh(|x|/a) + (|x|/length)^(2 k) I_2k(a/|x|)]."""
         distance, half = np.broadcast_arrays(np.abs(np.asarray(x, dtype=float)), self.half_width(load))
         half = np.minimum(half, distance)
-        zeta = half / np.where(distance > 0, distance, 1.0)
+        safe = np.where(distance > 0, distance, 1.0)
+        zeta, rest = half / safe, (distance - half) * (distance + half) / (safe * safe)
         reach = np.arcsinh(np.sqrt((distance - half) * (distance + half)) / np.where(half > 0, half, np.inf))
         total = np.zeros(half.shape)
         for k, factor in enumerate(loads, 1):
             inner, outer = ((v / self.length) ** (2 * k) for v in (half, distance))
-            total = total + factor * (inner * reach + outer * spread_function(2.0 * k, zeta))
+            total = total + factor * (inner * reach + outer * spread_function(2.0 * k, zeta, rest))
         return total
 
     def spread(self, x: ArrayLike, load: ArrayLike) -> Array:

@@ -71,14 +71,17 @@ def _pressure_inside(exponent: float, xi: Array) -> Array:
     return np.where(xi < _MIDDLE, 1 / (exponent - 1) + other * xi ** (exponent - 1), whole)
 
 
-def spread_function(exponent: float, ratio: ArrayLike) -> Array:
-    """I_n(zeta) = int_0^zeta t^(n-1)/sqrt(1 - t^2) dt.
+def spread_function(exponent: float, ratio: ArrayLike, rest: ArrayLike) -> Array:
+    """I_n(zeta) = int_0^zeta t^(n-1)/sqrt(1 - t^2) dt, from zeta and from 1 - zeta^2 = `rest`, of which it is a root near the edge.
 
-    >>> round(float(spread_function(2.0, 0.6)), 15)  # 1 - sqrt(1 - zeta^2)
+    >>> round(float(spread_function(2.0, 0.6, 0.64)), 15)  # 1 - sqrt(1 - zeta^2)
     0.2
     """
-    zeta = np.asarray(ratio, dtype=float)
-    return np.asarray(scipy.special.betainc(exponent / 2, 0.5, zeta * zeta) * (scipy.special.beta(exponent / 2, 0.5) / 2))
+    zeta, other = np.asarray(ratio, dtype=float), np.asarray(rest, dtype=float)
+    share = np.where(
+        other < 0.5, scipy.special.betaincc(0.5, exponent / 2, other), scipy.special.betainc(exponent / 2, 0.5, zeta * zeta)
+    )
+    return np.asarray(share * (scipy.special.beta(exponent / 2, 0.5) / 2))
 
 
 @dataclass(frozen=True)
@@ -140,19 +143,22 @@ class PowerLawContact:
 
     def spread(self, x: ArrayLike, load: ArrayLike) -> Array:
         """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness]."""
-        edge, inner, zeta = self._outside(x, load)
-        return inner * self.reach(x, edge - inner, inner) + edge * spread_function(self.exponent, zeta)
+        edge, inner, zeta, rest = self._outside(x, load)
+        return inner * self.reach(x, edge - inner, inner) + edge * spread_function(self.exponent, zeta, rest)
 
     def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int eta arccosh(|x|/a(eta)) d eta over eta < min(P, P_x)."""
-        edge, inner, zeta = self._outside(x, load)
-        return (inner**2 * self.reach(x, edge - inner, inner) + edge**2 * spread_function(2 * self.exponent, zeta)) / 2
+        edge, inner, zeta, rest = self._outside(x, load)
+        return (inner**2 * self.reach(x, edge - inner, inner) + edge**2 * spread_function(2 * self.exponent, zeta, rest)) / 2
 
-    def _outside(self, x: ArrayLike, load: ArrayLike) -> tuple[Array, Array, Array]:
-        """P_x, min(P, P_x) and zeta."""
+    def _outside(self, x: ArrayLike, load: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """P_x, min(P, P_x), zeta and 1 - zeta^2."""
         edge, p = np.broadcast_arrays(self.load(x), np.asarray(load, dtype=float))
         inner = np.minimum(p, edge)
-        return edge, inner, np.power(inner / np.where(edge > 0, edge, np.inf), 1 / self.exponent)
+        safe = np.where(edge > 0, edge, np.inf)
+        zeta = np.power(inner / safe, 1 / self.exponent)
+        near = np.minimum((edge - inner) / safe, _INSIDE)
+        return edge, inner, zeta, np.where(near < _INSIDE, -np.expm1(2 / self.exponent * np.log1p(-near)), (1 - zeta) * (1 + zeta))
 
     def reach(self, x: ArrayLike, excess: ArrayLike, load: ArrayLike) -> Array:
         """arccosh(|x|/a(eta)) from eta and P_x - eta >= 0; 0 is returned for eta = 0, where it is multiplied by eta."""
