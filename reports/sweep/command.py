@@ -84,7 +84,7 @@ def _announce(prepared: Prepared, workers: int, executor: str) -> None:
             if left is None
             else f"time: about {duration(left)}, from the stored results"
         )
-        say(f"{told}; {workers} processes")
+        say(f"{told}; {workers} process{'es' if workers > 1 else ''}")
 
 
 def _command(source: str, folder: Path, executor: str, scheduler: str, workers: int | None) -> str:

@@ -109,11 +109,16 @@ def parts(name: str) -> tuple[str, str]:
 
 
 def unit_of(name: str) -> str:
-    """What a figure is a share of, or its words."""
+    """What a figure is, with its unit or what it is a share of.
+
+    >>> unit_of("error.dissipation"), unit_of("stick_edge")
+    ('dissipation of the last cycle: finite elements over half-plane theory, less 1', 'Stick edge: of a_ref')
+    """
     if is_metric(name):
-        return DEFINITIONS[name].unit
+        return f"{DEFINITIONS[name].label}: {DEFINITIONS[name].unit}"
     prefix, quantity = parts(name)
-    return "of half-plane theory's" if prefix == "error" else QUANTITIES[quantity].words
+    words = QUANTITIES[quantity].words
+    return f"{words.rpartition(' [')[0]}: finite elements over half-plane theory, less 1" if prefix == "error" else words
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
