@@ -12,6 +12,8 @@ import pytest
 import reports
 import semi_analytic
 from reports.missing import missing
+from reports.score.diagnosis_hypothesis import Hypothesis
+from reports.score.diagnosis_words import sentence_of
 from reports.score.mapping import Mapping
 from reports.score.scoring import score_file
 from scenes import InputError, load_scene
@@ -352,3 +354,12 @@ def test_the_page_says_a_label_once_and_a_strength_for_what_it_is(tmp_path: Path
     assert "issipation: dissipation:" not in page
     assert "0.98 times what it should be" in page
     assert f"Strength {found.diagnoses[0].strength:.2f} of 1." in page
+
+
+def test_the_scenes_own_coupling_is_no_fault_of_the_result() -> None:
+    """Theory leaves it out; it was told as bodies that are "not the scene's"."""
+    found = Hypothesis("coupling", (X, X), {"beta": -0.052})
+    assert "not the scene's" in sentence_of(found)
+    own = sentence_of(found, own_beta=-0.068)
+    assert "the scene's own materials have -0.068" in own
+    assert "no fault of the result" in own

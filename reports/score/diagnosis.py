@@ -117,7 +117,10 @@ def _named(what: Discrepancy, ranked: list[tuple[float, Hypothesis]], number: in
         rival = 1.0 if one is ranked[0][1] else (1 - best) / max(1 - explained, 1e-12)
         strength = max(explained, 0.0) * min(rival, 1.0) * 0.9**number
         if explained >= LEAST_EXPLAINED and strength >= LEAST_STRENGTH:
-            sentence, evidence = sentence_of(one, _poisson_ratio(what)), tuple(evidence_of(what, one, explained, number))
+            sentence, evidence = (
+                sentence_of(one, _poisson_ratio(what), _own_beta(what)),
+                tuple(evidence_of(what, one, explained, number)),
+            )
             yield Diagnosis(one.fault, sentence, evidence, strength)
 
 
@@ -136,6 +139,13 @@ def _by_work(comparison: Comparison) -> Iterator[Diagnosis]:
         "the tractions are within their tolerances",
     )
     yield Diagnosis("steps", FAULTS["steps"].format(steps=steps), evidence, 1 - abs(less / off))
+
+
+def _own_beta(what: Discrepancy) -> float:
+    """Dundurs' beta of the scene's own materials."""
+    from halfplane_fe.dundurs import dundurs
+
+    return dundurs(what.comparison.scene.material).beta
 
 
 def _poisson_ratio(what: Discrepancy) -> float | None:

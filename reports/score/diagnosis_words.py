@@ -47,6 +47,11 @@ FAULTS = {
     "make the elements there smaller than {spacing:.2g} a_ref.",
 }
 
+_NO_COUPLING = 1e-9
+_OWN_COUPLING = (
+    "Pressure moves the faces along x as {beta:.2g} of Dundurs' beta would, and the scene's own materials have {own:.2g}, which "
+    "half-plane theory leaves out: as far as these agree it is the idealisation and no fault of the result; --against fe has it in."
+)
 # Quotients of E*/R that have a likely cause: (factor, within, cause).
 LIKELY = (
     (0.5, 0.03, "one half: two deformable bodies where one is rigid, or a diameter given for a radius"),
@@ -54,9 +59,11 @@ LIKELY = (
 )
 
 
-def sentence_of(one: Hypothesis, poisson_ratio: float | None = None) -> str:
-    """What the result most likely suffers from, and what to do."""
+def sentence_of(one: Hypothesis, poisson_ratio: float | None = None, own_beta: float = 0.0) -> str:
+    """What the result most likely suffers from, and what to do; `own_beta` is Dundurs' beta of the scene's materials."""
     figures = dict(one.figures)
+    if one.fault == "coupling" and abs(own_beta) > _NO_COUPLING:
+        return _OWN_COUPLING.format(own=own_beta, **figures)
     if one.fault == "stiffness":
         return FAULTS[one.fault].format(likely=_likely(figures["factor"], poisson_ratio), **figures)
     return FAULTS[one.fault].format(**figures)
