@@ -11,6 +11,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import ChebyshevLeg, EllipseLeg, HarmonicLeg, Leg, ParabolaLeg, StraightLeg
@@ -18,6 +19,7 @@ from semi_analytic.turning import LEAST, stationary_on_harmonics, stationary_on_
 
 Array = NDArray[np.float64]
 
+_SAMPLES = 257
 _ROUNDING = 1e-14
 _IDLE = 3
 _ROUNDING_OF_TIME = 4.5e-16
@@ -106,7 +108,7 @@ def stationary(leg: Leg, what: Combination) -> list[float]:
         return stationary_on_harmonics(leg, what.normal, what.tangential)
     if isinstance(leg, ChebyshevLeg):
         return stationary_on_series(leg, what.normal, what.tangential)
-    raise TypeError(f"no formula for the turning points of a {type(leg).__name__}")
+    return _stationary_sampled(leg, what)
 
 
 def _stationary_on_ellipse(leg: EllipseLeg, what: Combination) -> list[float]:
@@ -128,6 +130,18 @@ def _stationary_on_parabola(leg: ParabolaLeg, what: Combination) -> list[float]:
         return []
     time = leg.start - (what.normal + what.tangential * alpha) / bend * (leg.end - leg.start)
     return [time] if leg.start < time < leg.end else []
+
+
+def _stationary_sampled(leg: Leg, what: Combination) -> list[float]:
+    """Sign changes of the rate between samples, then bracketed to rounding: for legs without a formula."""
+    times = np.linspace(leg.start, leg.end, _SAMPLES)
+    rates = rate(leg, what, times)
+    found = list(times[1:-1][rates[1:-1] == 0])
+    turning = np.flatnonzero(rates[:-1] * rates[1:] < 0)
+    if len(turning):
+        bracket = (times[turning], times[turning + 1])
+        found.extend(scipy.optimize.elementwise.find_root(lambda t: rate(leg, what, t), bracket).x)
+    return sorted(float(time) for time in found)
 
 
 def time_of(leg: Leg, what: Combination, amount: ArrayLike, begin: float, end: float) -> Array:
