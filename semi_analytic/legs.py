@@ -137,10 +137,8 @@ def _stationary_sampled(leg: Leg, what: Combination) -> list[float]:
     times = np.linspace(leg.start, leg.end, _SAMPLES)
     rates = rate(leg, what, times)
     found = list(times[1:-1][rates[1:-1] == 0])
-    turning = np.flatnonzero(rates[:-1] * rates[1:] < 0)
-    if len(turning):
-        bracket = (times[turning], times[turning + 1])
-        found.extend(scipy.optimize.elementwise.find_root(lambda t: rate(leg, what, t), bracket).x)
+    for k in np.flatnonzero(rates[:-1] * rates[1:] < 0):
+        found.append(scipy.optimize.brentq(lambda t: float(rate(leg, what, t)), times[k], times[k + 1], xtol=_ROUNDING_OF_TIME))
     return sorted(float(time) for time in found)
 
 
