@@ -136,10 +136,9 @@ def _stationary_sampled(leg: Leg, what: Combination) -> list[float]:
     """Sign changes of the rate between samples, then bracketed to rounding: for legs without a formula."""
     times = np.linspace(leg.start, leg.end, _SAMPLES)
     rates = rate(leg, what, times)
-    found = list(times[1:-1][rates[1:-1] == 0])
-    for k in np.flatnonzero(rates[:-1] * rates[1:] < 0):
-        found.append(scipy.optimize.brentq(lambda t: float(rate(leg, what, t)), times[k], times[k + 1], xtol=_ROUNDING_OF_TIME))
-    return sorted(float(time) for time in found)
+    brackets = ((times[k], times[k + 1]) for k in np.flatnonzero(rates[:-1] * rates[1:] < 0))
+    roots = [scipy.optimize.brentq(lambda t: float(rate(leg, what, t)), *pair, xtol=_ROUNDING_OF_TIME) for pair in brackets]
+    return sorted(float(time) for time in [*times[1:-1][rates[1:-1] == 0], *roots])
 
 
 def time_of(leg: Leg, what: Combination, amount: ArrayLike, begin: float, end: float) -> Array:
