@@ -13,7 +13,7 @@ Where to find what::
 from meshes.bodies import BodyMesh, MeshSettings, SurfaceGrading
 from meshes.build import build
 from meshes.files import PvdEntry, write_pvd, write_vtu
-from meshes.foreign import FieldFrame, collected_files, read_frames
+from meshes.foreign import FieldFrame, FieldPart, collected_files, joined, read_frames
 from meshes.half_disc import half_disc
 from meshes.quality import mesh_quality
 from meshes.solids import solid
@@ -21,12 +21,14 @@ from meshes.solids import solid
 __all__ = [
     "BodyMesh",
     "FieldFrame",
+    "FieldPart",
     "MeshSettings",
     "PvdEntry",
     "SurfaceGrading",
     "build",
     "collected_files",
     "half_disc",
+    "joined",
     "mesh_quality",
     "read_frames",
     "solid",

@@ -43,29 +43,37 @@ _FAULTS = (
 
 
 @dataclass(frozen=True, eq=False)
-class FieldFrame:
-    """A mesh and its fields at one instant.
+class FieldPart:
+    """A mesh and its fields: a body in a file of its own, or all that one file holds.
 
     Attributes
     ----------
-    time : as the collection states it; None for a single file
+    name : of its file
     points : (n_points, 3) [length]
     cells : (kind, (n_cells, n_nodes)) blocks; kinds as meshio calls them, such as "line", "quad8"
     point_fields : name -> (n_points,) or (n_points, k)
     cell_fields : name -> a block for each of `cells`, (n_cells,) or (n_cells, k)
     """
 
-    time: float | None
+    name: str
     points: Array
     cells: tuple[tuple[str, Integers], ...]
     point_fields: dict[str, Array]
     cell_fields: dict[str, tuple[Array, ...]]
 
 
+@dataclass(frozen=True, eq=False)
+class FieldFrame:
+    """One instant: its time as the collection states it (None for a single file), and its parts, each with fields of its own."""
+
+    time: float | None
+    parts: tuple[FieldPart, ...]
+
+
 def read_frames(path: str | Path) -> list[FieldFrame]:
     """Every instant of a .vtu, .vtk, .pvd, .vtu.series or .xdmf (.xmf) file, in the order of time where times are stated.
 
-    Parts of one instant (bodies in files of their own) become one mesh. Fields that only some parts have are left out of it.
+    Bodies of one instant in files of their own stay parts with fields of their own; see `joined`.
 
     Raises
     ------
@@ -84,7 +92,7 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
                 return _collected(path, list(_series_entries(path)))
             if kind in {".xdmf", ".xmf"}:
                 return _xdmf(path)
-            return [_single(path)]
+            return [FieldFrame(None, (_single(path),))]
     except InputError:
         raise
     except _FAULTS as reason:
@@ -137,14 +145,11 @@ def _collected(path: Path, entries: Sequence[tuple[float, Path]]) -> list[FieldF
             raise InputError(f"{path}: it names {file.name}, which is not there; keep the files of a collection together")
         if not np.isfinite(time):
             raise InputError(f"{path}: {file.name} has no time in it (timestep)")
-    frames = []
-    for time in sorted({time for time, _ in entries}):
-        parts = [_single(file) for own, file in entries if own == time]
-        frames.append(_joined(time, parts))
-    return frames
+    times = sorted({time for time, _ in entries})
+    return [FieldFrame(time, tuple(_single(file) for own, file in entries if own == time)) for time in times]
 
 
-def _single(path: Path) -> FieldFrame:
+def _single(path: Path) -> FieldPart:
     """By the reader of the suffix itself: meshio's general one ends the process where a file is broken."""
     _check_size(path)
     readers = {".vtu": meshio.vtu.read, ".vtk": meshio.vtk.read, ".xdmf": meshio.xdmf.read, ".xmf": meshio.xdmf.read}
@@ -152,7 +157,7 @@ def _single(path: Path) -> FieldFrame:
     if read is None:
         raise InputError(f"{path}: no reader for {path.suffix!r} within a collection; it reads {', '.join(readers)}")
     try:
-        return _frame(None, read(path))
+        return _part(path, read(path))
     except _FAULTS as reason:
         raise _broken(path, reason) from reason
 
@@ -161,19 +166,19 @@ def _xdmf(path: Path) -> list[FieldFrame]:
     """A series where the file is one, else its only instant."""
     root = ElementTree.parse(path).getroot()
     if not any(grid.get("CollectionType") == "Temporal" for grid in root.iter("Grid")):
-        return [_single(path)]
+        return [FieldFrame(None, (_single(path),))]
     frames = []
     with meshio.xdmf.TimeSeriesReader(path) as reader:
         points, cells = reader.read_points_cells()
         for k in range(reader.num_steps):
             time, point_data, cell_data = reader.read_data(k)
-            frames.append(_frame(float(time), meshio.Mesh(points, cells, point_data, cell_data)))
+            frames.append(FieldFrame(float(time), (_part(path, meshio.Mesh(points, cells, point_data, cell_data)),)))
     if not frames:
         raise InputError(f"{path}: the series has no instant")
     return frames
 
 
-def _frame(time: float | None, mesh: meshio.Mesh) -> FieldFrame:
+def _part(path: Path, mesh: meshio.Mesh) -> FieldPart:
     points = np.asarray(mesh.points, float)
     if points.ndim != 2 or not 1 <= points.shape[1] <= 3 or not (np.abs(points) <= _FARTHEST).all():
         raise ValueError(f"its points are not two or three finite numbers each, of at most {_FARTHEST:g}")
@@ -187,8 +192,8 @@ def _frame(time: float | None, mesh: meshio.Mesh) -> FieldFrame:
     for name, values in mesh.point_data.items():
         if len(values) != len(points):
             raise ValueError(f"{name} has {len(values)} values for {len(points)} points")
-    return FieldFrame(
-        time,
+    return FieldPart(
+        path.name,
         flat,
         tuple((block.type, np.asarray(block.data, np.int64)) for block in mesh.cells),
         {name: np.asarray(values, float) for name, values in mesh.point_data.items()},
@@ -196,13 +201,24 @@ def _frame(time: float | None, mesh: meshio.Mesh) -> FieldFrame:
     )
 
 
-def _joined(time: float, parts: Sequence[FieldFrame]) -> FieldFrame:
-    """The parts as one mesh, with the fields that all of them have."""
+def joined(parts: Sequence[FieldPart]) -> FieldPart:
+    """The parts as one mesh, with the fields that all of them have: choose parts that have what is looked for.
+
+    Raises
+    ------
+    InputError
+        Where a field is a scalar in one part and a vector in another.
+    """
+    if len(parts) == 1:
+        return parts[0]
     starts = np.concatenate([[0], np.cumsum([len(part.points) for part in parts])])
     of_points = [name for name in parts[0].point_fields if all(name in part.point_fields for part in parts)]
     of_cells = [name for name in parts[0].cell_fields if all(name in part.cell_fields for part in parts)]
-    return FieldFrame(
-        time,
+    for field in of_points:
+        if len({part.point_fields[field].shape[1:] for part in parts}) > 1:
+            raise InputError(f"{parts[0].name}: {field} has another number of components than in {parts[1].name}; write one form")
+    return FieldPart(
+        ", ".join(part.name for part in parts),
         np.concatenate([part.points for part in parts]),
         tuple((kind, rows + start) for part, start in zip(parts, starts, strict=False) for kind, rows in part.cells),
         {name: np.concatenate([part.point_fields[name] for part in parts]) for name in of_points},

@@ -9,7 +9,11 @@ import halfplane_fe
 import reports
 import semi_analytic
 from meshes import MeshSettings
-from scenes import load_scene
+from problems import COARSE, FEW_STEPS, fe_run
+from reports.fields import write_fields
+from reports.score.mapping import Mapping
+from reports.score.scoring import score_file
+from scenes import Bodies, load_scene
 
 
 def digits(values):
@@ -43,6 +47,30 @@ def test_a_finite_element_result_in_seven_digits_scores_as_the_run_does(with_sli
     assert found.metric("stick_edge").value == pytest.approx(ours.metric("stick_edge").value, abs=stick)
     if with_slip:
         assert found.metric("dissipation").value == pytest.approx(ours.metric("dissipation").value, abs=1e-3)
+
+
+@pytest.mark.parametrize("bodies", ["half-planes", "blocks"])
+def test_our_own_field_files_come_back_as_they_were_written(tmp_path, bodies):
+    """Tractions to the last digit, so that theory scores the files as it scores the run, and the run scores them 0."""
+    scene = load_scene("cattaneo-mindlin")
+    if bodies == "blocks":
+        block = {"kind": "block", "width": 20.0, "height": 12.0}
+        scene = scene.model_copy(update={"bodies": Bodies.model_validate({"lower": block, "upper": block})})
+    run = fe_run(scene, COARSE, FEW_STEPS)
+    steps = run.last_cycle[:: max(1, len(run.last_cycle) // 5)]
+    write_fields(run, halfplane_fe.fields(run, run.time[steps]), tmp_path)
+    found = score_file(tmp_path / "fields.pvd", Mapping(), scene)
+    np.testing.assert_array_equal(found.result.time, run.time[steps])
+    for name in ("pressure", "shear", "slip"):
+        np.testing.assert_array_equal(getattr(found.result, name), getattr(run, name)[steps], err_msg=name)
+    np.testing.assert_allclose(found.result.x, run.x, rtol=0, atol=1e-12)
+    assert found.guesses == ()
+    for part in ("lower", "upper"):
+        assert any(f"{part}_000.vtu has no 'pressure', 'shear': left out" in note for note in found.notes)
+    by_arrays = reports.score(run.x, run.pressure[steps], run.shear[steps], slip=run.slip[steps], scene=scene, time=run.time[steps])
+    for key in ("peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"):
+        assert found.metric(key).value == pytest.approx(by_arrays.metric(key).value, rel=1e-9), key
+        assert found.metric(key).value != 0, key
 
 
 def test_the_finite_elements_can_be_the_reference(monkeypatch):

@@ -83,6 +83,69 @@ def test_a_file_of_the_collection_that_is_missing_is_named(tmp_path):
         result(path)
 
 
+def parts_of(tmp_path, *fields_of):
+    """The two bodies of one instant in files of their own, each with the fields that are made for its points."""
+    points, cells = bodies()
+    entries = []
+    for part, made in enumerate(fields_of):
+        own = meshio.Mesh(points, [("quad", cells[0][1][40 * part : 40 * part + 40])], made(points))
+        own.write(tmp_path / f"body{part}.vtu")
+        entries.append(PvdEntry(1.0, part, f"body {part}", f"body{part}.vtu"))
+    write_pvd(tmp_path / "result.pvd", entries)
+    return tmp_path / "result.pvd"
+
+
+def tractions(points):
+    p, q = fields(points)
+    return {"CPRESS": p, "CSHEAR1": q, "CSLIP1": 1e-3 * points[:, 0]}
+
+
+def only(*names):
+    return lambda points: {name: values for name, values in tractions(points).items() if name in names}
+
+
+@pytest.mark.parametrize("part", [0, 1])
+def test_a_field_of_one_body_alone_is_read_there_and_the_other_is_named(tmp_path, part):
+    made = [only(), only()]
+    made[part] = tractions
+    found = result(parts_of(tmp_path, *made))
+    check(found)
+    np.testing.assert_allclose(found.slip[0], 1e-3 * found.x, atol=1e-15)
+    assert f"body{1 - part}.vtu has no 'CPRESS', 'CSHEAR1': left out" in found.notes
+    assert any(f"the surface is the {('lower', 'upper')[part]} body's face" in note for note in found.notes)
+
+
+def test_slip_of_one_body_alone_is_left_out_and_said_unless_the_mapping_asks_for_it(tmp_path):
+    path = parts_of(tmp_path, only("CPRESS", "CSHEAR1"), tractions)
+    found = result(path)
+    check(found)
+    assert found.slip is None
+    assert "CSLIP1 is not in all of the files that hold CPRESS and CSHEAR1, and was left out" in found.notes
+    asked = result(path, columns={"slip": "CSLIP1", "pressure": "CPRESS", "shear": "CSHEAR1"})
+    np.testing.assert_allclose(asked.slip[0], 1e-3 * asked.x, atol=1e-15)
+    assert "body0.vtu has no 'CSLIP1': left out" in asked.notes
+
+
+def test_tractions_that_no_part_has_whole_are_refused_with_what_each_lacks(tmp_path):
+    path = parts_of(tmp_path, only("CPRESS"), only("CSHEAR1"))
+    with pytest.raises(InputError, match=r"body0\.vtu has no 'CSHEAR1'; body1\.vtu has no 'CPRESS'"):
+        result(path)
+
+
+def test_a_marker_of_one_part_alone_chooses_it(tmp_path):
+    lower = np.isin(np.arange(len(bodies()[0])), bodies()[1][0][1][:40])
+    path = parts_of(tmp_path, lambda at: tractions(at) | {"face": 1.0 * (lower & (at[:, 1] == 0))}, tractions)
+    found = result(path, surface="face")
+    check(found)
+    assert "body1.vtu has no 'face': left out" in found.notes
+
+
+def test_a_field_of_another_form_in_another_part_is_refused(tmp_path):
+    path = parts_of(tmp_path, tractions, lambda at: tractions(at) | {"CPRESS": np.column_stack([at[:, 0]] * 3)})
+    with pytest.raises(InputError, match=r"body0\.vtu: CPRESS has another number of components than in body1\.vtu"):
+        result(path)
+
+
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes import FieldFrame
+from meshes import FieldPart
 from reports.score.mapping import Mapping, listed
 from reports.score.surface_nodes import SAME, extent, material_above, one_plane
 from scenes import InputError
@@ -40,62 +40,62 @@ class FieldSurface:
     notes: tuple[str, ...]
 
 
-def surface_points(path: Path, frame: FieldFrame, mapping: Mapping) -> FieldSurface:
+def surface_points(path: Path, mesh: FieldPart, mapping: Mapping) -> FieldSurface:
     """Points of the surface; InputError where there are none, or of both bodies."""
-    chosen, notes = _chosen_points(path, frame, mapping)
-    chosen, body, more = _one_body(frame, chosen)
-    plane = one_plane(frame.points, chosen)
+    chosen, notes = _chosen_points(path, mesh, mapping)
+    chosen, body, more = _one_body(mesh, chosen)
+    plane = one_plane(mesh.points, chosen)
     return FieldSurface(plane.rows, plane.x, body, (*notes, *more, *plane.notes))
 
 
-def surface_cells(path: Path, frame: FieldFrame, mapping: Mapping) -> FieldSurface:
+def surface_cells(path: Path, mesh: FieldPart, mapping: Mapping) -> FieldSurface:
     """Cells all of whose points are points of the surface, or that the mapping marks; each stands at its middle."""
-    marked = _mark(path, frame.cell_fields, mapping) if mapping.surface is not None else None
+    marked = _mark(path, mesh.cell_fields, mapping) if mapping.surface is not None else None
     if marked is not None:
         rows = np.flatnonzero(np.concatenate(marked))
-        on_face = np.ones(len(frame.points), bool)
+        on_face = np.ones(len(mesh.points), bool)
     else:
-        on_face = np.zeros(len(frame.points), bool)
-        on_face[_chosen_points(path, frame, mapping)[0]] = True
-        rows = np.flatnonzero(np.concatenate([np.all(on_face[block], axis=1) for _, block in frame.cells]))
+        on_face = np.zeros(len(mesh.points), bool)
+        on_face[_chosen_points(path, mesh, mapping)[0]] = True
+        rows = np.flatnonzero(np.concatenate([np.all(on_face[block], axis=1) for _, block in mesh.cells]))
     if not len(rows):
         raise InputError(
             f"{path}: pressure is a field of cells, and no cell lies in the surface; average it to points "
             "(ParaView: Cell Data to Point Data) or mark the cells of the surface (surface of a mapping)"
         )
-    middles = np.concatenate([frame.points[block].mean(axis=1) for _, block in frame.cells])
+    middles = np.concatenate([mesh.points[block].mean(axis=1) for _, block in mesh.cells])
     plane = one_plane(middles, rows)
     return FieldSurface(plane.rows, plane.x, "lower", plane.notes)
 
 
-def _chosen_points(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[Integers, tuple[str, ...]]:
+def _chosen_points(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, tuple[str, ...]]:
     """Rows of points, and how they were found."""
     if mapping.surface is not None:
-        return _marked_points(path, frame, mapping), (f"the surface is what {mapping.surface} marks",)
-    height = frame.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
-    tolerance = SAME * extent(frame.points)
-    if np.ptp(height) <= tolerance or not _bulk(frame):
-        return np.arange(len(height)), ("the file is taken for the surface alone, since it has no cells of a body",)
+        return _marked_points(path, mesh, mapping), (f"the surface is what {mapping.surface} marks",)
+    height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
+    tolerance = SAME * extent(mesh.points)
+    if np.ptp(height) <= tolerance or not _bulk(mesh):
+        return np.arange(len(height)), (f"{mesh.name} is taken for the surface alone, since it has no cells of a body",)
     at_face = np.abs(height) <= tolerance
-    above = material_above(frame.points, _bulk(frame))
+    above = material_above(mesh.points, _bulk(mesh))
     for side, note in ((above < 0, "the surface is the lower body's face"), (above > 0, "the surface is the upper body's face")):
         if len(rows := np.flatnonzero(at_face & side)):
             return rows, (f"{note}, found at y = {mapping.y_offset:g}",)
     raise InputError(
-        f"{path}: no point of a face at y = {mapping.y_offset:g} (y goes from {frame.points[:, 1].min():.6g} to "
-        f"{frame.points[:, 1].max():.6g}); say where it lies by y_offset, or what marks it by surface of a mapping"
+        f"{path}: no point of a face at y = {mapping.y_offset:g} (y goes from {mesh.points[:, 1].min():.6g} to "
+        f"{mesh.points[:, 1].max():.6g}); say where it lies by y_offset, or what marks it by surface of a mapping"
     )
 
 
-def _marked_points(path: Path, frame: FieldFrame, mapping: Mapping) -> Integers:
+def _marked_points(path: Path, mesh: FieldPart, mapping: Mapping) -> Integers:
     """Points that the mapping's marker marks, or points of the cells it marks."""
     name = str(mapping.surface).partition("=")[0]
-    if name in frame.point_fields:
-        marked = _mark(path, {key: (values,) for key, values in frame.point_fields.items()}, mapping)[0]
+    if name in mesh.point_fields:
+        marked = _mark(path, {key: (values,) for key, values in mesh.point_fields.items()}, mapping)[0]
         rows = np.flatnonzero(marked)
     else:
-        flags = _mark(path, frame.cell_fields, mapping, others=tuple(frame.point_fields))
-        parts = [block[own].ravel() for (_, block), own in zip(frame.cells, flags, strict=True)]
+        flags = _mark(path, mesh.cell_fields, mapping, others=tuple(mesh.point_fields))
+        parts = [block[own].ravel() for (_, block), own in zip(mesh.cells, flags, strict=True)]
         rows = np.unique(np.concatenate([np.empty(0, np.int64), *parts]))
     if not len(rows):
         raise InputError(f"{path}: surface = {mapping.surface!r} marks nothing in it")
@@ -122,16 +122,16 @@ def _mark(path: Path, fields: dict[str, tuple[Array, ...]], mapping: Mapping, ot
     return [block != none for block in blocks]
 
 
-def _bulk(frame: FieldFrame) -> list[Integers]:
+def _bulk(mesh: FieldPart) -> list[Integers]:
     """Cells that fill a body: solids, and in a plane mesh what is no line."""
-    deep = np.ptp(frame.points[:, 2]) > SAME * extent(frame.points)
+    deep = np.ptp(mesh.points[:, 2]) > SAME * extent(mesh.points)
     faces = (*_LINES, *_PLANES) if deep else _LINES
-    return [block for kind, block in frame.cells if not kind.startswith(faces)]
+    return [block for kind, block in mesh.cells if not kind.startswith(faces)]
 
 
-def _one_body(frame: FieldFrame, chosen: Integers) -> tuple[Integers, Literal["lower", "upper"], tuple[str, ...]]:
+def _one_body(mesh: FieldPart, chosen: Integers) -> tuple[Integers, Literal["lower", "upper"], tuple[str, ...]]:
     """Where points of both bodies were chosen: those of the lower one."""
-    above = material_above(frame.points, _bulk(frame))[chosen]
+    above = material_above(mesh.points, _bulk(mesh))[chosen]
     if np.any(above < 0) and np.any(above > 0):
         return chosen[above < 0], "lower", ("the surface has points of both bodies: those of the lower one were taken",)
     return chosen, "upper" if np.any(above > 0) else "lower", ()
