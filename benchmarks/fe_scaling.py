@@ -20,8 +20,9 @@ from claim import Row, table
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
-from halfplane_fe import SolverSettings, elasticity
-from halfplane_fe.elasticity import condense
+from halfplane_fe import SolverSettings
+from halfplane_fe.assembly import assemble
+from halfplane_fe.elasticity import condense, factorise
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
 from scenes import Block, Elastic, Hertz, load_scene
 
@@ -121,10 +122,10 @@ def condensation_ways() -> Iterator[Row]:
 def compliance_by_unit_forces(mesh: BodyMesh) -> tuple[np.ndarray, float]:
     """The compliance of a body on fixed supports by unit forces; and the CPU time of a factorisation with one solve."""
     # The parts of the model's own assembly, so that only the algebra differs.
-    system = elasticity._assemble(mesh, STEEL)
+    system = assemble(mesh, STEEL)
     rows = system.stiffness[system.free]
     start = time.process_time()
-    factors = elasticity._factorise(rows[:, system.free].tocsc())
+    factors = factorise(rows[:, system.free].tocsc())
     factors.solve(np.ones(len(system.free)))
     once = time.process_time() - start
     n = system.contact.size

@@ -6,6 +6,7 @@ In the order in which a scene passes through::
     path.py                                turning points of the loads, increments, inadmissible paths
     scales.py                              the coarse run: half-width, innermost edge
     pair.py                                the two bodies: meshed, condensed, supported, their gap
+    assembly.py                            the stiffness of a body by elements that do not lock
     elasticity.py, far_field.py, store.py  a body condensed to its contact nodes, Flamant on its arc, kept on disk
     interface.py, mortar.py                both bodies as one compliance; sides that do not match, or are curved
     mirror.py, datum.py                    symmetric faces on one half; the datum of approach and shift

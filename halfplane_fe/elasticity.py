@@ -1,9 +1,4 @@
-"""Plane-strain elasticity of one body, condensed to the nodes that may touch.
-
-Displacement elements lock as nu -> 1/2: with quadratic ones the body's energy stays right, but the contact tractions rock from node
-to node. So what Lame's lambda has above 2 G (nu = 1/3) enters through a continuous linear pressure r = lambda_1 div u, the pair of
-Taylor and Hood, and nothing locks at any nu < 1/2; below that the elements are plain ones. Linear elements have no such partner.
-"""
+"""Plane-strain elasticity of one body, condensed to the nodes that may touch."""
 
 from __future__ import annotations
 
@@ -16,20 +11,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse.linalg import SuperLU, splu
-from skfem.helpers import div
-from skfem.models.elasticity import lame_parameters, linear_elasticity
 
+from halfplane_fe.assembly import System, assemble, order_of, split_lame, surface_weights
 from halfplane_fe.far_field import arc_work, rigid_motions, surface_force_displacement
 from meshes import BodyMesh
-from scenes import ConvergenceError, Elastic, InputError, freeze
+from scenes import ConvergenceError, Elastic, freeze
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-# Lame's lambda over the shear modulus above which the rest enters through a pressure of its own: nu = 1/3.
-_PLAIN_LAMBDA = 2.0
-# The largest nu of linear elements: they cost 2 % of the dissipation of the paper's cycle at 0.45, 7 % at 0.49, 20 % at 0.499.
-_LARGEST_NU_LINEAR = 0.45
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,100 +47,10 @@ class CondensedBody:
     @property
     def order(self) -> int:
         """Order of the elements, 1 or 2."""
-        return _order(self.body.mesh)
+        return order_of(self.body.mesh)
 
 
-@dataclass(frozen=True, eq=False)
-class _System:
-    """The assembled body: stiffness, and which degrees of freedom are what; those after the `basis.N` of u are of r."""
-
-    basis: skfem.Basis
-    stiffness: sparse.csr_matrix
-    contact: Indices  # (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
-    around: tuple[str, ...]  # boundaries to the half-plane around the body; none for a body of finite size
-    arc: Indices  # (2, m) the degrees of freedom there
-    held: Indices  # those that supports keep at zero
-    free: Indices  # all that neither follow nor are held
-
-
-def _order(mesh: skfem.Mesh) -> int:
-    return 2 if isinstance(mesh, (skfem.MeshTri2, skfem.MeshQuad2)) else 1
-
-
-def scalar_element(mesh: skfem.Mesh, order: int) -> skfem.Element:
-    """Lagrange element of order 1 or 2 on the mesh's triangles or quadrilaterals."""
-    if mesh.refdom.nfacets == 3:
-        return skfem.ElementTriP2() if order == 2 else skfem.ElementTriP1()
-    return skfem.ElementQuad2() if order == 2 else skfem.ElementQuad1()
-
-
-def _boundary_dofs(basis: skfem.Basis, name: str) -> Indices:
-    """(2, n) degrees of freedom (x, y) of a named boundary, by ascending x, then y."""
-    dofs = basis.get_dofs(name)
-    components = [dofs.all([f"u^{component}"]) for component in ("1", "2")]
-    places = basis.doflocs[:, components[0]]
-    order = np.lexsort((places[1], places[0]))
-    return np.array([np.asarray(one)[order] for one in components], dtype=np.int64)
-
-
-def _assemble(body: BodyMesh, material: Elastic) -> _System:
-    order = _order(body.mesh)
-    if order == 1 and material.poisson_ratio > _LARGEST_NU_LINEAR:
-        raise InputError(
-            f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear elements lock above "
-            f"{_LARGEST_NU_LINEAR:g}; take order = 2"
-        )
-    basis = skfem.Basis(body.mesh, skfem.ElementVector(scalar_element(body.mesh, order)), intorder=2 * order)
-    contact = _boundary_dofs(basis, "contact")
-    around = tuple(name for name, support in body.supports.items() if support == "half_plane")
-    arc = np.hstack([np.empty((2, 0), dtype=np.int64), *(_boundary_dofs(basis, name) for name in around)])
-    held = _held(body, basis)
-    stiffness = _stiffness(basis, material, order)
-    free = np.setdiff1d(np.arange(stiffness.shape[0]), np.concatenate([arc.ravel(), held]))
-    return _System(basis, stiffness, contact, around, arc, held, free)
-
-
-def _held(body: BodyMesh, basis: skfem.Basis) -> Indices:
-    """Degrees of freedom that the supports keep at zero."""
-    components = {"fixed": (0, 1), "rollers": (1,), "guided": (0,), "half_plane": ()}
-    held = [np.empty(0, dtype=np.int64)]
-    for name, support in body.supports.items():
-        dofs = _boundary_dofs(basis, name)
-        held += [dofs[component] for component in components[support]]
-        if support == "rollers" and "guided" not in body.supports.values():
-            # Nothing else keeps the body from drifting along x; without a tangential load this support carries nothing.
-            held.append(dofs[0, [np.argmin(np.abs(basis.doflocs[0, dofs[0]]))]])
-    return np.unique(np.concatenate(held))
-
-
-def split_lame(material: Elastic, order: int) -> tuple[float, float, float]:
-    """Lame's lambda of the displacement elements, what of it goes through the pressure r (0 where nothing does), and G."""
-    lam, shear_modulus = lame_parameters(material.young_modulus, material.poisson_ratio)
-    rest = lam - _PLAIN_LAMBDA * shear_modulus
-    return (lam - rest, rest, shear_modulus) if order == 2 and rest > 1e-6 * shear_modulus else (lam, 0.0, shear_modulus)
-
-
-def _stiffness(basis: skfem.Basis, material: Elastic, order: int) -> sparse.csr_matrix:
-    """Stiffness of u alone, or of (u, r/G) in the symmetric form [[K, G B^T], [G B, -G^2 M/lambda_1]]: quasi-definite."""
-    # notation: G is the shear modulus
-    lam, rest, G = split_lame(material, order)
-    stiffness = linear_elasticity(lam, G).assemble(basis).tocsr()
-    if not rest:
-        return stiffness
-    pressure = basis.with_element(scalar_element(basis.mesh, 1))
-    divergence = skfem.BilinearForm(lambda u, r, _w: G * div(u) * r).assemble(basis, pressure)
-    mass = skfem.BilinearForm(lambda r, s, _w: r * s).assemble(pressure)
-    return sparse.bmat([[stiffness, divergence.T], [divergence, -(G**2) / rest * mass]]).tocsr()
-
-
-def _surface_weights(basis: skfem.Basis, contact: Indices) -> Array:
-    """Integral over the contact boundary of each contact node's shape function."""
-    facets = skfem.FacetBasis(basis.mesh, basis.elem, facets=basis.mesh.boundaries["contact"], intorder=4)
-    along_x = skfem.LinearForm(lambda v, w: v[0] + 0 * w.x[0])
-    return np.asarray(along_x.assemble(facets))[contact[0]]
-
-
-def _arc_displacement(system: _System, material: Elastic, datum_length: float, moments: int | None = None) -> Array:
+def _arc_displacement(system: System, material: Elastic, datum_length: float, moments: int | None = None) -> Array:
     """(2 m, 2 n): displacement of the arc by unit forces on the contact nodes, half-plane theory."""
     places, forces = system.basis.doflocs[:, system.arc[0]], system.basis.doflocs[0, system.contact[0]]
     young, nu = material.young_modulus, material.poisson_ratio
@@ -159,12 +58,13 @@ def _arc_displacement(system: _System, material: Elastic, datum_length: float, m
     return kernel.reshape(2 * places.shape[1], 2 * len(forces))
 
 
-def _factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> SuperLU:
-    # Symmetric positive definite: no pivoting, minimum degree on A + A^T (5 times faster here than the default order).
+def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> SuperLU:
+    """Sparse factors of a stiffness that is symmetric, positive or quasi-definite [stress]: no pivoting, in the order asked for."""
+    # Minimum degree on A + A^T is 5 times faster here than the default order.
     return splu(stiffness, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
-def _interface_stiffness(system: _System) -> tuple[Array, float]:
+def _interface_stiffness(system: System) -> tuple[Array, float]:
     """Stiffness of the contact and arc nodes (2 n + 2 m), all others eliminated, and its residual.
 
     The kept nodes stand last in the order of elimination, so that their stiffness is the trailing block of the factors: three to
@@ -173,12 +73,12 @@ def _interface_stiffness(system: _System) -> tuple[Array, float]:
     kept = np.concatenate([system.contact.ravel(), system.arc.ravel()])
     stiffness = system.stiffness
     inner = np.setdiff1d(system.free, system.contact.ravel())
-    inner_factors = _factorise(stiffness[inner][:, inner].tocsc())
+    inner_factors = factorise(stiffness[inner][:, inner].tocsc())
     order = np.concatenate([inner[np.argsort(inner_factors.perm_c)], kept])
     # A half-disc floats: stiffening the arc, eliminated last of all, keeps its pivots off zero.
     stiffer = np.zeros(stiffness.shape[0])
     stiffer[system.arc.ravel()] = stiffness.diagonal().max()
-    factors = _factorise((stiffness + sparse.diags(stiffer))[order][:, order].tocsc(), "NATURAL")
+    factors = factorise((stiffness + sparse.diags(stiffer))[order][:, order].tocsc(), "NATURAL")
     last = slice(len(inner), None)
     found = factors.L[last, last].toarray() @ factors.U[last, last].toarray() - np.diag(stiffer[kept])
     residual = _elimination_residual(stiffness, inner_factors, inner, kept, found)
@@ -199,7 +99,7 @@ def _elimination_residual(
     return float(np.abs(found @ displacement[kept] - forces).max() / np.abs(forces).max())
 
 
-def _compliance(system: _System, stiffness: Array, material: Elastic, datum_length: float) -> Array:
+def _compliance(system: System, stiffness: Array, material: Elastic, datum_length: float) -> Array:
     """(2 n, 2 n): displacement of the contact nodes by unit forces on them; the arc carries the half-plane's tractions."""
     if not system.arc.size:
         return cho_solve(cho_factor(stiffness), np.eye(len(stiffness)))
@@ -211,13 +111,13 @@ def _compliance(system: _System, stiffness: Array, material: Elastic, datum_leng
     return loads.T @ cho_solve(cho_factor(held, overwrite_a=True), loads) - by_half_plane
 
 
-def _arc_work(system: _System, material: Elastic, datum_length: float) -> tuple[Array, Array]:
+def _arc_work(system: System, material: Elastic, datum_length: float) -> tuple[Array, Array]:
     """See `far_field.arc_work`."""
     facets = np.concatenate([np.empty(0, dtype=np.int64), *(system.basis.mesh.boundaries[name] for name in system.around)])
     return arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], material, datum_length)
 
 
-def _rigid_part(system: _System, displacement: Array) -> Array:
+def _rigid_part(system: System, displacement: Array) -> Array:
     """(basis.N, k): the rigid motion next to a displacement (2 n, k) of the contact nodes."""
     motions = rigid_motions(system.basis)
     return motions @ np.linalg.lstsq(motions[system.contact.ravel()], displacement, rcond=None)[0]
@@ -228,7 +128,7 @@ def truncated_compliance(body: BodyMesh, material: Elastic, datum_length: float,
 
     It is not made symmetric: the mean with its transpose would carry the error of the rigid shift, (a/L)^2, into the tractions.
     """
-    system = _assemble(body, material)
+    system = assemble(body, material)
     stiffness, n = _interface_stiffness(system)[0], system.contact.shape[1]
     by_contact, by_arc = stiffness[: 2 * n, : 2 * n], stiffness[: 2 * n, 2 * n :]
     # f = S_cc u_c + S_ca u_a with u_a = G f, hence u_c = S_cc^-1 (1 - S_ca G) f.
@@ -252,7 +152,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     ConvergenceError
         If the sparse solve leaves a residual above 1e-8, or rounding leaves no stiffness.
     """
-    system = _assemble(body, material)
+    system = assemble(body, material)
     stiffness, residual = _interface_stiffness(system)
     try:
         compliance = _compliance(system, stiffness, material, datum_length)
@@ -265,7 +165,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         material,
         freeze(places[0]),
         freeze(places[1]),
-        freeze(_surface_weights(system.basis, system.contact)),
+        freeze(surface_weights(system.basis, system.contact)),
         freeze((compliance + compliance.T).reshape(2, n, 2, n) / 2),
         {"asymmetry": asymmetry, "residual": residual, "degrees_of_freedom": float(system.basis.N), "sparse_factorisations": 2.0},
     )
@@ -284,7 +184,7 @@ def displacement_fields(condensed: CondensedBody, forces: Array, datum_length: f
     displacements : (basis.N, k) [length]
     tension : (n_corners, k) r at the corners of the elements, added to every normal stress; zero for plain elements [stress]
     """
-    system = _assemble(condensed.body, condensed.material)
+    system = assemble(condensed.body, condensed.material)
     cases = forces.reshape(-1, forces.shape[-1])
     load = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     load[system.contact.ravel()] = cases
@@ -292,7 +192,7 @@ def displacement_fields(condensed: CondensedBody, forces: Array, datum_length: f
     # The ends of the arc hold a half-disc without a force, since the loads balance.
     free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, system.arc[:, :1].ravel(), system.arc[1, -1:]]))
     displacements = np.zeros_like(load)
-    displacements[free] = _factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
+    displacements[free] = factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
     if system.arc.size:
         flat = condensed.compliance.reshape(len(cases), -1)
         displacements[: system.basis.N] += _rigid_part(system, flat @ cases - displacements[system.contact.ravel()])

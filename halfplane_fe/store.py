@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe import elasticity, far_field
+from halfplane_fe import assembly, elasticity, far_field
 from halfplane_fe.elasticity import CondensedBody, condense
 from meshes import BodyMesh
 from scenes import Elastic, freeze
@@ -30,6 +30,7 @@ _BOUND_BYTES = 1_000_000_000
 _LEFT_BEHIND = 3600.0  # seconds: no write takes an hour
 # What is raised over a file that was cut off, spoilt, or says that it holds more than there is memory.
 _SPOILT = (OSError, ValueError, KeyError, EOFError, MemoryError, NotImplementedError, RuntimeError, zipfile.BadZipFile, zlib.error)
+SOURCES = (assembly, elasticity, far_field)  # what a condensed body follows from
 _ARRAYS = ("x", "y", "weights", "compliance")
 
 
@@ -64,7 +65,7 @@ def _key(body: BodyMesh, material: Elastic, datum_length: float) -> str:
     mesh = body.mesh
     for array in (mesh.p, mesh.t, *(mesh.boundaries[name] for name in sorted(mesh.boundaries))):
         digest.update(np.ascontiguousarray(array).tobytes())
-    for module in (elasticity, far_field):
+    for module in SOURCES:
         digest.update(Path(str(module.__file__)).read_bytes())
     words = [material.model_dump_json(), repr(float(datum_length)), *sorted(mesh.boundaries), repr(sorted(body.supports.items()))]
     words += [version(name) for name in ("numpy", "scipy", "scikit-fem")]

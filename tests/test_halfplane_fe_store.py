@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import ast
 from collections import Counter
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 import halfplane_fe
 from halfplane_fe import store
+from halfplane_fe.elasticity import condense
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc
 from scenes import Elastic, load_scene
 
@@ -46,6 +49,26 @@ def test_another_material_datum_or_mesh_is_another_entry(folder: Path, material:
     store.condensed(body(size), material, datum, work)
     assert work["condensations"] == 2
     assert len(list(folder.iterdir())) == 2
+
+
+@pytest.mark.parametrize("module", store.SOURCES, ids=lambda module: module.__name__)
+def test_other_code_is_another_entry(module: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = store._key(body(), STEEL, 7.0)
+    other = tmp_path / "other.py"
+    other.write_bytes(Path(str(module.__file__)).read_bytes() + b"# one line more\n")
+    monkeypatch.setattr(module, "__file__", str(other))
+    assert store._key(body(), STEEL, 7.0) != before
+
+
+def test_the_code_that_condenses_is_all_in_the_key() -> None:
+    """Whatever of the engine these files import is one of them, so that no part of the condensation is left out."""
+    imported = {
+        node.module
+        for source in store.SOURCES
+        for node in ast.walk(ast.parse(Path(str(source.__file__)).read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and str(node.module).startswith("halfplane_fe")
+    }
+    assert imported | {condense.__module__} == {source.__name__ for source in store.SOURCES}
 
 
 @pytest.mark.parametrize("rubbish", [b"", b"not an archive", b"PK\x03\x04 half of one"])
