@@ -33,6 +33,8 @@ Indices = NDArray[np.intp]
 # tractions keep 2e-14 of the largest, slips and shifts 7e-14 (2e-13 for |x|^20).
 _SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
 _CORNERED = ((0.12, 16), (0.8, 24), (2.5, 40), (math.inf, 80))
+# e^2 below which arcs are short beside |e|: at 3 a (P_x - P_max)/(2 P1) is -1e10 for |x|^20.
+_FAR = -1.0
 # Digits, as a power of e, that Gauss' rule shall keep beside a logarithm.
 _DIGITS = 34.0
 
@@ -77,13 +79,17 @@ def halves(leg: EllipseLeg, first: float, last: Array) -> list[Half]:
 
 
 def _limits_outside(low: Array, high: Array, edge: Array) -> tuple[Array, Array]:
-    """ln(z + sqrt(z^2 - e^2)) at both ends."""
+    """ln(z + sqrt(z^2 - e^2)) at both ends; for e^2 far below 0 arsinh(z/|e|), which keeps its digits where z is small beside e."""
     floor = np.sqrt(np.maximum(edge, 0.0))
-    low, high = np.maximum(low, floor), np.maximum(high, floor)
+    inner, outer = np.maximum(low, floor), np.maximum(high, floor)
     beyond = np.maximum(-edge, 0.0)
     # (z - e)(z + e), not z^2 - e^2: at z = e rounding would leave a root of 1e-8 in the latter.
-    a = np.log(np.maximum(low + np.sqrt((low - floor) * (low + floor) + beyond), 1e-150))
-    b = np.log(np.maximum(high + np.sqrt((high - floor) * (high + floor) + beyond), 1e-150))
+    a = np.log(np.maximum(inner + np.sqrt((inner - floor) * (inner + floor) + beyond), 1e-150))
+    b = np.log(np.maximum(outer + np.sqrt((outer - floor) * (outer + floor) + beyond), 1e-150))
+    far = np.flatnonzero(edge < _FAR)
+    if len(far):
+        size = np.sqrt(-edge[far])
+        a[far], b[far] = np.arcsinh(low[far] / size), np.arcsinh(high[far] / size)
     return a, np.maximum(a, b)
 
 
@@ -93,7 +99,12 @@ def outside(low: Array, high: Array, edge: Array, cubed: int, beside: bool = Fal
     s, weight = graded(a, b) if beside else _rule(a, b, cubed)
     r = np.exp(s)
     other = edge[..., None] / r
-    return Nodes((r + other) / 2, weight, (r - other) / 2)
+    z, root = (r + other) / 2, (r - other) / 2
+    far = np.flatnonzero(edge < _FAR)
+    if len(far):
+        size = np.sqrt(-edge[far, None])
+        z[far], root[far] = size * np.sinh(s[far]), size * np.cosh(s[far])
+    return Nodes(z, weight, root)
 
 
 def _limits_inside(low: Array, high: Array, edge: Array) -> tuple[Array, Array]:
@@ -224,7 +235,8 @@ def _beside_no_load(half: Half, a: Array, b: Array, edge: Array, spans: tuple[tu
     if half.curvature > 0:
         centre, height = np.zeros(len(a)), np.arcsinh(np.sqrt(max(-square, 0.0) / edge))
     else:
-        centre, height = np.log(math.sqrt(square) + np.sqrt(np.maximum(square - edge, 0.0))), np.zeros(len(a))
+        end = np.full(len(a), math.sqrt(square))
+        centre, height = _limits_outside(end, end, edge)[0], np.zeros(len(a))
     limits, counts = (np.array(column, dtype=float) for column in zip(*spans, strict=True))
     count = counts[np.searchsorted(limits, b - a)]
     distances = np.hypot(a - centre, height) + np.hypot(b - centre, height)
