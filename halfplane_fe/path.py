@@ -31,22 +31,25 @@ class Stretch:
     ends: tuple[float, ...]
 
 
+def turns(leg: Leg, normal: float, tangential: float) -> set[float]:
+    """Instants inside a leg at which normal P + tangential Q turns round."""
+    times = np.linspace(leg.start, leg.end, _SAMPLES)
+
+    def rate(t: Array | float) -> Array:
+        p, q = leg.rates(t)
+        return np.asarray(normal * p + tangential * q)
+
+    rates = rate(times)
+    rates[np.abs(rates) < 1e-12 * np.abs(rates).max(initial=0.0)] = 0.0
+    inner = np.flatnonzero(rates[:-1] * rates[1:] < 0)
+    found = {float(brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14)) for k in inner}
+    touches = 1 + np.flatnonzero((rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0)))
+    return found | {float(times[k]) for k in touches}
+
+
 def turning_points(leg: Leg, friction: float) -> list[float]:
     """Instants inside a leg at which P, Q - f P or Q + f P turn round, ascending."""
-    times = np.linspace(leg.start, leg.end, _SAMPLES)
-    found: set[float] = set()
-    for normal, tangential in ((1.0, 0.0), (-friction, 1.0), (friction, 1.0)):
-
-        def rate(t: Array | float, normal: float = normal, tangential: float = tangential) -> Array:
-            p, q = leg.rates(t)
-            return np.asarray(normal * p + tangential * q)
-
-        rates = rate(times)
-        rates[np.abs(rates) < 1e-12 * np.abs(rates).max(initial=0.0)] = 0.0
-        inner = np.flatnonzero(rates[:-1] * rates[1:] < 0)
-        found.update(float(brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14)) for k in inner)
-        touches = 1 + np.flatnonzero((rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0)))
-        found.update(float(times[k]) for k in touches)
+    found = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
     span = leg.end - leg.start
     ordered: list[float] = []
     for time in sorted(found):

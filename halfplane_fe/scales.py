@@ -16,6 +16,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.interface import Interface, couple
 from halfplane_fe.pair import condensed_pair, face_room, initial_gap, meshed_pair, shapes_alike
+from halfplane_fe.path import turns
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
@@ -69,10 +70,9 @@ def contact_modulus(lower: Elastic, upper: Elastic) -> float:
 
 
 def largest_load(scene: Scene) -> float:
-    """Largest normal load of the path [force per thickness]."""
-    path = scene.load.path()
-    times = np.concatenate([np.linspace(leg.start, leg.end, 721) for leg in path.legs(1)])
-    return float(np.max(path.at(times)[0]))
+    """Largest normal load of the path, at an end of a leg or where P turns round [force per thickness]."""
+    legs = tuple(scene.load.path().legs(1))
+    return max(float(np.max(leg.loads(np.array([leg.start, *sorted(turns(leg, 1.0, 0.0)), leg.end]))[0])) for leg in legs)
 
 
 def sheared(scene: Scene) -> bool:

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 import halfplane_fe
 from halfplane_fe import check_admissible
 from halfplane_fe.path import stretches, turning_points
+from halfplane_fe.scales import largest_load
 from problems import fe_run
-from scenes import EllipseLeg, EllipseLoad, InadmissibleLoadError, ParabolaLeg, PolygonLoad, StraightLeg, load_scene
+from scenes import EllipseLeg, EllipseLoad, HarmonicLoad, InadmissibleLoadError, ParabolaLeg, PolygonLoad, StraightLeg, load_scene
 
 TURN = 2 * math.pi
 
@@ -73,6 +74,20 @@ def test_answer_has_a_step_at_every_turning_point():
     # theirs, in the paper's letters: P at 0 and pi, u at 3 pi/4 (E) and 7 pi/4 (I), v at pi/4 and 5 pi/4 (G)
     turns = turning_points(path.cycle[0], 1.0)
     assert np.allclose(np.sort(np.mod(turns, TURN) / math.pi), [0, 0.25, 0.75, 1, 1.25, 1.75])
+
+
+@given(phase=st.floats(0, 360), number=st.integers(1, 40))
+def test_the_largest_load_is_where_it_turns_round_not_at_a_sample(phase, number):
+    """P0 + P_k, of a single harmonic of the normal load with any phase."""
+    harmonics = ((0.0, 0.0),) * (number - 1) + ((20.0, phase),)
+    load = HarmonicLoad(
+        mean_normal_load=90.0, mean_tangential_load=0.0, normal_harmonics=harmonics, tangential_harmonics=((8.0, 0.0),)
+    )
+    assert largest_load(load_scene("harmonics").model_copy(update={"load": load})) == pytest.approx(110.0, rel=1e-13)
+
+
+def test_the_largest_load_may_be_an_end_of_a_leg():
+    assert largest_load(load_scene("cattaneo-mindlin")) == 90.62286500739786  # straight legs: no turn inside any
 
 
 # ------------------------------------------------------------------------------------------------------------- admissibility
