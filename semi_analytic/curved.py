@@ -2,9 +2,10 @@
 
 # notation: P_x load at which a = |x|, t_x the time of the arc at which P = P_x
 
-The inverse root of a traction, at t_x or just before the arc, is taken away by t = begin + y^2, and the rule for singular ends does
-the rest. Nodes are used where rounding puts them: y is what the rounded time makes of it, so that y/sqrt(P - P_x) keeps its digits.
-Ranges are cut where the load passes a corner of the profile.
+The inverse root of a traction, at t_x or before the arc, is taken away by t = t_x + y^2, and the rule for singular ends does the
+rest; before the arc t_x is where P would be P_x at the rate with which the arc begins. Nodes are used where rounding puts them: y is
+what the rounded time makes of it, so that y/sqrt(P - P_x) keeps its digits. Ranges are cut where the load passes a corner of the
+profile.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ Indices = NDArray[np.intp]
 _CHUNK = 2_000_000
 _QUARTERS = 4
 _SHORT = 1 / 32
+# Lengths of an arc by which the root may begin ahead of it at most.
+_AHEAD = 100.0
 
 
 def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
@@ -36,13 +39,15 @@ def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array) -> Array
     leg = piece.anchor.leg
     _, meets = _meets(piece, edge)
     below = np.maximum(piece.bottom - edge, 0.0)
-    start = np.sqrt(np.maximum(rate(leg, NORMAL_LOAD, meets), np.finfo(float).tiny))
+    speed = np.maximum(rate(leg, NORMAL_LOAD, meets), np.finfo(float).tiny)
+    start, ahead = np.sqrt(speed), np.minimum(below / speed, _AHEAD * (piece.anchor.time - meets))
 
     def rise(point: Indices, low: Array, high: Array) -> Array:
-        begin, rest, on = meets[point, None], below[point, None], edge[point, None]
-        y, weight = graded(np.sqrt(low - meets[point]), np.sqrt(high - meets[point]))
-        time = begin + y * y
-        y = np.sqrt(time - begin)
+        begin, rest, on, before = meets[point, None], below[point, None], edge[point, None], ahead[point, None]
+        first, final = (np.sqrt(end - meets[point] + ahead[point]) for end in (low, high))
+        step, weight = graded(0.0 * low, (high - low) / (first + final))
+        time = low[:, None] + step * (2 * first[:, None] + step)
+        y = np.sqrt(time - begin + before)
         excess = rest + change(leg, NORMAL_LOAD, time, begin)
         there = (y > 0) & (excess > 0)
         safe = np.where(there, excess, np.finfo(float).eps * piece.anchor.normal)
