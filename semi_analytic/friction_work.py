@@ -30,7 +30,7 @@ from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
 from semi_analytic.memory import level_on
 from semi_analytic.quadrature import graded
-from semi_analytic.settling import settled
+from semi_analytic.settling import SETTLED, settled
 from semi_analytic.snapshot import take
 
 Array = NDArray[np.float64]
@@ -84,13 +84,22 @@ def _work_of_curved(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLi
 
 
 def _settled_work(contact: Contact, span: Span, size: float) -> tuple[float, float]:
-    """The same over the whole span, settled to 1e-12 of `size`, and its error."""
+    """The same over the whole span, settled to 1e-12 of `size` or to its own rounding, and its error."""
+    growth, load, slipped = _last_digits(span)
+    allowed = max(SETTLED * size, span.friction * growth * float(contact.log_area(load, slipped)))
 
     def work(_: Indices, begin: Array, end: Array) -> Array:
         return _work_of_curved(contact, span, begin, end)
 
-    value, error = settled(work, [span.begin.time], [span.end.time], size)
+    value, error = settled(work, [span.begin.time], [span.end.time], allowed)
     return float(value[0]), float(error[0])
+
+
+def _last_digits(span: Span) -> tuple[float, float, float]:
+    """What rounding may add to the growth of a span's level; the load and P - P_c that go with it, last digits of P among it."""
+    load = max(span.begin.normal, span.end.normal)
+    slipped = float(np.max(span.slipped(np.array([span.begin.time, span.end.time]))))
+    return _LAST_DIGITS * span.friction * load, load, slipped + _LAST_DIGITS * load
 
 
 def uneven(span: Span) -> bool:
@@ -134,13 +143,17 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
                 work[span.direction][here] += rough
                 if uneven(span):
                     todo.append((span, here, begin[here], end[here], rough))
-    error, scale = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
+    error, size = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
     for span, here, begin, end, rough in todo:
 
         def part(which: Indices, low: Array, high: Array, span: Span = span, here: Indices = here) -> Array:
             return _work_at(contact, span, x[here[which]], edge_load[here[which]], low, high)
 
-        value, doubt = settled(part, begin, end, scale)
+        growth, load, slipped = _last_digits(span)
+        reach = contact.reach(x[here], np.maximum(edge_load[here] - (load - slipped), 0.0), load - slipped)
+        rounding = span.friction * growth * np.max(contact.pressure(x[here], load) * reach)
+        allowed = max(SETTLED * size, float(rounding))
+        value, doubt = settled(part, begin, end, allowed)
         work[span.direction][here] += value - rough
         error[here] += doubt
     factor = 2 / (math.pi * modulus)
@@ -222,4 +235,4 @@ def _settled_loop(work: Callable[[float, float], float], span: Span, size: float
     def each(_: Indices, begin: Array, end: Array) -> Array:
         return np.array([work(low, high) for low, high in zip(begin.tolist(), end.tolist(), strict=True)])
 
-    return float(settled(each, [span.begin.time], [span.end.time], size).value[0])
+    return float(settled(each, [span.begin.time], [span.end.time], SETTLED * size).value[0])

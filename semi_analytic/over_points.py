@@ -15,7 +15,7 @@ from semi_analytic.corners import smooth_spans
 from semi_analytic.friction_work import pointwise_dissipation, uneven
 from semi_analytic.history import Span
 from semi_analytic.quadrature import graded
-from semi_analytic.settling import Settled, settled
+from semi_analytic.settling import SETTLED, Settled, settled
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -39,7 +39,7 @@ def work_over_points(contact: Contact, modulus: float, spans: Sequence[Span], wo
     if not any(uneven(span) for span in spans):
         whole = float(np.sum(rule(np.arange(len(marks) - 1), marks[:-1], marks[1:])))
         return Settled(np.array(whole), np.array(0.0))
-    found = settled(rule, marks[:-1], marks[1:], work)
+    found = settled(rule, marks[:-1], marks[1:], SETTLED * work)
     return Settled(np.asarray(np.sum(found.value)), np.asarray(np.sum(found.error)))
 
 

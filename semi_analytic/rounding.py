@@ -36,6 +36,11 @@ def repeats_within(share: float) -> float:
     return min(_REPEATS, max(_OF_SLIP * share, _LEAST))
 
 
+def rounding_of_work(spans: Sequence[Span]) -> float:
+    """Relative error of the friction work of some spans by the last digits of P; 0 where it is below what closed forms promise."""
+    return 3 * rounding_of_slip(slipped_share(spans))
+
+
 def rounding_of_slip(share: float) -> float:
     """Relative error of d = `share` P by the last digits of P; 0 where that is below what closed forms promise, or nothing slips.
 

@@ -1,4 +1,4 @@
-"""Integrals over ranges in halves, and these in halves, until halving changes or gains no more; with what it changed last."""
+"""Integrals over ranges in halves, and these in halves, until halving changes them no more; with what it changed last."""
 
 from __future__ import annotations
 
@@ -11,11 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_SETTLED = 1e-12
+SETTLED = 1e-12
 _SHORTEST = 1e-5
-# Halving once more takes the change at a jump of the integrand to a half, at a corner to a quarter; rounding stays as it is.
-_GAIN = 0.7
-_PATIENCE = 3
 
 
 class Settled(NamedTuple):
@@ -28,34 +25,31 @@ class Settled(NamedTuple):
     error: Array
 
 
-def settled(work: Callable[[Indices, Array, Array], Array], begin: ArrayLike, end: ArrayLike, scale: float) -> Settled:
+def settled(work: Callable[[Indices, Array, Array], Array], begin: ArrayLike, end: ArrayLike, allowed: float) -> Settled:
     """Integrals of m integrands, number k from begin[k] to end[k].
 
     Parameters
     ----------
     work : work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from low[k] to high[k], (n,), by one rule
     begin, end : (m,)
-    scale : the size to 1e-12 of which a part is settled. What is left as it is, its error showing that: a part of 1e-5 of its
-        range; an integral of which three halvings running have changed as much as the one before, which rounding does.
+    allowed : the change at which a part is settled, `SETTLED` of their size where rounding leaves as much. A part of 1e-5 of its
+        range is left as it is, and its error shows that.
 
     >>> def midpoint(which, low, high):
     ...     return (high - low) * (low + high) / 2
-    >>> settled(midpoint, [0.0, 1.0], [2.0, 3.0], 1.0).value.tolist()
+    >>> settled(midpoint, [0.0, 1.0], [2.0, 3.0], SETTLED).value.tolist()
     [2.0, 4.0]
     """
     low, high = np.array(begin, dtype=float), np.array(end, dtype=float)
     which = np.arange(len(low))
     shortest = _SHORTEST * np.abs(high - low)
     value, error = np.zeros(len(low)), np.zeros(len(low))
-    before, idle = np.full(len(low), np.inf), np.zeros(len(low), dtype=int)
     rough = work(which, low, high)
     while len(which):
         middle = (low + high) / 2
         left, right = np.split(work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high]), 2)
         change = np.abs(left + right - rough)
-        in_all = np.bincount(which, change, len(value))
-        idle, before = np.where(in_all > _GAIN * before, idle + 1, 0), in_all
-        done = (change <= _SETTLED * scale) | (np.abs(high - low) <= shortest[which]) | (idle[which] >= _PATIENCE)
+        done = (change <= allowed) | (np.abs(high - low) <= shortest[which])
         np.add.at(value, which[done], (left + right)[done])
         np.add.at(error, which[done], change[done])
         on = ~done

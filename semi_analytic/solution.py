@@ -20,7 +20,7 @@ from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.friction_work import closed_integral_and_rounding, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
 from semi_analytic.question import FIELDS, Question, arrays_of, ask, checked
-from semi_analytic.rounding import rounding_of_slip, slipped_share
+from semi_analytic.rounding import rounding_of_slip, rounding_of_work, slipped_share
 from semi_analytic.route import Cycles
 from semi_analytic.row_solution import solve_rows
 from semi_analytic.time_series import is_long
@@ -153,9 +153,7 @@ def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
         return _unit_of_work(question) * float(forward[0] + reverse[0]), 0.0
     spans = question.route.history.cycles[number]
     split = global_dissipation(question.contact, question.modulus, spans)
-    return float(split.total), (float(split.error / split.total) if split.error else 0.0) + 3 * rounding_of_slip(
-        slipped_share(spans)
-    )
+    return float(split.total), (float(split.error / split.total) if split.error else 0.0) + rounding_of_work(spans)
 
 
 def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
@@ -167,7 +165,7 @@ def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
     spans = question.route.history.cycles[number]
     split = pointwise_dissipation(question.contact, question.modulus, spans, x)
     worst = float(np.max(split.error))
-    return split.total, (worst / float(np.max(split.total)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
+    return split.total, (worst / float(np.max(split.total)) if worst else 0.0) + rounding_of_work(spans)
 
 
 def _is_smooth_loop(question: Question, number: int) -> bool:
