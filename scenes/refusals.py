@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -12,9 +12,11 @@ from pydantic_core import ErrorDetails
 
 from scenes.bounded import shown
 
+_NAMED = 4  # keys at fault beside the first that a refusal names
+
 
 def refusal(faults: ValidationError, data: dict[str, Any], model: type[BaseModel], listed: str) -> str:
-    """The first fault with key, value, rule and what to do, and how many keys more are at fault.
+    """The first fault with key, value, rule and what to do, and which keys more are at fault.
 
     Parameters
     ----------
@@ -25,8 +27,7 @@ def refusal(faults: ValidationError, data: dict[str, Any], model: type[BaseModel
     errors = sorted(faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"])))
     fault = errors[0]
     key, value = _key(fault, data), fault["input"]
-    others = len({_key(error, data) for error in errors} - {key})
-    more = f" (and {others} more)" if others else ""
+    more = _also([name for name in dict.fromkeys(_key(error, data) for error in errors) if name not in (key, "")])
     rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").replace("an object", "a table of keys")
     match fault["type"]:
         case "extra_forbidden":
@@ -44,6 +45,16 @@ def refusal(faults: ValidationError, data: dict[str, Any], model: type[BaseModel
         case "value_error":
             return f"{key} is refused: {rule}{more}" if key else f"{rule}{more}"
     return f"{key} = {shown(value)} is refused: {rule}{more}"
+
+
+def _also(keys: Sequence[str]) -> str:
+    """The other keys at fault, in brackets; of many the first few, told once these are mended.
+
+    >>> _also(["friction.coefficient"]), _also(list("abcdef")), _also([])
+    (' (also at fault: friction.coefficient)', ' (also at fault: a, b, c, d and 2 more, named once these are mended)', '')
+    """
+    rest = f" and {len(keys) - _NAMED} more, named once these are mended" if len(keys) > _NAMED else ""
+    return f" (also at fault: {', '.join(keys[:_NAMED])}{rest})" if keys else ""
 
 
 def not_toml(text: str, reason: Exception) -> str:

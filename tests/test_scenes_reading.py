@@ -50,7 +50,11 @@ REFUSED = {
     "radius negative": ("radius = 2.0", "radius = -2.0", ["profile.radius = -2.0", "greater than 0"]),
     "unknown key": ("coefficient = 0.5", "coefficient = 0.5\ncolour = 3", ["unknown key friction.colour = 3", "halfplane schema"]),
     "unknown table": ("[friction]", "[paint]\ncolour = 3\n[friction]", ["unknown key paint", "halfplane schema"]),
-    "misspelt key": ("coefficient", "coeficient", ["unknown key friction.coeficient", "did you mean coefficient?", "and 1 more"]),
+    "misspelt key": (
+        "coefficient",
+        "coeficient",
+        ["unknown key friction.coeficient", "did you mean coefficient?", "(also at fault: friction.coefficient)"],
+    ),
     "missing key": ("coefficient = 0.5", "", ["the key friction.coefficient is missing", "halfplane schema"]),
     "missing table": ("[friction]\ncoefficient = 0.5", "", ["the key friction is missing"]),
     "missing material": ("[material]", "[material.upper]", ["the key material.lower is missing"]),
@@ -179,10 +183,10 @@ def test_unknown_scene_names_the_nearest_or_all():
         scene_text("zzz")
 
 
-def test_two_faults_are_counted(tmp_path):
+def test_the_key_of_a_second_fault_is_named(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text(PLAIN.replace("radius = 2.0", "radius = -1").replace("0.5\n", "-0.5\n", 1), encoding="utf-8")
-    assert refusal(file).endswith("(and 1 more)")
+    assert refusal(file).endswith("(also at fault: friction.coefficient)")
 
 
 def test_toml_and_json_are_one_scene(tmp_path):
