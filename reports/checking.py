@@ -1,7 +1,8 @@
-"""Whether a load path has a solution at all: |Q| <= f P and P >= 0 all along, before anything is solved."""
+"""Whether a scene has a solution at all, before anything is solved: |Q| <= f P and P >= 0 all along, a profile that holds P."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,6 +83,21 @@ def require_admissible(scene: Scene, source: str) -> None:
     )
 
 
+def require_profile_wide_enough(scene: Scene, source: str) -> None:
+    """InputError naming `source` where half-plane theory can't press the profile together with the largest load of the path.
+
+    That is a table or a function which ends within the contact, or a shape under which the contact would split.
+    """
+    from semi_analytic.contact import contact_of
+
+    path = scene.load.path()
+    largest = max(_largest_normal_load(leg) for leg in (*path.way_in, *path.cycle))
+    try:
+        contact_of(scene.profile, scene.material).half_width(largest)
+    except InputError as fault:
+        raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
+
+
 def _ratio(leg: Leg, friction: float, time: Array) -> Array:
     """|Q|/(f P); 0 at P = Q = 0, infinite at P < 0 or at Q beside P = 0 or f = 0."""
     normal, tangential = leg.loads(time)
@@ -99,20 +115,29 @@ def _samples(leg: Leg) -> Array:
 
 
 def _worst_of(leg: Leg, friction: float) -> tuple[float, float]:
-    """(largest ratio, its time) on one leg: the best sample, then the golden section around it."""
+    """(largest ratio, its time) on one leg."""
+    return _highest(leg, lambda time: _ratio(leg, friction, time))
+
+
+def _largest_normal_load(leg: Leg) -> float:
+    return _highest(leg, lambda time: leg.loads(time)[0])[0]
+
+
+def _highest(leg: Leg, of: Callable[[Array], Array]) -> tuple[float, float]:
+    """(largest value, its time) on one leg: the best sample, then the golden section around it."""
     time = _samples(leg)
-    ratio = _ratio(leg, friction, time)
-    place = int(np.argmax(ratio))
-    if not np.isfinite(ratio[place]) or place in (0, len(time) - 1):
-        return float(ratio[place]), float(time[place])
+    value = of(time)
+    place = int(np.argmax(value))
+    if not np.isfinite(value[place]) or place in (0, len(time) - 1):
+        return float(value[place]), float(time[place])
     low, high = float(time[place - 1]), float(time[place + 1])
     for _ in range(60):
         inner = np.array([high - (high - low) * 0.6180339887498949, low + (high - low) * 0.6180339887498949])
-        left, right = _ratio(leg, friction, inner)
+        left, right = of(inner)
         low, high = (low, float(inner[1])) if left >= right else (float(inner[0]), high)
     middle = (low + high) / 2
-    found = float(_ratio(leg, friction, np.array([middle]))[0])
-    return (found, middle) if found > ratio[place] else (float(ratio[place]), float(time[place]))
+    found = float(of(np.array([middle]))[0])
+    return (found, middle) if found > value[place] else (float(value[place]), float(time[place]))
 
 
 def _first_of(leg: Leg, friction: float) -> float:

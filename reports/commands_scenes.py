@@ -99,11 +99,12 @@ def _write_new(path: Path, text: str) -> None:
 
 
 def check(source: str, as_json: bool, quiet: bool) -> int:
-    """Read and check a scene, say how near it comes to gross sliding."""
+    """Read and check a scene, loads and profile; say how near it comes to gross sliding."""
     from reports.body_words import bodies_in_words, idealisation, unlike_materials
     from reports.wording import question
 
     scene = jobs.read(source)
+    checking.require_profile_wide_enough(scene, source)
     found = checking.check_path(scene)
     words = [sentence for sentence in (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)) if sentence]
     last = (

@@ -1,11 +1,14 @@
 """The load path before anything is solved: how near gross sliding, and where, against figures that a hand can check."""
 
 import math
+from pathlib import Path
 
 import pytest
 
-from reports.checking import check_path, require_admissible
-from scenes import EllipseLoad, InputError, PolygonLoad, Scene, load_scene, scene_names
+import semi_analytic
+from reports.checking import check_path, require_admissible, require_profile_wide_enough
+from reports.cli import main
+from scenes import EllipseLoad, InputError, PolygonLoad, Scene, Tabulated, load_scene, scene_names, scene_text
 
 BASE = load_scene("hertz-paper")
 
@@ -20,6 +23,40 @@ def test_the_library_is_admissible(name: str) -> None:
     assert not check.reason
     assert check.ratio < 1
     assert check.first_time is None
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_profiles_of_the_library_hold_their_loads(name: str) -> None:
+    require_profile_wide_enough(load_scene(name), name)
+
+
+@pytest.mark.parametrize(("share", "held"), [(1.001, True), (0.999, False)])
+def test_a_table_is_found_too_short_where_theory_finds_it_so(share: float, held: bool) -> None:
+    """Rows of a parabola of R = 1000 up to a share of the contact half-width a^2 = 4 P R/(pi E*) at the largest load."""
+    load = EllipseLoad(mean_normal_load=90, normal_amplitude=20, mean_tangential_load=0, tangential_amplitude=5, phase_degrees=33)
+    modulus = 210e3 / (2 * (1 - 0.3**2))
+    end = share * math.sqrt(4 * 110 * 1000 / (math.pi * modulus))
+    table = Tabulated.model_validate({"points": [[end * k / 40, (end * k / 40) ** 2 / 2000] for k in range(41)]})
+    short = scene(load).model_copy(update={"profile": table})
+    if held:
+        require_profile_wide_enough(short, "mine.toml")
+        semi_analytic.solve(short, x=[0.0], fields=())
+        return
+    with pytest.raises(InputError, match="needs a contact wider than the table"):
+        semi_analytic.solve(short, x=[0.0], fields=())
+    words = r"^mine\.toml: half-plane theory refuses it: profile: the normal load 110 needs a contact wider than the table"
+    with pytest.raises(InputError, match=words):
+        require_profile_wide_enough(short, "mine.toml")
+
+
+def test_check_ends_with_2_on_a_table_that_is_too_short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = scene_text("hertz-paper")
+    table = 'kind = "tabulated"\npoints = [[0.0, 0.0], [0.1, 5e-6], [0.2, 2e-5]]\n'
+    file = tmp_path / "mine.toml"
+    head, tail = text.split("[profile]\n")
+    file.write_text(f"{head}[profile]\n{table}\n[{tail.split('[', 1)[1]}", encoding="utf-8")
+    assert main(["check", str(file)]) == 2
+    assert "needs a contact wider than the table" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize("sign", [1, -1])
