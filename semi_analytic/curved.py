@@ -3,9 +3,9 @@
 # notation: P_x load at which a = |x|, t_x the time of the arc at which P = P_x
 
 The inverse root of a traction, at t_x or before the arc, is taken away by t = t_x + y^2, and the rule for singular ends does the
-rest; before the arc t_x is where P would be P_x at the rate with which the arc begins. Nodes are used where rounding puts them: y is
-what the rounded time makes of it, so that y/sqrt(P - P_x) keeps its digits. Ranges are cut where the load passes a corner of the
-profile.
+rest; before the arc t_x is where P would be P_x at the rate with which the arc begins. Nodes are used where rounding puts them: y
+is what the rounded time makes of it, so that y/sqrt(P - P_x) keeps its digits. Ranges are cut where the load passes a corner of
+the profile.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ _SHORT = 1 / 32
 _AHEAD = 100.0
 
 
-def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
-    """Traction of a piece's arc up to the times `last` (n,) at |x| (k,): shape (n, k) [stress]."""
+def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array, *cuts: float) -> Array:
+    """Traction of a piece's arc up to the times `last` (n,) at |x| (k,), in parts between `cuts` too: shape (n, k) [stress]."""
     edge = contact.load(x)
     leg = piece.anchor.leg
     _, meets = _meets(piece, edge)
     below = np.maximum(piece.bottom - edge, 0.0)
     speed = np.maximum(rate(leg, NORMAL_LOAD, meets), np.finfo(float).tiny)
-    start, ahead = np.sqrt(speed), np.minimum(below / speed, _AHEAD * (piece.anchor.time - meets))
+    start, ahead = np.sqrt(speed), np.minimum(below, _AHEAD * (piece.anchor.time - meets) * speed) / speed
 
     def rise(point: Indices, low: Array, high: Array) -> Array:
         begin, rest, on, before = meets[point, None], below[point, None], edge[point, None], ahead[point, None]
@@ -57,11 +57,14 @@ def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array) -> Array
 
     shape = (len(last), len(x))
     end = np.broadcast_to(last[:, None], shape)
-    return _in_parts(rise, np.broadcast_to(meets, shape), end, _corner_times(contact, piece)) / math.pi
+    return _in_parts(rise, np.broadcast_to(meets, shape), end, _corner_times(contact, piece, *cuts)) / math.pi
 
 
-def curved_slip(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
-    """int dQ arccosh(|x|/a) over the part of a piece's arc outside which |x| is: shape (n, k) [force per thickness]."""
+def curved_slip(contact: Contact, piece: Piece, last: Array, x: Array, *cuts: float) -> Array:
+    """int dQ arccosh(|x|/a) over the part of a piece's arc outside which |x| is: shape (n, k) [force per thickness].
+
+    In parts between the times `cuts` too.
+    """
     edge = contact.load(x)
     leg = piece.anchor.leg
     first, meets = _meets(piece, edge)
@@ -74,7 +77,7 @@ def curved_slip(contact: Contact, piece: Piece, last: Array, x: Array) -> Array:
         return np.sum(weight * reach * _force_rate(leg, time), axis=-1)
 
     end = np.minimum(last[:, None], meets)
-    return _in_parts(rise, np.full(end.shape, first), end, _corner_times(contact, piece))
+    return _in_parts(rise, np.full(end.shape, first), end, _corner_times(contact, piece, *cuts))
 
 
 def curved_log(contact: Contact, piece: Piece, last: Array) -> Array:
@@ -119,11 +122,12 @@ def _force_rate(leg: Leg, time: Array) -> Array:
     return leg.rates(time)[1]
 
 
-def _corner_times(contact: Contact, piece: Piece) -> Array:
-    """Times of the arc, as it was appended, at which its load is that of a corner: ascending."""
+def _corner_times(contact: Contact, piece: Piece, *others: float) -> Array:
+    """Times of the arc, as it was appended, at which its load is that of a corner, and others: ascending."""
     loads = corner_loads(contact)
     loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
-    return front_time(piece, loads) if len(loads) else loads
+    times = front_time(piece, loads) if len(loads) else loads
+    return np.sort(np.append(times, others)) if others else times
 
 
 def _in_parts(rise: Callable[[Indices, Array, Array], Array], begin: Array, end: Array, cuts: Array) -> Array:

@@ -66,7 +66,10 @@ def _half_width(contact: Contact, load: Array) -> Array:
 
 
 def grids_of(asked: Asked, snapshot: Snapshot, half: Array, stick: Array) -> dict[str, NDArray[Any]]:
-    """pressure, shear, slip, state: (n, m), read-only; `half` and `stick` are the half-widths (n,) there."""
+    """pressure, shear, slip, state: (n, m), read-only; `half` and `stick` are the half-widths (n,) there.
+
+    ArithmeticError where a value that is due was not found.
+    """
     contact, x = asked.contact, asked.distance
     shape = (len(asked.time), len(asked.fold))
     grids: dict[str, NDArray[Any]] = {name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")}
@@ -81,10 +84,21 @@ def grids_of(asked: Asked, snapshot: Snapshot, half: Array, stick: Array) -> dic
     if "state" in asked.fields:
         found["state"] = _states(x, snapshot, half, stick)
     for name, values in found.items():
+        _check(name, values, asked)
         grid = values.take(asked.fold, axis=1)
         grid.flags.writeable = False
         grids[name] = grid
     return grids
+
+
+def _check(name: str, values: NDArray[Any], asked: Asked) -> None:
+    """A field that was not found, NaN, must not go on as an answer; tractions are infinite at the tip of a sharp wedge."""
+    due = np.isfinite(values)
+    if name in ("pressure", "shear"):
+        due |= np.isinf(values) & (asked.distance == 0)
+    if not np.all(due):
+        instant, point = (int(each[0]) for each in np.nonzero(~due))
+        raise ArithmeticError(f"no {name} was found at |x| = {asked.distance[point]:.17g}, time {asked.time[instant]:.17g}")
 
 
 def _states(x: Array, snapshot: Snapshot, half: Array, stick: Array) -> NDArray[np.int8]:

@@ -50,7 +50,9 @@ def work_error(contact: Contact, records: Records) -> float:
     slipped = np.maximum(load - np.concatenate([records.front[some], records.front_after[some]]), 0.0)
     area = contact.log_area(load, slipped)
     left = contact.quadrature_error("log_area", load, slipped) + _RULE * area
-    return float(np.max(left[np.isfinite(left)], initial=0.0) * np.sum(records.rise))
+    if not np.all(np.isfinite(left)):
+        raise ArithmeticError("the error of a slip area is not a number: neither is the dissipation of these rows")
+    return float(np.max(left, initial=0.0) * np.sum(records.rise))
 
 
 def _cut_at_corners(corners: Array, records: Records) -> Records:
