@@ -222,5 +222,5 @@ def _samples(scene: Scene) -> tuple[Array, Array]:
 
 def _range(scene: Scene, which: int) -> str:
     loads = _samples(scene)[which]
-    least, most = (number(float(f"{value:.4g}")).replace("-", "−") for value in (loads.min(), loads.max()))
+    least, most = (number(float(f"{value:.4g}")) for value in (loads.min(), loads.max()))
     return f"= {most}" if least == most else f"from {least} to {most}"

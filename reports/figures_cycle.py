@@ -53,7 +53,7 @@ def half_widths(comparison: Comparison, time: Array, time_words: str) -> Plate:
     return Plate(
         "half_widths",
         title,
-        "Left: where contact and stick end. Right: half the distance between the edges, result less reference. In full stick "
+        "First: where contact and stick end. Second: half the distance between the edges, result less reference. In full stick "
         "the stick edges are the contact edges; in full slip there are none.",
         "Contact and stick edges over time for both engines, and the difference of the half-widths.",
         (

@@ -244,9 +244,8 @@ def dissipation_density(comparison: Comparison) -> Plate | None:
     return Plate(
         "dissipation_density",
         "Dissipation, point by point",
-        f"Friction work per unit area in the last cycle. Dot: the peak, {ours[peak]:.4g} at x = {signed(float(x[peak]))} a_ref"
-        f"{stuck}. "
-        "Right: result less reference.",
+        "First: friction work per unit area in the last cycle. Dot: the peak, "
+        f"{ours[peak]:.4g} at x = {signed(float(x[peak]))} a_ref{stuck}. Second: result less reference.",
         "Dissipation density over x for both engines, and the difference.",
         (
             panel(area, *axes, lines, "Dissipation density over x", clip="work", css="pick"),

@@ -18,7 +18,7 @@ from reports.figures_cycle import sides
 from reports.instants import Event
 from reports.missing import missing
 from reports.sampling import Cycle
-from reports.units import load_unit, units
+from reports.units import load_unit, signed, units
 from scenes import ContactSolution, StraightLeg
 
 Array = NDArray[np.float64]
@@ -125,12 +125,12 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
     if not moves(comparison):
         return None
     load, length = load_unit(comparison.scene), units(comparison.scene)[1]
-    slopes = " and ".join(f"{loop_compliance(cycle):.4g}" for cycle in (comparison.expected, comparison.found))
+    slopes = " and ".join(signed(loop_compliance(cycle)) for cycle in (comparison.expected, comparison.found))
     area = "" if comparison.scene.load.path().period is None else f", which leaves the area as it is: {_area(comparison)}"
     return Plate(
         "hysteresis",
         "Hysteresis loop",
-        "Left: shift of the upper body over the lower. Right: each less its own mean slope "
+        "First: shift of the upper body over the lower. Second: each less its own mean slope "
         f"(k = {slopes} {length} per {load}) and mean{area}.",
         "Tangential load over rigid shift for both engines, as it is and sheared so that the loop opens.",
         tuple(

@@ -26,7 +26,7 @@ def now(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
     return Plate(
         "cycle",
         "The instant shown",
-        "Tractions of both engines, what each point does, and result less reference. Beside them the loads and the loop of "
+        "Tractions of both engines, what each point does, and result less reference. Then the loads and the loop of "
         "load over shift (less its mean slope, so that it opens); rings: the instant shown.",
         "Pressure and shear of both engines at one instant, zones of stick and slip, their difference, load path and loop.",
         (tractions, zones(comparison, start, _WIDTH), difference, *loops),

@@ -8,6 +8,7 @@ import numpy as np
 
 from reports import metrics_work as metrics
 from reports.definitions import DEFINITIONS
+from reports.units import signed
 from reports.verdicts import Metric, Pair, not_applicable, tolerance_for, worst, worst_metric
 
 
@@ -51,7 +52,7 @@ def _density(pair: Pair) -> Iterator[Metric]:
     nothing = not metrics.dissipates(expected, scale)
     difference = metrics.dissipation_density(expected, found, scale)
     value, place = worst(difference, np.ones(len(difference), bool), found.x)
-    note = "" if place is None or not value else f"at x = {place / length:.4g} a_ref"
+    note = "" if place is None or not value else f"at x = {signed(place / length)} a_ref"
     at = None if place is None else place / length
     yield Metric(DEFINITIONS["dissipation_density"], value, note=note, absolute=nothing, place=at)
     in_the_mean = metrics.density_norm(expected, found, scale, length)

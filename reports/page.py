@@ -22,7 +22,7 @@ from reports.live import as_script, carried
 from reports.metrics_work import normal_work
 from reports.provenance import commit
 from reports.templating import template
-from reports.units import energy_unit, units
+from reports.units import energy_unit, minus, signed, units
 from reports.verdicts import Metric
 from reports.wording import (
     CLAIM,
@@ -108,8 +108,8 @@ def _row(metric: Metric, comparison: Comparison) -> dict[str, str]:
         "tolerance": tolerance_of(metric),
         "accurate": accuracy_of(metric),
         "honest": honest_of(comparison, metric),
-        "when": "" if metric.time is None else f"{metric.time:.4g}",
-        "where": "" if metric.place is None else f"{metric.place:.4g}",
+        "when": "" if metric.time is None else signed(metric.time),
+        "where": "" if metric.place is None else signed(metric.place),
         "uncertainty": uncertainty_of(metric),
         "note": metric.note,
         "norm": metric.definition.norm,
@@ -198,8 +198,8 @@ def _dissipations(comparison: Comparison) -> list[dict[str, str]]:
             "name": name,
             "value": _figure(solution.dissipation, "8g"),
             "scaled": _figure(solution.dissipation / comparison.scales.dissipation, "8g"),
-            "loop": "–" if np.isnan(solution.loop_work) else f"{solution.loop_work:.8g}",
-            "normal": "–" if (work := normal_work(solution)) is None else f"{work:.8g}",
+            "loop": "–" if np.isnan(solution.loop_work) else minus(f"{solution.loop_work:.8g}"),
+            "normal": "–" if (work := normal_work(solution)) is None else minus(f"{work:.8g}"),
             "apart": _apart(solution),
             "cycles": ", ".join(_figure(w, "6g") for w in solution.cycle_dissipation),
         }
@@ -229,7 +229,7 @@ def _apart(solution: ContactSolution) -> str:
     """How far the work of the loads is from the dissipation."""
     if np.isnan(solution.loop_work) or not solution.dissipation:
         return "–"
-    return f"{abs((solution.loop_work + (normal_work(solution) or 0.0)) / solution.dissipation - 1):.1e}"
+    return minus(f"{abs((solution.loop_work + (normal_work(solution) or 0.0)) / solution.dissipation - 1):.1e}")
 
 
 def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:
@@ -249,7 +249,7 @@ def _meshes(solution: ContactSolution) -> list[dict[str, str]]:
             "least_angle": f"{body.quality['least_angle']:.1f}°",
             "worst_shape": f"{body.quality['worst_shape']:.3f}",
             "size_ratio": f"{body.quality['size_ratio']:.3g}",
-            "area_error": f"{body.quality['area_error']:.1e}",
+            "area_error": minus(f"{body.quality['area_error']:.1e}"),
             "supports": "; ".join(
                 f"{boundary.replace('_', ' ')} {SUPPORT_WORDS[support]}" for boundary, support in body.supports.items()
             ),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template, select_autoescape
 
+from reports.units import minus
+
 
 def template(name: str) -> Template:
     """The template `name` of `reports/templates`."""
@@ -14,4 +16,5 @@ def template(name: str) -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    pages.filters["minus"] = minus
     return pages.get_template(name)

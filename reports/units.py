@@ -44,13 +44,22 @@ def signed(value: float) -> str:
     >>> signed(-0.28273), signed(0.5)
     ('−0.2827', '0.5')
     """
-    return f"{value:.4g}".replace("-", "−")
+    return minus(f"{value:.4g}")
 
 
 def number(value: float) -> str:
-    """Six significant digits.
+    """Six significant digits, with a minus sign that is one.
 
-    >>> number(90.62286500739786), number(210e3)
-    ('90.6229', '210000')
+    >>> number(90.62286500739786), number(-210e3)
+    ('90.6229', '−210000')
     """
-    return f"{value:.6g}"
+    return minus(f"{value:.6g}")
+
+
+def minus(figure: str) -> str:
+    """A figure as Python prints it, with minus signs for hyphens.
+
+    >>> minus("-2.0e-06"), minus("8.6")
+    ('−2.0e−06', '8.6')
+    """
+    return figure.replace("-", "−")

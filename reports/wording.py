@@ -7,7 +7,7 @@ import math
 from reports.body_words import are_half_planes, idealisation
 from reports.comparison import Comparison
 from reports.definitions import name_of
-from reports.units import load_unit, number, units
+from reports.units import load_unit, minus, number, units
 from reports.verdicts import Metric
 from scenes import EllipseLoad, FlatRounded, Hertz, PolygonLoad, Scene
 
@@ -57,20 +57,28 @@ def _loads(scene: Scene, unit: str) -> str:
     return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"
 
 
-def percent(value: float, *, signed: bool = True) -> str:
-    """Three significant digits in per cent.
+# A share of the whole that double precision can't tell from none, summed over a cycle's instants; comparison.json has every digit.
+_ROUNDING = 1e-13
 
-    >>> percent(-0.00123456), percent(0.5, signed=False), percent(0.0), percent(float("nan"))
+
+def percent(value: float, *, signed: bool = True) -> str:
+    """Three significant digits in per cent; rounding, below 1e-13 of the whole, is 0.
+
+    >>> percent(-0.00123456), percent(0.5, signed=False), percent(-1.87e-16), percent(float("nan"))
     ('−0.123 %', '50 %', '0 %', 'not a number')
     """
-    return _number(100 * value, signed) + (" %" if math.isfinite(value) else "")
+    return _number(100 * _settled(value), signed) + (" %" if math.isfinite(value) else "")
+
+
+def _settled(value: float) -> float:
+    return 0.0 if abs(value) < _ROUNDING else value
 
 
 def _number(value: float, signed: bool) -> str:
     if not math.isfinite(value):
         return "not a number" if math.isnan(value) else "infinite"
     sign = "" if value == 0 else "−" if value < 0 else "+" if signed else ""
-    return f"{sign}{abs(value):.3g}"
+    return sign + minus(f"{abs(value):.3g}")
 
 
 def value_of(metric: Metric) -> str:
@@ -78,7 +86,7 @@ def value_of(metric: Metric) -> str:
     if metric.value is None:
         return "–"
     signed = metric.definition.signed
-    return _number(metric.value, signed) if metric.absolute else percent(metric.value, signed=signed)
+    return _number(_settled(metric.value), signed) if metric.absolute else percent(metric.value, signed=signed)
 
 
 def unit_of(metric: Metric) -> str:

@@ -19,6 +19,7 @@ from reports.cli import main
 from reports.figures_bodies import outline, sketch
 from reports.metrics_work import approach_work, normal_work
 from reports.single import summary_rows
+from reports.units import minus
 from reports.wording import beyond_theory, lead, question
 from scenes import Block, Bodies, Cylinder, Pad, Scene, load_scene, scene_text
 from test_reports_fields import TOML
@@ -126,6 +127,12 @@ class TestPage:
         assert stored["result"]["mesh_quality"]["upper"]["least_angle"] > 15
         assert stored["reference"]["mesh_quality"] == {}
 
+    def test_figures_in_tables_have_minus_signs_that_are_ones(self, found: Comparison, tmp_path: Path) -> None:
+        page = write(found, tmp_path / "out").read_text(encoding="utf-8")
+        cells = re.findall(r"<td class=\"n\">([^<]*)</td>", page)
+        assert any("−" in cell for cell in cells)
+        assert not [cell for cell in cells if re.search(r"-\d", cell)]
+
     def test_mesh_table_has_a_row_for_each_body(self, found: Comparison, tmp_path: Path) -> None:
         page = write(found, tmp_path / "out").read_text(encoding="utf-8")
         table = page[page.index('id="meshes"') :]
@@ -133,7 +140,7 @@ class TestPage:
             row = table[table.index(f"<td>{name}</td>") :]
             row = row[: row.index("</tr>")]
             assert f"{body.quality['least_angle']:.1f}°" in row
-            assert f"{body.quality['area_error']:.1e}" in row
+            assert minus(f"{body.quality['area_error']:.1e}") in row
         assert "base fixed; sides guided along y" in table
 
     def test_lead_is_a_finding_only_for_real_bodies_that_obey_every_law(self, found: Comparison) -> None:

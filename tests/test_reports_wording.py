@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from reports import compare
+from reports.definitions import DEFINITIONS
 from reports.units import units
+from reports.verdicts import Metric
 from reports.wording import question, tolerance_of, unit_of, value_of, verdict
 from scenes import Scene, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin, with_fields
@@ -70,6 +72,13 @@ def test_absolute_values_are_not_in_per_cent() -> None:
     metric = compare(still, with_fields(TRUTH, dissipation=0.01)).metric("dissipation")
     assert "%" not in value_of(metric) + tolerance_of(metric)
     assert unit_of(metric) == "A f² P_ref²"
+
+
+@pytest.mark.parametrize(("value", "text"), [(1.87e-16, "0 %"), (-9e-14, "0 %"), (-2e-13, "−2e−11 %"), (1e-5, "+0.001 %")])
+def test_rounding_is_told_as_nothing_and_what_is_more_as_it_is(value: float, text: str) -> None:
+    assert value_of(Metric(DEFINITIONS["dissipation_step"], value)) == text
+    absolute = value_of(Metric(DEFINITIONS["dissipation_step"], value, absolute=True))
+    assert (absolute == "0") == (text == "0 %")
 
 
 def test_verdict_says_what_failed_and_by_how_much() -> None:
