@@ -14,7 +14,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from reports.definitions import DEFINITIONS
-from scenes import ContactSolution, EllipseLoad
+from reports.units import energy_unit, units
+from scenes import ContactSolution, EllipseLoad, Scene
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,23 @@ def unit_of(name: str) -> str:
     prefix, quantity = parts(name)
     words = QUANTITIES[quantity].words
     return f"{words.rpartition(' [')[0]}: finite elements over half-plane theory, less 1" if prefix == "error" else words
+
+
+def axis_label(name: str, scene: Scene) -> str:
+    """A figure on the axis of a drawing, with its unit in the scene's, or what it is a share of.
+
+    >>> from scenes import load_scene
+    >>> [axis_label(name, load_scene("hertz-paper")) for name in ("fe.p0", "exact.dissipation", "error.p0", "stick_edge")]
+    ['fe.p0  [MPa]', 'exact.dissipation  [N·mm/mm]', "error.p0  [share of theory's]", 'stick_edge  [share of a_ref]']
+    """
+    if is_metric(name):
+        return f"{name}  [share {DEFINITIONS[name].unit}]"
+    prefix, quantity = parts(name)
+    if prefix == "error":
+        return f"{name}  [share of theory's]"
+    _, length, stress = units(scene)
+    own = {"stress": stress, "length": length, "energy / thickness": energy_unit(scene), "energy / area": f"{energy_unit(scene)}²"}
+    return f"{name}  [{own[QUANTITIES[quantity].words.rpartition(' [')[2].removesuffix(']')]}]"
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:

@@ -13,6 +13,7 @@ from reports.sweep.progress import state_of
 from reports.sweep.store import Store
 from reports.sweep.study import Study, study_of
 from reports.templating import template
+from reports.units import number
 
 # More rows than that are in index.csv alone.
 _ROWS = 250
@@ -38,7 +39,7 @@ def write_page(store: Store) -> Path:
         engines=" and ".join({"fe": "finite elements", "exact": "half-plane theory"}[engine] for engine in study.engines),
         state=state,
         words=[(name, unit_of(name)) for name in names],
-        pictures=[(picture.name, Markup(picture.svg), picture.caption) for picture in draw(table, study.axes)],
+        pictures=[(picture.name, Markup(picture.svg), picture.caption) for picture in draw(table, study.axes, study.scene)],
         columns=columns,
         rows=[[_cell(row[name]) for name in columns] for row in table.rows[:_ROWS]],
         more=max(0, len(table.rows) - _ROWS),
@@ -52,7 +53,7 @@ def write_page(store: Store) -> Path:
 def _cell(value: Any) -> str:
     if value is None:
         return "none"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return number(value) if isinstance(value, float) else str(value)
 
 
 def _uncertainty(study: Study) -> str:

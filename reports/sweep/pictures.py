@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from reports.drawing import literal
 from reports.sweep.axes import Axis
-from reports.sweep.figures import is_error
+from reports.sweep.figures import axis_label, is_error
 from reports.sweep.index import Table
+from reports.units import minus, number
+from scenes import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,13 +40,17 @@ class Picture:
 
 @dataclass(frozen=True)
 class Sheet:
-    """One figure of a table, ready to be drawn: values, uncertainties (NaN where there is none) and coordinates, (n,) each."""
+    """One figure of a table, ready to be drawn: values, uncertainties (NaN where there is none) and coordinates, (n,) each.
+
+    `words` are the figure's on its axis, with its unit.
+    """
 
     name: str
     value: Array
     uncertainty: Array
     table: Table
     axes: dict[str, Axis]
+    words: str
 
     @property
     def unresolved(self) -> NDArray[np.bool_]:
@@ -71,8 +77,8 @@ def plain_figures(table: Table) -> list[str]:
     return [name for name in table.figures if not name.endswith((".uncertainty", ".idealisation"))]
 
 
-def draw(table: Table, axes: Sequence[Axis]) -> list[Picture]:
-    """A picture of each figure that has values."""
+def draw(table: Table, axes: Sequence[Axis], scene: Scene) -> list[Picture]:
+    """A picture of each figure that has values, in the units of the `scene` that the sweep varies."""
     found = table.done()
     named = {column: axis for axis in axes for column in axis.columns}
     pictures = []
@@ -80,7 +86,7 @@ def draw(table: Table, axes: Sequence[Axis]) -> list[Picture]:
         shown = f"{name}.idealisation" if f"{name}.idealisation" in found.figures else name
         doubt = f"{name}.uncertainty"
         uncertainty = found.numbers(doubt) if doubt in found.figures else np.full(len(found.rows), np.nan)
-        sheet = Sheet(name, found.numbers(shown), uncertainty, found, named)
+        sheet = Sheet(name, found.numbers(shown), uncertainty, found, named, axis_label(name, scene))
         if np.isfinite(sheet.value).any():
             pictures.append(_picture(sheet, shown))
     return pictures
@@ -89,7 +95,7 @@ def draw(table: Table, axes: Sequence[Axis]) -> list[Picture]:
 def _picture(sheet: Sheet, shown: str) -> Picture:
     moving, sorts = _columns(sheet.table)
     if not moving:
-        return Picture(shown, "", f"{shown} = {sheet.value[0]:.6g}: the sweep has one point on every axis of numbers")
+        return Picture(shown, "", f"{shown} = {number(float(sheet.value[0]))}: the sweep has one point on every axis of numbers")
     keys = _parts(sheet.table, sorts)
     panels = sorted(set(keys))[:_PANELS]
     kind: Callable[..., None]
@@ -101,9 +107,9 @@ def _picture(sheet: Sheet, shown: str) -> Picture:
         kind, how = _cloud, "hollow: unresolved; colour: the second axis"
     figure, drawings = _paper(len(panels) if kind is not _line else 1)
     limits = float(np.nanmax(np.abs(sheet.value)))
-    for number, key in enumerate(panels):
+    for place, key in enumerate(panels):
         here = np.array([k == key for k in keys])
-        kind(figure, drawings[0 if kind is _line else number], sheet, here, moving, key, limits, number)
+        kind(figure, drawings[0 if kind is _line else place], sheet, here, moving, key, limits, place)
     if kind is _line and len(panels) > 1:
         drawings[0].legend(fontsize=8, frameon=False)
     left = f" {len(set(keys)) - len(panels)} more sets of the other axes are in index.csv." if len(set(keys)) > len(panels) else ""
@@ -156,7 +162,7 @@ def _line(_f: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key
     if is_error(sheet.name):
         ax.axhline(0, color="0.6", linewidth=0.6)
     _dress(ax, sheet, moving[0], None)
-    ax.set_ylabel(sheet.name)
+    ax.set_ylabel(sheet.words)
 
 
 def _map(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key: str, limit: float, _n: int) -> None:
@@ -179,7 +185,7 @@ def _map(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], 
         ax.fill_between(
             corners[:2], *corners[2:], facecolor="none", edgecolor="0.2" if signed else "0.95", hatch="////", linewidth=0
         )
-    figure.colorbar(drawn, ax=ax, label=sheet.name)
+    figure.colorbar(drawn, ax=ax, label=sheet.words)
     _dress(ax, sheet, moving[0], moving[1])
     ax.set_title(key, fontsize=9)
 
@@ -193,7 +199,7 @@ def _cloud(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str]
     ax.scatter(x[hollow], y[hollow], facecolor="white", edgecolor="0.3", s=22, zorder=4)
     figure.colorbar(drawn, ax=ax, label=sheet.label(moving[1]))
     _dress(ax, sheet, moving[0], None)
-    ax.set_ylabel(sheet.name)
+    ax.set_ylabel(sheet.words)
     ax.set_title(key, fontsize=9)
 
 
@@ -213,7 +219,7 @@ def _few_ticks(axis: Any, sheet: Sheet, column: str) -> None:
     """Ticks at the values themselves where these are few."""
     values = np.unique(sheet.table.numbers(column))
     if len(values) <= 8:
-        axis.set_ticks(values, labels=[f"{value:.3g}" for value in values])
+        axis.set_ticks(values, labels=[minus(f"{value:.3g}") for value in values])
         axis.set_ticks([], minor=True)
 
 
