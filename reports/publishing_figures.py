@@ -12,9 +12,13 @@ from matplotlib.axes import Axes
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.drawing import BANDS, STYLE, THIN, canvas, label_axes, legend_above
+from reports.figures_cycle import sides
 
 # Texts stay texts (no outlines of letters in the file); points nearer than this to the line through their neighbours go [px].
 _LEAN = {**STYLE, "svg.fonttype": "none", "path.simplify_threshold": 0.25, "font.family": "sans-serif"}
+
+# Of the two sides of a comparison: broad and pale the reference, thin and dark the result.
+_STYLES = {"r": BANDS, "f": THIN}
 
 
 def picture(comparison: Comparison) -> str:
@@ -27,6 +31,8 @@ def picture(comparison: Comparison) -> str:
             _loop(comparison, right)
         else:
             _half_widths(comparison, right)
+        for axes in (left, right):
+            legend_above(axes, columns=2)
     text = io.StringIO()
     with mpl.rc_context(_LEAN):
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
@@ -47,14 +53,11 @@ def _tractions(comparison: Comparison, axes: Axes) -> None:
     edges = np.concatenate([expected.contact_edges[k], found.contact_edges[k]])
     reach = min(1.12 * float(np.nanmax(np.abs(edges))) / scales.half_width, float(np.abs(x).max()))
     near = np.abs(x) <= reach
-    for cycle, engine, styles in (
-        (expected, comparison.reference.engine, BANDS),
-        (found, comparison.result.engine, THIN),
-    ):
-        axes.plot(x[near], cycle.pressure[k, near] / scales.pressure, label=f"p, {name_of(engine)}", **styles[0])
-        axes.plot(x[near], cycle.shear[k, near] / scales.shear, label=f"q, {name_of(engine)}", **styles[1])
+    for who, cycle, solution in sides(comparison):
+        name, styles = name_of(solution.engine), _STYLES[who]
+        axes.plot(x[near], cycle.pressure[k, near] / scales.pressure, label=f"p, {name}", **styles[0])
+        axes.plot(x[near], cycle.shear[k, near] / scales.shear, label=f"q, {name}", **styles[1])
     axes.set_xlim(-reach, reach)
-    legend_above(axes, columns=2)
     label_axes(axes, "x / a_ref", "p/p_ref,  q/(f p_ref)")
 
 
@@ -66,15 +69,16 @@ def _moves(comparison: Comparison) -> bool:
 def _loop(comparison: Comparison, axes: Axes) -> None:
     """Q over the shift less its mean slope: each loop about its own middle, for finite bodies are stiffer than half-planes."""
     scales = comparison.scales
-    for cycle, engine, style in (
-        (comparison.expected, comparison.reference.engine, BANDS[0]),
-        (comparison.found, comparison.result.engine, THIN[0]),
-    ):
+    for who, cycle, solution in sides(comparison):
         load = cycle.tangential_load - cycle.tangential_load.mean()
         shift = cycle.rigid_shift - cycle.rigid_shift.mean()
         slope = float(load @ shift) / float(load @ load) if load @ load > 0 else 0.0
-        axes.plot((shift - slope * load) / scales.shift, cycle.tangential_load / _size(comparison), label=name_of(engine), **style)
-    legend_above(axes, columns=2)
+        axes.plot(
+            (shift - slope * load) / scales.shift,
+            cycle.tangential_load / _size(comparison),
+            label=name_of(solution.engine),
+            **_STYLES[who][0],
+        )
     label_axes(axes, "(U − mean slope · Q) / (A f P_ref)", "Q/(f P_ref)")
 
 
@@ -84,17 +88,13 @@ def _size(comparison: Comparison) -> float:
 
 def _half_widths(comparison: Comparison, axes: Axes) -> None:
     """Contact half-width over P."""
-    for cycle, engine, style in (
-        (comparison.expected, comparison.reference.engine, BANDS[0]),
-        (comparison.found, comparison.result.engine, THIN[0]),
-    ):
+    for who, cycle, solution in sides(comparison):
         half = (cycle.contact_edges[:, 1] - cycle.contact_edges[:, 0]) / 2
         order = np.argsort(cycle.normal_load, kind="stable")
         axes.plot(
             cycle.normal_load[order] / comparison.scales.normal_load,
             half[order] / comparison.scales.half_width,
-            label=name_of(engine),
-            **style,
+            label=name_of(solution.engine),
+            **_STYLES[who][0],
         )
-    legend_above(axes, columns=2)
     label_axes(axes, "P/P_ref", "contact half-width / a_ref")
