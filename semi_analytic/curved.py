@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,14 @@ from semi_analytic.quadrature import NODES, gauss, graded
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+Rise: TypeAlias = Callable[[Indices, Array, Array], Array]
+"""Integrals at the points of these numbers from here to there, (m,) each."""
+
 _CHUNK = 2_000_000
+# Points at which the parts of an arc are tried, how often a part is halved, and what two halves may differ by of the largest.
+_SAMPLE = 17
+_HALVINGS = 6
+_SETTLED = 1e-13
 _QUARTERS = 4
 _SHORT = 1 / 32
 # Lengths of an arc by which the root may begin ahead of it at most.
@@ -37,7 +45,7 @@ def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array, *cuts: f
     """Traction of a piece's arc up to the times `last` (n,) at |x| (k,), in parts between `cuts` too: shape (n, k) [stress]."""
     edge = contact.load(x)
     leg = piece.anchor.leg
-    _, meets = _meets(piece, edge)
+    first, meets = _meets(piece, edge)
     below = np.maximum(piece.bottom - edge, 0.0)
     speed = np.maximum(rate(leg, NORMAL_LOAD, meets), np.finfo(float).tiny)
     start, ahead = np.sqrt(speed), np.minimum(below, _AHEAD * (piece.anchor.time - meets) * speed) / speed
@@ -55,9 +63,9 @@ def curved_shear(contact: Contact, piece: Piece, last: Array, x: Array, *cuts: f
         quotient = contact.root_quotient(x[point, None], safe, on + safe)
         return np.sum(weight * 2 * root * quotient * _force_rate(leg, time), axis=-1)
 
-    shape = (len(last), len(x))
-    end = np.broadcast_to(last[:, None], shape)
-    return _in_parts(rise, np.broadcast_to(meets, shape), end, _corner_times(contact, piece, *cuts)) / math.pi
+    shape, upmost = (len(last), len(x)), np.full(len(x), np.max(last, initial=first))
+    parts = _refined(rise, meets, upmost, _corner_times(contact, piece, *cuts))
+    return _in_parts(rise, np.broadcast_to(meets, shape), np.broadcast_to(last[:, None], shape), parts) / math.pi
 
 
 def curved_slip(contact: Contact, piece: Piece, last: Array, x: Array, *cuts: float) -> Array:
@@ -76,8 +84,9 @@ def curved_slip(contact: Contact, piece: Piece, last: Array, x: Array, *cuts: fl
         reach = contact.reach(x[point, None], excess, leg.loads(time)[0])
         return np.sum(weight * reach * _force_rate(leg, time), axis=-1)
 
-    end = np.minimum(last[:, None], meets)
-    return _in_parts(rise, np.full(end.shape, first), end, _corner_times(contact, piece, *cuts))
+    end, begin = np.minimum(last[:, None], meets), np.full(len(x), first)
+    parts = _refined(rise, begin, np.max(end, axis=0, initial=first), _corner_times(contact, piece, *cuts))
+    return _in_parts(rise, np.broadcast_to(begin, end.shape), end, parts)
 
 
 def curved_log(contact: Contact, piece: Piece, last: Array) -> Array:
@@ -90,8 +99,15 @@ def curved_log(contact: Contact, piece: Piece, last: Array) -> Array:
     leg, first, whole = piece.anchor.leg, piece.arc[0], piece.anchor.time
     corners = _corner_times(contact, piece)
     end = float(np.max(last, initial=first))
+
+    def by(rule: Callable[[Array, Array], tuple[Array, Array]], low: Array, high: Array) -> Array:
+        time, weight = rule(low, high)
+        return np.sum(weight * contact.log_ratio(leg.loads(time)[0]) * _force_rate(leg, time), axis=-1)
+
     # Never in less than quarters: swift harmonics over a long range are not what the rules are best at.
-    marks = np.unique(np.clip(np.concatenate([last, corners, np.linspace(first, end, _QUARTERS + 1)]), first, end))
+    cuts = np.sort(np.append(corners, np.linspace(first, end, _QUARTERS + 1)))
+    parts = _refined(lambda _, low, high: by(graded, low, high), np.array([first]), np.array([end]), cuts)
+    marks = np.unique(np.clip(np.concatenate([last, parts]), first, end))
     low, high = marks[:-1], marks[1:]
     rough = np.unique(np.concatenate([[first, whole], corners]))
     before = rough[np.maximum(np.searchsorted(rough, low, side="right") - 1, 0)]
@@ -100,8 +116,7 @@ def curved_log(contact: Contact, piece: Piece, last: Array) -> Array:
     smooth = high - low <= room
     rises = np.zeros(len(marks))
     for here, rule in ((smooth, _gauss), (~smooth, graded)):
-        time, weight = rule(low[here], high[here])
-        rises[1:][here] = np.sum(weight * contact.log_ratio(leg.loads(time)[0]) * _force_rate(leg, time), axis=-1)
+        rises[1:][here] = by(rule, low[here], high[here])
     return np.cumsum(rises)[np.searchsorted(marks, np.clip(last, first, end))]
 
 
@@ -130,7 +145,37 @@ def _corner_times(contact: Contact, piece: Piece, *others: float) -> Array:
     return np.sort(np.append(times, others)) if others else times
 
 
-def _in_parts(rise: Callable[[Indices, Array, Array], Array], begin: Array, end: Array, cuts: Array) -> Array:
+def _refined(rise: Rise, begin: Array, end: Array, cuts: Array) -> Array:
+    """`cuts`, and halves of the parts between them where two halves are not the whole for some of the points, (k,) each: ascending.
+
+    P(a) may bend sharply anywhere, a polynomial's that hardly grows, and the rule sees singularities beyond the ends only.
+    """
+    some = np.unique(np.linspace(0, len(begin) - 1, _SAMPLE).astype(int))
+    begin, end = begin[some], end[some]
+
+    def part(low: float, high: float) -> Array:
+        first, last = np.maximum(begin, low), np.minimum(end, high)
+        here, result = np.flatnonzero(last > first), np.zeros(len(some))
+        if len(here):
+            result[here] = rise(some[here], first[here], last[here])
+        return result
+
+    lowest, highest = float(np.min(begin, initial=math.inf)), float(np.max(end, initial=-math.inf))
+    marks = [lowest, *cuts[(cuts > lowest) & (cuts < highest)].tolist(), highest]
+    todo = [(low, high, part(low, high)) for low, high in pairwise(marks) if high > low]
+    size, found = max((float(np.max(np.abs(whole))) for *_, whole in todo), default=0.0), list(cuts)
+    for _ in range(_HALVINGS):
+        ranges, todo = todo, []
+        for low, high, whole in ranges:
+            middle = (low + high) / 2
+            halves = [(low, middle, part(low, middle)), (middle, high, part(middle, high))]
+            if np.max(np.abs(whole - halves[0][2] - halves[1][2])) > _SETTLED * size:
+                found.append(middle)
+                todo += halves
+    return np.sort(found)
+
+
+def _in_parts(rise: Rise, begin: Array, end: Array, cuts: Array) -> Array:
     """Integrals from `begin` to `end` (n, k), cut at `cuts`: rise(point (m,), low (m,), high (m,)) gives those of parts, (m,)."""
     total = np.zeros(begin.shape)
     for lower, upper in pairwise([-math.inf, *cuts.tolist(), math.inf]):
