@@ -81,16 +81,25 @@ def field_errors(
     knots = 2 * max((sum(1 for _ in pieces(snapshot.actives[k])) for k in snapshot.which[chosen]), default=0) + 2
     found: dict[str, float] = {}
     if not asked.fields.isdisjoint(("pressure", "shear")) and top > _TINY:
-        away = np.abs(x - contact.half_width(loads)) > _NEAR * contact.half_width(loads)
-        kernel = _largest(np.where(away, contact.quadrature_error("pressure", x, loads), 0.0)) / top
-        half, stick = lines["contact_half_width"], lines["stick_half_width"]
-        for words, near in (("", _NEAR), (" at the edge", 0.0)):
-            edges, fronts = (_at_edges(contact, asked.distance, at, near) / top for at in (half, stick))
-            found[f"pressure{words}"] = kernel + edges
-            found[f"shear{words}"] = arcs["shear"] + knots * kernel + edges + 2 * fronts
+        found |= _of_tractions(contact, asked.distance, x, loads, top, lines, knots, arcs["shear"])
     if "slip" in asked.fields:
         found["slip"] = arcs["slip"] + knots * friction * _largest(contact.quadrature_error("spread", x, loads)) / size
     return {name: value for name, value in found.items() if name.removesuffix(" at the edge") in asked.fields}
+
+
+def _of_tractions(
+    contact: Pile, points: Array, x: Array, loads: Array, top: float, lines: dict[str, Array], knots: int, arcs: float
+) -> dict[str, float]:
+    """Errors of pressure and shear over `top` and f times it, away from the edges and at those next to `points`."""
+    away = np.abs(x - contact.half_width(loads)) > _NEAR * contact.half_width(loads)
+    kernel = _largest(np.where(away, contact.quadrature_error("pressure", x, loads), 0.0)) / top
+    found: dict[str, float] = {}
+    for words, near in (("", _NEAR), (" at the edge", 0.0)):
+        halves = (lines["contact_half_width"], lines["stick_half_width"])
+        edges, fronts = (_at_edges(contact, points, half, near) / top for half in halves)
+        found[f"pressure{words}"] = kernel + edges
+        found[f"shear{words}"] = arcs + knots * kernel + edges + 2 * fronts
+    return found
 
 
 def _largest(values: ArrayLike) -> float:
