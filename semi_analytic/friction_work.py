@@ -30,7 +30,8 @@ from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
 from semi_analytic.memory import level_on
 from semi_analytic.quadrature import graded
-from semi_analytic.settling import SETTLED, settled
+from semi_analytic.rounding import LAST_DIGITS
+from semi_analytic.settling import SETTLED, Settled, settled
 from semi_analytic.snapshot import take
 
 Array = NDArray[np.float64]
@@ -85,8 +86,7 @@ def _work_of_curved(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLi
 
 def _settled_work(contact: Contact, span: Span, size: float) -> tuple[float, float]:
     """The same over the whole span, settled to 1e-12 of `size` or to its own rounding, and its error."""
-    growth, load, slipped = _last_digits(span)
-    allowed = max(SETTLED * size, span.friction * growth * float(contact.log_area(load, slipped)))
+    allowed = max(SETTLED * size, float(_rounding(span, contact.log_area)[0]))
 
     def work(_: Indices, begin: Array, end: Array) -> Array:
         return _work_of_curved(contact, span, begin, end)
@@ -95,11 +95,14 @@ def _settled_work(contact: Contact, span: Span, size: float) -> tuple[float, flo
     return float(value[0]), float(error[0])
 
 
-def _last_digits(span: Span) -> tuple[float, float, float]:
-    """What rounding may add to the growth of a span's level; the load and P - P_c that go with it, last digits of P among it."""
+def _rounding(span: Span, reach: Callable[[float, Array], Array]) -> Array:
+    """What the last digits of P leave in f times the growth of a span's level times reach(P, P - P_c): (k,)."""
     load = max(span.begin.normal, span.end.normal)
-    slipped = float(np.max(span.slipped(np.array([span.begin.time, span.end.time]))))
-    return _LAST_DIGITS * span.friction * load, load, slipped + _LAST_DIGITS * load
+    digits = LAST_DIGITS * load
+    growth = abs(float(change(span.leg, level(span.direction, span.friction), span.end.time, span.begin.time)))
+    slipped = float(np.max(span.slipped(np.linspace(span.begin.time, span.end.time, 3))))
+    known, doubtful = reach(load, np.array([[slipped], [slipped + digits]]))
+    return span.friction * ((growth + span.friction * digits) * doubtful - growth * known)
 
 
 def uneven(span: Span) -> bool:
@@ -142,22 +145,27 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
                 rough = _work_at(contact, span, x[here], edge_load[here], begin[here], end[here])
                 work[span.direction][here] += rough
                 if uneven(span):
-                    todo.append((span, here, begin[here], end[here], rough))
+                    todo.append((span, here, begin, end, rough))
     error, size = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
     for span, here, begin, end, rough in todo:
-
-        def part(which: Indices, low: Array, high: Array, span: Span = span, here: Indices = here) -> Array:
-            return _work_at(contact, span, x[here[which]], edge_load[here[which]], low, high)
-
-        growth, load, slipped = _last_digits(span)
-        reach = contact.reach(x[here], np.maximum(edge_load[here] - (load - slipped), 0.0), load - slipped)
-        rounding = span.friction * growth * np.max(contact.pressure(x[here], load) * reach)
-        allowed = max(SETTLED * size, float(rounding))
-        value, doubt = settled(part, begin, end, allowed)
+        value, doubt = _settled_at(contact, span, x[here], edge_load[here], begin[here], end[here], size)
         work[span.direction][here] += value - rough
         error[here] += doubt
     factor = 2 / (math.pi * modulus)
     return Split(factor * work[1], factor * work[-1], factor * error)
+
+
+def _settled_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Array, end: Array, size: float) -> Settled:
+    """Work of one span at `x` (k,) from begin[k] to end[k], settled to 1e-12 of `size` or to its own rounding."""
+
+    def part(which: Indices, low: Array, high: Array) -> Array:
+        return _work_at(contact, span, x[which], edge_load[which], low, high)
+
+    def weighed(load: float, slipped: Array) -> Array:
+        reach = contact.reach(x, np.maximum(edge_load - (load - slipped), 0.0), load - slipped)
+        return np.asarray(contact.pressure(x, load) * reach)
+
+    return settled(part, begin, end, max(SETTLED * size, float(np.max(_rounding(span, weighed)))))
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 _EPS = float(np.finfo(float).eps)
 _REPEATS, _OF_SLIP, _LEAST = 1e-12, 1e-4, 2e-14
-# Last digits by which P_c may be off: measured 1 to 3 on cycles of constant P with d/P from 1e-4 to 1e-14.
-_DIGITS = 4
+LAST_DIGITS = 4 * _EPS
+"""Share of P by which P_c may be off: measured 1 to 3 last digits on cycles of constant P with d/P from 1e-4 to 1e-14."""
+
 # Closed forms promise that much, see `errors`; what rounding adds is told where it is more.
 _PROMISED = 1e-12
 
@@ -46,5 +47,5 @@ def rounding_of_slip(share: float) -> float:
 
     Three times as much counts for W, one and a half times for the slip s.
     """
-    error = _DIGITS * _EPS / share if share > 0 else 0.0
+    error = LAST_DIGITS / share if share > 0 else 0.0
     return error if 3 * error > _PROMISED else 0.0
