@@ -33,6 +33,8 @@ Indices = NDArray[np.intp]
 # tractions keep 2e-14 of the largest, slips and shifts 7e-14 (2e-13 for |x|^20).
 _SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
 _CORNERED = ((0.12, 16), (0.8, 24), (2.5, 40), (math.inf, 80))
+# Steps that arcs up to few instants are integrated in.
+_STEPS = 16
 # e^2 below which arcs are short beside |e|: at 3 a (P_x - P_max)/(2 P1) is -1e10 for |x|^20.
 _FAR = -1.0
 # Digits, as a power of e, that Gauss' rule shall keep beside a logarithm.
@@ -184,6 +186,11 @@ def _steps(half: Half, corners: Array) -> tuple[Half, Indices]:
         rising, same = half.curvature > 0, np.ones(len(z))
         low, high = np.append(low, same * low[0] if rising else z), np.append(high, z if rising else same * high[0])
         cubed = 1 if rising else -1
+    elif len(low) < _STEPS:
+        # P(a) may bend sharply anywhere, a polynomial's that hardly grows: one long step would not see it.
+        z = np.linspace(np.min(low), np.max(high), _STEPS + 1)[1:-1]
+        rising, same = half.curvature > 0, np.ones(len(z))
+        low, high = np.append(low, same * low[0] if rising else z), np.append(high, z if rising else same * high[0])
     order = np.argsort(high - low, kind="stable")
     low, high = low[order], high[order]
     if half.curvature > 0:
