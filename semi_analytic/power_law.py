@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 # Share of a within which p is integrated, and within which its leading terms are taken: the next one is xi^2 of them.
 _INNER = 0.1
 _MIDDLE = 1e-11
+# 1 - (x/a)^2 below which the root of what is left keeps more digits than x/a: ten times eps beyond it.
+_NEAR = 0.01
 # Share of P that is beyond P_x from which on 1 - (x/a)^2 keeps more digits by x than by the loads.
 _INSIDE = 0.9
 
@@ -77,10 +79,10 @@ def spread_function(exponent: float, ratio: ArrayLike, rest: ArrayLike) -> Array
     >>> round(float(spread_function(2.0, 0.6, 0.64)), 15)  # 1 - sqrt(1 - zeta^2)
     0.2
     """
-    zeta, other = np.asarray(ratio, dtype=float), np.asarray(rest, dtype=float)
-    share = np.where(
-        other < 0.5, scipy.special.betaincc(0.5, exponent / 2, other), scipy.special.betainc(exponent / 2, 0.5, zeta * zeta)
-    )
+    zeta, other = np.broadcast_arrays(np.asarray(ratio, dtype=float), np.asarray(rest, dtype=float))
+    share = np.asarray(scipy.special.betainc(exponent / 2, 0.5, zeta * zeta))
+    near = other < _NEAR  # there alone: it takes ten times as long
+    share[near] = scipy.special.betaincc(0.5, exponent / 2, other[near])
     return np.asarray(share * (scipy.special.beta(exponent / 2, 0.5) / 2))
 
 
