@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from cyclopts import CycloptsError
 
 from reports import cli_engines, cli_maps, cli_results, cli_scenes, cli_sweep  # noqa: F401 (they register themselves)
-from reports.application import BAD_INPUT, INTERRUPTED, WITHIN, app
+from reports.application import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, WITHIN, app
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -28,6 +28,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not isinstance(fault, InputError):
             raise
         return _refused(_one_line(str(fault)))
+    except RuntimeError as fault:
+        from scenes import ConvergenceError
+
+        if not isinstance(fault, ConvergenceError):
+            raise
+        _refused(f"not converged: {_one_line(str(fault))}")
+        return NOT_CONVERGED
     except MemoryError as fault:
         why = f" ({_one_line(str(fault))})" if str(fault) else ""
         return _refused(f"there is not enough memory for this{why}; ask for a coarser mesh, fewer steps or fewer instants")

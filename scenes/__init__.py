@@ -22,7 +22,7 @@ Its files and the answer::
 from scenes.bodies import Block, Bodies, Cylinder, HalfPlane, Pad, Shape
 from scenes.callable_loads import CallableLoad, ChebyshevLeg
 from scenes.callables import CallableProfile
-from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted
+from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError
 from scenes.expected import Expected
 from scenes.harmonics import HarmonicLeg, HarmonicLoad
 from scenes.loads import EllipseLeg, EllipseLoad, Leg, LoadPath, ParabolaLeg, PolygonLoad, StraightLeg
@@ -66,6 +66,7 @@ __all__ = [
     "Leg",
     "LoadPath",
     "Materials",
+    "NotFoundError",
     "Pad",
     "ParabolaLeg",
     "PolygonLoad",

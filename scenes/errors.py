@@ -54,6 +54,10 @@ class ConvergenceError(RuntimeError):
         super().__init__(message)
 
 
+class NotFoundError(ConvergenceError, ArithmeticError):
+    """A number of the answer was not found, so that the answer can't be trusted (exit code 3)."""
+
+
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C while something was solved (exit code 130); what was solved before is kept.
 

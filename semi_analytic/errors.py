@@ -21,7 +21,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import EllipseLeg
+from scenes import EllipseLeg, NotFoundError
 from semi_analytic.arcs import arc_shear, arc_slip
 from semi_analytic.contact import Contact
 from semi_analytic.curved import curved_shear, curved_slip
@@ -58,7 +58,7 @@ def field_errors(
 
     Raises
     ------
-    ArithmeticError
+    NotFoundError
         For an error that is not a number.
     """
     contact, friction, arcs = asked.contact, snapshot.friction, {"shear": 0.0, "slip": 0.0}
@@ -105,7 +105,7 @@ def _of_tractions(
 def _largest(values: ArrayLike) -> float:
     largest = float(np.max(np.asarray(values, dtype=float), initial=0.0))
     if not math.isfinite(largest):
-        raise ArithmeticError("an error that is to be estimated is not a number: what it is of cannot be trusted")
+        raise NotFoundError("an error that is to be estimated is not a number: what it is of cannot be trusted")
     return largest
 
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, NotFoundError
 from semi_analytic.contact import Contact
 from semi_analytic.fields import Integrals
 from semi_analytic.snapshot import Snapshot
@@ -34,7 +34,7 @@ class Asked(Protocol):
 
 
 def series_of(asked: Asked, snapshot: Snapshot) -> dict[str, Array]:
-    """Loads, half-widths, edges and rigid movements: (n,) or (n, 2); ArithmeticError where no half-width was found for a load."""
+    """Loads, half-widths, edges and rigid movements: (n,) or (n, 2); NotFoundError where no half-width was found for a load."""
     contact, fields = asked.contact, asked.fields
     factor, nothing = 2 / (math.pi * asked.modulus), np.full(len(asked.time), np.nan)
     front = snapshot.load - snapshot.slipped
@@ -61,14 +61,14 @@ def _half_width(contact: Contact, load: Array) -> Array:
     half = contact.half_width(load)
     lost = np.flatnonzero(~np.isfinite(half))
     if len(lost):
-        raise ArithmeticError(f"no half-width was found for the normal load {float(load[lost[0]]):.17g}")
+        raise NotFoundError(f"no half-width was found for the normal load {float(load[lost[0]]):.17g}")
     return half
 
 
 def grids_of(asked: Asked, snapshot: Snapshot, half: Array, stick: Array) -> dict[str, NDArray[Any]]:
     """pressure, shear, slip, state: (n, m), read-only; `half` and `stick` are the half-widths (n,) there.
 
-    ArithmeticError where a value that is due was not found.
+    NotFoundError where a value that is due was not found.
     """
     contact, x = asked.contact, asked.distance
     shape = (len(asked.time), len(asked.fold))
@@ -98,7 +98,7 @@ def _check(name: str, values: NDArray[Any], asked: Asked) -> None:
         due |= np.isinf(values) & (asked.distance == 0)
     if not np.all(due):
         instant, point = (int(each[0]) for each in np.nonzero(~due))
-        raise ArithmeticError(f"no {name} was found at |x| = {asked.distance[point]:.17g}, time {asked.time[instant]:.17g}")
+        raise NotFoundError(f"no {name} was found at |x| = {asked.distance[point]:.17g}, time {asked.time[instant]:.17g}")
 
 
 def _states(x: Array, snapshot: Snapshot, half: Array, stick: Array) -> NDArray[np.int8]:

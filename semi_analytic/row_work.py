@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes import NotFoundError
 from semi_analytic.contact import Contact, corner_loads
 from semi_analytic.pile import Pile
 from semi_analytic.quadrature import NODES, ROOTS, gauss, graded
@@ -51,7 +52,7 @@ def work_error(contact: Contact, records: Records) -> float:
     area = contact.log_area(load, slipped)
     left = contact.quadrature_error("log_area", load, slipped) + _RULE * area
     if not np.all(np.isfinite(left)):
-        raise ArithmeticError("the error of a slip area is not a number: neither is the dissipation of these rows")
+        raise NotFoundError("the error of a slip area is not a number: neither is the dissipation of these rows")
     return float(np.max(left, initial=0.0) * np.sum(records.rise))
 
 

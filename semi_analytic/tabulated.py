@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import InputError
+from scenes import InputError, NotFoundError
 from scenes.chebyshev import NODES, clenshaw, series
 from semi_analytic.flat_law import inverse_load_function, load_function
 from semi_analytic.pile import Pile
@@ -203,4 +203,4 @@ class TabulatedContact(Pile):
             square = np.clip(square + step, low, high)
             if np.all(np.abs(step) <= _ROOT_OF_ROUNDING * (begin + square)):
                 return begin + square
-        raise ArithmeticError(f"no half-width was found for the normal load {float(load[np.argmax(np.abs(step))]):.17g}")
+        raise NotFoundError(f"no half-width was found for the normal load {float(load[np.argmax(np.abs(step))]):.17g}")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from reports.cli import main
 from scenes import CallableProfile, FlatRounded, HarmonicLoad, Hertz, PowerLaw, Tabulated, load_scene
 from semi_analytic import FIELDS, arcs, bookkeeping, curved, solve
 from semi_analytic.contact import contact_of
@@ -140,3 +141,13 @@ def test_the_error_of_rows_is_a_number_or_said_to_be_none(monkeypatch):
     monkeypatch.setattr(TabulatedContact, "quadrature_error", lambda self, kind, load, slipped: np.array([1e-12, np.nan]))
     with pytest.raises(ArithmeticError, match="not a number"):
         work_error(contact, row)
+
+
+def test_what_was_not_found_is_one_sentence_at_the_command_line(monkeypatch, capsys, tmp_path):
+    """Also by commands that know nothing of it; it was a traceback."""
+    monkeypatch.chdir(tmp_path)
+    found = HertzContact.half_width
+    monkeypatch.setattr(HertzContact, "half_width", lambda self, load: np.nan * found(self, load))
+    for command in (["exact", "hertz-paper"], ["advise", "blocks"]):
+        assert main(command) == 3
+        assert "not converged: no half-width was found for" in " ".join(capsys.readouterr().err.split())
