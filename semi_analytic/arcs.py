@@ -177,23 +177,24 @@ def arc_slip(contact: Contact, leg: EllipseLeg, first: float, last: Array, x: Ar
 def _steps(half: Half, corners: Array) -> tuple[Half, Indices]:
     """The arcs in order of their length, each less the one before: short pieces, which few nodes serve.
 
-    Arcs that end at the loads of `corners` are put in between; their numbers in the order come after those of the others.
+    Arcs that end at the loads of `corners`, or at steps between few instants, are put in between; their numbers in the order come
+    after those of the others.
     """
-    low, high, cubed = half.low, half.high, 0
+    low, high, rising = half.low, half.high, half.curvature > 0
+    cubed, z = 0, np.empty(0)
     if len(corners):
         z = np.sqrt(np.maximum((corners - half.extreme) / half.curvature, 0.0))
         z = z[(z > np.min(low)) & (z < np.max(high))]
-        rising, same = half.curvature > 0, np.ones(len(z))
-        low, high = np.append(low, same * low[0] if rising else z), np.append(high, z if rising else same * high[0])
         cubed = 1 if rising else -1
     elif len(low) < _STEPS:
         # P(a) may bend sharply anywhere, a polynomial's that hardly grows: one long step would not see it.
         z = np.linspace(np.min(low), np.max(high), _STEPS + 1)[1:-1]
-        rising, same = half.curvature > 0, np.ones(len(z))
+    if len(z):
+        same = np.ones(len(z))
         low, high = np.append(low, same * low[0] if rising else z), np.append(high, z if rising else same * high[0])
     order = np.argsort(high - low, kind="stable")
     low, high = low[order], high[order]
-    if half.curvature > 0:
+    if rising:
         return half._replace(low=np.append(low[:1], high[:-1]), high=high, cubed=cubed), order
     return half._replace(low=low, high=np.append(high[:1], low[:-1]), cubed=cubed), order
 

@@ -39,7 +39,7 @@ Indices = NDArray[np.intp]
 
 _CHUNK = 256
 _STORED = 1e-3
-_LAST_DIGITS = 5e-16
+_DIGITS_OF_SHIFT = 5e-16
 
 
 class Split(NamedTuple):
@@ -212,7 +212,7 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
     spans = smooth_spans(contact, spans)
     # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits, all along Q.
     size = 2 * abs(float(contact.log_distance(largest))) + abs(offset) * largest
-    doubt = _LAST_DIGITS * spans[0].friction * size * sum(_travel(span) for span in spans)
+    doubt = _DIGITS_OF_SHIFT * spans[0].friction * size * sum(_travel(span) for span in spans)
 
     def loop(some: Sequence[Span], rules: Sequence[tuple[Array, Array]]) -> float:
         snapshot = take((span, times) for span, (times, _) in zip(some, rules, strict=True))
