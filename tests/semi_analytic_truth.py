@@ -1,13 +1,16 @@
-"""Normal contact in 30 digits by quadrature, from h' and dP/da alone: what the tests of the profiles compare with."""
+"""Normal contact in 30 digits by quadrature, from h' and dP/da alone, and slip of an arc: what tests of profiles compare with."""
 
+import math
 from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
 
-from scenes import Elastic, Materials
+from scenes import Elastic, EllipseLeg, Materials
+from semi_analytic.arcs import arc_slip
 from semi_analytic.contact import contact_of
 from semi_analytic.pile import Pile
+from semi_analytic.power_law import PowerLawContact
 
 STEP, RANGE = mp.mpf("0.2"), 225
 with mp.workdps(40):
@@ -152,3 +155,18 @@ def check_errors_are_honest(contact, truth, widths, limit, relative_x=(0.3, 0.99
             estimate = float(contact.quadrature_error(name, *arguments))
             assert abs(value - exact) <= estimate, (name, a, arguments)
             assert estimate <= limit * abs(exact) * (1 + abs(np.log(a))), (name, a, arguments)
+
+
+def slip_of_an_arc(n, place):
+    """int dQ arccosh(x/a) of the sine part of one arc on |x|^n, x being `place` half-widths out: found, and at thirty digits."""
+    contact = PowerLawContact(1.0, n, 1.0, 1.0, 3.0)
+    leg, first, last = EllipseLeg(0.0, 10.0, (1.0, 0.0), (0.3, 0.3), 1.0), math.pi + 1.5, math.pi + 2.3
+    x = place * contact.half_width(leg.loads(np.array([last]))[0])
+    with mp.workdps(30):
+
+        def moved(t):
+            half = ((1 + mp.mpf(0.3) * mp.cos(t)) / contact.factor) ** (1 / mp.mpf(n))
+            return mp.mpf(0.3) * mp.sin(1) * mp.cos(t) * mp.acosh(mp.mpf(x.item()) / half)
+
+        exact = float(mp.quad(moved, [first, last]))
+    return arc_slip(contact, leg, first, np.array([last]), x).item(), exact
