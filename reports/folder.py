@@ -6,16 +6,21 @@ import json
 import os
 import re
 import shutil
+import sys
 import tempfile
 from collections.abc import Generator, Iterable
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from scenes import InputError
 from scenes.bounded import parsed_json, text_of
 
+if sys.platform != "win32":
+    import fcntl
+
 MANIFEST = "manifest.json"
-_RESULTS = (MANIFEST, "report.html", "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+_PAGE = "report.html"
+_RESULTS = (MANIFEST, _PAGE, "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
 
 
 def default_folder(name: str) -> Path:
@@ -40,9 +45,10 @@ def claim(out: str | Path) -> Path:
         raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
     try:
         _staging(folder).rmdir()
+        with _alone_in(folder):
+            _refuse_foreign(folder, _RESULTS, out)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
-    _refuse_foreign(folder, _RESULTS, out)
     return folder
 
 
@@ -52,18 +58,16 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
 
     Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an earlier run that this
     one did not write again are removed where their names start with one of `fresh` (all do by default), since a page must
-    not stand beside figures of another run; the others stay too. The page and the manifest move last.
+    not stand beside figures of another run; the others stay too. Of two runs that fill one folder at once, the one that
+    moves its files last leaves all of them.
     """
     folder = claim(out)
     staging = _staging(folder)
+    results = staging / "results"
     try:
-        yield staging
-        _refuse_foreign(folder, _files(staging), out)
-        others = set(_owned(folder)) - {*_files(staging), MANIFEST}
-        stale = {name for name in others if name.startswith(fresh)}
-        _write_manifest(staging, kept=others - stale)
-        _move(staging, folder)
-        _remove(folder, stale)
+        results.mkdir(mode=0o700)
+        yield results
+        _move(staging, folder, fresh, out)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
     finally:
@@ -97,9 +101,10 @@ def _files(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
-def _write_manifest(staging: Path, kept: Iterable[str]) -> None:
-    text = json.dumps({"written by": "halfplane", "files": sorted({*_files(staging), *kept, MANIFEST})}, indent=1)
-    (staging / MANIFEST).write_text(text + "\n", encoding="utf-8")
+def _manifest(path: Path, names: Iterable[str]) -> Path:
+    text = json.dumps({"written by": "halfplane", "files": sorted({*names, MANIFEST})}, indent=1)
+    path.write_text(text + "\n", encoding="utf-8")
+    return path
 
 
 def _owned(folder: Path) -> list[str]:
@@ -121,13 +126,42 @@ def _lies_in(folder: Path, name: str) -> bool:
         return False
 
 
-def _move(staging: Path, folder: Path) -> None:
+def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) -> None:
+    """The results to `folder`: the old page goes first, the new one comes last.
+
+    The manifest that goes there before any file lists what was there and what will be, so that a run killed between two
+    moves leaves nothing that the next one takes for somebody else's; the one that goes there last, what is there.
+    """
+    results = staging / "results"
+    new = _files(results)
     folder.mkdir(parents=True, exist_ok=True)
-    last = ("report.html", MANIFEST)
-    for name in [*(n for n in _files(staging) if n not in last), *last]:
-        if (staging / name).exists():
+    with _alone_in(folder):
+        _refuse_foreign(folder, new, out)
+        others = set(_owned(folder)) - {*new, MANIFEST}
+        stale = {name for name in others if name.startswith(fresh)}
+        begun = _manifest(staging / "begun.json", {*new, *others})
+        ended = _manifest(staging / "ended.json", {*new, *(others - stale)})
+        os.replace(begun, folder / MANIFEST)
+        _remove(folder, stale.union({_PAGE} & {*new}))
+        for name in sorted(new, key=lambda name: (name == _PAGE, name)):
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            os.replace(staging / name, folder / name)
+            os.replace(results / name, folder / name)
+        os.replace(ended, folder / MANIFEST)
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Generator[None, None, None]:
+    """Wait for other processes that move files to `folder`; not where the system can't lock a folder (Windows, some networks)."""
+    if sys.platform == "win32" or not folder.is_dir():
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def _remove(folder: Path, names: Iterable[str]) -> None:

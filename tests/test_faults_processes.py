@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
-import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import FrameType
 
@@ -22,7 +23,7 @@ from faulty_processes import JOBS, finished, half_files, numbers, started, survi
 from halfplane_fe import store
 from meshes import MeshSettings
 from reports.comparison import Comparison
-from reports.folder import filled
+from reports.folder import MANIFEST, filled
 from scenes import ContactSolution, InputError, Interrupted, load_scene
 from test_cli_commands import COARSE, environment, everything
 from test_reports_synthetic import cattaneo_mindlin
@@ -72,6 +73,23 @@ def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, compa
     assert half_files(tmp_path) == []
     assert not (tmp_path / "out" / "report.html").exists()
     assert len([name for name in everything(tmp_path / "out") if "." in name]) == done if done else True
+    reports.write(comparison, tmp_path / "out")
+    reports.write(comparison, tmp_path / "undisturbed")
+    assert everything(tmp_path / "out") == everything(tmp_path / "undisturbed")
+    manifest = json.loads((tmp_path / "out" / MANIFEST).read_text(encoding="utf-8"))
+    assert set(manifest["files"]) == {name for name in everything(tmp_path / "out") if (tmp_path / "out" / name).is_file()}
+
+
+@pytest.mark.parametrize("done", [1, 3])
+def test_killed_between_two_moves_no_page_stands_beside_other_figures(done: int, comparison: Comparison, tmp_path: Path) -> None:
+    reports.write(comparison, tmp_path / "out")
+    child = os.fork()
+    if not child:
+        writing(comparison, tmp_path, done)
+        os._exit(0)
+    os.waitpid(child, 0)
+    assert not (tmp_path / "out" / "report.html").exists()
+    assert half_files(tmp_path) == []
 
 
 def test_half_a_file_is_seen(tmp_path: Path) -> None:
@@ -191,22 +209,26 @@ def test_a_folder_that_is_read_only_is_a_sentence(comparison: Comparison, tmp_pa
         reports.write(comparison, tmp_path / "out")
 
 
-def test_two_at_once_on_one_folder_leave_one_whole_report(tmp_path: Path) -> None:
-    """Whoever moves last wins; no file is a mixture, and the manifest lists what is there."""
+def test_many_at_once_on_one_folder_leave_one_whole_report(tmp_path: Path) -> None:
+    """Whoever moves last leaves its files and no others, and the manifest lists what is there."""
+    runs = [("a.json", "b.json", "report.html"), ("a.json", "c.json", "tables/d.csv", "report.html")]
 
-    def fill() -> None:
+    def fill(k: int) -> None:
         with filled(tmp_path / "out") as folder:
-            for name in ("a.json", "b.json", "report.html"):
-                (folder / name).write_text("{}" if name.endswith("json") else "<html></html>\n")
-                time.sleep(0.01)
+            (folder / "tables").mkdir()
+            for name in runs[k % 2]:
+                (folder / name).write_text(f'"{k % 2}"\n')
+                time.sleep(0.005)
 
-    crowd = [threading.Thread(target=fill) for _ in range(8)]
-    for one in crowd:
-        one.start()
-    for one in crowd:
-        one.join()
-    assert half_files(tmp_path) == []
-    assert everything(tmp_path / "out") == {"a.json", "b.json", "report.html", "manifest.json"}
+    for _ in range(20):
+        with ThreadPoolExecutor(8) as crowd:
+            list(crowd.map(fill, range(8)))
+        there = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*") if path.is_file()}
+        last = int((tmp_path / "out" / "report.html").read_text().strip('"\n'))
+        assert there == {*runs[last], MANIFEST}
+        assert {(tmp_path / "out" / name).read_text() for name in runs[last]} == {f'"{last}"\n'}
+        assert set(json.loads((tmp_path / "out" / MANIFEST).read_text())["files"]) == there
+    assert everything(tmp_path) - {"out"} == {f"out/{name}" for name in everything(tmp_path / "out")}
 
 
 @pytest.mark.slow
