@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import InputError, Leg, Scene, StraightLeg
+from scenes import EllipseLoad, InputError, Leg, Scene, StraightLeg
 
 Array = NDArray[np.float64]
 
@@ -79,8 +79,17 @@ def require_admissible(scene: Scene, source: str) -> None:
     raise InputError(
         f"{source}: load: {check.reason} from time {check.first_time:.6g} on, worst in the {check.part} at time "
         f"{check.time:.6g} with P = {check.normal_load:.6g}, Q = {check.tangential_load:.6g}, f = "
-        f"{scene.friction.coefficient:g}: {what}"
+        f"{scene.friction.coefficient:g}: {what}{_other_way_in(scene)}"
     )
+
+
+def _other_way_in(scene: Scene) -> str:
+    """What to write where the parabola alone is at fault."""
+    load = scene.load
+    if not isinstance(load, EllipseLoad) or load.way_in != "parabola":
+        return ""
+    straight = scene.model_copy(update={"load": load.model_copy(update={"way_in": "straight"})})
+    return "" if check_path(straight).reason else '; or write load.way_in = "straight", for the cycle and a straight line to it hold'
 
 
 def require_profile_wide_enough(scene: Scene, source: str) -> None:

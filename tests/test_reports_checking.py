@@ -112,3 +112,13 @@ def test_the_sentence_names_everything() -> None:
     words = r"my\.toml: load: gross sliding from time 1\.83333 on, worst in the way in at time 2 with P = 100, Q = 60, f = 0\.5"
     with pytest.raises(InputError, match=words):
         require_admissible(scene(PolygonLoad(way_in=[(100, 0), (100, 60)])), "my.toml")
+
+
+@pytest.mark.parametrize(("mean", "hint"), [(-20.0, True), (90.0, False)])
+def test_a_way_in_that_is_alone_at_fault_is_told(mean: float, hint: bool) -> None:
+    """The parabola is tangent to the ellipse, so it leaves zero as steeply as it must; a cycle outside the cone has no way in."""
+    paper = load_scene("hertz-paper")
+    tilted = paper.model_copy(update={"load": paper.load.model_copy(update={"mean_tangential_load": mean})})
+    with pytest.raises(InputError) as refused:
+        require_admissible(tilted, "my.toml")
+    assert ('or write load.way_in = "straight"' in str(refused.value)) == hint
