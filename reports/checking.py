@@ -89,7 +89,7 @@ def _other_way_in(scene: Scene) -> str:
     if not isinstance(load, EllipseLoad) or load.way_in != "parabola":
         return ""
     straight = scene.model_copy(update={"load": load.model_copy(update={"way_in": "straight"})})
-    return "" if check_path(straight).reason else '; or write load.way_in = "straight", for the cycle and a straight line to it hold'
+    return "" if check_path(straight).reason else '; or write load.way_in = "straight", which is admissible'
 
 
 def require_profile_wide_enough(scene: Scene, source: str) -> None:
