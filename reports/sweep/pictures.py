@@ -207,18 +207,20 @@ def _dress(ax: Axes, sheet: Sheet, across: str, up: str | None) -> None:
     ax.set_xlabel(sheet.label(across))
     if sheet.logarithmic(across):
         ax.set_xscale("log")
+    if sheet.logarithmic(across) or up is not None:
         _few_ticks(ax.xaxis, sheet, across)
     if up is not None:
         ax.set_ylabel(sheet.label(up))
         if sheet.logarithmic(up):
             ax.set_yscale("log")
-            _few_ticks(ax.yaxis, sheet, up)
+        _few_ticks(ax.yaxis, sheet, up)
 
 
 def _few_ticks(axis: Any, sheet: Sheet, column: str) -> None:
-    """Ticks at the values themselves where these are few."""
+    """Ticks at the values themselves where these are few and apart; a cell of a map is one value and reaches half-way to the next."""
     values = np.unique(sheet.table.numbers(column))
-    if len(values) <= 8:
+    places = np.log(values) if sheet.logarithmic(column) else values
+    if len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places)):
         axis.set_ticks(values, labels=[minus(f"{value:.3g}") for value in values])
         axis.set_ticks([], minor=True)
 
