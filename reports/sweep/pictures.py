@@ -217,7 +217,7 @@ def _dress(ax: Axes, sheet: Sheet, across: str, up: str | None) -> None:
 
 
 def _few_ticks(axis: Any, sheet: Sheet, column: str) -> None:
-    """Ticks at the values themselves where these are few and apart; a cell of a map is one value and reaches half-way to the next."""
+    """Ticks at the values themselves where these are few and apart; a cell of a map is one value, drawn half-way to the next."""
     values = np.unique(sheet.table.numbers(column))
     places = np.log(values) if sheet.logarithmic(column) else values
     if len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places)):
