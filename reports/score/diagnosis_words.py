@@ -29,7 +29,8 @@ FAULTS = {
     "full_stick": "Friction is not active: the faces are bonded, or rough; nothing slips, and shear exceeds f p at the edges.",
     "memoryless": "The history is dropped: each instant is that of a first loading, without the slip locked in before; keep the "
     "state of friction from step to step.",
-    "not_steady": "The cycle is not steady yet: this is the first revolution; run more of them and compare the last.",
+    "not_steady": "The cycle is not steady yet: this is the first revolution, and it was compared with the steady one; run more of "
+    "them and compare the last, or, if the first is meant, state its times on the scene's path (times of a mapping).",
     "steps": "The steps are too long: {steps:.0f} a cycle cut the corners of the load path; take more, and let some end on the"
     " turning points.",
     "other_times": "The tractions are those of other instants, {delay:.3g} of a period late: check the times or the phases of the "
