@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the engines.
 MOST_ROWS, _LONGEST = 2_000_000, 100_000
+# UTF-8, and a mark of byte order, which spreadsheets put at the front, is no part of the first name or number.
+_ENCODING = "utf-8-sig"
+_CURE = "; commas between the columns, points in the numbers"
 # Of a number: the square of a larger one, in whatever units, would be none.
 LARGEST = 1e100
 
@@ -113,7 +116,7 @@ def read_table(path: Path, names: tuple[str, ...]) -> Table:
     try:
         check_size(path, "the table", TEXT, "thin it out")
         _check_rows(path)
-        with path.open(encoding="utf-8") as file:
+        with path.open(encoding=_ENCODING) as file:
             head = list(itertools.islice(_numbered(file), 1))
     except (OSError, UnicodeDecodeError) as reason:
         why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
@@ -124,7 +127,7 @@ def read_table(path: Path, names: tuple[str, ...]) -> Table:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # numpy's remark on a file without rows: refused below
-            values = np.loadtxt(path, delimiter=",", comments="#", skiprows=skip, ndmin=2, encoding="utf-8")
+            values = np.loadtxt(path, delimiter=",", comments="#", skiprows=skip, ndmin=2, encoding=_ENCODING)
     except ValueError as reason:
         raise ValueError(_first_fault(path, skip, names)) from reason
     if values.shape[0] == 0 or values.shape[1] != len(names):
@@ -137,7 +140,7 @@ def read_table(path: Path, names: tuple[str, ...]) -> Table:
 
 def _line_of(path: Path, row: int, names: tuple[str, ...]) -> int:
     """The line of the file, counted from 1, on which the row of numbers `row`, counted from 0, stands."""
-    with path.open(encoding="utf-8") as file:
+    with path.open(encoding=_ENCODING) as file:
         lines = _numbered(file)
         first = next(lines)
         skip = _header_lines(path, first, names)
@@ -171,7 +174,7 @@ def _header_lines(path: Path, first: tuple[int, str], names: tuple[str, ...]) ->
     if any(_is_number(cell) for cell in cells):
         return 0
     if [cell.lower() for cell in cells] != [name.lower() for name in names]:
-        cure = "; commas between the columns, points in the numbers" if ";" in text else ""
+        cure = _CURE if ";" in text or "\t" in text else ""
         raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {shown(text)}{cure}")
     return number
 
@@ -186,13 +189,14 @@ def _is_number(text: str) -> bool:
 
 def _first_fault(path: Path, skip: int, names: tuple[str, ...]) -> str:
     """What is wrong with the first bad line, found by going through them one by one."""
-    with path.open(encoding="utf-8") as file:
+    with path.open(encoding=_ENCODING) as file:
         for number, text in _numbered(file):
             if number <= skip:
                 continue
             cells = text.split(",")
             if len(cells) != len(names):
-                return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {shown(text)}"
+                cure = _CURE if len(cells) == 2 * len(names) else ""  # as many as decimal commas would make
+                return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {shown(text)}{cure}"
             for name, cell in zip(names, cells, strict=True):
                 if not _is_number(cell) or not abs(float(cell)) <= LARGEST:
                     return f"{path}, line {number}: {name} = {shown(cell.strip())} is not a finite number of at most {LARGEST:g}"

@@ -140,11 +140,24 @@ def test_a_series_starts_from_nothing():
         ("t,P,Q\n0,1,2\n", r"loads\.csv, line 1: the columns are time, P, Q"),
         ("time,P,Q\n0,1,0\n", r"loads\.csv, line 2: one row is no history"),
         ("time,P,Q\n0,1,inf\n1,1,0\n", r"loads\.csv, line 2: Q = 'inf' is not a finite number"),
+        ("time\tP\tQ\n0\t1\t0\n", r"line 1: the columns are time, P, Q, .*; commas between the columns, points in the numbers"),
+        ("time,P,Q\n0,0,1,5,-0,3\n", r"line 2: 3 numbers .* are needed, .*; commas between the columns, points in the numbers"),
     ],
 )
 def test_faults_in_series_name_file_line_and_rule(tmp_path, text, why):
     (tmp_path / "loads.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=why):
+        load_scene(scene_file(tmp_path, 'kind = "time_series"\nfile = "loads.csv"'))
+
+
+@pytest.mark.parametrize("head", ["time,P,Q\n", ""])
+def test_a_mark_of_byte_order_is_no_fault_of_a_table(tmp_path, head):
+    """Spreadsheets save "CSV UTF-8" with one; scene files may have it too."""
+    (tmp_path / "loads.csv").write_text(head + "0,1,0\n1,2,0.5\n", encoding="utf-8-sig")
+    scene = load_scene(scene_file(tmp_path, 'kind = "time_series"\nfile = "loads.csv"'))
+    assert scene.load.rows.values.tolist() == [[0, 1, 0], [1, 2, 0.5]]
+    (tmp_path / "loads.csv").write_text(head + "0,1,0\n1,2,0.5\n1,2,0.4\n", encoding="utf-8-sig")
+    with pytest.raises(InputError, match=rf"loads\.csv, line {3 + bool(head)}: time = 1 stands there twice"):
         load_scene(scene_file(tmp_path, 'kind = "time_series"\nfile = "loads.csv"'))
 
 
