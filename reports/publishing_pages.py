@@ -20,7 +20,7 @@ _QUANTITIES = {
     "loop_work": "closed integral of Q dU",
     "permanent_stick_half_width": "permanent stick half-width",
     "largest_half_width": "largest contact half-width",
-    "largest_pressure": "largest pressure",
+    "largest_pressure": "largest pressure at the points",
 }
 _HEADS = ("metric", "discrepancy", "as a share", "tolerance", "accurate")
 _ENGINES = ("semi_analytic", "halfplane_fe")

@@ -35,7 +35,7 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
             "last instant",
             f"time {solution.time[-1]:.6g}, P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}",
         ),
-        (f"largest pressure [{stress}]", f"{np.max(solution.pressure):.8g}"),
+        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
         (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
         (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
         (f"dissipation {_of_the_last_cycle(solution)} [{work}]", _or_none(solution.dissipation)),
