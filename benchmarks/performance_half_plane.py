@@ -25,7 +25,7 @@ CASES = {
 
 
 def mindlin() -> mp.mpf:
-    """W of a cycle between +-k f P at constant P = 1, E* = 1, by Mindlin (1949)."""
+    """W of a cycle between +-k f P at constant P = 1, E* = 1, by the closed form of docs/theory.md."""
     k, f = mp.mpf(SHARE), mp.mpf(FRICTION)
     return 4 * f**2 / mp.pi * ((1 - k) * mp.log(1 - k) + k - k**2 / 2)
 
