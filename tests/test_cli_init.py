@@ -52,6 +52,12 @@ class TestOptions:
         assert scene.bodies.upper.kind == "pad"
         assert not {"radius", "flat_half_length"} - set(scene.profile.model_dump())
 
+    def test_what_nobody_said_is_said_nowhere(self) -> None:
+        """The words that stand on the page are the user's, not the example's: purpose and source wait as comments."""
+        stated = tomllib.loads(example())
+        assert not {"purpose", "source"} & set(stated)
+        assert stated["title"]
+
     def test_comments_stay(self) -> None:
         """Every comment of the example, in its order; columns move only where the new number has no room."""
         text = example(answers={"friction": 0.25, "mean_normal_load": 123.456, "phase_degrees": 5.0})
