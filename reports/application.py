@@ -44,7 +44,7 @@ Examples:
   halfplane paper                           the paper's figures and statements
   halfplane completion bash                 a script that completes words
 Exit codes: 0 within tolerance, 1 outside, 2 bad input, 3 not converged,
-            130 interrupted.
+            130 interrupted (143 by SIGTERM, 129 by SIGHUP), 141 nobody read on.
 """
 
 app = App(

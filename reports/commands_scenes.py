@@ -28,7 +28,7 @@ def scenes(name: str, tags: tuple[str, ...], as_json: bool) -> int:
         say(json.dumps(found, indent=1))
         return WITHIN
     for line in library.details(jobs.read(name)) if name else library.listing(library.tagged(tags)):
-        say(library.legible(line, sys.stdout.encoding))
+        say(line)
     return WITHIN
 
 

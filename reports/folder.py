@@ -8,19 +8,27 @@ import re
 import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Generator, Iterable
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 from scenes import InputError
 from scenes.bounded import parsed_json, text_of
+from scenes.interrupts import interrupts_wait
 
 if sys.platform != "win32":
     import fcntl
 
 MANIFEST = "manifest.json"
 _PAGE = "report.html"
+# Files are moved in milliseconds: who has not done so after so many seconds is stopped.
+_PATIENCE = 60.0
 _RESULTS = (MANIFEST, _PAGE, "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+
+
+class FilledBefore(KeyboardInterrupt):
+    """Ctrl-C that came too late: the folder was filled, and all in it is whole."""
 
 
 def default_folder(name: str) -> Path:
@@ -41,11 +49,12 @@ def claim(out: str | Path) -> Path:
         Where it is a file, can't be made or written to, or holds a report that is not ours.
     """
     folder = Path(out)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
     try:
-        _staging(folder).rmdir()
-        with _alone_in(folder):
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
+        with interrupts_wait():
+            _staging(folder, out).rmdir()
+        with _alone_in(folder, out):
             _refuse_foreign(folder, _RESULTS, out)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
@@ -59,19 +68,38 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
     Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an earlier run that this
     one did not write again are removed where their names start with one of `fresh` (all do by default), since a page must
     not stand beside figures of another run; the others stay too. Of two runs that fill one folder at once, the one that
-    moves its files last leaves all of them.
+    moves its files last leaves all of them. Where `out` can't be filled in the end, the files stay in the temporary folder,
+    and the error says where that is.
+
+    Raises
+    ------
+    InputError
+        As `claim`, also where that comes to pass only while the work is done.
+    FilledBefore
+        For a Ctrl-C that came while files were moved: they are whole.
     """
     folder = claim(out)
-    staging = _staging(folder)
-    results = staging / "results"
+    staging = _staging(folder, out)
+    results, kept = staging / "results", ""
     try:
         results.mkdir(mode=0o700)
         yield results
+        kept = f"; what did not get there is kept in {results}"
         _move(staging, folder, fresh, out)
+        kept = ""
+    except KeyboardInterrupt:
+        kept = ""
+        raise
     except OSError as reason:
-        raise _unwritable(out, reason) from reason
+        raise InputError(f"{_unwritable(out, reason)}{kept}") from reason
+    except InputError as fault:
+        if not kept:
+            raise
+        raise InputError(f"{fault}{kept}") from fault
     finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        if not kept:
+            with interrupts_wait():
+                shutil.rmtree(staging, ignore_errors=True)
 
 
 def _unwritable(out: str | Path, reason: OSError) -> InputError:
@@ -87,14 +115,24 @@ def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None
             raise InputError(f"--out {out}: {name} is there already and halfplane did not write it; name another folder or move it")
 
 
-def _staging(folder: Path) -> Path:
-    """A new empty folder of the user alone, in the nearest one above `out`; OSError if that or `out` can't be written to."""
-    if folder.is_dir():
-        Path(tempfile.mkdtemp(prefix=".halfplane-", dir=folder)).rmdir()
-    above = Path(os.path.abspath(folder)).parent
-    while not above.exists():
-        above = above.parent
-    return Path(tempfile.mkdtemp(prefix=".halfplane-", dir=above))
+def _staging(folder: Path, out: str | Path) -> Path:
+    """A new empty folder of the user alone, from which files can be moved to `out`; InputError if that can't be written to.
+
+    Beside `out`, else in it: what is above may be another disk, or a folder of others.
+    """
+    try:
+        above = Path(os.path.abspath(folder)).parent
+        while not above.exists():
+            above = above.parent
+        if not folder.is_dir():
+            return Path(tempfile.mkdtemp(prefix=".halfplane-", dir=above))
+        inside = Path(tempfile.mkdtemp(prefix=".halfplane-", dir=folder))
+    except OSError as reason:
+        raise _unwritable(out, reason) from reason
+    try:
+        return inside.rename(above / inside.name)
+    except OSError:
+        return inside
 
 
 def _files(folder: Path) -> list[str]:
@@ -135,33 +173,59 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
     results = staging / "results"
     new = _files(results)
     folder.mkdir(parents=True, exist_ok=True)
-    with _alone_in(folder):
+    with _alone_in(folder, out):
         _refuse_foreign(folder, new, out)
         others = set(_owned(folder)) - {*new, MANIFEST}
         stale = {name for name in others if name.startswith(fresh)}
         begun = _manifest(staging / "begun.json", {*new, *others})
         ended = _manifest(staging / "ended.json", {*new, *(others - stale)})
-        os.replace(begun, folder / MANIFEST)
-        _remove(folder, stale.union({_PAGE} & {*new}))
-        for name in sorted(new, key=lambda name: (name == _PAGE, name)):
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            os.replace(results / name, folder / name)
-        os.replace(ended, folder / MANIFEST)
+        try:
+            with interrupts_wait():
+                os.replace(begun, folder / MANIFEST)
+                _remove(folder, stale.union({_PAGE} & {*new}))
+                for name in sorted(new, key=lambda name: (name == _PAGE, name)):
+                    (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                    os.replace(results / name, folder / name)
+                os.replace(ended, folder / MANIFEST)
+        except KeyboardInterrupt as stop:
+            raise FilledBefore(f"the results in {out} are whole") from stop
 
 
 @contextmanager
-def _alone_in(folder: Path) -> Generator[None, None, None]:
+def _alone_in(folder: Path, out: str | Path) -> Generator[None, None, None]:
     """Wait for other processes that move files to `folder`; not where the system can't lock a folder (Windows, some networks)."""
     if sys.platform == "win32" or not folder.is_dir():
         yield
         return
-    handle = os.open(folder, os.O_RDONLY)
+    end = time.monotonic() + _PATIENCE
+    while (handle := _locked(folder)) is None:
+        if time.monotonic() > end:
+            raise InputError(
+                f"--out {out}: another process has held this folder for {_PATIENCE:g} s and moves no files (is it stopped?); "
+                "end it, or name another folder"
+            )
+        time.sleep(0.01)
     try:
-        with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX)
         yield
     finally:
         os.close(handle)
+
+
+def _locked(folder: Path) -> int | None:
+    """A handle that locks `folder` until it is closed; None while another process does, or where the folder was just replaced."""
+    with interrupts_wait():
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(handle)
+            return None
+        except OSError:
+            return handle
+        if os.path.exists(folder) and os.path.samestat(os.fstat(handle), os.stat(folder)):
+            return handle
+        os.close(handle)
+        return None
 
 
 def _remove(folder: Path, names: Iterable[str]) -> None:

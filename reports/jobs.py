@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from reports.checking import require_admissible
 from reports.console import Stages
+from reports.folder import FilledBefore
 from reports.options import FiniteElementOptions
 from scenes import ContactSolution, InputError, Interrupted, Scene, load_scene
 
@@ -138,9 +139,11 @@ def run(
 
 @contextmanager
 def _keeping(result: ContactSolution) -> Generator[None, None, None]:
-    """Ctrl-C after the finite elements are solved hands on what they found."""
+    """Ctrl-C after the finite elements are solved hands on what they found, but where the whole report was written already."""
     try:
         yield
+    except FilledBefore:
+        raise
     except KeyboardInterrupt as stop:
         raise Interrupted("interrupted after the finite elements were solved", result) from stop
 

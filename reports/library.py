@@ -9,24 +9,9 @@ from typing import Any
 
 from reports.body_words import bodies_in_words, idealisation, unlike_materials
 from reports.console import width
-from reports.thumbnails import PLAIN, font_for, thumbnail
+from reports.thumbnails import font_for, thumbnail
 from reports.wording import question
 from scenes import InputError, Scene, load_scene, scene_companions, scene_names, tags
-
-_SPELT = {"ν": "nu", "α": "alpha", "β": "beta", "−": "-", "–": "-", "°": " deg", "·": "*", "²": "^2"}
-
-
-def legible(text: str, encoding: str | None) -> str:
-    """The text in characters that a stream of this encoding can carry.
-
-    >>> legible("ν = 0.3, 45°, −1", "ascii")
-    'nu = 0.3, 45 deg, -1'
-    """
-    if font_for(encoding) is not PLAIN:
-        return text
-    for sign, word in _SPELT.items():
-        text = text.replace(sign, word)
-    return text.encode(encoding or "ascii", errors="replace").decode(encoding or "ascii")
 
 
 def tagged(wanted: Sequence[str]) -> list[Scene]:

@@ -100,8 +100,8 @@ def test_half_a_file_is_seen(tmp_path: Path) -> None:
     assert len(half_files(tmp_path)) == 5
 
 
-def interrupted(folder: Path, *words: str) -> tuple[int, str]:
-    """Exit code and stderr of a command that gets Ctrl-C once it tells of its steps."""
+def interrupted(folder: Path, *words: str, which: signal.Signals = signal.SIGINT) -> tuple[int, str]:
+    """Exit code and stderr of a command that gets Ctrl-C, or another signal, once it tells of its steps."""
     command = [sys.executable, "-m", "reports", *words]
     with subprocess.Popen(
         command, cwd=folder, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -112,7 +112,7 @@ def interrupted(folder: Path, *words: str) -> tuple[int, str]:
             told += line
             if "steps" in line:
                 break
-        process.send_signal(signal.SIGINT)
+        process.send_signal(which)
         _, rest = process.communicate(timeout=120)
     return process.returncode, told + rest
 

@@ -149,7 +149,7 @@ def test_an_interrupt_ends_cleanly_and_says_how_to_go_on(folder: Path, how: sign
     workers = children(client.pid)
     client.send_signal(how)
     code, _, err = finish(client)
-    assert code == 130, err
+    assert code == 128 + how, err
     assert "Traceback" not in err
     assert f"halfplane sweep study.toml --out {how.name} --resume" in err
     assert not any(Path(f"/proc/{pid}").exists() for pid in workers)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import shlex
-import signal
-from collections.abc import Generator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 from reports.application import INTERRUPTED, NOT_CONVERGED, WITHIN
@@ -45,7 +43,7 @@ def sweep(
         _announce(prepared, workers or available_cores(), executor)
     again = _command(source, folder, executor, scheduler, workers)
     try:
-        with _stopped_by_sigterm(), stages.stage("sweep") as report:
+        with stages.stage("sweep") as report:
             told = teller(stages, report, quiet)
             table = work(prepared, executor=executor, scheduler=scheduler, workers=workers, report=told)
     except KeyboardInterrupt:
@@ -96,20 +94,6 @@ def _command(source: str, folder: Path, executor: str, scheduler: str, workers: 
 def _stored(prepared: Prepared) -> str:
     known = prepared.store.addresses()
     return f"{sum(p.address in known for p in prepared.plan.points)} of {len(prepared.plan.points)} points are stored"
-
-
-@contextmanager
-def _stopped_by_sigterm() -> Generator[None, None, None]:
-    """A SIGTERM (a batch system's time is up) ends a sweep as cleanly as Ctrl-C."""
-
-    def stop(_signal: int, _frame: object) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, stop)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _summary(store: Store, table: Table) -> None:
