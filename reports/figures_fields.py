@@ -17,6 +17,7 @@ from reports.drawing import STATE_NAMES, Table
 from reports.instants import Event
 from reports.sampling import Cycle
 from reports.units import signed
+from reports.wording import value_of
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
 
 Array = NDArray[np.float64]
@@ -171,6 +172,12 @@ def _runs(cycle: Cycle, k: int, area: marks.Frame, comparison: Comparison) -> li
     return [(a, b, s) for a, b, s in zip(ends[:-1], ends[1:], states, strict=True) if b > a]
 
 
+def _share_that_differs(comparison: Comparison) -> str:
+    """The metric of the map in words: points crowd at the edges, so that counting them would tell another, larger share."""
+    metric = comparison.metric("state")
+    return "" if metric.value is None else f" They differ over {value_of(metric)} of the length in contact, in the mean over time."
+
+
 def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
     """Open, stick, forward and reverse slip over x and time, for both engines and where they differ."""
     expected, found, length = comparison.expected, comparison.found, comparison.scales.half_width
@@ -191,8 +198,7 @@ def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
     return Plate(
         "state_map",
         "Stick and slip over x and time",
-        "State of each surface point at each instant of the last cycle; time runs upwards. "
-        f"They differ at {100 * float(differs[:, inside].mean()):.2g} % of the points and instants.",
+        "State of each surface point at each instant of the last cycle; time runs upwards." + _share_that_differs(comparison),
         "Two maps of open, stick, forward slip and reverse slip over x and time, one for each engine, and a third of "
         "their difference.",
         tuple(

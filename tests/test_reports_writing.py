@@ -12,6 +12,7 @@ import pytest
 from reports import compare, write
 from reports.comparison import Comparison
 from reports.folder import MANIFEST, claim, default_folder, filled
+from reports.wording import value_of
 from reports.writing import draw
 from scenes import ContactSolution, InputError
 from test_reports_synthetic import cattaneo_mindlin, with_fields
@@ -112,6 +113,14 @@ def test_state_map_table_keeps_the_states(folder: Path) -> None:
     stored = np.array([int(row[heading]) for row in rows]).reshape(len(TRUTH.time), -1)
     inside = np.abs(TRUTH.x) <= 1.12
     assert np.array_equal(stored, TRUTH.state[:, inside])
+
+
+def test_the_map_of_states_and_the_table_say_one_share() -> None:
+    sticks = np.where((TRUTH.state > 1) & (TRUTH.x > 0), 1, TRUTH.state).astype(TRUTH.state.dtype)
+    found = compare(TRUTH, with_fields(TRUTH, state=sticks), polygon_reference=TRUTH)
+    assert found.metric("state").value
+    captions = {plate.name: plate.caption for plate in draw(found)}
+    assert f" They differ over {value_of(found.metric('state'))} of the length in contact" in captions["state_map"]
 
 
 class Tags(HTMLParser):
