@@ -15,6 +15,7 @@ import zipfile
 import zlib
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
@@ -35,13 +36,20 @@ _ARRAYS = ("x", "y", "weights", "compliance")
 
 
 def cache_folder() -> Path | None:
-    """Where condensed bodies are kept; None where nothing shall be."""
-    asked = os.environ.get("HALFPLANE_CACHE", "")
-    if asked.lower() == "off":
+    """Where condensed bodies are kept; None where nothing shall or can be."""
+    if switched_off():
         return None
-    if asked:
+    if asked := os.environ.get("HALFPLANE_CACHE"):
         return Path(asked)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "halfplane"
+    try:
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "halfplane"
+    except RuntimeError:  # a user without a home
+        return None
+
+
+def switched_off() -> bool:
+    """Whether the user wants none."""
+    return os.environ.get("HALFPLANE_CACHE", "").lower() == "off"
 
 
 def condensed(body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]) -> CondensedBody:
@@ -56,6 +64,8 @@ def condensed(body: BodyMesh, material: Elastic, datum_length: float, work: Coun
     work["sparse factorisations"] += int(made.diagnostics["sparse_factorisations"])
     if path is not None:
         _write(path, made, work)
+    elif not switched_off():
+        work["condensations not stored"] += 1
     return made
 
 
@@ -80,12 +90,13 @@ def _read(path: Path, body: BodyMesh, material: Elastic, work: Counter[str]) -> 
             names, values = stored["diagnostic_names"], stored["diagnostic_values"]
         diagnostics = {str(name): float(value) for name, value in zip(names, values, strict=True)}
         _check_form(arrays)
-        os.utime(path)  # the store forgets what was used longest ago
     except FileNotFoundError:
         return None
     except _SPOILT:
         work["stored condensations unreadable"] += 1
         return None
+    with suppress(OSError):  # somebody else's store, or gone since; what was read stands
+        os.utime(path)  # the store forgets what was used longest ago
     return CondensedBody(body, material, **arrays, diagnostics=diagnostics)
 
 
@@ -110,29 +121,47 @@ def _write(path: Path, made: CondensedBody, work: Counter[str]) -> None:
                 np.savez(file, **arrays)
             os.replace(temporary, path)
         except BaseException:
-            os.unlink(temporary)
+            Path(temporary).unlink(missing_ok=True)
             raise
-        _prune(path.parent)
     except OSError:
         work["condensations not stored"] += 1
+    else:
+        _prune(path.parent)
 
 
 def _prune(folder: Path) -> None:
     """Remove the longest unused files until the folder is within its bound, and what killed processes left half-written."""
-    for left in folder.glob("*.part"):
-        if time.time() - left.stat().st_mtime > _LEFT_BEHIND:
-            left.unlink(missing_ok=True)
-    files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_mtime)
-    total = sum(file.stat().st_size for file in files)
-    for file in files:
+    for left, used, _ in _listed(folder, ".part"):
+        if time.time() - used > _LEFT_BEHIND:
+            _remove(left)
+    files = sorted(_listed(folder, ".npz"), key=lambda file: file[1])
+    total = sum(size for _, _, size in files)
+    for file, _, size in files:
         if total <= _BOUND_BYTES:
             return
-        total -= file.stat().st_size
-        file.unlink(missing_ok=True)
+        total -= size
+        _remove(file)
+
+
+def _listed(folder: Path, suffix: str) -> list[tuple[Path, float, int]]:
+    """Files of the store as (path, time of last use, bytes); without those that another process removes meanwhile."""
+    found = []
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.endswith(suffix):
+                with suppress(FileNotFoundError):
+                    status = os.stat(entry.path)
+                    found.append((Path(entry.path), status.st_mtime, status.st_size))
+    return found
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):  # another process was faster, or it is another user's: then that user's processes prune it
+        path.unlink()
 
 
 def stored_bytes() -> tuple[int, int]:
     """Number of stored bodies, and their bytes."""
     folder = cache_folder()
-    files = list(folder.glob("*.npz")) if folder is not None and folder.is_dir() else []
-    return len(files), sum(file.stat().st_size for file in files)
+    sizes = [size for _, _, size in _listed(folder, ".npz")] if folder is not None else []
+    return len(sizes), sum(sizes)

@@ -67,11 +67,12 @@ def _screen() -> tuple[bool, str]:
 
 
 def _store() -> tuple[bool, str]:
-    from halfplane_fe.store import cache_folder, stored_bytes
+    from halfplane_fe.store import cache_folder, stored_bytes, switched_off
 
     folder = cache_folder()
     if folder is None:
-        return True, "switched off by HALFPLANE_CACHE=off"
+        off = "switched off by HALFPLANE_CACHE=off"
+        return True, off if switched_off() else "none: this user has no home; HALFPLANE_CACHE names a folder"
     count, size = stored_bytes()
     return True, f"{count} condensed bodies, {size / 1e6:.1f} MB in {folder} (HALFPLANE_CACHE moves it, or switches it off)"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
+from contextlib import nullcontext
 from pathlib import Path
 from types import ModuleType
 
@@ -104,3 +105,46 @@ def test_off_keeps_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HALFPLANE_CACHE", "off")
     assert store.cache_folder() is None
     assert store.stored_bytes() == (0, 0)
+
+
+def test_a_store_that_others_own_is_read(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The time of last use can't be noted there: what was read stands all the same."""
+
+    def refuse(*_: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    work: Counter[str] = Counter()
+    store.condensed(body(), STEEL, 7.0, work)
+    monkeypatch.setattr("os.utime", refuse)
+    store.condensed(body(), STEEL, 7.0, work)
+    assert (work["condensations"], work["condensations from the store"], work["stored condensations unreadable"]) == (1, 1, 0)
+
+
+def test_what_another_process_removes_meanwhile_is_no_fault(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between the list of files and the look at each: what was stored counts as stored."""
+    real = store.os.scandir
+
+    def scandir(path: Path) -> object:
+        (path / "gone.npz").touch()
+        entries = real(path)
+        found = list(entries)
+        (path / "gone.npz").unlink()
+        return nullcontext(found)
+
+    monkeypatch.setattr(store.os, "scandir", scandir)
+    work: Counter[str] = Counter()
+    store.condensed(body(), STEEL, 7.0, work)
+    assert work["condensations not stored"] == 0
+    assert store.stored_bytes()[0] == 1
+
+
+def test_a_user_without_a_home_is_done_without_a_store_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def homeless() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    for name in ("HALFPLANE_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(Path, "home", homeless)
+    work: Counter[str] = Counter()
+    store.condensed(body(), STEEL, 7.0, work)
+    assert work["condensations not stored"] == 1

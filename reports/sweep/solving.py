@@ -51,13 +51,13 @@ def _shared_store(wanted: bool) -> Generator[None, None, None]:
     if not wanted or cache_folder() is not None:
         yield
         return
-    before = os.environ["HALFPLANE_CACHE"]
+    before = os.environ.get("HALFPLANE_CACHE")
     with tempfile.TemporaryDirectory(prefix="halfplane-") as folder:
         os.environ["HALFPLANE_CACHE"] = folder
         try:
             yield
         finally:
-            os.environ["HALFPLANE_CACHE"] = before
+            os.environ.pop("HALFPLANE_CACHE") if before is None else os.environ.update(HALFPLANE_CACHE=before)
 
 
 def _answer(asked: Asked, job: Mapping[str, Any]) -> dict[str, Any]:
