@@ -154,7 +154,7 @@ def _figures(values: Mapping[str, float]) -> str:
 
 def page(found: list[Outcome]) -> str:
     """The table of docs/stress.md."""
-    lines = ["# Numerical stress", "", _HEAD, ""]
+    lines = ["# Numerical stress tests", "", _HEAD, ""]
     for engine in dict.fromkeys(one.case.engine for one in found):
         lines += [f"## {engine}", "", "| case | tried | measure | worst | limit | verdict | run |", "|---|---|---|---|---|---|---|"]
         for one in (one for one in found if one.case.engine == engine):
