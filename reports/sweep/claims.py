@@ -8,9 +8,10 @@ import json
 import os
 import platform
 import time
+from contextlib import suppress
 from pathlib import Path
 
-from reports.sweep.store import Store, unwritable
+from reports.sweep.store import Store, names, unwritable
 
 # A claim of another machine is renewed every so many seconds, and given up as lost after so many without.
 RENEWED_EVERY = 20.0
@@ -55,7 +56,8 @@ class Claims:
     def drop(self, address: str) -> None:
         """Let go of a point."""
         if address in self._held:
-            (self._store.claims / address).unlink(missing_ok=True)
+            with suppress(OSError):  # the store is gone, or not ours any more: a claim counts for nothing once we end
+                (self._store.claims / address).unlink()
             self._held.discard(address)
 
     def renew(self) -> None:
@@ -64,10 +66,8 @@ class Claims:
             return
         self._renewed = time.monotonic()
         for address in self._held:
-            try:
+            with suppress(OSError):  # another sweep took us for dead: both will write the same
                 os.utime(self._store.claims / address)
-            except FileNotFoundError:
-                continue  # another sweep took us for dead; both will write the same
 
     def drop_all(self) -> None:
         """Let go of everything."""
@@ -79,12 +79,17 @@ def alive(path: Path) -> bool:
     """Whether the owner of a claim is at work; on another machine: whether it said so of late."""
     try:
         written = path.stat().st_mtime
+    except OSError:
+        return False
+    try:
         owner = json.loads(path.read_text(encoding="utf-8"))
         host, pid, born = owner["host"], int(owner["pid"]), owner["born"]
     except FileNotFoundError:
         return False
     except (ValueError, KeyError, TypeError):
         return time.time() - written < 5  # being written, or left half-written by a sweep that died
+    except OSError:
+        return time.time() - written < _LOST_AFTER  # another user's, who lets nobody read it
     if host == platform.node():
         return bool(_born(pid) == born)
     return time.time() - written < _LOST_AFTER
@@ -92,9 +97,7 @@ def alive(path: Path) -> bool:
 
 def running(store: Store) -> set[str]:
     """Addresses of the points that some sweep is at work on."""
-    if not store.claims.is_dir():
-        return set()
-    return {path.name for path in store.claims.iterdir() if alive(path)}
+    return {name for name in names(store.claims) if alive(store.claims / name)}
 
 
 def _born(pid: int) -> str:

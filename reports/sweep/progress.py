@@ -113,7 +113,7 @@ def state_of(store: Store) -> tuple[State, Table]:
     failures = tuple((row["number"], row["reason"]) for row in table.rows if row["status"] != "done")
     known = {row["address"] for row in table.rows}
     at_work = running(store) & {point.address for point in points} - known
-    times = sorted(store.path(address).stat().st_mtime for address in known)[-_LATEST:]
+    times = sorted(filter(None, map(store.stored_at, known)))[-_LATEST:]
     rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else None
     done = len(table.rows) - len(failures)
     state = State(

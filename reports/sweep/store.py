@@ -16,6 +16,7 @@ import os
 import re
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -64,11 +65,11 @@ class Store:
 
     def addresses(self) -> set[str]:
         """Of all results, whole or not."""
-        return {name.removesuffix(".json") for name in _names(self.results) if name.endswith(".json") and len(name) == 69}
+        return {name.removesuffix(".json") for name in names(self.results) if name.endswith(".json") and len(name) == 69}
 
     def damaged(self) -> list[str]:
         """Names of the results that were set aside."""
-        return sorted(name for name in _names(self.results) if ".bad-" in name)
+        return sorted(name for name in names(self.results) if ".bad-" in name)
 
     def prepare(self) -> None:
         """Make the folders; StoreError where that can't be."""
@@ -101,6 +102,13 @@ class Store:
                 Path(temporary).unlink(missing_ok=True)
                 raise
 
+    def stored_at(self, address: str) -> float | None:
+        """When a result was stored, in seconds of the epoch; None where there is none any more."""
+        try:
+            return self.path(address).stat().st_mtime
+        except FileNotFoundError:
+            return None
+
     def read(self, address: str) -> dict[str, Any] | None:
         """The result of an address; None where there is none. A file that is damaged is set aside, and there is none.
 
@@ -127,7 +135,7 @@ class Store:
         return None
 
     def _set_aside(self, path: Path) -> None:
-        number = sum(name.startswith(f"{path.stem}.bad-") for name in _names(self.results))
+        number = sum(name.startswith(f"{path.stem}.bad-") for name in names(self.results))
         with _writing(self.folder):
             try:
                 os.replace(path, path.with_suffix(f".bad-{number}"))
@@ -189,12 +197,10 @@ def _sum(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _names(folder: Path) -> Iterator[str]:
-    try:
-        with os.scandir(folder) as entries:
-            yield from [entry.name for entry in entries]
-    except FileNotFoundError:
-        return
+def names(folder: Path) -> Iterator[str]:
+    """Of the files in a folder of the store; of none where it is gone."""
+    with suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
+        yield from [entry.name for entry in entries]
 
 
 class _writing:

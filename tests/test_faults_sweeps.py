@@ -1,0 +1,91 @@
+"""A sweep whose store goes while it works, and a Ctrl-C that the terminal sends to the workers too."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+from pathlib import Path
+
+import pytest
+
+from reports.sweep.claims import Claims, alive, running
+from reports.sweep.crews import Processes, _deaf_to_ctrl_c
+from reports.sweep.progress import state_of
+from reports.sweep.store import Planned, Store
+
+ADDRESSES = [f"{number:064x}" for number in range(3)]
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """Three points done."""
+    made = Store(tmp_path / "out")
+    made.prepare()
+    made.write_plan({"title": "t"}, [Planned(number, address, {"f": number}) for number, address in enumerate(ADDRESSES)])
+    for address in ADDRESSES:
+        made.write({"address": address, "status": "done", "figures": {"W": 1.0}, "seconds": 1.0, "reason": ""})
+    return made
+
+
+@pytest.mark.parametrize("instead", ["nothing", "a file"])
+def test_a_claim_is_let_go_of_though_the_store_is_gone(instead: str, store: Store) -> None:
+    """Else this fault hides the one that ended the sweep, with what it says of going on."""
+    claims = Claims(store)
+    assert claims.take(ADDRESSES[0])
+    assert running(store) == {ADDRESSES[0]}
+    shutil.rmtree(store.folder)
+    if instead == "a file":
+        store.folder.write_text("mine")
+    claims._renewed = -1e9
+    claims.renew()
+    claims.drop_all()
+    assert running(store) == set()
+    assert not alive(store.claims / ADDRESSES[0])
+
+
+def test_a_claim_that_nobody_else_may_read_counts_while_it_is_fresh(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> str:
+        raise PermissionError(13, "Permission denied")
+
+    Claims(store).take(ADDRESSES[0])
+    path = store.claims / ADDRESSES[0]
+    monkeypatch.setattr(Path, "read_text", refuse)
+    assert alive(path)
+    os.utime(path, (0, 0))
+    assert not alive(path)
+
+
+def test_the_state_is_told_though_a_result_goes_meanwhile(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between the table and the times of its results: set aside by another process, or removed."""
+
+    def running_then_gone(asked: Store) -> set[str]:
+        asked.path(ADDRESSES[1]).unlink()
+        return set()
+
+    monkeypatch.setattr("reports.sweep.progress.running", running_then_gone)
+    state, _ = state_of(store)
+    assert (state.done, state.total) == (3, 3)
+
+
+def test_workers_are_deaf_to_ctrl_c_from_birth() -> None:
+    """A terminal sends it to them too: one that came while they were born ended in their tracebacks."""
+    crew = Processes(1)
+    try:
+        assert signal.SIGINT in crew._executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(60)
+    finally:
+        crew.dismiss(at_once=True)
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def test_ctrl_c_while_workers_are_born_is_heard_at_the_end() -> None:
+    reached = []
+
+    def hired() -> None:
+        with _deaf_to_ctrl_c():
+            os.kill(os.getpid(), signal.SIGINT)
+            reached.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        hired()
+    assert reached == [True]
