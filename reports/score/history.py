@@ -205,7 +205,7 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: tuple[Array, Ar
     ahead = _AHEAD * (times - times[0]) / (times[-1] - times[0])
     steps, cost = [], np.zeros(len(times))
     for p, q in zip(*loads, strict=True):
-        cost = cost + ((normal - p) ** 2 + (tangential - q) ** 2) / size**2
+        cost = cost + _squares(normal - p, tangential - q) / size**2
         # Least cost up to here, and where it was reached.
         least = np.minimum.accumulate(cost)
         where = np.maximum.accumulate(np.where(cost <= least, np.arange(len(times)), 0))
@@ -216,6 +216,19 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: tuple[Array, Ar
     for k in range(len(steps) - 2, -1, -1):
         chosen[k] = steps[k][chosen[k + 1]]
     return np.maximum.accumulate(_snapped(_refined(times, chosen, path, loads, size), path, scene))
+
+
+def _squares(across: Array, up: Array) -> Array:
+    """Squared distance of the origin from the path at each of its samples (n,): from the nearer of the chords that meet there.
+
+    From the samples themselves it would be their luck on which of two branches, to and fro on one line, an instant lies.
+    """
+    along, aside = np.diff(across), np.diff(up)
+    length = along**2 + aside**2
+    foot = -(across[:-1] * along + up[:-1] * aside) / np.where(length > 0, length, 1.0)
+    share = np.clip(foot, 0.0, 1.0)
+    chord = (across[:-1] + share * along) ** 2 + (up[:-1] + share * aside) ** 2
+    return np.minimum(np.append(chord, chord[-1]), np.insert(chord, 0, chord[0]))
 
 
 def _refined(times: Array, chosen: NDArray[np.intp], path: LoadPath, loads: tuple[Array, Array], size: float) -> Array:
