@@ -25,6 +25,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 code = _refused(f"the answer could not be written to stdout: {fault.strerror}; see to that and ask again")
         except KeyboardInterrupt:  # a second one, while the first was told
             code = INTERRUPTED
+        except Exception:
+            if not process.received:
+                raise
+            code = _interrupted("")  # compiled modules and locks make another error of it
         return process.exit_code(code)
 
 
@@ -59,8 +63,12 @@ def _run(tokens: list[str]) -> int:
     except OSError as fault:
         return _refused(_of_the_system(fault))
     except KeyboardInterrupt as stop:
-        _refused(f"interrupted; {str(stop) or 'nothing was written'}")
-        return INTERRUPTED
+        return _interrupted(str(stop))
+
+
+def _interrupted(what: str) -> int:
+    _refused(f"interrupted; {what or 'nothing was written'}")
+    return INTERRUPTED
 
 
 def _refused(sentence: str) -> int:

@@ -15,6 +15,7 @@ from reports.console import Stages
 from reports.folder import FilledBefore
 from reports.options import FiniteElementOptions
 from scenes import ContactSolution, InputError, Interrupted, Scene, load_scene
+from scenes.interrupts import interrupts_wait
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
@@ -53,8 +54,9 @@ def load_engines(stages: Stages) -> None:
     """Import the engines as a stage of its own; InputError where a library can't be loaded."""
     with stages.stage("loading"):
         try:
-            import_module("halfplane_fe")
-            import_module("semi_analytic")
+            with interrupts_wait():  # compiled modules make an ImportError of it
+                import_module("halfplane_fe")
+                import_module("semi_analytic")
         except (ImportError, OSError) as reason:
             raise InputError(f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing") from reason
 

@@ -108,8 +108,8 @@ def settled() -> Generator[Surroundings, None, None]:
         yield found
         return
     found.take_streams()
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) is signal.SIG_DFL:
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, found.end)
     try:
         yield found

@@ -312,3 +312,22 @@ def test_a_link_to_another_disk_is_filled(tmp_path: Path) -> None:
         for path in other.iterdir():
             path.unlink()
         other.rmdir()
+
+
+@pytest.mark.parametrize("fault", ["ImportError('initialization failed')", "RuntimeError('release unlocked lock')"])
+def test_what_compiled_modules_and_locks_make_of_ctrl_c_is_one_still(fault: str, tmp_path: Path) -> None:
+    """And the same without a Ctrl-C is what it is: a fault of ours, with its traceback."""
+    lines = (
+        "from reports import cli",
+        "def app(_):",
+        "    try: ASKED",
+        "    except KeyboardInterrupt: pass",
+        f"    raise {fault}",
+        "cli.app = app",
+        "sys.exit(cli.main())",
+    )
+    done = scripted(tmp_path, *(line.replace("ASKED", "os.kill(os.getpid(), signal.SIGINT)") for line in lines))
+    assert (done.returncode, done.stderr) == (130, "halfplane: interrupted; nothing was written\n")
+    ours = scripted(tmp_path, *(line.replace("ASKED", "pass") for line in lines))
+    assert ours.returncode == 1
+    assert "Traceback" in ours.stderr

@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
 
+from faulty_processes import STUDY
+from reports.sweep import running as running_module
 from reports.sweep.claims import Claims, alive, running
 from reports.sweep.crews import Processes, _deaf_to_ctrl_c
 from reports.sweep.progress import state_of
@@ -89,3 +92,31 @@ def test_ctrl_c_while_workers_are_born_is_heard_at_the_end() -> None:
     with pytest.raises(KeyboardInterrupt):
         hired()
     assert reached == [True]
+
+
+def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Raised amid the locks of a pool, it left one locked now and then: the program never ended."""
+    dismissed, rounds = [], []
+
+    class Busy:
+        width, shared_fate = 1, True
+
+        def submit(self, text: str) -> Future[str]:
+            return Future()
+
+        def broken(self) -> bool:
+            rounds.append(True)
+            os.kill(os.getpid(), signal.SIGINT)
+            rounds.append(True)
+            return False
+
+        def dismiss(self, at_once: bool = False) -> None:
+            os.kill(os.getpid(), signal.SIGINT)
+            dismissed.append(at_once)
+
+    monkeypatch.setattr(running_module, "crew_of", lambda *_: Busy)
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    with pytest.raises(KeyboardInterrupt):
+        running_module.run(tmp_path / "study.toml", tmp_path / "out")
+    assert (len(rounds), dismissed) == (2, [True])
+    assert list((tmp_path / "out" / "claims").iterdir()) == []

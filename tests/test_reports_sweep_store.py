@@ -5,7 +5,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Future
 from pathlib import Path
 from typing import Any
@@ -56,7 +56,7 @@ class Bench:
     def broken(self) -> bool:
         return False
 
-    def renew(self) -> None:
+    def renew(self, _signals: Sequence[int] = (), /) -> None:
         self.renewed += 1
 
     def dismiss(self, at_once: bool = False) -> None:

@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from enum import Enum
@@ -45,8 +45,8 @@ class Crew(Protocol):
     def broken(self) -> bool:
         """Whether tasks handed out will never come back, though no exception says so."""
 
-    def renew(self) -> None:
-        """Take new workers in place of the broken ones; the tasks handed out are lost."""
+    def renew(self, signals: Sequence[int] = (), /) -> None:
+        """Take new workers in place of the broken ones; the tasks handed out are lost. Not waited for once `signals` holds one."""
 
     def dismiss(self, at_once: bool = False) -> None:
         """Let the workers go; at once: in the midst of their work."""
@@ -87,7 +87,7 @@ class Processes:
     def broken(self) -> bool:
         return False
 
-    def renew(self) -> None:
+    def renew(self, _signals: Sequence[int] = (), /) -> None:
         self.dismiss(at_once=True)
         self._executor = self._hired()
 
@@ -145,12 +145,12 @@ class Dask:
     def broken(self) -> bool:
         return str(self._client.status) != "running"
 
-    def renew(self) -> None:
+    def renew(self, signals: Sequence[int] = (), /) -> None:
         if not self.broken():
             return
         self.dismiss(at_once=True)
         end = time.monotonic() + _RECONNECT_FOR
-        while True:
+        while not signals:
             try:
                 self._connect(5.0)
                 return

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Any
@@ -50,7 +50,7 @@ class Tally:
 
 @dataclass
 class Sweep:
-    """One sweep at work: see `go`."""
+    """One sweep at work: see `go`; it ends early once `signals` holds one."""
 
     store: Store
     reader: Reader
@@ -59,6 +59,7 @@ class Sweep:
     asked: Mapping[str, Any]
     tally: Tally
     report: Callable[[Tally], None]
+    signals: Sequence[int] = ()
 
     def __post_init__(self) -> None:
         self._pending: deque[list[Point]] = deque()
@@ -70,7 +71,7 @@ class Sweep:
         self._schedulers = 0
 
     def go(self, tasks: list[list[Point]]) -> None:
-        """Work until every point has a result.
+        """Work until every point has a result, or a signal asks to end.
 
         Raises
         ------
@@ -78,7 +79,7 @@ class Sweep:
             Where results can't be stored, where workers run other code, where no scheduler comes back.
         """
         self._pending.extend(tasks)
-        while self._pending or self._suspects or self._elsewhere or self._flying:
+        while (self._pending or self._suspects or self._elsewhere or self._flying) and not self.signals:
             self._hand_out()
             done, _ = wait(self._flying, timeout=_POLL, return_when=FIRST_COMPLETED) if self._flying else (set(), set())
             if not self._flying:
@@ -183,7 +184,7 @@ class Sweep:
             self._keep(points[0], answer | {"seconds": 0.0, "host": "", "again": True, "versions": code_versions()})
         else:
             self._suspects.extend(points)
-        self.crew.renew()
+        self.crew.renew(self.signals)
 
     def _count(self, result: Mapping[str, Any], skipped: bool = False) -> None:
         if skipped:

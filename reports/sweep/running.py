@@ -19,6 +19,7 @@ from reports.sweep.store import Planned, Store
 from reports.sweep.study import Study, load_study
 from reports.sweep.versions import code_versions
 from scenes import InputError
+from scenes.interrupts import interrupts_wait
 
 _INDEX_EVERY = 15.0
 
@@ -111,13 +112,16 @@ def _work(prepared: Prepared, hire: Callable[[], Crew], claims: Claims, tell: Ca
         "share": study.share_condensations,
     }
     tally = Tally(len(prepared.plan.points), skipped=len(prepared.plan.points) - len(waiting))
-    crew = hire()
-    tally.workers, at_once = crew.width, True
-    try:
-        Sweep(prepared.store, prepared.reader, claims, crew, asked, tally, tell).go(tasks(study, groups, crew.width))
-        at_once = False
-    finally:
-        crew.dismiss(at_once=at_once)
+    # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round, and until the workers are gone.
+    with interrupts_wait() as signals:
+        crew = hire()
+        tally.workers, at_once = crew.width, True
+        try:
+            sweep = Sweep(prepared.store, prepared.reader, claims, crew, asked, tally, tell, signals)
+            sweep.go(tasks(study, groups, crew.width))
+            at_once = bool(signals)
+        finally:
+            crew.dismiss(at_once=at_once)
 
 
 @contextmanager
