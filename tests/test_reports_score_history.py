@@ -10,9 +10,9 @@ from reports.score.surface import SurfaceResult
 from scenes import load_scene
 
 
-@pytest.mark.parametrize("count", [9, 14, 25, 40, 61])
+@pytest.mark.parametrize("count", [22, 23, 26, 28, 34, 40, 56])
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
-@pytest.mark.parametrize("name", ["cattaneo-mindlin", "phase-180"])
+@pytest.mark.parametrize("name", ["cattaneo-mindlin"])
 def test_instants_stay_on_their_branch_in_one_cycle(name: str, count: int, noise: float) -> None:
     """Between equally near places the earliest is taken, and not the one that is next to a sample of the path."""
     scene = load_scene(name)
