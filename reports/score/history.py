@@ -25,13 +25,17 @@ _AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Times of the scene's path, (n_steps,), with P and Q there, sentences on how they were found, and what was guessed."""
+    """Times of the scene's path, (n_steps,), with P and Q there, sentences on how they were found, and what was guessed.
+
+    `either_sign`: the shear itself told the instants, and turned round it would have told others, as well.
+    """
 
     time: Array
     normal_load: Array
     tangential_load: Array
     notes: tuple[str, ...]
     guess: str = ""
+    either_sign: bool = False
 
 
 def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
@@ -85,7 +89,9 @@ def _by_resultants(result: SurfaceResult, path: LoadPath, scene: Scene) -> Histo
         missed = _missed(result, scene, found)
         loads = normal - integrated * missed[0], sense * tangential - missed[1]
         found = _by_loads(result, path, scene, loads, INTEGRATED, f"{by}, less what that misses of theory")
-    return found
+    told = float(np.max(np.abs(tangential))) > INTEGRATED * float(np.max(normal))
+    other = _turned(result, path, scene, (normal, -sense * tangential), by) if told else None
+    return replace(found, either_sign=other is not None)
 
 
 def _turned(result: SurfaceResult, path: LoadPath, scene: Scene, loads: tuple[Array, Array], by: str) -> History | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,7 @@ def contact_solution(
     steps = _last_cycle(scene, history)
     density, notes = _dissipation(result, steps)
     skipped = _skipped(result, history, steps, density)
-    oddly = tuple(oddities(result, history.tangential_load, scene))
+    oddly = (*_sign_of_shear(history, mapping), *oddities(result, history.tangential_load, scene))
     stated = result.normal_load is not None and result.tangential_load is not None
     said = (*result.notes, *history.notes, *found.notes, *notes, *([] if stated else ["P and Q are the scene's at its instants"]))
     solution = ContactSolution(
@@ -65,6 +66,15 @@ def contact_solution(
         settings=_settings(result, mapping, stated=stated),
     )
     return solution, (*guesses, *([history.guess] if history.guess else []), *oddly)
+
+
+def _sign_of_shear(history: History, mapping: Mapping) -> Iterator[str]:
+    """What nothing in the file can tell, unless the mapping does."""
+    if history.either_sign and mapping.signs.shear is None:
+        yield (
+            "the shear acts on the lower body: its instants were found from the shear itself, and the scene's path fits it turned "
+            "round as well (signs.shear, or columns of P and Q, say it for certain)"
+        )
 
 
 def _series(result: SurfaceResult, history: History, found: Zones) -> dict[str, Any]:
