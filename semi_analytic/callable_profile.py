@@ -67,6 +67,11 @@ class CallableContact(Pile):
         return tuple(stretch.begin for stretch in self.stretches[1:])
 
     @property
+    def bends_anywhere(self) -> bool:
+        """A function may hardly grow wherever it likes."""
+        return True
+
+    @property
     def noise(self) -> float:
         """Relative error of P and dP/da themselves: a derivative was taken of h, two of it in dP/da."""
         return 1e-11

@@ -8,7 +8,8 @@
 
 Each span of slip is integrated in time by one rule for singular ends: roots at the edges of the contact, the logarithm of gross
 sliding, P close to 0 all lie at an end of a span or beyond it. On legs and arcs without formulas the front may run unevenly in the
-middle of a span as well: there the rule is applied to halves, and to halves of these, until that changes nothing.
+middle of a span as well, and so may all edges where P(a) hardly grows at one load: there the rule is applied to halves, and to
+halves of these, until that changes nothing.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     """Friction work of the spans [energy per unit thickness]."""
     slipping = [span for span in smooth_spans(contact, spans) if span.direction and span.active is not None]
     works, error = np.zeros(len(slipping)), 0.0
-    straight = np.array([_is_straight(span) for span in slipping], dtype=bool)
+    straight = np.array([_is_straight(span) and not uneven(contact, span) for span in slipping], dtype=bool)
     for number in np.flatnonzero(~straight):
         span = slipping[number]
         works[number] = _work_of_curved(contact, span, [span.begin.time], [span.end.time])[0]
@@ -68,7 +69,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     # One size for all: a short span by itself may be all rounding, and would never settle to its own.
     size = float(np.sum(works))
     for number in np.flatnonzero(~straight):
-        if uneven(slipping[number]):
+        if uneven(contact, slipping[number]):
             works[number], doubt = _settled_work(contact, slipping[number], size)
             error += doubt
     forward = np.array([span.direction > 0 for span in slipping], dtype=bool)
@@ -105,8 +106,10 @@ def _rounding(span: Span, reach: Callable[[float, Array], Array]) -> Array:
     return span.friction * ((growth + span.friction * digits) * doubtful - growth * known)
 
 
-def uneven(span: Span) -> bool:
-    """Whether the load, or the front along an arc, runs by no formula."""
+def uneven(contact: Contact, span: Span) -> bool:
+    """Whether the load, or the front along an arc, runs by no formula, or the edges of contact and stick do at any load."""
+    if getattr(contact, "bends_anywhere", False):
+        return True
     arc = span.active is not None and span.active.arc is not None
     return not isinstance(span.leg, EllipseLeg) and (arc or not isinstance(span.leg, StraightLeg | ParabolaLeg))
 
@@ -144,7 +147,7 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
             if len(here):
                 rough = _work_at(contact, span, x[here], edge_load[here], begin[here], end[here])
                 work[span.direction][here] += rough
-                if uneven(span):
+                if uneven(contact, span):
                     todo.append((span, here, begin, end, rough))
     error, size = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
     for span, here, begin, end, rough in todo:
@@ -223,9 +226,9 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
     def part(span: Span, low: float, high: float) -> float:
         return loop([span], [graded(low, high)])
 
-    even = [span for span in spans if not uneven(span)]
+    even = [span for span in spans if not uneven(contact, span)]
     total = loop(even, [graded(span.begin.time, span.end.time) for span in even]) if even else 0.0
-    rough = [(span, part(span, span.begin.time, span.end.time)) for span in spans if uneven(span)]
+    rough = [(span, part(span, span.begin.time, span.end.time)) for span in spans if uneven(contact, span)]
     # What is stored and given back may be much larger than the rest; a short part by itself may be all rounding.
     size = max(abs(total + sum(value for _, value in rough)), _STORED * sum(abs(value) for _, value in rough))
     total += sum(_settled_loop(partial(part, span), span, max(size, abs(value))) for span, value in rough)

@@ -142,9 +142,9 @@ def _stationary_sampled(leg: Leg, what: Combination) -> list[float]:
 
 
 def time_of(leg: Leg, what: Combination, amount: ArrayLike, begin: float, end: float) -> Array:
-    """The time in [begin, end] at which a combination that does not turn there has changed by `amount` since `begin`.
+    """The time between `begin` and `end` at which a combination that does not turn there has changed by `amount` since `begin`.
 
-    Amounts outside the range give the nearer end.
+    Amounts outside the range give the nearer end. `begin` may be the later one: the time is best known near it.
     """
     wanted = np.asarray(amount, dtype=float)
     total = float(change(leg, what, end, begin))
@@ -157,7 +157,8 @@ def time_of(leg: Leg, what: Combination, amount: ArrayLike, begin: float, end: f
         inside = _time_on_ellipse(leg, what, wanted, begin, end)
     else:
         inside = _time_by_newton(leg, what, np.clip(wanted / total, 0, 1) * total, total, begin, end)
-    return np.where(sign * wanted <= 0, begin, np.where(sign * wanted >= abs(total), end, np.clip(inside, begin, end)))
+    inside = np.clip(inside, min(begin, end), max(begin, end))
+    return np.where(sign * wanted <= 0, begin, np.where(sign * wanted >= abs(total), end, inside))
 
 
 def _time_on_ellipse(leg: EllipseLeg, what: Combination, wanted: Array, begin: float, end: float) -> Array:
@@ -183,8 +184,8 @@ def mirrored(leg: EllipseLeg, what: Combination, time: ArrayLike, near: float) -
 
 def _time_by_newton(leg: Leg, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:
     """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where rounding stops them from gaining."""
-    rising = math.copysign(1.0, total)
-    low, high = np.full(wanted.shape, begin), np.full(wanted.shape, end)
+    rising = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
+    low, high = np.full(wanted.shape, min(begin, end)), np.full(wanted.shape, max(begin, end))
     time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)  # exact for a cosine that turns at both ends
     best, least, idle, last = time, np.full(wanted.shape, math.inf), np.zeros(wanted.shape, int), high - low
     while True:

@@ -163,8 +163,8 @@ def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: Leg, tim
     if arc_leg is leg and isinstance(leg, EllipseLeg):
         return change(leg, NORMAL_LOAD, time, mirrored(leg, what, time, (first + last) / 2))
     rise = change_from(piece.anchor, leg, what, time)
-    bottom = float(change(arc_leg, what, first, last))
-    front = time_of(arc_leg, what, rise - bottom, first, last)
+    # Back from the end of the arc, where the path may have turned: counted from its begin, rounding would leave half the digits.
+    front = time_of(arc_leg, what, rise, last, first)
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) - change(arc_leg, NORMAL_LOAD, front, last)
 
 

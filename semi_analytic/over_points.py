@@ -36,7 +36,7 @@ def work_over_points(contact: Contact, modulus: float, spans: Sequence[Span], wo
         return 2 * np.sum(weight * density.reshape(x.shape), axis=-1)
 
     marks = kinks(contact, spans)
-    if not any(uneven(span) for span in spans):
+    if not any(uneven(contact, span) for span in spans):
         whole = float(np.sum(rule(np.arange(len(marks) - 1), marks[:-1], marks[1:])))
         return Settled(np.array(whole), np.array(0.0))
     found = settled(rule, marks[:-1], marks[1:], SETTLED * work)

@@ -84,6 +84,11 @@ class Pile:
         return ()
 
     @property
+    def bends_anywhere(self) -> bool:
+        """Whether P may hardly grow anywhere between the corners, so that a(P) is all but steep there."""
+        return False
+
+    @property
     def noise(self) -> float:
         """Relative error of P and dP/da themselves."""
         return 2 * _EPS

@@ -48,6 +48,11 @@ class PolynomialContact(Pile):
         k = np.arange(1.0, len(self.rises) + 1)
         return self.modulus * 2 * k * np.array(self.rises) * np.array([load_factor(2 * each) for each in k])
 
+    @property
+    def bends_anywhere(self) -> bool:
+        """Where one power ends to matter and another begins; a single one is a power law."""
+        return sum(rise != 0 for rise in self.rises) > 1
+
     @cached_property
     def squares(self) -> Array:
         """Coefficients of P^2/2 as a polynomial in t^2, from t^2 on."""

@@ -149,7 +149,7 @@ def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
     the slip.
     """
     if _is_smooth_loop(question, number):
-        forward, reverse = dissipation_of(_loop(question), question.contact)
+        forward, reverse = dissipation_of(_loop(question), question.contact, careful=True)
         return _unit_of_work(question) * float(forward[0] + reverse[0]), 0.0
     spans = question.route.history.cycles[number]
     split = global_dissipation(question.contact, question.modulus, spans)

@@ -47,8 +47,13 @@ def _flat(half, b):
         return PI / 4 * half * half
     tau = np.sqrt(np.maximum((half - b) * (half + b), 0)) / b
     whole = (1 + tau * tau) * np.arctan(tau) - tau
+    if np.all(tau >= 0.1):
+        return b * b / 2 * whole
     small = np.minimum(tau, LONG(0.1))
-    series = sum((-1) ** (k + 1) * 2 * small ** (2 * k + 1) / (4 * k * k - 1) for k in range(1, 12))
+    series = 0 * small
+    for k in range(11, 0, -1):
+        series = small * small * (2 / LONG(4 * k * k - 1) - series)
+    series = series * small
     return b * b / 2 * np.where(tau < 0.1, series, whole)
 
 
