@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.score.branches import evenest, places
 from reports.score.guesses import resultants
 from reports.score.surface import SurfaceResult
 from scenes import InputError, LoadPath, Scene
@@ -20,6 +21,7 @@ STATED, INTEGRATED = 0.005, 0.05
 CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
 PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
 _SAMPLES = 720  # of a revolution and of the way in
+_SAME = 1e-6  # over the largest P: places as near as that are equally near
 _AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among equal matches the earliest
 
 
@@ -221,7 +223,17 @@ def _in_order(times: Array, path: LoadPath, scene: Scene, loads: tuple[Array, Ar
     chosen[-1] = steps[-1][int(np.argmin(cost + ahead))]
     for k in range(len(steps) - 2, -1, -1):
         chosen[k] = steps[k][chosen[k + 1]]
-    return np.maximum.accumulate(_snapped(_refined(times, chosen, path, loads, size), path, scene))
+
+    def settled(picked: NDArray[np.intp]) -> tuple[Array, float]:
+        time = np.maximum.accumulate(_snapped(_refined(times, picked, path, loads, size), path, scene))
+        return time, float(np.max(_distance(path, time, loads))) / size
+
+    found, off = settled(chosen)
+    near = [places(_squares(normal - p, tangential - q) / size**2, off + _SAME) for p, q in zip(*loads, strict=True)]
+    if (taken := evenest([times[place] for place in near])) is not None:
+        even, farther = settled(np.array([place[k, 1] for place, k in zip(near, taken, strict=True)]))
+        found = even if farther <= off + _SAME else found
+    return found
 
 
 def _squares(across: Array, up: Array) -> Array:
