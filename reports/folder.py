@@ -91,6 +91,8 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
         kept = ""
         raise
     except OSError as reason:
+        if isinstance(reason.filename, str) and not kept and not Path(reason.filename).is_relative_to(staging):
+            raise  # it is about another file
         raise InputError(f"{_unwritable(out, reason)}{kept}") from reason
     except InputError as fault:
         if not kept:

@@ -140,6 +140,13 @@ def test_a_name_that_no_file_can_have_is_a_sentence(words: tuple[str, ...], tmp_
     assert everything(tmp_path) == set()
 
 
+@pytest.mark.parametrize("words", [("--out", ""), ("--out=",)])
+def test_an_empty_argument_is_refused(words: tuple[str, ...], tmp_path: Path) -> None:
+    """As of --out "$FOLDER" where that is not set: results went to the current folder, among whatever is there."""
+    assert "one of the arguments is empty" in sentence(halfplane(tmp_path, "exact", "hertz-paper", *words))
+    assert everything(tmp_path) == set()
+
+
 def test_a_terminal_of_no_width_is_taken_for_one_that_does_not_say(tmp_path: Path) -> None:
     assert halfplane(tmp_path, *EXACT, COLUMNS="0").stdout == halfplane(tmp_path, *EXACT, COLUMNS="80").stdout != ""
 
@@ -331,3 +338,10 @@ def test_what_compiled_modules_and_locks_make_of_ctrl_c_is_one_still(fault: str,
     ours = scripted(tmp_path, *(line.replace("ASKED", "pass") for line in lines))
     assert ours.returncode == 1
     assert "Traceback" in ours.stderr
+
+
+def test_a_fault_about_another_file_is_not_told_of_the_folder(tmp_path: Path) -> None:
+    """A program that is missing, say, while a page is made."""
+    with pytest.raises(FileNotFoundError, match=r"lost\.txt"):
+        fill(tmp_path / "out", "a.json", meanwhile=(tmp_path / "lost.txt").read_text)
+    assert everything(tmp_path) == set()
