@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from scenes import InadmissibleLoadError, Leg, LoadPath
+from scenes import InadmissibleLoadError, Leg, LoadPath, sampled
 
 Array = NDArray[np.float64]
 
-# Samples a leg on which a sign change of a rate is looked for; a turning point and its twin closer than that are missed together.
+# Samples a leg, at least, on which a sign change of a rate is looked for; a turning point and its twin closer than that are
+# missed together.
 _SAMPLES = 721
 # Share of the largest load below which a load can't be told from none: the nodal forces are known to about so much of it.
 _LEAST_LOAD = 1e-12
@@ -33,7 +34,7 @@ class Stretch:
 
 def turns(leg: Leg, normal: float, tangential: float) -> set[float]:
     """Instants inside a leg at which normal P + tangential Q turns round."""
-    times = np.linspace(leg.start, leg.end, _SAMPLES)
+    times = sampled(leg, _SAMPLES)
 
     def rate(t: Array | float) -> Array:
         p, q = leg.rates(t)

@@ -21,7 +21,7 @@ from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
 from meshes import MeshSettings, SurfaceGrading
-from scenes import STICK, Bodies, Elastic, InputError, Scene
+from scenes import STICK, Bodies, Elastic, InputError, Scene, sampled
 
 Array = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def largest_load(scene: Scene) -> float:
 
 def sheared(scene: Scene) -> bool:
     """Whether there is a tangential load."""
-    return any(np.any(leg.loads(np.linspace(leg.start, leg.end, 25))[1] != 0) for leg in scene.load.path().legs(1))
+    return any(np.any(leg.loads(sampled(leg, 25))[1] != 0) for leg in scene.load.path().legs(1))
 
 
 def needs_shear(scene: Scene) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import EllipseLoad, InputError, Leg, Scene, StraightLeg
+from scenes import EllipseLoad, InputError, Leg, Scene, sampled
 
 Array = NDArray[np.float64]
 
@@ -118,11 +118,6 @@ def _ratio(leg: Leg, friction: float, time: Array) -> Array:
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 
 
-def _samples(leg: Leg) -> Array:
-    """Times at which a leg is looked at; the ends of a straight one, since Q/P has no extreme between them."""
-    return np.linspace(leg.start, leg.end, 2 if isinstance(leg, StraightLeg) else _SAMPLES)
-
-
 def _worst_of(leg: Leg, friction: float) -> tuple[float, float]:
     """(largest ratio, its time) on one leg."""
     return _highest(leg, lambda time: _ratio(leg, friction, time))
@@ -134,7 +129,7 @@ def _largest_normal_load(leg: Leg) -> float:
 
 def _highest(leg: Leg, of: Callable[[Array], Array]) -> tuple[float, float]:
     """(largest value, its time) on one leg: the best sample, then the golden section around it."""
-    time = _samples(leg)
+    time = sampled(leg, _SAMPLES)
     value = of(time)
     place = int(np.argmax(value))
     if not np.isfinite(value[place]) or place in (0, len(time) - 1):
@@ -151,7 +146,7 @@ def _highest(leg: Leg, of: Callable[[Array], Array]) -> tuple[float, float]:
 
 def _first_of(leg: Leg, friction: float) -> float:
     """When a leg that leaves the admissible region first does so, by bisection."""
-    time = np.union1d(_samples(leg), [_worst_of(leg, friction)[1]])
+    time = np.union1d(sampled(leg, _SAMPLES), [_worst_of(leg, friction)[1]])
     outside = int(np.flatnonzero(_ratio(leg, friction, time) > 1 + _ROUNDING)[0])
     if outside == 0:
         return float(time[0])

@@ -11,7 +11,7 @@ from reports.charts.plate import Plate
 from reports.charts.scale import Scale
 from reports.drawing import Table
 from reports.units import load_unit, number, units
-from scenes import Cylinder, HalfPlane, Scene, Shape
+from scenes import Cylinder, HalfPlane, Scene, Shape, sampled
 from scenes.faces import face_of
 
 Array = NDArray[np.float64]
@@ -215,7 +215,7 @@ def _arrow(x0: float, y0: float, x1: float, y1: float) -> str:
 def _samples(scene: Scene) -> tuple[Array, Array]:
     """P and Q all along the path."""
     path = scene.load.path()
-    times = np.concatenate([np.linspace(leg.start, leg.end, 181) for leg in path.legs(1)])
+    times = np.concatenate([sampled(leg, 181) for leg in path.legs(1)])
     normal, tangential = path.at(times)
     return np.asarray(normal), np.asarray(tangential)
 

@@ -19,7 +19,7 @@ from reports.instants import Event
 from reports.missing import missing
 from reports.sampling import Cycle
 from reports.units import load_unit, signed, units
-from scenes import ContactSolution, StraightLeg
+from scenes import ContactSolution, sampled
 
 Array = NDArray[np.float64]
 _CSS = {"way in": "way-in", "path": "loop", "cycle": "loop"}
@@ -72,7 +72,7 @@ def _path(solution: ContactSolution) -> tuple[Array, NDArray[np.str_], Array, Ar
     """Times, the part they belong to, P and Q all along the path."""
     path = solution.scene.load.path()
     legs = [(leg, "way in" if path.cycle else "path") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
-    samples = [(np.linspace(leg.start, leg.end, 2 if isinstance(leg, StraightLeg) else 257), part) for leg, part in legs]
+    samples = [(sampled(leg, 257), part) for leg, part in legs]
     time = np.concatenate([t for t, _ in samples])
     part = np.concatenate([np.full(len(t), name) for t, name in samples])
     normal, tangential = path.at(time)

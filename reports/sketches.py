@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Cylinder, HalfPlane, Scene, Shape, StraightLeg
+from scenes import Cylinder, HalfPlane, Leg, Scene, Shape, sampled
 from scenes.faces import face_of
 
 Array = NDArray[np.float64]
@@ -87,9 +87,6 @@ def loop(scene: Scene) -> Loop:
     return Loop(first, rest if len(rest) else first[-1:])
 
 
-def _points(legs: Sequence[object]) -> Array:
-    parts = []
-    for leg in legs:
-        times = np.linspace(leg.start, leg.end, 2 if isinstance(leg, StraightLeg) else 121)  # type: ignore[attr-defined]
-        parts.append(np.column_stack(leg.loads(times)))  # type: ignore[attr-defined]
+def _points(legs: Sequence[Leg]) -> Array:
+    parts = [np.column_stack(leg.loads(sampled(leg, 121))) for leg in legs]
     return np.vstack(parts) if parts else np.empty((0, 2))

@@ -25,7 +25,7 @@ from scenes.callables import CallableProfile
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError
 from scenes.expected import Expected
 from scenes.harmonics import HarmonicLeg, HarmonicLoad
-from scenes.loads import EllipseLeg, EllipseLoad, Leg, LoadPath, ParabolaLeg, PolygonLoad, StraightLeg
+from scenes.loads import EllipseLeg, EllipseLoad, Leg, LoadPath, ParabolaLeg, PolygonLoad, StraightLeg, sampled
 from scenes.materials import Elastic, Materials
 from scenes.measured import Tabulated
 from scenes.profiles import Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
@@ -88,5 +88,6 @@ __all__ = [
     "scene_names",
     "scene_schema",
     "scene_text",
+    "sampled",
     "tags",
 ]

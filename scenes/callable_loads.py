@@ -30,6 +30,10 @@ class ChebyshevLeg:
     normal: Series
     tangential: Series
 
+    @property
+    def most_turns(self) -> int:
+        return max(len(self.normal), len(self.tangential), 2) - 2
+
     def _unit(self, time: ArrayLike) -> Array:
         t = np.asarray(time, dtype=float)
         return ((t - self.start) - (self.end - t)) / (self.end - self.start)

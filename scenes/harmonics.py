@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from functools import cached_property
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +16,20 @@ from scenes.loads import Array, LoadPath, Loads, Point, WayIn, straight_way_in
 from scenes.materials import FROZEN, Positive
 
 Harmonic = tuple[Annotated[float, Field(ge=0, description="amplitude")], Annotated[float, Field(description="lag, degrees")]]
+
+
+# Sines that are worked out at once: what the caches of a processor hold.
+_AT_ONCE = 2**15
+# Waves of a load whose sines are asked of the library one by one: more of them follow from that of the first, ten times faster.
+_FEW = 7
+
+
+class _Waves(NamedTuple):
+    """Those of a load that have an amplitude: k, amplitude and phase in radians, (m,) each."""
+
+    number: Array
+    amplitude: Array
+    phase: Array
 
 
 @dataclass(frozen=True)
@@ -26,21 +42,27 @@ class HarmonicLeg:
     normal: tuple[tuple[float, float], ...]
     tangential: tuple[tuple[float, float], ...]
 
+    @cached_property
+    def _waves(self) -> tuple[_Waves, _Waves]:
+        return _heard(self.normal), _heard(self.tangential)
+
+    @property
+    def most_turns(self) -> int:
+        order = max(int(np.max(waves.number, initial=0)) for waves in self._waves)
+        return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
+
     def loads(self, time: ArrayLike) -> Loads:
-        t = np.asarray(time, dtype=float)
-        return self.mean[0] + _wave(self.normal, t, 0.0), self.mean[1] + _wave(self.tangential, t, 0.0)
+        p, q = _sums(self._waves, np.asarray(time, dtype=float))
+        return self.mean[0] + p, self.mean[1] + q
 
     def rates(self, time: ArrayLike) -> Loads:
         # A cos(k t - phi) has the rate k A cos(k t - phi + 90 degrees).
-        t = np.asarray(time, dtype=float)
-        return (
-            _wave(tuple((k * a, phase) for k, (a, phase) in enumerate(self.normal, 1)), t, math.pi / 2),
-            _wave(tuple((k * a, phase) for k, (a, phase) in enumerate(self.tangential, 1)), t, math.pi / 2),
-        )
+        rising = [_Waves(k, k * amplitude, phase - math.pi / 2) for k, amplitude, phase in self._waves]
+        return _sums(rising, np.asarray(time, dtype=float))
 
     def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
         t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
-        return _wave_change(self.normal, t, t0), _wave_change(self.tangential, t, t0)
+        return _changes(self._waves, (t + t0) / 2, (t - t0) / 2)
 
     def shifted(self, delay: float) -> HarmonicLeg:
         def late(waves: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
@@ -51,19 +73,77 @@ class HarmonicLeg:
         )
 
 
-def _wave(waves: tuple[tuple[float, float], ...], t: Array, lead: float) -> Array:
-    total = np.zeros(t.shape)
-    for k, (amplitude, phase) in enumerate(waves, 1):
-        total = total + amplitude * np.cos(k * t - (phase - lead))
-    return total
+def _heard(waves: tuple[tuple[float, float], ...]) -> _Waves:
+    amplitude, phase = np.array(waves, dtype=float).reshape(-1, 2).T
+    heard = amplitude != 0
+    return _Waves(np.arange(1.0, len(waves) + 1)[heard], amplitude[heard], phase[heard])
 
 
-def _wave_change(waves: tuple[tuple[float, float], ...], t: Array, t0: Array) -> Array:
-    middle, half = (t + t0) / 2, (t - t0) / 2
-    total = np.zeros(middle.shape)
-    for k, (amplitude, phase) in enumerate(waves, 1):
-        total = total - 2 * amplitude * np.sin(k * middle - phase) * np.sin(k * half)
-    return total
+def _sums(loads: Sequence[_Waves], t: Array) -> Loads:
+    """Sum of A_k cos(k t - phi_k) for P and for Q, shape of t."""
+    if max(len(waves.number) for waves in loads) <= _FEW:
+        p, q = (sum((a * np.cos(k * t - phase) for k, a, phase in zip(*waves, strict=True)), np.zeros(t.shape)) for waves in loads)
+        return p, q
+    even, odd = _quadratures(loads)
+
+    def part(times: Array) -> Array:
+        cosine, sine = _multiples(times, even.shape[1])
+        return (even * cosine + odd * sine).sum(axis=1)
+
+    return _in_parts(part, even.shape[1], t)
+
+
+def _changes(loads: Sequence[_Waves], middle: Array, half: Array) -> Loads:
+    """The sums at middle + half less those at middle - half: of -2 A_k sin(k middle - phi_k) sin(k half), free of cancellation."""
+    if max(len(waves.number) for waves in loads) <= _FEW:
+        terms = (
+            (-2 * a * np.sin(k * middle - phase) * np.sin(k * half) for k, a, phase in zip(*waves, strict=True)) for waves in loads
+        )
+        p, q = (sum(each, np.zeros(middle.shape)) for each in terms)
+        return p, q
+    even, odd = _quadratures(loads)
+
+    def part(middles: Array, halves: Array) -> Array:
+        cosine, sine = _multiples(middles, even.shape[1])
+        return ((even * sine - odd * cosine) * (-2 * _multiples(halves, even.shape[1])[1])).sum(axis=1)
+
+    return _in_parts(part, even.shape[1], middle, half)
+
+
+def _quadratures(loads: Sequence[_Waves]) -> tuple[Array, Array]:
+    """Factors of cos(k t) and of sin(k t) in P and Q, (2, m, 1) each, for all k up to the last wave's."""
+    factors = np.zeros((2, len(loads), max(int(np.max(waves.number, initial=0)) for waves in loads), 1))
+    for load, (number, amplitude, phase) in enumerate(loads):
+        factors[:, load, number.astype(int) - 1, 0] = amplitude * np.array([np.cos(phase), np.sin(phase)])
+    return factors[0], factors[1]
+
+
+def _multiples(angle: Array, count: int) -> tuple[Array, Array]:
+    """cos(k t) and sin(k t), (count, n) each, k = 1, 2, ...: twice as many by the sums of angles each time.
+
+    Small sines keep their digits: nothing cancels in s_j c_k + c_j s_k there.
+    """
+    cosine, sine = np.empty((count, len(angle))), np.empty((count, len(angle)))
+    cosine[0], sine[0] = np.cos(angle), np.sin(angle)
+    known = 1
+    while known < count:
+        more = slice(known, min(2 * known, count))
+        these = slice(0, more.stop - known)
+        cosine[more] = cosine[these] * cosine[known - 1] - sine[these] * sine[known - 1]
+        sine[more] = sine[these] * cosine[known - 1] + cosine[these] * sine[known - 1]
+        known = more.stop
+    return cosine, sine
+
+
+def _in_parts(part: Callable[..., Array], count: int, *times: Array) -> Loads:
+    """`part`, (2, n) sums of `count` rows, at times of one shape: the same last digit however many times are asked for."""
+    size, shape = times[0].size, times[0].shape
+    # Never one time alone: its column would be summed in another order.
+    flat = [np.resize(time, 2) if size == 1 else time.ravel() for time in times]
+    marks = np.arange(0, max(size - 1, 1), max(_AT_ONCE // count, 2)).tolist()
+    parts = [part(*(time[a:b] for time in flat)) for a, b in zip(marks, [*marks[1:], None], strict=True)]
+    p, q = np.concatenate(parts, axis=1)[:, :size]
+    return p.reshape(shape), q.reshape(shape)
 
 
 class HarmonicLoad(BaseModel):

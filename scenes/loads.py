@@ -9,7 +9,7 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal, Protocol, Self
+from typing import Annotated, ClassVar, Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,10 @@ class Leg(Protocol):
     def start(self) -> float: ...
     @property
     def end(self) -> float: ...
+    @property
+    def most_turns(self) -> int:
+        """How often P, Q or a sum of both may turn round inside, at most."""
+
     def loads(self, time: ArrayLike) -> Loads:
         """(P, Q) [force per thickness] at `time`."""
 
@@ -50,6 +54,7 @@ class StraightLeg:
     end: float
     first: Point
     last: Point
+    most_turns: ClassVar[int] = 0
 
     def loads(self, time: ArrayLike) -> Loads:
         # From the nearer end, so that both ends are met to the last digit.
@@ -81,6 +86,7 @@ class ParabolaLeg:
     end: float
     last: Point
     end_slope: float
+    most_turns: ClassVar[int] = 1
 
     @property
     def coefficients(self) -> tuple[float, float]:
@@ -117,6 +123,10 @@ class EllipseLeg:
     mean: Point
     amplitude: Point
     phase: float
+
+    @property
+    def most_turns(self) -> int:
+        return 2 * math.ceil((self.end - self.start) / (2 * math.pi))
 
     def loads(self, time: ArrayLike) -> Loads:
         t = np.asarray(time, dtype=float)
@@ -195,6 +205,19 @@ def straight_legs(points: list[Point], start: float, duration: float) -> tuple[S
     return tuple(
         StraightLeg(start + k * duration, start + (k + 1) * duration, points[k], points[k + 1]) for k in range(len(points) - 1)
     )
+
+
+def sampled(leg: Leg, least: int) -> Array:
+    """Times along a leg, ascending: the ends alone of a straight one, else `least` or eight from turn to turn, whichever is more.
+
+    >>> (
+    ...     len(sampled(StraightLeg(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
+    ...     len(sampled(EllipseLeg(0.0, 6.28, (3, 1), (1, 1), 0.5), 25)),
+    ... )
+    (2, 25)
+    """
+    count = max(least, 8 * leg.most_turns + 1) if leg.most_turns else 2
+    return np.linspace(leg.start, leg.end, count)
 
 
 WayIn = Literal["straight"] | tuple[Point, ...]

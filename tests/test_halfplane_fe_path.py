@@ -13,6 +13,7 @@ from halfplane_fe import check_admissible
 from halfplane_fe.path import stretches, turning_points
 from halfplane_fe.scales import largest_load
 from problems import fe_run
+from reports.checking import check_path
 from scenes import EllipseLeg, EllipseLoad, HarmonicLoad, InadmissibleLoadError, ParabolaLeg, PolygonLoad, StraightLeg, load_scene
 
 TURN = 2 * math.pi
@@ -50,6 +51,26 @@ def test_parabola_turns_where_its_slope_is_f():
     leg = ParabolaLeg(0.0, 1.0, (2.0, 1.0), 0.0)  # Q = P - P^2/4: slope 1/2 at P = 1
     assert turning_points(leg, 0.5) == pytest.approx([0.5], abs=1e-12)
     assert turning_points(leg, 2.0) == []
+
+
+@pytest.mark.parametrize("order", [300, 360, 720, 1000])
+def test_every_turn_of_a_high_harmonic_is_found(order):
+    """Q = 10 sin t + 30 sin(k t): its rate has a zero next to each of cos(k t), however few samples an ellipse would need."""
+    leg = HarmonicLoad(mean_normal_load=90, tangential_harmonics=[(10, 90), *[(0, 0)] * (order - 2), (30, 90)]).path().cycle[0]
+    found = np.array(turning_points(leg, 0.5))
+    np.testing.assert_allclose(found, (np.arange(2 * order) + 0.5) * math.pi / order, atol=1 / (2 * order**2))
+
+
+@pytest.mark.parametrize("order", [512, 720])
+def test_sliding_between_the_samples_of_a_slow_path_is_refused(order):
+    """512 and 720 samples of a turn all fall where sin(k t) is nothing."""
+    load = HarmonicLoad(mean_normal_load=90, tangential_harmonics=[*[(0, 0)] * (order - 1), (50, 90)])
+    with pytest.raises(InadmissibleLoadError, match="gross sliding"):
+        check_admissible(load.path(), 0.5)
+    paper = load_scene("hertz-paper")
+    scene = paper.model_copy(update={"load": load, "friction": paper.friction.model_copy(update={"coefficient": 0.5})})
+    assert check_path(scene).reason == "gross sliding"
+    assert check_path(scene).ratio == pytest.approx(50 / 45, rel=1e-9)
 
 
 @given(phase=st.floats(10, 170), increments=st.floats(4, 200))

@@ -7,7 +7,18 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from scenes import CallableLoad, ChebyshevLeg, HarmonicLeg, HarmonicLoad, InputError, Scene, TimeSeriesLoad, load_scene
+from scenes import (
+    CallableLoad,
+    ChebyshevLeg,
+    EllipseLeg,
+    HarmonicLeg,
+    HarmonicLoad,
+    InputError,
+    Scene,
+    TimeSeriesLoad,
+    load_scene,
+    sampled,
+)
 
 HEAD = """
 [material]
@@ -61,6 +72,45 @@ def test_harmonics_are_what_they_say():
     assert q == pytest.approx(0.2 + 0.3 * math.cos(0.7 - math.radians(80)) + 0.2 * math.cos(2.1 - math.radians(5)))
     assert isinstance(HARMONICS.path().cycle[0], HarmonicLeg)
     assert HARMONICS.path().period == pytest.approx(2 * math.pi)
+
+
+def high(order, amplitude=30.0, mean=90.0):
+    """Q = 10 sin t + amplitude sin(order t) under a constant P."""
+    waves = [(10.0, 90.0), *[(0.0, 0.0)] * (order - 2), (amplitude, 90.0)]
+    return HarmonicLoad(mean_normal_load=mean, tangential_harmonics=waves)
+
+
+@pytest.mark.parametrize("order", [2, 40, 700])
+def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order):
+    """So many times and waves that they are worked out in parts, each time to the same last digit as alone."""
+    chance = np.random.default_rng(order)
+    waves = [(float(a), float(phase)) for a, phase in chance.uniform((0, -180), (1, 180), (order, 2))]
+    leg = HarmonicLoad(mean_normal_load=3.0 * order, normal_harmonics=waves, tangential_harmonics=waves[:1]).path().cycle[0]
+    t = chance.uniform(0, 2 * math.pi, (3, 1000))
+    p, q = leg.loads(t)
+    k, a, phase = np.arange(1, order + 1), *np.array(waves).T
+    np.testing.assert_allclose(
+        p[1, ::50], [3.0 * order + math.fsum(a * np.cos(k * x - np.radians(phase))) for x in t[1, ::50]], rtol=1e-14
+    )
+    np.testing.assert_allclose(q, waves[0][0] * np.cos(t - math.radians(waves[0][1])), atol=1e-14)
+    alone = [(leg.loads(x)[0], leg.rates(x)[0]) for x in t[1, ::50]]
+    np.testing.assert_array_equal(alone, np.transpose([p[1, ::50], leg.rates(t)[0][1, ::50]]))
+    change = leg.change(t, t[::-1])[0]
+    np.testing.assert_allclose(change, p - p[::-1], atol=1e-11)
+    assert change[0, 3] == leg.change(t[0, 3], t[2, 3])[0]
+
+
+@pytest.mark.parametrize(
+    "leg", [*LEGS, high(300).path().cycle[0], EllipseLeg(0.3, 7.0, (3, 1), (1, 1), 0.4)], ids=lambda leg: type(leg).__name__
+)
+def test_a_leg_turns_round_no_more_often_than_it_says_and_samples_show_it(leg):
+    for normal, tangential in ((1, 0), (0, 1), (-0.5, 1), (0.5, 1)):
+        dense, seen = (
+            np.count_nonzero(np.diff(np.sign(normal * p + tangential * q)) != 0)
+            for p, q in (leg.rates(np.linspace(leg.start, leg.end, 100_001)[1:-1]), leg.rates(sampled(leg, 25)[1:-1]))
+        )
+        assert dense <= leg.most_turns
+        assert seen == dense or leg.most_turns < 30
 
 
 def test_functions_are_followed_to_rounding():
