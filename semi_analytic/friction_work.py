@@ -181,10 +181,12 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     begin = time_of(leg, what, amount, first.time, last.time)
     begin = np.where(edge_load >= top, first.time, np.where(edge_load <= bottom, last.time, begin))
     meets = time_of(leg, NORMAL_LOAD, edge_load - first.normal, first.time, last.time)
-    if last.normal > first.normal:
+    # Of the change itself: where P hardly moves, the last digits of both loads may say that it falls while it grows.
+    growth = float(change(leg, NORMAL_LOAD, last.time, first.time))
+    if growth > 0:
         return np.maximum(begin, np.where(edge_load >= last.normal, last.time, meets)), np.full(begin.shape, last.time)
     inside = edge_load < max(first.normal, last.normal)
-    end = meets if last.normal < first.normal else np.full(begin.shape, last.time)
+    end = meets if growth < 0 else np.full(begin.shape, last.time)
     return begin, np.where(inside, end, begin)
 
 

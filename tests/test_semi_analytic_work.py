@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from scenes import CallableLoad
 from semi_analytic import solve, time_series
 from semi_analytic.memory import values
 from semi_analytic.question import ask
@@ -85,6 +86,20 @@ def test_work_of_rows_by_brute_force(monkeypatch, profile):
     """Through the stack: W was 1.7e-8 off where P hardly grows and W(x) 3.9e-8, and the record said 1.4e-12."""
     monkeypatch.setattr(time_series, "LONG", 0)
     agrees(profile, "rows")
+
+
+def test_no_point_misses_an_instant_in_which_the_load_hardly_grows():
+    """Of a Python function the load turns at 1e-11, not at 0; by their last digits both loads fell there, and W(x) lacked 9e-12."""
+    load = CallableLoad(
+        normal_load=lambda t: 0.34 + 0.34 * 0.3 * math.cos(t),
+        tangential_load=lambda t: 0.8 * 2.0 * 0.7 * 0.34 * math.cos(t - 0.5),
+        duration=2 * math.pi,
+        repeats=True,
+    )
+    scene, x = make_scene(load, friction=2.0), np.array([0.55, 0.6])
+    exact = np.sum(Work(scene, 1).density(x), axis=0).astype(float)
+    found = solve(scene, x=x, fields=("dissipation_density",)).dissipation_density
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-13 * np.max(exact))
 
 
 def slipped_at(work, span, time):
