@@ -9,9 +9,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from semi_analytic.history import Span
+
+Array = NDArray[np.float64]
 
 _EPS = float(np.finfo(float).eps)
 _REPEATS, _OF_SLIP, _LEAST = 1e-12, 1e-4, 2e-14
@@ -45,7 +48,18 @@ def rounding_of_work(spans: Sequence[Span]) -> float:
 def rounding_of_slip(share: float) -> float:
     """Relative error of d = `share` P by the last digits of P; 0 where that is below what closed forms promise, or nothing slips.
 
-    Three times as much counts for W, one and a half times for the slip s.
+    Three times as much counts for W, eight times for the slip s: one and a half by its power of d, the rest by the digits of
+    kernels that cancel. Measured: up to 4.5 times, on a short flat face.
     """
     error = LAST_DIGITS / share if share > 0 else 0.0
-    return error if 3 * error > _PROMISED else 0.0
+    return error if 8 * error > _PROMISED else 0.0
+
+
+def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
+    """Relative error of the rigid shift by the last digits of a sum of f int ln(2 L/a) d eta = f `moments` that cancels, (n,) each.
+
+    `shifts` in the same unit, int M' ln(2 L/a) d eta; 0 where the error is below what closed forms promise, or nothing shifts.
+    """
+    largest = float(np.max(np.abs(shifts)))
+    error = 2 * LAST_DIGITS * friction * float(np.max(np.abs(moments))) / largest if largest > 0 else 0.0
+    return error if error > _PROMISED else 0.0

@@ -20,7 +20,7 @@ from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.friction_work import closed_integral_and_rounding, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
 from semi_analytic.question import FIELDS, Question, arrays_of, ask, checked
-from semi_analytic.rounding import rounding_of_slip, rounding_of_work, slipped_share
+from semi_analytic.rounding import rounding_of_shift, rounding_of_slip, rounding_of_work, slipped_share
 from semi_analytic.route import Cycles
 from semi_analytic.row_solution import solve_rows
 from semi_analytic.time_series import is_long
@@ -84,8 +84,10 @@ def solve(
     evaluated = clock.perf_counter()
     work_done = _dissipations(question)
     errors = field_errors(question, snapshot, series, grids)
-    if "slip" in question.fields and (rounding := 1.5 * rounding_of_slip(slipped_share(question.route.history.spans))):
+    if "slip" in question.fields and (rounding := 8 * rounding_of_slip(slipped_share(question.route.history.spans))):
         errors["slip"] = errors.get("slip", 0.0) + rounding
+    if "rigid_shift" in question.fields and (rounding := _rounding_of_shift(question, series)):
+        errors["rigid_shift"] = rounding
     errors |= {name: doubt for name, doubt in work_done.doubts.items() if doubt and name in question.fields}
     seconds = {
         "history": marched - started,
@@ -109,6 +111,11 @@ def solve(
         **{name: freeze(values) for name, values in lines.items()},
         **grids,
     )
+
+
+def _rounding_of_shift(question: Question, series: dict[str, Array]) -> float:
+    shifts = math.pi * question.modulus / 2 * series["rigid_shift"]
+    return rounding_of_shift(question.friction, question.contact.log_distance(series["normal_load"]), shifts)
 
 
 def _dissipations(question: Question) -> Dissipations:

@@ -11,7 +11,8 @@ from semi_analytic.hertz import HertzContact
 from semi_analytic.row_work import work_error
 from semi_analytic.stack import Records
 from semi_analytic.tabulated import TabulatedContact
-from semi_analytic_cases import ellipse, make_scene
+from semi_analytic_cases import ellipse, make_scene, polygon
+from semi_analytic_oracle import Oracle
 
 R = load_scene("hertz-paper").profile.radius
 ROWS = np.linspace(0, 3, 31)
@@ -151,3 +152,20 @@ def test_what_was_not_found_is_one_sentence_at_the_command_line(monkeypatch, cap
     for command in (["exact", "hertz-paper"], ["advise", "blocks"]):
         assert main(command) == 3
         assert "not converged: no half-width was found for" in " ".join(capsys.readouterr().err.split())
+
+
+def test_last_digits_of_tiny_slip_and_of_the_rigid_shift_are_told():
+    """Q of 2e-4 f P on a short flat face: slip is 2.0e-11 of its largest off where 6.7e-12 was told, the shift 1.0e-11 where
+    nothing was.
+    """
+    profile = FlatRounded(radius=1.0, flat_half_length=1e-3)
+    scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 1e-4), (1.0, -1e-4)]), 0.5).model_copy(update={"profile": profile})
+    time, half = np.linspace(4.0, 7.0, 6), 1.13
+    x = half * np.array([0.63, 0.93, 0.999, 1.1, 3.0])
+    found = solve(scene, x=x, time=time, fields=("slip", "rigid_shift"))
+    oracle = Oracle(scene, time)
+    exact = [oracle.at(k, x) for k in range(len(time))]
+    for name in ("slip", "rigid_shift"):
+        truth = np.array([each[name] for each in exact])
+        off = float(np.max(np.abs(getattr(found, name) - truth)) / np.max(np.abs(truth)))
+        assert 1e-13 < off <= found.record.errors[name] < 1e-10, name
