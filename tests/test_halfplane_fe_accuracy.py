@@ -196,21 +196,10 @@ def test_check_fails_above_its_limit_and_on_nan():
             check("hertz pressure", wrong)
 
 
-# Known disagreements, strict: a cured one fails here and is struck out. What counts as sticking is decided by a fixed share of the
-# largest slip: three nodes of a/640 beyond the law's own stick zone, which is right to half a node.
-KNOWN = {
-    ("paper, forward slip ends", "peak_pressure"): "5.7e-5 on elements of a/24 in the middle, 5.5e-5 on the coarse ones by chance",
-    ("paper, reverse slip ends", "peak_pressure"): "5.7e-5 on elements of a/24 in the middle, 5.5e-5 on the coarse ones by chance",
-}
 METRICS = ("pressure", "shear", "contact_half_width", "stick_half_width", "peak_pressure", "rigid_approach", "dissipation")
 
 
-def known(problem, metric):
-    reason = KNOWN.get((problem.name, metric))
-    return pytest.param(problem, metric, marks=[pytest.mark.xfail(reason=reason)] if reason else [])
-
-
-FINER = [known(problem, metric) for problem in problems("cycle") for metric in METRICS]
+FINER = [(problem, metric) for problem in problems("cycle") for metric in METRICS]
 
 
 @pytest.mark.slow

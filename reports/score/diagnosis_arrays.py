@@ -11,6 +11,8 @@ from reports.score.diagnosis_hypothesis import Hypothesis
 
 # A fitted factor counts as the round one that it is near: a mesh does not move a resultant by more.
 NEAR = 0.02
+# A factor of a hundred or more is one of units even this far from the round one: what is left of it is another fault.
+NEAR_OF_UNITS = 0.25
 # Below this a factor is no fault of a file; modulus, radius or loads explain it better.
 LEAST_FACTOR = 0.01
 # No elastic contact has another pressure and the same width and shear, so a factor of p alone has no rival.
@@ -50,13 +52,15 @@ def _factor(what: Discrepancy) -> Iterator[Hypothesis]:
     k = product[0] / product[1]
     if k <= 0 or abs(k - 1) < LEAST_FACTOR:
         return
-    power = np.log10(k)
-    unit = abs(power) > 0.5 and abs(k / 10 ** round(power) - 1) < NEAR
+    order = round(np.log10(k))
+    off = abs(k / 10.0**order - 1)
+    unit = order != 0 and off < (NEAR_OF_UNITS if abs(order) >= 2 else NEAR)
+    factor = 10.0**order if unit and off >= NEAR else k
     yield Hypothesis(
         "units" if unit else "traction_factor",
-        (k * what.expected[0], k * what.expected[1]),
-        {"factor": 10.0 ** round(power) if unit else float(k)},
-        mend=lambda found: (found[0] / k, found[1] / k),
+        (factor * what.expected[0], factor * what.expected[1]),
+        {"factor": 10.0**order if unit else float(k)},
+        mend=lambda found: (found[0] / factor, found[1] / factor),
     )
 
 
