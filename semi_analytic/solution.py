@@ -166,7 +166,8 @@ def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
 def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
     """W(x) of a solved cycle, (k,), and its error over its largest value."""
     x = question.distance
-    if _is_smooth_loop(question, number):
+    # One rule a phase is not enough where P may hardly grow: spans are halved until they settle.
+    if _is_smooth_loop(question, number) and not getattr(question.contact, "bends_anywhere", False):
         forward, reverse = density_of(_loop(question).take(np.zeros(len(x), dtype=int)), question.contact, x)
         return _unit_of_work(question) * (forward + reverse), 0.0
     spans = question.route.history.cycles[number]
