@@ -32,7 +32,7 @@ class BodyFields:
     points : (n, 2) undeformed places [length]
     cells : (n_elements, 3, 6, 4 or 9): corners counter-clockwise, mid-side nodes, middle
     displacement : (n, 2) [length]; that of the upper body includes its rigid shift and approach
-    stress : (n, 4) xx, yy, xy, zz [stress], averaged over the elements of a node
+    stress : (n, 4) xx, yy, xy, zz [stress], carried to each node from its elements and averaged there
     von_mises : (n,) [stress]
     """
 
@@ -135,19 +135,38 @@ def _counter_clockwise(points: Array, cells: NDArray[np.int64]) -> NDArray[np.in
 
 
 def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody) -> Array:
-    """(n_nodes, 4) xx, yy, xy, zz: element stresses averaged at each node with the elements' areas as weights."""
+    """(n_nodes, 4) xx, yy, xy, zz: element stresses carried to each node and averaged there with the elements' areas as weights."""
     # notation: lam, mu are Lame's constants, the part of lam that enters through `tension` left out
     lam, _, mu = split_lame(condensed.material, condensed.order)
     strain = sym_grad(basis.interpolate(displacement))
     corners = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(tension)
     mean = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(corners)
-    parts = (mean + 2 * mu * strain[0, 0], mean + 2 * mu * strain[1, 1], 2 * mu * strain[0, 1], mean)
-    area = basis.dx.sum(axis=1)
-    cells = _cells(basis)
-    n_nodes = basis.mesh.p.shape[1]
-    weights = np.bincount(cells.ravel(), np.repeat(area, cells.shape[1]), n_nodes)
-    means = [np.repeat((part * basis.dx).sum(axis=1), cells.shape[1]) for part in parts]
-    return np.column_stack([np.bincount(cells.ravel(), mean, n_nodes) / weights for mean in means])
+    parts = np.stack((mean + 2 * mu * strain[0, 0], mean + 2 * mu * strain[1, 1], 2 * mu * strain[0, 1], mean))
+    at_nodes = parts @ _to_nodes(basis, condensed.order).T
+    area, cells, n_nodes = basis.dx.sum(axis=1)[:, None], _cells(basis).ravel(), basis.mesh.p.shape[1]
+    weights = np.bincount(cells, np.broadcast_to(area, at_nodes.shape[1:]).ravel(), n_nodes)
+    return np.column_stack([np.bincount(cells, (area * part).ravel(), n_nodes) / weights for part in at_nodes])
+
+
+def _to_nodes(basis: skfem.Basis, order: int) -> Array:
+    """(n_nodes, n_quadrature) of an element: values at its nodes of the polynomial nearest to those at its quadrature points.
+
+    Of an order less than the displacement has, where stresses are most accurate: constant, or linear (bilinear on a quadrilateral).
+
+    Source: Zienkiewicz and Zhu (1992), Int. J. Numer. Meth. Engng 33, 1331-1364, for the points of most accurate stress.
+    """
+    refdom = basis.mesh.refdom
+    ends = np.asarray(refdom.p, dtype=float)
+    places = [ends, *([ends[:, np.array(refdom.facets).T].mean(axis=1)] if basis.facet_dofs.size else [])]
+    if basis.interior_dofs.size:
+        places.append(ends.mean(axis=1, keepdims=True))
+
+    def polynomial(at: Array) -> Array:
+        terms = [np.ones(at.shape[1]), *at, at[0] * at[1]]
+        return np.column_stack(terms[: 1 if order == 1 else refdom.nnodes])
+
+    root = np.sqrt(basis.W)[:, None]
+    return np.asarray(polynomial(np.hstack(places)) @ np.linalg.pinv(root * polynomial(basis.X)) * root.T)
 
 
 def _von_mises(stress: Array) -> Array:

@@ -36,9 +36,7 @@ def _run(tokens: list[str]) -> int:
     """The exit code of a command line; whatever is refused, in a sentence."""
     try:
         if any(token == "" or (token.startswith("--") and token.endswith("=")) for token in tokens):
-            return _refused(
-                "one of the arguments is empty: is a variable of the shell not set? Give a value, or leave it out"
-            )
+            return _refused("one of the arguments is empty: is a variable of the shell not set? Give a value, or leave it out")
         if strange := next((token for token in tokens if not _is_text(token)), ""):
             encoding = sys.getfilesystemencoding()
             return _refused(f"{strange}: this is no text in {encoding}; name it otherwise, or set PYTHONUTF8=1 if it is UTF-8")

@@ -132,34 +132,50 @@ def _point_data(body: BodyFields) -> dict[str, NDArray[np.float64]]:
 
 @dataclass(frozen=True)
 class Peak:
-    """The largest von Mises stress of a snapshot: its value [stress], the body and the undeformed place [length]."""
+    """The largest of a stress in a snapshot: its value [stress], the body and the undeformed place [length]."""
 
     value: float
     body: str
     place: tuple[float, float]
 
 
-def peak(snapshot: Snapshot) -> Peak:
-    """Where von Mises' stress is largest."""
-    body = max(snapshot.bodies, key=lambda body: float(body.von_mises.max()))
-    node = int(np.argmax(body.von_mises))
-    return Peak(float(body.von_mises[node]), body.name, (float(body.points[node, 0]), float(body.points[node, 1]) + 0.0))
+def peak(snapshot: Snapshot, of: Callable[[BodyFields], NDArray[np.float64]] = lambda body: body.von_mises) -> Peak:
+    """Where `of` a body, a value at each of its nodes, is largest: von Mises' stress, or `tension`."""
+    values = [of(body) for body in snapshot.bodies]
+    which = int(np.argmax([value.max() for value in values]))
+    body, node = snapshot.bodies[which], int(np.argmax(values[which]))
+    return Peak(float(values[which][node]), body.name, (float(body.points[node, 0]), float(body.points[node, 1]) + 0.0))
+
+
+def tension(body: BodyFields) -> NDArray[np.float64]:
+    """Largest principal stress at each node, (n,) [stress]: on the face, beside the contact, the one that opens cracks."""
+    xx, yy, xy, zz = body.stress.T
+    return np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz)
 
 
 @dataclass(frozen=True)
 class Seen:
-    """An instant that was written: what was asked for, the stored time taken, its loads [force/length], its largest stress."""
+    """An instant that was written: what was asked for, the stored time taken, its loads [force/length], its largest stresses.
+
+    `von_mises` and `tension` are the largest of von Mises' stress and of the principal stresses.
+    """
 
     instant: Instant
     time: float
     normal_load: float
     tangential_load: float
-    largest: Peak
+    von_mises: Peak
+    tension: Peak
 
 
 def seen(instant: Instant, snapshot: Snapshot) -> Seen:
     """What is told of a snapshot once it is on disk."""
-    return Seen(instant, snapshot.time, snapshot.normal_load, snapshot.tangential_load, peak(snapshot))
+    loads = snapshot.normal_load, snapshot.tangential_load
+    return Seen(instant, snapshot.time, *loads, peak(snapshot), peak(snapshot, tension))
+
+
+def _placed(found: Peak) -> dict[str, float | str]:
+    return {"value": found.value, "body": found.body, "x": found.place[0], "y": found.place[1]}
 
 
 def record(
@@ -184,12 +200,8 @@ def record(
                 "time": one.time,
                 "normal_load": one.normal_load,
                 "tangential_load": one.tangential_load,
-                "largest_von_mises": {
-                    "value": one.largest.value,
-                    "body": one.largest.body,
-                    "x": one.largest.place[0],
-                    "y": one.largest.place[1],
-                },
+                "largest_von_mises": _placed(one.von_mises),
+                "largest_tension": _placed(one.tension),
             }
             for one in instants
         ],
@@ -199,7 +211,7 @@ def record(
         "animation": None if animation is None else dict(animation),
         "point data": {
             "displacement": "of each body; the upper one's with its rigid shift and approach; on the contact line the lower one's",
-            "stress": "xx, yy, zz, xy, yz, xz, averaged over the elements of a node",
+            "stress": "xx, yy, zz, xy, yz, xz, carried to each node from its elements and averaged there",
             "von_mises": "of that stress",
             "pressure": "on the contact line, positive in compression",
             "shear": "on the contact line, positive along x on the lower body",

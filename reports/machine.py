@@ -180,14 +180,17 @@ def _doubted(pair: tuple[float, float]) -> dict[str, float]:
 
 
 def fields_json(scene: Scene, report: FieldsReport, file: Path) -> str:
-    """What `fields` wrote: every instant with its largest von Mises stress, the files, the notes."""
+    """What `fields` wrote: every instant with its largest stresses, the files, the notes."""
     instants = [
         {
             "label": one.instant.label,
             "time": one.time,
             "normal_load": one.normal_load,
             "tangential_load": one.tangential_load,
-            "largest_von_mises": {"value": one.largest.value, "body": one.largest.body, "place": list(one.largest.place)},
+            **{
+                f"largest_{name}": {"value": found.value, "body": found.body, "place": list(found.place)}
+                for name, found in (("von_mises", one.von_mises), ("tension", one.tension))
+            },
         }
         for one in report.instants
     ]

@@ -77,14 +77,17 @@ def show_fields(scene: Scene, report: FieldsReport) -> None:
     _, length, stress = units(scene)
     load = load_unit(scene)
     many = len(report.instants) > _ROWS
-    shown = [max(report.instants, key=lambda one: one.largest.value)] if many else report.instants
+    shown = [max(report.instants, key=lambda one: one.von_mises.value)] if many else report.instants
     rows = []
     for one in shown:
-        values = (one.time, one.normal_load, one.tangential_load, one.largest.value)
-        place = f"{one.largest.body} ({one.largest.place[0]:.3g}, {one.largest.place[1]:.3g})"
-        rows.append((one.instant.label, *map(number, values), place))
-    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"largest von Mises [{stress}]", f"where (x, y) [{length}]")
-    show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3, 4))
+        largest = [
+            f"{number(found.value)} at ({found.place[0]:.3g}, {found.place[1]:.3g}), {found.body}"
+            for found in (one.von_mises, one.tension)
+        ]
+        rows.append((one.instant.label, *map(number, (one.time, one.normal_load, one.tangential_load)), *largest))
+    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"largest von Mises [{stress}]", f"largest tension [{stress}]")
+    show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3))
+    say(f"places (x, y) in {length}, on the undeformed bodies; tension is the largest principal stress")
     if many:
         say(f"shown: of {len(report.instants)} instants the one with the largest stress; all are in fields/fields.json")
     for note in report.notes:

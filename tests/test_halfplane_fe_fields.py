@@ -67,8 +67,7 @@ def test_stress_of_hertz_is_largest_below_the_surface():
     p0 = PROBLEMS["hertz"].exact["peak_pressure"]
     for body in snapshot.bodies:
         place = body.points[np.argmax(body.von_mises)]
-        assert abs(place[0]) < 0.1
-        assert abs(place[1]) == pytest.approx(0.704, abs=0.1)
+        assert np.hypot(place[0], abs(place[1]) - 0.704) < 0.12  # two nodes are no nearer to each other there
         axis = np.flatnonzero((np.abs(body.points[:, 0]) < 1e-9) & (np.abs(body.points[:, 1]) < 2) & (body.points[:, 1] != 0))
         z = np.abs(body.points[axis, 1])
         m = np.sqrt(1 + z**2)
@@ -76,7 +75,7 @@ def test_stress_of_hertz_is_largest_below_the_surface():
         exact = np.stack([xx, yy, 0 * z, 0.3 * (xx + yy)], axis=1)
         check("stress", float(np.abs(body.stress[axis] - exact).max() / p0))
         np.testing.assert_allclose(body.von_mises, von_mises(body.stress), rtol=1e-12, atol=1e-12 * p0)
-        assert body.von_mises.max() == pytest.approx(0.557 * p0, rel=0.03)
+        assert body.von_mises.max() == pytest.approx(0.557 * p0, rel=5e-3)
 
 
 def test_largest_shear_stress_on_the_axis_is_where_hertz_has_it():
@@ -163,3 +162,27 @@ def test_nearest_step_is_taken_and_instants_outside_are_refused():
     for instant in (-0.1, 1.1):
         with pytest.raises(InputError, match=f"instant {instant:.6g} lies outside the solved time, 0 to 1"):
             fields(answer, [instant])
+
+
+def test_tension_of_the_face_behind_the_trailing_edge():
+    """s_xx = 2 f p0 (sqrt(x^2 - c^2) - sqrt(x^2 - a^2))/a there: the closed integrals of the two ellipses of the shear.
+
+    The face carries nothing else. At the edge itself, where that has an infinite slope, nodes see a share of it.
+    """
+    scene = load_scene("cattaneo-mindlin")
+    answer = fe_run(scene, MeshSettings(), FEW_STEPS)
+    step = int(np.argmax(answer.tangential_load))
+    (snapshot,) = fields(answer, [answer.time[step]])
+    f, p, q = scene.friction.coefficient, answer.normal_load[step], answer.tangential_load[step]
+    a = PROBLEMS["mindlin, Q largest"].exact["contact_half_width"]
+    peak, c = 4 * f * p / (np.pi * a) * np.sqrt(q / (f * p)), a * np.sqrt(1 - q / (f * p))
+    for body, side in zip(snapshot.bodies, (-1, 1), strict=True):
+        face = body.points[:, 1] == 0
+        x, stress = body.points[face, 0] * side, body.stress[face]
+        behind, before = (x > 1.02 * a) & (x < 3 * a), (x < -1.02 * a) & (x > -3 * a)
+        exact = 4 * f * p / (np.pi * a**2) * (np.sqrt(x[behind] ** 2 - c**2) - np.sqrt(x[behind] ** 2 - a**2))
+        check("tension behind the trailing edge", float(np.abs(stress[behind, 0] - exact).max() / peak))
+        check("tension behind the trailing edge", float(np.abs(stress[behind, 1]).max() / peak))
+        assert stress[before, 0].max() < 0
+        assert 0.9 * peak < stress[:, 0].max() < peak
+        assert x[np.argmax(stress[:, 0])] == pytest.approx(a, rel=0.01)

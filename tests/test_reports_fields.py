@@ -14,7 +14,7 @@ from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.cli import main
-from reports.fields import instant_of, instants_of, peak, write_fields
+from reports.fields import instant_of, instants_of, peak, tension, write_fields
 from reports.mesh_pictures import BOUNDARY_COLOURS
 from reports.rendering import Skin, Window, picture, sides, surface
 from reports.stress_pictures import look
@@ -121,6 +121,19 @@ def test_peak_is_the_largest_of_both_bodies() -> None:
     body = snapshot.bodies[found.body == "upper"]
     place = np.argmin(np.linalg.norm(body.points - found.place, axis=1))
     assert body.von_mises[place] == found.value
+    drawn = peak(snapshot, tension)
+    lower = snapshot.bodies[0].stress
+    tensors = np.array(
+        [
+            [lower[:, 0], lower[:, 2], 0 * lower[:, 0]],
+            [lower[:, 2], lower[:, 1], 0 * lower[:, 0]],
+            [0 * lower[:, 0], 0 * lower[:, 0], lower[:, 3]],
+        ]
+    )
+    np.testing.assert_allclose(
+        tension(snapshot.bodies[0]), np.linalg.eigvalsh(tensors.transpose(2, 0, 1))[:, 2], atol=1e-12 * found.value
+    )
+    assert drawn.value == max(tension(body).max() for body in snapshot.bodies) > 0
 
 
 def test_instants_are_times_of_the_path_or_events() -> None:
@@ -191,7 +204,8 @@ class TestCommand:
         assert all((out / name).is_file() for name in [*record["files"], *record["pictures"]])
         assert record["pictures"] == [f"pictures/{name}.png" for name in ("mesh", "von_mises_000")]
         assert [instant["label"] for instant in record["instants"]] == ["asked for 2"]
-        assert all(instant["largest_von_mises"]["value"] > 0 for instant in record["instants"])
+        for name in ("largest_von_mises", "largest_tension"):
+            assert all(instant[name]["value"] > 0 for instant in record["instants"])
         assert record["bodies"]["upper"]["supports"] == {"base": "fixed", "sides": "guided"}
         assert record["gap"] == "in the shape of the faces"
         assert "--at 2" in record["command"]
