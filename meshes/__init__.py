@@ -5,7 +5,7 @@ Where to find what::
     bodies.py                              what a mesh is asked to be, and what it is
     build.py                               from a shape to a mesh: half_disc.py for half-planes, solids.py for all others
     grading.py, limits.py                  sizes of elements, and how many there may be
-    mirrored.py, interrupts.py             half a body by gmsh, reflected; Ctrl-C meanwhile
+    mirrored.py                            half a body by gmsh, reflected
     quality.py                             whether a mesh is fit for use
     files.py, foreign.py                   field files written, and those of other programs read
 """

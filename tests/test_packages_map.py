@@ -23,3 +23,9 @@ def test_every_file_has_its_place_on_the_map_once(package):
 def test_a_file_that_is_missing_or_named_twice_is_noticed():
     assert named("one.py, two.py") != Counter({"one.py"})
     assert named("one.py, one.py") != Counter({"one.py"})
+
+
+def test_no_module_of_the_benchmarks_has_the_name_of_one_of_the_tests() -> None:
+    """Some of either import some of the other, all by plain names: whoever comes second would get the wrong one."""
+    one, other = ({path.name for path in (Path(__file__).parents[1] / folder).glob("*.py")} for folder in ("benchmarks", "tests"))
+    assert one & other == set()

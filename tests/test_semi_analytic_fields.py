@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from semi_analytic import solve
-from semi_analytic_extremes import LOADS, PROFILES, extreme
+from semi_analytic_draws import LOADS, PROFILES, extreme
 from semi_analytic_oracle import LONG, Oracle
 from semi_analytic_truth import slip_of_an_arc
 

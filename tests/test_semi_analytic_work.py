@@ -11,7 +11,7 @@ from semi_analytic import solve, time_series
 from semi_analytic.memory import values
 from semi_analytic.question import ask
 from semi_analytic_cases import brute_force_curve, make_scene, polygon
-from semi_analytic_extremes import LOADS, PROFILES, extreme
+from semi_analytic_draws import LOADS, PROFILES, extreme
 from semi_analytic_fronts import LONG, memory
 from semi_analytic_work import Work
 
