@@ -112,13 +112,11 @@ def _steady_cycle(rows: Array, friction: float, most: int) -> tuple[int | None, 
     """Index of the first cycle that ends as it began, None if none of `most` does; how many were followed."""
     stack = Stack(friction)
     follow_rows(stack, rows[:2, 1], rows[:2, 2])
-    # No front goes deeper below P than the way of Q -+ f P on the lines of slip.
-    ways = (float(np.ptp(rows[1:, 2] + sign * friction * rows[1:, 1])) for sign in (-1, 1))
-    share = max(ways) / (2 * friction * float(np.max(rows[:, 1]))) if friction > 0 else 1.0
     for number in range(most):
         before = stack.copy()
-        follow_rows(stack, rows[2:, 1], rows[2:, 2])
-        if _alike(before, stack, repeats_within(share)):
+        slips = follow_rows(stack, rows[2:, 1], rows[2:, 2]).records
+        deepest = float(np.max(np.maximum(slips.load - slips.front, slips.load_after - slips.front_after), initial=0.0))
+        if _alike(before, stack, repeats_within(deepest / float(np.max(rows[1:, 1])))):
             return number, number + 1
     return None, most
 

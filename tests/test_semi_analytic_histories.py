@@ -177,6 +177,17 @@ def test_rows_through_the_stack_are_rows_through_the_engine(flat, repeats, data)
     assert np.max(lean.record.certificates["tangential_balance"]) < 1e-13
 
 
+@pytest.mark.parametrize("corners", [[(0.92, 1e-12), (0.5, 0.0)], [(0.5, 0.0), (0.51, 1e-9), (1.0, -1e-12), (0.05, 0.0)]])
+@pytest.mark.parametrize("flat", [0.0, 0.5])
+def test_rows_that_hardly_slip_are_steady_when_the_engine_says_so(corners, flat):
+    """However far P goes: what counts is how deep the front of slip went, 1e-12 of P and less."""
+    rows = [[k + 1.0, p, 0.7 * p * use] for k, (p, use) in enumerate([*corners, corners[0]])]
+    scene = make_scene(TimeSeriesLoad(rows=rows, repeats=True), friction=0.7, flat=flat)
+    lean, full = by_rows(scene, x=X[:5]), solve(scene, x=X[:5])
+    assert lean.steady_from == full.steady_from == 1
+    assert lean.dissipation == pytest.approx(full.dissipation, rel=1e-3, abs=0)
+
+
 def test_a_long_series_answers_what_is_asked_and_nothing_else(monkeypatch):
     """Counts of the work: no curve without a field, no quadrature without the dissipation, no field off the instants asked for."""
     t = np.arange(1.0, 1202)
