@@ -177,7 +177,9 @@ def test_rows_through_the_stack_are_rows_through_the_engine(flat, repeats, data)
     assert np.max(lean.record.certificates["tangential_balance"]) < 1e-13
 
 
-@pytest.mark.parametrize("corners", [[(0.92, 1e-12), (0.5, 0.0)], [(0.5, 0.0), (0.51, 1e-9), (1.0, -1e-12), (0.05, 0.0)]])
+@pytest.mark.parametrize(
+    "corners", [[(0.92, 1e-12), (0.5, 0.0)], [(0.5, 0.0), (0.512062, 1e-9), (1.0, -1e-12), (0.05, 2e-16), (0.73, -1e-12)]]
+)
 @pytest.mark.parametrize("flat", [0.0, 0.5])
 def test_rows_that_hardly_slip_are_steady_when_the_engine_says_so(corners, flat):
     """However far P goes: what counts is how deep the front of slip went, 1e-12 of P and less."""
