@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import stat
+import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from importlib import import_module
@@ -60,11 +61,22 @@ def check_size(path: Path, what: str, most: int, advice: str = "") -> None:
 
 
 def parsed_json(text: str) -> Any:
-    """What the JSON text says; ValueError for every fault of it, brackets nested by the thousand included."""
+    """What the JSON text says; ValueError for every fault of it: brackets nested by the thousand, integers beyond every float.
+
+    >>> parsed_json('{"n": 3}')
+    {'n': 3}
+    """
     try:
-        return json.loads(text)
+        return json.loads(text, parse_int=_whole_number)
     except RecursionError as reason:
         raise ValueError("it is nested too deeply") from reason
+
+
+def _whole_number(digits: str) -> int:
+    number = int(digits)
+    if abs(number) > sys.float_info.max:
+        raise ValueError(f"it holds a whole number of {len(digits)} digits")
+    return number
 
 
 def in_words(size: int) -> str:

@@ -18,6 +18,7 @@ from fuzzing import DOORS, outcome
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings, SurfaceGrading, foreign, half_disc, read_frames
 from meshes.limits import body_nodes, check_count, contact_nodes
+from reports import baseline
 from reports.score.scoring import own_solution
 from scenes import InputError, load_scene, scene_text
 from score_results import exact
@@ -209,3 +210,11 @@ def test_the_limit_on_memory_is_lifted_again(tmp_path: Path) -> None:
         np.ones(10**8)
     assert resource.getrlimit(resource.RLIMIT_AS) == before
     assert np.ones(10**6).sum() == 10**6
+
+
+@pytest.mark.parametrize("number", ["1" + 400 * "0", "-1" + 400 * "0"])
+def test_a_whole_number_beyond_every_float_is_a_fault_of_the_file(number: str, tmp_path: Path) -> None:
+    """JSON has whole numbers without end, and Python reads them: it was an OverflowError where one was used."""
+    (tmp_path / "baseline.json").write_text(f'{{"format": "halfplane baseline 1", "tolerances": {{"metric.peak": {number}}}}}')
+    with pytest.raises(InputError, match=rf"it holds a whole number of {len(number)} digits"):
+        baseline.read(tmp_path / "baseline.json")
