@@ -34,6 +34,7 @@ from semi_analytic.quadrature import graded
 from semi_analytic.rounding import LAST_DIGITS
 from semi_analytic.settling import SETTLED, Settled, settled
 from semi_analytic.snapshot import take
+from semi_analytic.turning import LEAST
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -183,10 +184,10 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     meets = time_of(leg, NORMAL_LOAD, edge_load - first.normal, first.time, last.time)
     # Of the change itself: where P hardly moves, the last digits of both loads may say that it falls while it grows.
     growth = float(change(leg, NORMAL_LOAD, last.time, first.time))
-    if growth > 0:
+    if growth >= LEAST:
         return np.maximum(begin, np.where(edge_load >= last.normal, last.time, meets)), np.full(begin.shape, last.time)
     inside = edge_load < max(first.normal, last.normal)
-    end = meets if growth < 0 else np.full(begin.shape, last.time)
+    end = meets if growth <= -LEAST else np.full(begin.shape, last.time)
     return begin, np.where(inside, end, begin)
 
 

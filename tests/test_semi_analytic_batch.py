@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from scenes import FlatRounded, Hertz, InputError, Materials
@@ -86,6 +86,8 @@ def test_lines_within_the_cone_dissipate_nothing(amplitude, tangential, phase):
     st.sampled_from([0.0, 0.7]),
     st.floats(0, 1),
 )
+@example(ratio=1e-300, use=0.5, phase=0.0, friction=1.0, flat=0.0, part=0.5)  # P is as good as constant
+@example(ratio=3e-313, use=0.3, phase=2.0, friction=0.7, flat=0.7, part=1.0)
 def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     """Forward, reverse, pointwise and global, both senses: one quadrature along a marched history, one in closed-form angles."""
     from semi_analytic.friction_work import global_dissipation, pointwise_dissipation
