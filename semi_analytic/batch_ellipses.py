@@ -72,7 +72,7 @@ def ellipses_of(mean: Array, amplitude: Array, tangential: Array, phase: Array, 
     # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other way: phase + pi.
     half = np.tan(phase / 2)
     share = ratio / (1 + half * half)
-    along, across = np.copysign(1.0, half) * share * (1 - half) * (1 + half), 2 * share * np.abs(half)
+    along, across = np.where(half < 0, -1.0, 1.0) * share * (1 - half) * (1 + half), 2 * share * np.abs(half)
     u, v = np.hypot(along - p1, across), np.hypot(along + p1, across)
     turn = np.arctan2(2 * p1 * across, (p1 - ratio) * (p1 + ratio))
     size = np.where(u > 0, u, 1.0)

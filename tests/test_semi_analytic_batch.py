@@ -87,6 +87,7 @@ def test_lines_within_the_cone_dissipate_nothing(amplitude, tangential, phase):
     st.floats(0, 1),
 )
 @example(ratio=1e-300, use=0.5, phase=0.0, friction=1.0, flat=0.0, part=0.5)  # P is as good as constant
+@example(ratio=0.25, use=0.5, phase=-0.0, friction=1.0, flat=0.0, part=0.0)  # no loop, so none that goes round the other way
 @example(ratio=3e-313, use=0.3, phase=2.0, friction=0.7, flat=0.7, part=1.0)
 def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     """Forward, reverse, pointwise and global, both senses: one quadrature along a marched history, one in closed-form angles."""
