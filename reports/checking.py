@@ -76,11 +76,22 @@ def require_admissible(scene: Scene, source: str) -> None:
         "lower the tangential load, raise the normal load or friction.coefficient",
         "separation": "P is not positive there, so the bodies part; keep P > 0 after the start",
     }[check.reason]
+    if check.reason == "separation" and not _presses(scene):
+        raise InputError(
+            f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so turn its "
+            "sign if compression is negative in this record"
+        )
     raise InputError(
         f"{source}: load: {check.reason} from time {check.first_time:.6g} on, worst in the {check.part} at time "
         f"{check.time:.6g} with P = {check.normal_load:.6g}, Q = {check.tangential_load:.6g}, f = "
         f"{scene.friction.coefficient:g}: {what}{_other_way_in(scene)}"
     )
+
+
+def _presses(scene: Scene) -> bool:
+    """Whether P is positive anywhere."""
+    path = scene.load.path()
+    return any(_largest_normal_load(leg) > 0 for leg in (*path.way_in, *path.cycle))
 
 
 def _other_way_in(scene: Scene) -> str:

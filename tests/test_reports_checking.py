@@ -8,7 +8,7 @@ import pytest
 import semi_analytic
 from reports.checking import check_path, require_admissible, require_profile_wide_enough
 from reports.cli import main
-from scenes import EllipseLoad, InputError, PolygonLoad, Scene, Tabulated, load_scene, scene_names, scene_text
+from scenes import EllipseLoad, InputError, PolygonLoad, Scene, Tabulated, TimeSeriesLoad, load_scene, scene_names, scene_text
 
 BASE = load_scene("hertz-paper")
 
@@ -122,3 +122,10 @@ def test_a_way_in_that_is_alone_at_fault_is_told(mean: float, hint: bool) -> Non
     with pytest.raises(InputError) as refused:
         require_admissible(tilted, "my.toml")
     assert ('or write load.way_in = "straight"' in str(refused.value)) == hint
+
+
+def test_a_record_in_which_compression_is_negative_is_told_so() -> None:
+    rows = [[0.0, -80.0, 0.0], [1.0, -90.0, 20.0], [2.0, -100.0, -20.0], [3.0, -80.0, 0.0]]
+    record = scene(PolygonLoad(way_in=[(100, 0)])).model_copy(update={"load": TimeSeriesLoad(rows=rows, repeats=True)})
+    with pytest.raises(InputError, match=r"my\.toml: load: P is never positive; .* turn its sign if"):
+        require_admissible(record, "my.toml")
