@@ -78,8 +78,8 @@ def require_admissible(scene: Scene, source: str) -> None:
     }[check.reason]
     if check.reason == "separation" and not _presses(scene):
         raise InputError(
-            f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so turn its "
-            "sign if compression is negative in this record"
+            f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so "
+            "turn its sign if compression is negative in this record"
         )
     raise InputError(
         f"{source}: load: {check.reason} from time {check.first_time:.6g} on, worst in the {check.part} at time "
