@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import InadmissibleLoadError, Leg
 from semi_analytic.legs import NORMAL_LOAD, Instant, change, change_from, instant, level, rate, stretches, time_of
-from semi_analytic.memory import Curve, append, clip, cut, flat, level_on, same, slipped_load
+from semi_analytic.memory import Curve, Piece, append, clip, cut, flat, level_on, same, slipped_load
 from semi_analytic.rounding import repeats_within, slipped_share
 from semi_analytic.sides import sides
 
@@ -172,16 +172,23 @@ def _stretch(curve: Curve, leg: Leg, begin: float, end: float, friction: float, 
 def _slip(curve: Curve, direction: int, first: Instant, last: Instant, friction: float, delay: float) -> Iterator[Span]:
     """Spans of slip in one direction: the front passes down through the pieces of the curve."""
     leg, what, begin = first.leg, level(direction, friction), first
+    total, last_digits = float(change(leg, what, last.time, first.time)), _LAST_DIGITS * friction * last.normal
+    # What slips already is at the limit, and the front is below it.
+    if curve is not None and flat(curve, direction, friction):
+        curve = curve.below
     while curve is not None:
         if flat(curve, direction, friction):
+            if total <= last_digits:  # nothing but rounding would take the front through it: it stays at its upper end
+                curve = Piece(curve, curve.top, first, -direction * friction)
+                break
             curve = curve.below
             continue
         start = float(change_from(curve.anchor, leg, what, first.time))
         bottom = float(level_on(curve, direction, friction, curve.bottom))
-        remaining, total = bottom - start, float(change(leg, what, last.time, first.time))
+        remaining = bottom - start
         # A front that meets the lower end of the piece at the very end of the stretch, to rounding, has not passed it: what lies
         # below may be at the limit already, and the front would jump through it.
-        if total <= remaining + _NEAR * (abs(bottom) + abs(start)) + _LAST_DIGITS * friction * last.normal:
+        if total <= remaining + _NEAR * (abs(bottom) + abs(start)) + last_digits:
             break
         passed = instant(leg, float(time_of(leg, what, remaining, first.time, last.time)))
         if passed.time > begin.time:
