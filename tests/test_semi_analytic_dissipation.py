@@ -73,7 +73,10 @@ def test_constant_normal_load_as_an_ellipse_is_the_same():
 @pytest.mark.parametrize("phase", [3.58764470035453e-08, 1.3831076412129431e-09, 2.508829044986121e-09, -1e-7, 180 - 1e-7, 1e-6])
 @pytest.mark.parametrize("load", [1.0, 10.0, 183.45937329584282])
 def test_what_sticks_for_ever_on_loads_next_to_a_line(phase, load):
-    """P_T = P0 - (u + v)/2. P turns an instant before slip does, and the front stands on a knot: only rounding would take it beyond."""
+    """P_T = P0 - (u + v)/2.
+
+    P turns an instant before slip does, and the front stands on a knot: only rounding would take it beyond.
+    """
     for ratio, use, friction in ((0.06, 0.25, 1.0), (0.12965094225905563, 0.6364538540831083, 1.0), (0.25, 0.63, 0.3)):
         q1 = use * friction * (1 - ratio)
         found = solve(
