@@ -75,6 +75,13 @@ class Span:
         lag = slipped_load(self.active, self.direction, self.friction, self.leg, t)
         return np.clip(lag, np.maximum(load - self.active.top, 0.0), load - self.active.bottom)
 
+    @cached_property
+    def deepest(self) -> float:
+        """Largest P - P_c at its ends and half-way; 0 where nothing slips."""
+        if not self.direction:
+            return 0.0
+        return float(np.max(self.slipped(np.linspace(self.begin.time, self.end.time, 3))))
+
     def curve(self, time: float) -> Curve:
         """The memory curve at a time of the leg."""
         now = instant(self.leg, time)

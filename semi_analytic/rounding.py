@@ -27,11 +27,8 @@ _PROMISED = 1e-12
 
 def slipped_share(spans: Sequence[Span]) -> float:
     """Largest d/P of some spans, seen at their ends and half-way; 0 where nothing slips."""
-    deepest = largest = 0.0
-    for span in spans:
-        largest = max(largest, span.begin.normal, span.end.normal)
-        if span.direction:
-            deepest = max(deepest, float(np.max(span.slipped(np.linspace(span.begin.time, span.end.time, 3)))))
+    deepest = max((span.deepest for span in spans), default=0.0)
+    largest = max((max(span.begin.normal, span.end.normal) for span in spans), default=0.0)
     return deepest / largest if largest > 0 else 0.0
 
 
