@@ -142,7 +142,7 @@ def page_of(kept: dict[str, dict[str, Any]]) -> str:
         "# Numbers",
         "",
         "Every figure that the project claims, written by `make numbers` and by nothing else. Errors are relative unless a unit "
-        "is given; times are of one run and vary by some ten per cent.",
+        "is given; times are of one run on a machine that others share: the same code has taken half as long again an hour later.",
         "",
         f"Python {platform.python_version()}, {packages}; {os.cpu_count()} cores, {platform.machine()}.",
     ]
