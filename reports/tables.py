@@ -81,7 +81,7 @@ def show_fields(scene: Scene, report: FieldsReport) -> None:
     rows = []
     for one in shown:
         largest = [
-            f"{number(found.value)} at ({found.place[0]:.3g}, {found.place[1]:.3g}), {found.body}"
+            f"{number(found.value)} at ({', '.join(number(float(f'{place:.3g}')) for place in found.place)}), {found.body}"
             for found in (one.von_mises, one.tension)
         ]
         rows.append((one.instant.label, *map(number, (one.time, one.normal_load, one.tangential_load)), *largest))
