@@ -81,6 +81,11 @@ def corner_loads(contact: Contact) -> Array:
     return np.asarray(contact.load(np.array(getattr(contact, "breaks", ()), dtype=float)))
 
 
+def bends_anywhere(contact: Contact) -> bool:
+    """Whether P(a) may bend sharply between its corners, where it hardly grows; closed forms never do, see `Pile`."""
+    return bool(getattr(contact, "bends_anywhere", False))
+
+
 def contact_of(profile: Profile, materials: Materials) -> Contact:
     """The mechanics of a scene's profile.
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import EllipseLeg, ParabolaLeg, StraightLeg
-from semi_analytic.contact import Contact
+from semi_analytic.contact import Contact, bends_anywhere
 from semi_analytic.corners import smooth_spans
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
@@ -109,7 +109,7 @@ def _rounding(span: Span, reach: Callable[[float, Array], Array]) -> Array:
 
 def uneven(contact: Contact, span: Span) -> bool:
     """Whether the load, or the front along an arc, runs by no formula, or the edges of contact and stick do at any load."""
-    if getattr(contact, "bends_anywhere", False):
+    if bends_anywhere(contact):
         return True
     arc = span.active is not None and span.active.arc is not None
     return not isinstance(span.leg, EllipseLeg) and (arc or not isinstance(span.leg, StraightLeg | ParabolaLeg))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import NotFoundError
-from semi_analytic.contact import Contact, corner_loads
+from semi_analytic.contact import Contact, bends_anywhere, corner_loads
 from semi_analytic.pile import Pile
 from semi_analytic.quadrature import NODES, ROOTS, gauss, graded
 from semi_analytic.stack import Records
@@ -47,7 +47,7 @@ def slip_work(contact: Contact, records: Records) -> Array:
 def _cuts(contact: Contact, records: Records) -> Array:
     """Loads of corners and, where P may hardly grow anywhere, of half-widths so close that a(P) is smooth in between."""
     corners = corner_loads(contact)
-    if not getattr(contact, "bends_anywhere", False) or not len(records.row):
+    if not bends_anywhere(contact) or not len(records.row):
         return corners
     largest = contact.half_width(max(float(np.max(records.load)), float(np.max(records.load_after))))
     return np.append(corners, contact.load(largest * _LADDER))

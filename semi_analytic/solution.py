@@ -14,6 +14,7 @@ from semi_analytic.batch import dissipation_of
 from semi_analytic.batch_density import density_of
 from semi_analytic.batch_ellipses import Ellipses, ellipses_of
 from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
+from semi_analytic.contact import bends_anywhere
 from semi_analytic.corners import has_corners
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.evaluation import grids_of, series_of
@@ -167,7 +168,7 @@ def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
     """W(x) of a solved cycle, (k,), and its error over its largest value."""
     x = question.distance
     # One rule a phase is not enough where P may hardly grow: spans are halved until they settle.
-    if _is_smooth_loop(question, number) and not getattr(question.contact, "bends_anywhere", False):
+    if _is_smooth_loop(question, number) and not bends_anywhere(question.contact):
         forward, reverse = density_of(_loop(question).take(np.zeros(len(x), dtype=int)), question.contact, x)
         return _unit_of_work(question) * (forward + reverse), 0.0
     spans = question.route.history.cycles[number]
