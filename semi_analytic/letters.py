@@ -92,7 +92,7 @@ def event(scene: Scene, letter: str) -> Event:
 
 def _plain(route: Route) -> Iterator[Event]:
     """Events without letters, several at one instant perhaps."""
-    groups: list[tuple[str, Sequence[Span]]] = [("way in", route.history.way_in)]
+    groups: list[tuple[str, Sequence[Span]]] = [("way in", route.history.way_in)] if route.history.way_in else []
     groups += [(f"cycle {number}", cycle) for number, cycle in enumerate(route.history.cycles, 1)]
     for label, spans in groups:
         for before, span in zip([None, *spans[:-1]], spans, strict=True):

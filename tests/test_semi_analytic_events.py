@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from scenes import InputError, load_scene
+from scenes import InputError, TimeSeriesLoad, load_scene
 from semi_analytic import event, events
 from semi_analytic_cases import ellipse, make_scene, polygon
 
@@ -72,3 +72,8 @@ def test_lines_and_polygons_have_events_without_letters():
         assert all(one.letter == "" for one in events(scene))
         with pytest.raises(InputError, match="no event 'A'"):
             event(scene, "A")
+
+
+def test_a_series_that_is_followed_from_its_first_row_on_has_events_too():
+    load = TimeSeriesLoad(rows=[[0.0, 0.0, 0.0], [1.0, 1.0, 0.2], [2.0, 0.5, -0.1]])
+    assert [one.time for one in events(make_scene(load))] == [0.0, 1.0, 2.0]
