@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest slow lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
+.PHONY: help run test lint types contracts pytest contract slow lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
 
 PY := .venv/bin/python
 STAMP := .venv/.installed
@@ -62,6 +62,11 @@ slow: $(STAMP) ## the tests marked slow, and only these
 	@echo "==> slow tests: pytest on 2 processes"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 -m slow --benchmark-disable --durations=10 --basetemp=.cache/tmp/pytest $(PYTEST_ARGS)
+
+contract: $(STAMP) ## the frozen values of both engines and of comparisons, all of them, and nothing else
+	@echo "==> contract: pytest on 2 processes"
+	@mkdir -p "$$TMPDIR" .cache/home
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 --slow --benchmark-disable --basetemp=.cache/tmp/pytest tests/contract
 
 lowest: $(STAMP) ## the wheel with the lowest versions that pyproject.toml allows: built, installed apart from .venv, run outside
 	@echo "==> lowest: an environment of its own in .cache/lowest"
