@@ -64,7 +64,7 @@ class Budget:
 
     Attributes
     ----------
-    metric : the verdict on the whole error, with its tolerance
+    metric : the whole error, with its tolerance
     terms : every source but the idealisation
     half_planes : whether the bodies are the half-planes of theory, so that there is no idealisation, see `are_half_planes`
     """
@@ -90,6 +90,11 @@ class Budget:
             return None
         doubts = [(term.uncertainty or 0.0, term.bound) for term in self.terms]
         return math.hypot(*(u for u, bound in doubts if not bound)) + sum(u for u, bound in doubts if bound)
+
+    @property
+    def judged(self) -> Metric:
+        """The metric with u for its uncertainty; as it is where u is not known."""
+        return self.metric if self.uncertainty is None else replace(self.metric, uncertainty=self.uncertainty)
 
     @property
     def resolved(self) -> bool | None:
@@ -140,8 +145,10 @@ def error_budget(comparison: Comparison, ladders: Ladders, plain_seconds: float)
 
 
 def with_budget(comparison: Comparison, budget: ErrorBudget) -> Comparison:
-    """`comparison` with its budget and what that says of honesty."""
-    return replace(comparison, budget=budget, honest=budget.honest)
+    """`comparison` with its budget, what that says of honesty, and every metric with the uncertainty that it is judged with."""
+    judged = {one.metric.key: one.judged for one in budget.budgets}
+    metrics = tuple(judged.get(metric.key, metric) for metric in comparison.metrics)
+    return replace(comparison, metrics=metrics, budget=budget, honest=budget.honest)
 
 
 def _terms(metric: Metric, comparison: Comparison, ladders: Ladders) -> Iterator[Term]:

@@ -7,7 +7,7 @@ from typing import Any
 from reports.budget import Budget, ErrorBudget, Term
 from reports.comparison import Comparison
 from reports.verdicts import Metric
-from reports.wording import value_of
+from reports.wording import accuracy_of, value_of
 
 # Terms that are nothing but bounds of rounding in nearly every run: on the page and in the file, not in the terminal.
 _SMALL = ("solver", "half-plane theory")
@@ -36,7 +36,7 @@ def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> li
             _amount(one.rest, one.metric, signed=True),
             "not measured" if one.uncertainty is None else _amount(one.uncertainty, one.metric),
             judgement(one),
-            {True: "within", False: "outside", None: "–"}[one.metric.accurate],
+            accuracy_of(one.judged),
         )
         for one in budget.budgets
         if one.metric.definition.headline is headline

@@ -13,7 +13,7 @@ from reports.console import Stages, complain, say, show_table
 from reports.folder import claim, default_folder
 from reports.options import FiniteElementOptions
 from reports.series import Wish, check_series
-from reports.tables import show_budget, show_expected, show_fields, show_third, show_verdict
+from reports.tables import exit_code, show_budget, show_expected, show_fields, show_third, show_verdict
 from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene
 
 if TYPE_CHECKING:
@@ -77,11 +77,12 @@ def run(
 
 
 def _outcome(report: jobs.Report, *, met: bool) -> int:
-    """The exit code of a run; a third opinion that failed is told."""
+    """The exit code of a run; a third opinion that failed, and a verdict that is left open, are said on the last line."""
     if report.third is not None and report.third.failure:
         complain(f"halfplane: {report.comparison.scene.name}: {report.third.failure}")
         return NOT_CONVERGED
-    return WITHIN if report.comparison.passed and met else OUTSIDE
+    code = exit_code(report.comparison)
+    return code if met else OUTSIDE
 
 
 def _say_json(report: jobs.Report) -> int:

@@ -12,7 +12,7 @@ from reports.judging import judge
 from reports.metrics import scales
 from reports.missing import missing, without_missing
 from reports.sampling import last_cycle, sample, sample_instants
-from reports.verdicts import LIGHT, Metric, Pair
+from reports.verdicts import LIGHT, Metric, Pair, Verdict
 from scenes import ContactSolution, InputError, Scene
 
 if TYPE_CHECKING:
@@ -57,9 +57,15 @@ class Comparison(Pair):
         return self.result.scene
 
     @property
+    def verdict(self) -> Verdict:
+        """Outside if one metric is, else undecided if one is, else within."""
+        found = {metric.verdict for metric in self.metrics}
+        return next((one for one in (Verdict.OUTSIDE, Verdict.UNDECIDED) if one in found), Verdict.WITHIN)
+
+    @property
     def accurate(self) -> bool:
-        """Whether no metric is outside its tolerance."""
-        return all(metric.accurate is not False for metric in self.metrics)
+        """Whether every metric that is judged is within its tolerance: undecided counts as outside."""
+        return self.verdict is Verdict.WITHIN
 
     @property
     def admissible(self) -> bool:

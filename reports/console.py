@@ -146,7 +146,7 @@ def _widths(lines: Sequence[Sequence[str]], room: int) -> list[int]:
 
 def _coloured(cell: str) -> Text:
     """Verdict words in colour, where the terminal has any; every cell taken literally, brackets and all."""
-    style = {"within": "green", "yes": "green", "outside": "bold red", "no": "bold red"}.get(cell, "")
+    style = {"within": "green", "yes": "green", "outside": "bold red", "no": "bold red", "undecided": "bold yellow"}.get(cell, "")
     return Text(_printable(cell), style=style)
 
 

@@ -14,6 +14,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from reports.baseline import Findings, flat, physics
+from reports.verdicts import Verdict, verdict_on
 from scenes import InputError
 
 # The first pattern that fits a key counts. What processors of other kinds give is told in docs/regression.md.
@@ -157,7 +158,7 @@ def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
     size = 1.0 if kind == "absolute" else max(abs(first), abs(second), _floor(key, a))
     change = abs(second) - abs(first) if fnmatchcase(key, MIRRORED) else second - first
     apart = change / size if change else 0.0
-    return Row(key, first, second, apart, kind, tolerance, SAME if abs(apart) <= tolerance else DIFFERS)
+    return Row(key, first, second, apart, kind, tolerance, SAME if verdict_on(apart, tolerance) is Verdict.WITHIN else DIFFERS)
 
 
 def _floor(key: str, findings: Findings) -> float:

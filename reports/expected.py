@@ -11,6 +11,7 @@ import numpy as np
 
 from reports.definitions import name_of
 from reports.metrics import compliance
+from reports.verdicts import Verdict, verdict_on
 from scenes import ContactSolution, Expected, Scene
 
 
@@ -32,7 +33,7 @@ class Finding:
     @property
     def met(self) -> bool:
         """Whether the difference lies within the tolerance; a NaN never does."""
-        return abs(self.difference) <= self.expected.tolerance
+        return verdict_on(self.difference, self.expected.tolerance) is Verdict.WITHIN
 
 
 def measure(solution: ContactSolution, quantity: str) -> float:

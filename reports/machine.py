@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from reports.budget_words import honest_of
 from reports.summary import strict
-from reports.wording import lead, verdict
+from reports.verdicts import Verdict
+from reports.wording import how_judged, lead, verdict
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -37,6 +38,8 @@ def verdict_json(report: Report, findings: Sequence[Finding], exit_code: int) ->
         "exit_code": exit_code,
         "passed": comparison.passed,
         "accurate": comparison.accurate,
+        "verdict": comparison.verdict,
+        "judged": how_judged(comparison),
         "admissible": comparison.admissible,
         "honest": comparison.honest,
         "lead": lead(comparison),
@@ -48,6 +51,7 @@ def verdict_json(report: Report, findings: Sequence[Finding], exit_code: int) ->
                 "unit": metric.unit,
                 "tolerance": metric.tolerance,
                 "accurate": metric.accurate,
+                "verdict": metric.verdict,
                 "honest": {"yes": True, "no": False}.get(honest_of(comparison, metric)),
             }
             for metric in comparison.headlines
@@ -162,7 +166,8 @@ def advice_json(advice: Advice, sentence: str) -> str:
             "passed": advice.exit_code == 0,
             "sentence": sentence,
             "limit": advice.limit,
-            "within_limit": advice.may,
+            "verdict": advice.verdict,
+            "within_limit": None if advice.verdict is None else advice.verdict is Verdict.WITHIN,
             "extrapolated": advice.extrapolated,
             "contact_half_width": advice.half_width,
             "departures": departures,

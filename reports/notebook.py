@@ -6,7 +6,7 @@ from html import escape
 
 from reports.budget_words import honest_of
 from reports.comparison import Comparison
-from reports.wording import accuracy_of, lead, tolerance_of, uncertainty_of, unit_of, value_of, verdict
+from reports.wording import accuracy_of, how_judged, lead, open_value_of, tolerance_of, unit_of, verdict
 
 _HEADS = ("metric", "value ± u", "as a share", "tolerance", "accurate", "honest")
 
@@ -16,7 +16,7 @@ def comparison_html(comparison: Comparison) -> str:
     rows = (
         (
             metric.label,
-            f"{value_of(metric)} {uncertainty_of(metric)}".strip(),
+            open_value_of(metric),
             unit_of(metric),
             tolerance_of(metric),
             accuracy_of(metric),
@@ -29,5 +29,5 @@ def comparison_html(comparison: Comparison) -> str:
     scene = comparison.scene
     return (
         f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(lead(comparison))}</b> {escape(verdict(comparison))}</p>"
-        f"<table><tr>{heads}</tr>{cells}</table></div>"
+        f"<table><tr>{heads}</tr>{cells}</table><p>{escape(how_judged(comparison))}</p></div>"
     )

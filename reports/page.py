@@ -23,15 +23,17 @@ from reports.metrics_work import normal_work
 from reports.provenance import commit
 from reports.templating import template
 from reports.units import energy_unit, minus, signed, units
-from reports.verdicts import Metric
+from reports.verdicts import Metric, Verdict
 from reports.wording import (
     CLAIM,
     accuracy_of,
     beyond_theory,
+    how_judged,
     lead,
     percent,
     question,
     sentence,
+    standing,
     tolerance_of,
     uncertainty_of,
     unit_of,
@@ -70,6 +72,8 @@ def render(
         bodies=[bodies_in_words(scene), unlike_materials(scene)],
         idealisation=beyond_theory(comparison),
         lead=lead(comparison),
+        standing=standing(comparison),
+        judged=how_judged(comparison),
         meshes=_meshes(comparison.result),
         verdict=verdict(comparison),
         comparison=comparison,
@@ -103,7 +107,6 @@ def _row(metric: Metric, comparison: Comparison) -> dict[str, str]:
     return {
         "label": metric.label,
         "value": value_of(metric),
-        "doubt": _doubt(metric, comparison),
         "unit": unit_of(metric),
         "tolerance": tolerance_of(metric),
         "accurate": accuracy_of(metric),
@@ -116,15 +119,6 @@ def _row(metric: Metric, comparison: Comparison) -> dict[str, str]:
         "region": metric.definition.region,
         "definition": metric.definition.text,
     }
-
-
-def _doubt(metric: Metric, comparison: Comparison) -> str:
-    """± u of a metric: of its budget where there is one, else as the result itself states it; empty where nobody says."""
-    if comparison.budget is not None:
-        stated = next((one.uncertainty for one in comparison.budget.budgets if one.metric.key == metric.key), None)
-        if stated is not None:
-            return f"± {stated:.2g}" if metric.absolute else f"± {100 * stated:.2g} %"
-    return uncertainty_of(metric)
 
 
 def _budget(comparison: Comparison) -> dict[str, Any] | None:
@@ -141,18 +135,25 @@ def _budget(comparison: Comparison) -> dict[str, Any] | None:
     }
 
 
-def _claims(comparison: Comparison) -> list[tuple[str, bool | None, str]]:
-    """The three claims: name, answer (None: not assessed), and what it rests on."""
+def _claims(comparison: Comparison) -> list[tuple[str, str, str]]:
+    """The three claims: name, answer (yes, no, undecided or not assessed), and what it rests on."""
+    answers = {True: "yes", False: "no", None: "not assessed"}
     checks = (*comparison.reference_certificates, *comparison.result_certificates)
-    judged = [metric.accurate for metric in comparison.metrics if metric.accurate is not None]
+    judged = [metric.verdict for metric in comparison.metrics if metric.verdict is not None]
+    undecided = judged.count(Verdict.UNDECIDED)
     return [
         (
             "Admissible",
-            comparison.admissible,
+            answers[comparison.admissible],
             f"{sum(check.holds for check in checks)} of {len(checks)} checks of the laws of contact hold, which need no reference",
         ),
-        ("Accurate", comparison.accurate, f"{sum(judged)} of {len(judged)} metrics lie within the tolerance that the scene states"),
-        ("Honest", honesty(comparison), comparison.honest.removeprefix("not assessed: ")),
+        (
+            "Accurate",
+            "undecided" if comparison.verdict is Verdict.UNDECIDED else answers[comparison.accurate],
+            f"{judged.count(Verdict.WITHIN)} of {len(judged)} metrics lie within the tolerance that the scene states"
+            + (f"; {undecided} undecided, which counts as outside" if undecided else ""),
+        ),
+        ("Honest", answers[honesty(comparison)], comparison.honest.removeprefix("not assessed: ")),
     ]
 
 

@@ -23,12 +23,13 @@ from reports.wording import (
     CLAIM,
     accuracy_of,
     beyond_theory,
+    how_judged,
     lead,
+    open_value_of,
     question,
+    standing,
     tolerance_of,
-    uncertainty_of,
     unit_of,
-    value_of,
     verdict,
 )
 from scenes import InputError
@@ -68,7 +69,8 @@ def _content(comparison: Comparison, figures: Sequence[Mapping[str, Any]], comma
         "title": scene.title or scene.name,
         "name": scene.name,
         "claim": CLAIM,
-        "passed": comparison.passed,
+        "standing": standing(comparison),
+        "judged": how_judged(comparison),
         "lead": lead(comparison),
         "verdict": verdict(comparison),
         "words": [w for w in (question(scene), bodies_in_words(scene), unlike_materials(scene), beyond_theory(comparison)) if w],
@@ -88,9 +90,8 @@ def _content(comparison: Comparison, figures: Sequence[Mapping[str, Any]], comma
 def _metric(comparison: Comparison, metric: Metric) -> list[str]:
     """A row of the verdict table."""
     admissible = "yes" if comparison.admissible else "no"
-    value = f"{value_of(metric)} {uncertainty_of(metric)}".strip()
     verdicts = [accuracy_of(metric), admissible, honest_of(comparison, metric)]
-    return [metric.label, value, unit_of(metric), tolerance_of(metric), *verdicts]
+    return [metric.label, open_value_of(metric), unit_of(metric), tolerance_of(metric), *verdicts]
 
 
 def _figure(plate: Plate, folder: Path) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from reports.body_words import are_half_planes, bodies_in_words, idealisation, u
 from reports.definitions import DEFINITIONS, name_of
 from reports.publishing import External, error_of
 from reports.units import energy_unit, units
-from reports.verdicts import Metric
-from reports.wording import CLAIM, question, sentence, tolerance_of, value_of
+from reports.verdicts import Metric, verdict_on
+from reports.wording import CLAIM, accuracy_of, question, sentence, tolerance_of, value_of
 from scenes import Scene, load_scene
 
 _QUANTITIES = {
@@ -41,9 +41,9 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
         f"Largest normal load {stored['largest_normal_load']:.6g}; left, where it acts; right, the last cycle. "
         "Broad pale lines: half-plane theory, at the points of the finite elements; thin dark ones: finite elements.",
         "## Finite elements against half-plane theory",
-        _table(_HEADS, _metric_rows([metric for metric in found if metric.tolerance is not None], stored["accurate"])),
+        _table(_HEADS, _metric_rows([metric for metric in found if metric.tolerance is not None])),
         "<details><summary>Metrics without a tolerance</summary>",
-        _table(_HEADS[:3], [row[:3] for row in _metric_rows([m for m in found if m.tolerance is None], {})]),
+        _table(_HEADS[:3], [row[:3] for row in _metric_rows([m for m in found if m.tolerance is None])]),
         "</details>",
         "## Against others: closed forms and published values",
         _table(("figure", "ours", "theirs", "difference", "tolerance", "verdict", "source"), _external_rows(scene, stored)),
@@ -62,9 +62,7 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
     for name, stored in scenes.items():
         scene = load_scene(name)
         found = {metric.key: metric for metric in metrics(scene, stored)}
-        met = [
-            stored["accurate"][key] for key, metric in found.items() if metric.tolerance is not None and key in stored["accurate"]
-        ]
+        met = [metric.accurate for metric in found.values() if metric.tolerance is not None and metric.accurate is not None]
         cells = [f"{value_of(found[key])}" for key in ("peak_pressure", "shear", "dissipation")]
         bodies = "half-planes" if scene.bodies.half_planes else "real bodies"
         missed = [e["key"] for e in stored["external"] if _off(scene, stored, External(**e)) == "outside"]
@@ -75,27 +73,28 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
         "against half-plane theory, worst instant of the last cycle; dissipation in A f² P_ref² where the reference has none. With "
         "real bodies the two answer different questions on purpose, and a tolerance missed is a finding about the idealisation.\n\n"
         "`make publish` writes this folder anew; [values.json](values.json) holds every number on these pages, and a test fails "
-        "where the code gives another one. What the two columns *external* and *frozen* are is told in "
+        "where the code gives another one. No uncertainty was requested, so each verdict is by |E| alone. "
+        "What the two columns *external* and *frozen* are is told in "
         "[regression.md](../../docs/regression.md)."
     )
     return f"# Published reports\n\n<!-- written by `make publish` -->\n\n{intro}\n\n{_table(heads, rows)}\n"
 
 
 def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
-    """The metrics with their values; whether each is accurate was judged when it was computed, and is stored beside them."""
+    """The metrics with their values and tolerances; a published run has no budget, so |E| alone is judged."""
     found = []
     for key, value in stored["frozen"].items():
         part, _, name = key.partition(".")
         if part == "metric" and not name.endswith(".finite"):
             number = math.nan if f"{key}.finite" in stored["frozen"] else value
             tolerance = getattr(scene.tolerances, name, None)
-            found.append(Metric(DEFINITIONS[name], number, tolerance=tolerance, absolute=name in stored["absolute"]))
+            absolute, unmatched = name in stored["absolute"], name not in stored["accurate"]
+            found.append(Metric(DEFINITIONS[name], number, tolerance=tolerance, absolute=absolute, unmatched=unmatched))
     return found
 
 
 def _lead(scene: Scene, found: Sequence[Metric], stored: Mapping[str, Any]) -> str:
-    accurate = stored["accurate"]
-    outside = [f"{m.label[:1].lower()}{m.label[1:]} ({value_of(m)} {m.unit})" for m in found if accurate.get(m.key) is False]
+    outside = [f"{m.label[:1].lower()}{m.label[1:]} ({value_of(m)} {m.unit})" for m in found if m.accurate is False]
     laws = "both answers obey every law of contact" if stored["admissible"] else "a law of contact is violated"
     if not outside:
         return f"Within all tolerances of the scene; {laws}."
@@ -103,10 +102,9 @@ def _lead(scene: Scene, found: Sequence[Metric], stored: Mapping[str, Any]) -> s
     return f"Outside tolerance in {', '.join(outside)}{why}; {laws}."
 
 
-def _metric_rows(found: Sequence[Metric], accurate: Mapping[str, bool]) -> Iterator[tuple[str, ...]]:
+def _metric_rows(found: Sequence[Metric]) -> Iterator[tuple[str, ...]]:
     for metric in found:
-        verdict = {True: "within", False: "outside", None: "–"}[accurate.get(metric.key)]
-        yield metric.label, value_of(metric), metric.unit, tolerance_of(metric), verdict
+        yield metric.label, value_of(metric), metric.unit, tolerance_of(metric), accuracy_of(metric)
 
 
 def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
@@ -127,7 +125,7 @@ def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[st
 
 def _off(scene: Scene, stored: Mapping[str, Any], external: External) -> str:
     off = error_of(external, stored["frozen"], scene, stored["largest_normal_load"])
-    return "within" if abs(off) <= external.tolerance else "outside"
+    return verdict_on(off, external.tolerance)
 
 
 def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[tuple[str, ...]]:

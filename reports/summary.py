@@ -17,7 +17,7 @@ from reports.certificates import Certificate
 from reports.comparison import Comparison
 from reports.missing import derived
 from reports.verdicts import Metric
-from reports.wording import CLAIM, beyond_theory, question, verdict
+from reports.wording import CLAIM, beyond_theory, how_judged, question, verdict
 from scenes import ContactSolution
 
 
@@ -57,6 +57,8 @@ def _content(comparison: Comparison, command: str, seconds: Mapping[str, float])
         "verdict": {
             "passed": comparison.passed,
             "accurate": comparison.accurate,
+            "verdict": comparison.verdict,
+            "judged": how_judged(comparison),
             "admissible": comparison.admissible,
             "honest": comparison.honest,
             "sentence": verdict(comparison),
@@ -100,6 +102,7 @@ def _metric(metric: Metric, comparison: Comparison) -> dict[str, Any]:
         "unit": metric.unit,
         "tolerance": metric.tolerance,
         "accurate": metric.accurate,
+        "verdict": metric.verdict,
         "honest": {"yes": True, "no": False}.get(honest_of(comparison, metric)),
         "absolute": metric.absolute,
         "signed": metric.definition.signed,

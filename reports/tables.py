@@ -2,33 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from reports.console import say, show_table
+from reports.application import OUTSIDE, WITHIN
+from reports.console import complain, say, show_table
 from scenes import ContactSolution, Scene
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
     from reports.fields_job import FieldsReport
     from reports.jobs import Report
+    from reports.verdicts import Metric
 
 # A series of more instants than this is told by the one with the largest stress.
 _ROWS = 12
+_STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
 
 
 def show_verdict(comparison: Comparison) -> None:
     """The headline metrics with their tolerances, and the verdict in a sentence."""
-    from reports.wording import accuracy_of, lead, tolerance_of, unit_of, value_of, verdict
+    from reports.wording import how_judged, lead, standing, verdict
 
     scene = comparison.scene
-    show_table(
-        scene.title or scene.name,
-        ("metric", "discrepancy", "as a share", "tolerance", "accurate"),
-        [(m.label, value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in comparison.headlines],
-        right=(1, 3),
-    )
-    say(f"{lead(comparison)} {verdict(comparison)}", "bold green" if comparison.passed else "bold red")
+    show_metrics(scene.title or scene.name, comparison.headlines)
+    say(f"{lead(comparison)} {verdict(comparison)}", _STYLES[standing(comparison)])
+    say(how_judged(comparison))
+
+
+def show_metrics(title: str, metrics: Iterable[Metric]) -> None:
+    """A line for each metric: value with uncertainty, tolerance, verdict."""
+    from reports.wording import accuracy_of, open_value_of, tolerance_of, unit_of
+
+    rows = [(m.label, open_value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in metrics]
+    show_table(title, ("metric", "discrepancy", "as a share", "tolerance", "accurate"), rows, right=(1, 3))
+
+
+def exit_code(comparison: Comparison) -> int:
+    """0 if the comparison passed, else 1; where that is for undecided metrics alone, the last line on stderr says so."""
+    from reports.wording import standing
+
+    if standing(comparison) == "undecided":
+        keys = ", ".join(metric.key for metric in comparison.metrics if metric.verdict == "undecided")
+        complain(f"halfplane: {comparison.scene.name}: undecided: {keys}; this counts as outside: exit code {OUTSIDE}")
+    return WITHIN if comparison.passed else OUTSIDE
 
 
 def show_budget(comparison: Comparison) -> None:

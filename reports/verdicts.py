@@ -1,8 +1,10 @@
-"""A metric with its value, its worst instant and its tolerance; and the two cycles that it is taken from."""
+"""Whether an error lies within its tolerance; a metric with its value, worst instant and tolerance; the two cycles it is of."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,31 @@ Array = NDArray[np.float64]
 # Instants with less than this share of P_ref are shown and not judged: on its way from or to the unloaded state a contact
 # passes through sizes of a few elements and of one, where an error relative to its own traction measures the mesh only.
 LIGHT = 0.1
+
+
+class Verdict(StrEnum):
+    """What an error and its uncertainty say of a tolerance."""
+
+    WITHIN = "within"
+    OUTSIDE = "outside"
+    UNDECIDED = "undecided"
+
+
+def verdict_on(error: float, tolerance: float, uncertainty: float | None = None) -> Verdict:
+    """Whether `error` lies within `tolerance`, both in one unit.
+
+    Within if |E| + u <= tolerance, outside if |E| - u > tolerance, else undecided. Where no uncertainty u is known, |E| alone
+    decides. An error that is not finite is outside; an uncertainty that is not finite decides nothing.
+
+    >>> print(verdict_on(-0.016, 0.05), verdict_on(-0.016, 0.05, 0.75), verdict_on(0.9, 0.05, 0.75))
+    within undecided outside
+    """
+    if not math.isfinite(error):
+        return Verdict.OUTSIDE
+    doubt = 0.0 if uncertainty is None else uncertainty
+    if abs(error) + doubt <= tolerance:
+        return Verdict.WITHIN
+    return Verdict.OUTSIDE if abs(error) - doubt > tolerance else Verdict.UNDECIDED
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +86,8 @@ class Metric:
     elements : value in local element sizes of the result, where it states one
     absolute : whether the value is in the definition's absolute unit, the reference's own figure being 0
     place : where on the surface the worst value is, x/a_ref; None for what has no place
-    uncertainty : how far the result's own statement, or the spacing of points or instants, leaves the value open, in its unit
+    uncertainty : how far the error budget, else the result's own statement or the spacing of points or instants, leaves the
+        value open, in its unit; None where nobody states it
     spacings : value in local spacings of the result's points
     unmatched : whether a value that is not finite means an event without a counterpart, and not data that is no number
     """
@@ -93,15 +121,20 @@ class Metric:
         return self.definition.absolute_unit if self.absolute else self.definition.unit
 
     @property
-    def accurate(self) -> bool | None:
-        """Whether |value| <= tolerance; None without a tolerance or a value. What is not finite is not accurate, tolerance or none,
-        unless the only reason is that something has no counterpart.
+    def verdict(self) -> Verdict | None:
+        """`verdict_on` value, tolerance and uncertainty; None without a tolerance or a value. What is not finite is outside,
+        tolerance or none, unless the only reason is that something has no counterpart.
         """
         if self.value is None:
             return None
         if self.tolerance is None:
-            return None if np.isfinite(self.value) or self.unmatched else False
-        return bool(abs(self.value) <= self.tolerance)
+            return None if np.isfinite(self.value) or self.unmatched else Verdict.OUTSIDE
+        return verdict_on(self.value, self.tolerance, self.uncertainty)
+
+    @property
+    def accurate(self) -> bool | None:
+        """Whether the verdict is "within": undecided counts as outside; None where there is no verdict."""
+        return None if self.verdict is None else self.verdict is Verdict.WITHIN
 
     def with_spacing(self, pair: Pair) -> Metric:
         """This metric of a place that is known to a point: the local spacing of the points, in a_ref, as its uncertainty."""

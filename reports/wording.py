@@ -8,7 +8,7 @@ from reports.body_words import are_half_planes, idealisation
 from reports.comparison import Comparison
 from reports.definitions import name_of
 from reports.units import load_unit, minus, number, units
-from reports.verdicts import Metric
+from reports.verdicts import Metric, Verdict
 from scenes import EllipseLoad, FlatRounded, Hertz, PolygonLoad, Scene
 
 CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
@@ -96,8 +96,16 @@ def unit_of(metric: Metric) -> str:
 
 
 def uncertainty_of(metric: Metric) -> str:
-    """How far the value is open, as the result states it or as its points and instants allow; empty where nothing is stated."""
-    return "" if metric.uncertainty is None else f"± {percent(metric.uncertainty, signed=False)}"
+    """How far the value is open, to two digits: by the error budget, the result or its points; empty where nothing is stated."""
+    if metric.uncertainty is None:
+        return ""
+    size = metric.uncertainty * (1 if metric.absolute else 100)
+    return f"± {minus(f'{size:.2g}' if size < 99.5 else f'{size:.0f}')}{'' if metric.absolute else ' %'}"
+
+
+def open_value_of(metric: Metric) -> str:
+    """The value with its uncertainty, where one is known."""
+    return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
 
 
 def tolerance_of(metric: Metric) -> str:
@@ -108,14 +116,14 @@ def tolerance_of(metric: Metric) -> str:
 
 
 def accuracy_of(metric: Metric) -> str:
-    """Within, outside, or not judged."""
-    return {True: "within", False: "outside", None: "–"}[metric.accurate]
+    """Within, outside, undecided, or a dash where nothing is judged."""
+    return metric.verdict or "–"
 
 
 def verdict(comparison: Comparison) -> str:
-    """The answer in one sentence."""
+    """The answer in words: what is outside, what is undecided, or that all is within; and whether the laws of contact hold."""
     theirs, ours = name_of(comparison.reference.engine), name_of(comparison.result.engine)
-    outside = [metric for metric in comparison.metrics if metric.accurate is False]
+    outside, undecided = (_listed(comparison, state) for state in (Verdict.OUTSIDE, Verdict.UNDECIDED))
     judged = sum(metric.tolerance is not None for metric in comparison.metrics)
     broken = [
         f"{check.label} in {name_of(engine)}"
@@ -126,11 +134,10 @@ def verdict(comparison: Comparison) -> str:
         for check in checks
         if not check.holds
     ]
-    if outside:
-        first = f"{_first_large(ours)} and {theirs} differ by more than the scene's tolerance in " + ", ".join(
-            f"{_inside(metric.label)} ({value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
-            for metric in outside
-        )
+    if outside or undecided:
+        differ = f"{_first_large(ours)} and {theirs} differ by more than the scene's tolerance in {outside}"
+        reaches = f"The uncertainty reaches across the tolerance in {undecided}; undecided counts as outside"
+        first = ". ".join(words for words, metrics in ((differ, outside), (reaches, undecided)) if metrics)
     else:
         verb = "agree" if ours == "finite elements" else "agrees"
         first = f"{_first_large(ours)} {verb} with {theirs} within all {judged} tolerances of the scene"
@@ -142,6 +149,28 @@ def verdict(comparison: Comparison) -> str:
     return f"{first}.{second}"
 
 
+def _listed(comparison: Comparison, state: Verdict) -> str:
+    """The metrics of that verdict with value, uncertainty and tolerance; empty where there are none."""
+    return ", ".join(
+        f"{_inside(metric.label)} ({open_value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
+        for metric in comparison.metrics
+        if metric.verdict is state
+    )
+
+
+def how_judged(comparison: Comparison) -> str:
+    """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is known."""
+    judged = [metric for metric in comparison.metrics if metric.tolerance is not None and metric.value is not None]
+    unknown = [metric for metric in judged if metric.uncertainty is None]
+    if not unknown:
+        return "Within: |E| + u ≤ tolerance. Outside: |E| − u > tolerance. Undecided: neither, and it counts as outside."
+    if comparison.budget is not None:
+        names = ", ".join(_inside(metric.label) for metric in unknown)
+        return f"No uncertainty is known for {names}: a term was not measured. There |E| alone is judged."
+    asked = "requested for these values; `--budget` measures it" if _both_ours(comparison) else "stated for these values"
+    return f"No uncertainty was {asked}. Each verdict is by |E| alone."
+
+
 def lead(comparison: Comparison) -> str:
     """The verdict in a few words.
 
@@ -150,11 +179,18 @@ def lead(comparison: Comparison) -> str:
     """
     if comparison.passed:
         return "Within tolerance."
+    if comparison.admissible and comparison.verdict is Verdict.UNDECIDED:
+        return "Undecided."
     if not comparison.admissible or not beyond_theory(comparison):
         return "Not within tolerance."
     if _both_ours(comparison):
         return "Outside tolerance: a finding about the idealisation."
     return "Outside tolerance: by the idealisation, by the result, or by both."
+
+
+def standing(comparison: Comparison) -> Verdict:
+    """The verdict as a colour: of a comparison in which a law of contact is violated, outside."""
+    return comparison.verdict if comparison.admissible else Verdict.OUTSIDE
 
 
 def beyond_theory(comparison: Comparison) -> str:

@@ -10,6 +10,7 @@ from reports.console import say, show_table
 from reports.maps.advising import FIGURES, Part, parts
 from reports.maps.answers import percent
 from reports.maps.atlas import WORDS
+from reports.verdicts import Verdict, verdict_on
 from scenes import InputError, Scene
 
 
@@ -40,17 +41,17 @@ class Advice:
         return any(part.extrapolated for part in self.parts)
 
     @property
-    def may(self) -> bool | None:
+    def verdict(self) -> Verdict | None:
         """Whether the error of dissipation, with its uncertainty, is within the limit; None where a departure is unknown."""
         if len(self.known) < len(self.parts):
             return None
         error, doubt = total(self.known, "error.dissipation")
-        return abs(error) + doubt <= self.limit
+        return verdict_on(error, self.limit, doubt)
 
     @property
     def exit_code(self) -> int:
         """1 where the error may exceed the limit, is not known, or is extrapolated."""
-        return WITHIN if self.may and not self.extrapolated else OUTSIDE
+        return WITHIN if self.verdict is Verdict.WITHIN and not self.extrapolated else OUTSIDE
 
 
 def tell(source: str, limit: float, as_json: bool = False) -> int:
@@ -109,7 +110,7 @@ def sentence(advice: Advice) -> str:
     """May theory be used, by how much it is off, and what to do."""
     if not advice.parts:
         return "both bodies are half-planes of like materials (Dundurs' β is 0): half-plane theory is the very model"
-    if advice.may is None:
+    if advice.verdict is None:
         return f"The maps do not know {len(advice.parts) - len(advice.known)} of these departures: run it (`halfplane run`)."
     error, doubt = total(advice.known, "error.dissipation")
     off = _cell(error, doubt, advice.extrapolated)
@@ -118,5 +119,8 @@ def sentence(advice: Advice) -> str:
         words += ", cross terms left out"
     if advice.extrapolated:
         words += "; the maps do not reach there, so run it (`halfplane run`) before you rely on it"
-    answer = "No" if not advice.may else "Not sure" if advice.extrapolated else "Yes"
+    if advice.verdict is Verdict.UNDECIDED:
+        words += "; undecided, for the uncertainty reaches across the limit"
+    sure = advice.verdict is Verdict.WITHIN and not advice.extrapolated
+    answer = "No" if advice.verdict is Verdict.OUTSIDE else "Yes" if sure else "Not sure"
     return f"{answer}: {words}. The limit is {100 * advice.limit:g} %."

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reports import jobs
-from reports.application import NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.application import NOT_CONVERGED, WITHIN
 from reports.console import Stages, complain, say, show_table
 from reports.folder import claim, default_folder
 from reports.score.mapping import load_mapping
+from reports.tables import exit_code, show_metrics
 from scenes import ConvergenceError, InputError, Scene
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def score(
     else:
         show(comparison)
         say(str(page))
-    return WITHIN if comparison.passed else OUTSIDE
+    return exit_code(comparison)
 
 
 def _scored(path: Path, scene: Scene, mapping: Mapping, against: Against, stages: Stages) -> Comparison:
@@ -82,20 +83,17 @@ def _scored(path: Path, scene: Scene, mapping: Mapping, against: Against, stages
 
 def show(comparison: Comparison) -> None:
     """Guesses, verdict, diagnoses, and the mesh study where it is one."""
-    from reports.wording import accuracy_of, lead, tolerance_of, unit_of, value_of, verdict
+    from reports.wording import how_judged, lead, verdict
 
     for sentence in comparison.guesses:
         say(f"Taken for granted: {sentence}.")
     scene = comparison.scene
-    show_table(
-        f"{comparison.result.engine} on {scene.title or scene.name}",
-        ("metric", "discrepancy", "as a share", "tolerance", "accurate"),
-        [(m.label, value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in comparison.headlines if m.value is not None],
-        right=(1, 3),
-    )
+    there = [metric for metric in comparison.headlines if metric.value is not None]
+    show_metrics(f"{comparison.result.engine} on {scene.title or scene.name}", there)
     for sentence in _lacking(comparison):
         say(sentence)
     say(f"{lead(comparison)} {verdict(comparison)}")
+    say(how_judged(comparison))
     if comparison.diagnoses:
         say("What it most likely suffers from:")
     for number, one in enumerate(comparison.diagnoses, 1):

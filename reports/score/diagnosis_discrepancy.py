@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from reports.comparison import Comparison
 from reports.metrics import norm, over, shares
+from reports.verdicts import Verdict, verdict_on
 from scenes import Scene
 
 Array = NDArray[np.float64]
@@ -106,8 +107,8 @@ class Discrepancy:
     def within(self, times: float = 1.0) -> bool:
         """Whether both errors are within so many tolerances of the scene."""
         tolerances = self.comparison.scene.tolerances
-        pressure, shear = self.errors()
-        return pressure <= times * tolerances.pressure and shear <= times * tolerances.shear
+        limits = (times * tolerances.pressure, times * tolerances.shear)
+        return all(verdict_on(*pair) is Verdict.WITHIN for pair in zip(self.errors(), limits, strict=True))
 
     def beyond(self, predicted: Tractions, scene: Scene | None) -> Discrepancy:
         """What is left to explain beyond a fault that predicts this; `scene`: the question whose exact answer that is, if any."""
