@@ -82,7 +82,7 @@ class TestCompletion:
 
 
 class TestColours:
-    ROWS = (("shear", "within"), ("edge", "outside"))
+    ROWS = (("shear", "within"), ("edge", "outside"), ("stick", "undecided"))
 
     def show(self, capsys: pytest.CaptureFixture[str]) -> str:
         show_table("Verdict", ("metric", "accurate"), self.ROWS)
@@ -101,6 +101,7 @@ class TestColours:
         monkeypatch.setenv("FORCE_COLOR", "1")
         shown = self.show(capsys)
         assert "\x1b[32mwithin" in shown
+        assert "\x1b[1;33mundecided" in shown
         assert shown.count("\x1b[1;31moutside") == 2
 
     def test_no_color_is_honoured(self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from contextlib import contextmanager
 from dataclasses import replace
+from html import unescape
 
 import pytest
 
@@ -15,10 +16,13 @@ from meshes import MeshSettings
 from reports.body_words import are_half_planes
 from reports.budget import Budget, Term, error_budget, with_budget
 from reports.budget_words import share
+from reports.cli import main
 from reports.comparison import Comparison, compare
 from reports.ladders import Ladders, Rung, climb, coarser, mesh_ratio
 from reports.page import render
 from reports.summary import as_json
+from reports.tables import exit_code, show_verdict
+from reports.wording import how_judged, lead, verdict
 from scenes import load_scene
 
 MESH = MeshSettings(element_size=1 / 12, edge_element_size=1 / 40, growth=0.4)
@@ -186,3 +190,93 @@ def test_real_bodies_have_an_idealisation_error_and_no_far_field():
 def test_coupling_of_unlike_materials_is_an_idealisation_too(name: str, expected: bool) -> None:
     """Of such half-planes theory is not the truth: their discrepancy is no error that an uncertainty of the numbers must cover."""
     assert are_half_planes(load_scene(name)) is expected
+
+
+class TestThreeStates:
+    """Every verdict follows from the error, its uncertainty and the tolerance, and all doors say the same."""
+
+    # Error and uncertainty over the tolerance, and what follows; the second is the stick edge of `blocks`.
+    CASES = (
+        *((0.9, 0.05, "within"), (-0.32, 15.0, "undecided"), (0.9, 0.2, "undecided"), (-1.1, 0.05, "outside")),
+        *((1.1, 0.2, "undecided"), (-3.0, 1.5, "outside"), (0.9, None, "within"), (-1.1, None, "outside")),
+        *((0.9, float("inf"), "undecided"), (float("nan"), 0.1, "outside"), (float("nan"), None, "outside")),
+        *((-1.0, 0.0, "within"), (0.75, 0.25, "within"), (1.25, 0.25, "undecided")),
+    )
+
+    @staticmethod
+    def planted(paper, error: float, doubt: float | None) -> Comparison:
+        """The comparison with this dissipation, in tolerances, and a budget of one term; all else that is judged is 0, and known so."""
+        comparison, ladders = paper
+        size = comparison.scene.tolerances.dissipation
+        values = {m.key: m.value if m.tolerance is None else 0.0 for m in comparison.metrics} | {"dissipation": error * size}
+        metrics = tuple(replace(metric, value=values[metric.key]) for metric in comparison.metrics)
+        whole = error_budget(replace(comparison, metrics=metrics), ladders, 1.0)
+        doubts = {"dissipation": None if doubt is None else doubt * size}
+        budgets = (replace(one, terms=(Term("mesh", 0.0, doubts.get(one.metric.key, 0.0), ""),)) for one in whole.budgets)
+        return with_budget(replace(comparison, metrics=metrics), replace(whole, budgets=tuple(budgets)))
+
+    @pytest.mark.parametrize(("error", "doubt", "state"), CASES)
+    def test_every_door_says_the_same(self, paper, error: float, doubt: float | None, state: str, capsys):
+        found = self.planted(paper, error, doubt)
+        metric = found.metric("dissipation")
+        assert (metric.verdict, metric.accurate, found.verdict, found.passed) == (state, state == "within", state, state == "within")
+        stored = json.loads(as_json(found))
+        assert stored["metrics"]["dissipation"]["verdict"] == stored["verdict"]["verdict"] == state
+        assert stored["verdict"]["passed"] is stored["metrics"]["dissipation"]["accurate"] is (state == "within")
+        page = render(found, (), "", {})
+        css = {"within": "good", "outside": "bad", "undecided": "open"}
+        assert f'<p class="verdict {css[state]}">' in page
+        table = page[page.index("<tbody>") : page.index("</tbody>")]
+        assert table.count(f'<td class="{state}">{state}</td>') == (6 if state == "within" else 1)
+        assert (lead(found) == "Undecided.") is (state == "undecided")
+        assert ("undecided counts as outside" in verdict(found)) is (state == "undecided")
+        show_verdict(found)
+        assert exit_code(found) == (0 if state == "within" else 1)
+        shown = capsys.readouterr()
+        assert f"│ {state}" in shown.out
+        last = "halfplane: hertz-paper: undecided: dissipation; this counts as outside: exit code 1"
+        assert shown.err.splitlines() == ([last] if state == "undecided" else [])
+
+    def test_what_no_uncertainty_is_known_for_is_said(self, paper):
+        """Without a budget, and where a term was not measured; nothing is said to be unknown where all is known."""
+        comparison, _ = paper
+        assert "No uncertainty was requested" in how_judged(comparison)
+        unknown = self.planted(paper, 0.9, None)
+        assert how_judged(unknown).startswith("No uncertainty is known for dissipation: ")
+        known = self.planted(paper, 0.9, 0.05)
+        assert "No uncertainty" not in how_judged(known)
+        for one in (comparison, unknown, known):
+            assert how_judged(one) in unescape(render(one, (), "", {}))
+            assert json.loads(as_json(one))["verdict"]["judged"] == how_judged(one)
+        assert json.loads(as_json(comparison))["metrics"]["dissipation"]["uncertainty"] is None
+
+    def test_outside_and_undecided_stand_side_by_side(self, paper):
+        """One metric outside decides; the sentence names the other as undecided."""
+        found = self.planted(paper, 0.9, 0.2)
+        worse = tuple(replace(m, value=1.0) if m.key == "shear" else m for m in found.metrics)
+        both = replace(found, metrics=worse)
+        assert both.verdict == "outside"
+        assert "more than the scene's tolerance in shear traction, L2 (" in verdict(both)
+        assert "reaches across the tolerance in dissipation (" in verdict(both)
+
+    def test_a_violated_law_is_not_undecided(self, paper, capsys):
+        found = self.planted(paper, 0.9, 0.2)
+        law = replace(found.result_certificates[0], value=9.0)
+        violated = replace(found, result_certificates=(law,))
+        assert lead(violated) == "Not within tolerance."
+        assert exit_code(violated) == 1
+        assert capsys.readouterr().err == ""
+
+    def test_run_with_a_budget_ends_with_1_and_says_why_on_its_last_line(self, tmp_path, capsys):
+        """Blocks on a mesh so coarse that the budget leaves every tolerance open."""
+        coarse = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.1", "--steps-per-cycle", "8")
+        assert main(["run", "blocks", "--budget", "--out", str(tmp_path / "out"), "--quiet", *coarse]) == 1
+        shown = capsys.readouterr()
+        last = shown.err.splitlines()[-1]
+        assert last.startswith("halfplane: blocks: undecided: ")
+        assert "stick_edge" in last
+        assert last.endswith("this counts as outside: exit code 1")
+        stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
+        edge = stored["metrics"]["stick_edge"]
+        assert edge["uncertainty"] == stored["budget"]["metrics"]["stick_edge"]["u"] > edge["tolerance"]
+        assert (edge["verdict"], edge["accurate"], stored["verdict"]["passed"]) == ("undecided", False, False)
