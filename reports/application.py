@@ -43,8 +43,9 @@ Examples:
   halfplane advise my.toml                  may half-plane theory be used?
   halfplane paper                           the paper's figures and statements
   halfplane completion bash                 a script that completes words
-Exit codes: 0 within tolerance, 1 outside, 2 bad input, 3 not converged,
-            130 interrupted (143 by SIGTERM, 129 by SIGHUP), 141 nobody read on.
+Exit codes: 0 within tolerance, 1 outside or undecided, 2 bad input,
+            3 not converged, 70 internal error, 130 interrupted (143 by
+            SIGTERM, 129 by SIGHUP), 141 nobody read on.
 """
 
 app = App(
