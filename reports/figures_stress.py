@@ -22,7 +22,7 @@ _DOTS = 80
 def stress(solution: FiniteElementSolution, asked: Sequence[Instant]) -> Plate:
     """A picture for each instant: whole bodies, deformed and drawn apart, and the contact to true scale."""
     import halfplane_fe
-    from reports.fields import peak
+    from reports.fields import NO_PEAK, peak
     from reports.stress_pictures import look, stress_picture
 
     snapshots = halfplane_fe.fields(solution, [instant.time for instant in asked])
@@ -38,13 +38,14 @@ def stress(solution: FiniteElementSolution, asked: Sequence[Instant]) -> Plate:
     return Plate(
         "von_mises",
         "Von Mises stress",
-        "Left: both bodies, drawn apart, displacements exaggerated by the factor stated. Right: the contact to true scale.",
+        "Left: both bodies, drawn apart, displacements exaggerated by the factor stated. Right: the contact to true scale. "
+        + NO_PEAK,
         "Von Mises stress in both bodies at the instants asked for.",
         tuple(panels),
         {
             "instant": [instant.label for instant in asked],
             "time": [snapshot.time for snapshot in snapshots],
-            f"largest [{stress_unit}]": [one.value for one in peaks],
+            f"largest nodal value [{stress_unit}]": [one.value for one in peaks],
             "body": [one.body for one in peaks],
             f"x [{length}]": [one.place[0] for one in peaks],
             f"y [{length}]": [one.place[1] for one in peaks],

@@ -185,7 +185,9 @@ def _doubted(pair: tuple[float, float]) -> dict[str, float]:
 
 
 def fields_json(scene: Scene, report: FieldsReport, file: Path) -> str:
-    """What `fields` wrote: every instant with its largest stresses, the files, the notes."""
+    """What `fields` wrote: every instant with its largest nodal stresses, what they are not, the files, the notes."""
+    from reports.fields import NO_PEAK
+
     instants = [
         {
             "label": one.instant.label,
@@ -193,14 +195,15 @@ def fields_json(scene: Scene, report: FieldsReport, file: Path) -> str:
             "normal_load": one.normal_load,
             "tangential_load": one.tangential_load,
             **{
-                f"largest_{name}": {"value": found.value, "body": found.body, "place": list(found.place)}
+                f"largest_nodal_{name}": {"value": found.value, "body": found.body, "place": list(found.place)}
                 for name, found in (("von_mises", one.von_mises), ("tension", one.tension))
             },
         }
         for one in report.instants
     ]
-    more = {"notes": list(report.notes), "files": list(report.files), "file": str(file), "seconds": dict(report.seconds)}
-    return _text({"format": FORMAT, "scene": scene.name, "exit_code": 0, "passed": True, "instants": instants, **more})
+    told = {"instants": instants, "largest nodal stresses": NO_PEAK, "notes": list(report.notes), "files": list(report.files)}
+    more = {"file": str(file), "seconds": dict(report.seconds)}
+    return _text({"format": FORMAT, "scene": scene.name, "exit_code": 0, "passed": True, **told, **more})
 
 
 def paper_json(report: PaperReport, code: int, seconds: Mapping[str, float]) -> str:

@@ -88,7 +88,8 @@ def show_expected(scene: Scene, solutions: Sequence[ContactSolution]) -> bool:
 
 
 def show_fields(scene: Scene, report: FieldsReport) -> None:
-    """The instants with their largest stress, the largest of all where they are many, and what was written."""
+    """The instants with their largest nodal stress, the largest of all where they are many, and what was written."""
+    from reports.fields import NO_PEAK
     from reports.units import load_unit, number, units
 
     _, length, stress = units(scene)
@@ -102,9 +103,10 @@ def show_fields(scene: Scene, report: FieldsReport) -> None:
             for found in (one.von_mises, one.tension)
         ]
         rows.append((one.instant.label, *map(number, (one.time, one.normal_load, one.tangential_load)), *largest))
-    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"largest von Mises [{stress}]", f"largest tension [{stress}]")
+    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"nodal von Mises [{stress}]", f"nodal tension [{stress}]")
     show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3))
     say(f"places (x, y) in {length}, on the undeformed bodies; tension is the largest principal stress")
+    say(NO_PEAK)
     if many:
         say(f"shown: of {len(report.instants)} instants the one with the largest stress; all are in fields/fields.json")
     for note in report.notes:

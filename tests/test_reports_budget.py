@@ -205,7 +205,7 @@ class TestThreeStates:
 
     @staticmethod
     def planted(paper, error: float, doubt: float | None) -> Comparison:
-        """The comparison with this dissipation, in tolerances, and a budget of one term; all else that is judged is 0, and known so."""
+        """The comparison with this dissipation, in tolerances, and a budget of one term; all else that is judged is 0."""
         comparison, ladders = paper
         size = comparison.scene.tolerances.dissipation
         values = {m.key: m.value if m.tolerance is None else 0.0 for m in comparison.metrics} | {"dissipation": error * size}
@@ -219,7 +219,8 @@ class TestThreeStates:
     def test_every_door_says_the_same(self, paper, error: float, doubt: float | None, state: str, capsys):
         found = self.planted(paper, error, doubt)
         metric = found.metric("dissipation")
-        assert (metric.verdict, metric.accurate, found.verdict, found.passed) == (state, state == "within", state, state == "within")
+        assert metric.verdict == found.verdict == state
+        assert metric.accurate is found.passed is (state == "within")
         stored = json.loads(as_json(found))
         assert stored["metrics"]["dissipation"]["verdict"] == stored["verdict"]["verdict"] == state
         assert stored["verdict"]["passed"] is stored["metrics"]["dissipation"]["accurate"] is (state == "within")

@@ -1,6 +1,7 @@
 """Fields on disk and in pictures: ParaView's collection, the record, what pyvista draws, the command and its refusals."""
 
 import json
+import re
 from pathlib import Path
 
 import matplotlib as mpl
@@ -12,9 +13,10 @@ from matplotlib import image
 import halfplane_fe
 from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
-from problems import COARSE, FEW_STEPS, fe_run
+from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
 from reports.cli import main
-from reports.fields import instant_of, instants_of, peak, tension, write_fields
+from reports.fields import NO_PEAK, Instant, instant_of, instants_of, peak, tension, write_fields
+from reports.figures_stress import stress
 from reports.mesh_pictures import BOUNDARY_COLOURS
 from reports.rendering import Skin, Window, picture, sides, surface
 from reports.stress_pictures import look
@@ -136,6 +138,25 @@ def test_peak_is_the_largest_of_both_bodies() -> None:
     assert drawn.value == max(tension(body).max() for body in snapshot.bodies) > 0
 
 
+def test_nodes_miss_the_peak_at_the_trailing_edge_by_what_is_said() -> None:
+    """Of theory's 2 f p0 sqrt(Q/(f P)) on the default mesh, to a per cent or so, as it stands beside every largest stress."""
+    answer = fe_run(load_scene("cattaneo-mindlin"), MeshSettings(), FEW_STEPS)
+    said = re.search(r"nodes give about (\d+) % of it at Q = 0\.6 f P and about (\d+) % at 0\.1 f P", NO_PEAK)
+    assert said
+    friction, p0 = answer.scene.friction.coefficient, PROBLEMS["mindlin, Q largest"].exact["peak_pressure"]
+    for ratio, share in zip((0.6, 0.1), said.groups(), strict=True):
+        step = int(np.argmin(np.abs(answer.tangential_load / (friction * answer.normal_load.max()) - ratio)))
+        (snapshot,) = halfplane_fe.fields(answer, [answer.time[step]])
+        found = peak(snapshot, tension).value / (2 * friction * p0 * np.sqrt(ratio))
+        assert 100 * found == pytest.approx(float(share), abs=1.5)
+
+
+def test_the_figure_of_the_page_says_that_nodes_miss_the_peak() -> None:
+    drawn = stress(answer_of("blocks"), [Instant(2.0, "Q largest")])
+    assert NO_PEAK in drawn.caption
+    assert "largest nodal value [MPa]" in drawn.csv().splitlines()[0]
+
+
 def test_instants_are_times_of_the_path_or_events() -> None:
     answer = answer_of("blocks")
     chosen = instants_of(["0.5", "events"], answer, "--at")
@@ -204,8 +225,9 @@ class TestCommand:
         assert all((out / name).is_file() for name in [*record["files"], *record["pictures"]])
         assert record["pictures"] == [f"pictures/{name}.png" for name in ("mesh", "von_mises_000")]
         assert [instant["label"] for instant in record["instants"]] == ["asked for 2"]
-        for name in ("largest_von_mises", "largest_tension"):
+        for name in ("largest_nodal_von_mises", "largest_nodal_tension"):
             assert all(instant[name]["value"] > 0 for instant in record["instants"])
+        assert record["largest nodal stresses"] == NO_PEAK
         assert record["bodies"]["upper"]["supports"] == {"base": "fixed", "sides": "guided"}
         assert record["gap"] == "in the shape of the faces"
         assert "--at 2" in record["command"]
@@ -217,13 +239,14 @@ class TestCommand:
         wanted = {name: tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5)) for name, colour in BOUNDARY_COLOURS.items()}
         assert {name for name, colour in wanted.items() if colour in shown} == {"contact", "free", "sides", "base"}
 
-    def test_a_second_run_leaves_no_picture_of_the_first(self, folder: Path) -> None:
+    def test_a_second_run_leaves_no_picture_of_the_first(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
         """And no field file, while what other commands wrote stays."""
         out = folder / "again"
         scene = str(folder / "pads.toml")
         assert main(["fe", scene, "--out", str(out), "--quiet", *SWIFT]) == 0
         for times in (("1.5", "2"), ("2",)):
             assert main(["fields", scene, "--at", *times, "--no-pictures", "--out", str(out), "--quiet", *SWIFT]) == 0
+            assert NO_PEAK in capsys.readouterr().out
         assert {path.name for path in (out / "fields").iterdir()} == FILES
         assert (out / "halfplane_fe.nc").is_file()
         assert not (out / "pictures").exists()
