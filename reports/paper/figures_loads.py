@@ -32,7 +32,7 @@ def figure_1(case: Case) -> Sheet:
     panel = Panel("", "", parts, x_range=(-2.8, 3.4), y_range=(-0.9, 3.6), equal=True, bare=True)
     return Sheet(
         "figure_01",
-        "Figure 1. Contact supporting a motor with an eccentric weight",
+        "Figure 1. A motor with an eccentric mass on its foot",
         "The foot is flat with rounded edges; its gap is that of the library's profile, drawn much higher than it is. The weight "
         "presses, the turning mass adds a force that varies in P and Q a quarter of a revolution apart (library scene "
         f"{scene.name}).",
@@ -105,7 +105,7 @@ def figure_2(case: Case) -> Sheet:
     letters = sorted(case.events, key=case.time)
     return Sheet(
         "figure_02",
-        "Figure 2. Definition of load history",
+        "Figure 2. The path of the loads",
         "Letters that share a point (A and H, B and I, C and K, D and L, E and M) are a revolution apart. dQ/dP = f at B, I, E "
         "and M, −f at G. The line of gradient f through E meets the way in at Z, the one through G the ellipse at J, and the line "
         "of gradient −f through G meets the first at T: a(P_Z) and a(P_T) bound stick in the first cycle and for good. In this "
@@ -181,7 +181,7 @@ def figure_3(case: Case) -> Sheet:
         )
     return Sheet(
         "figure_03",
-        "Figure 3. Tractions beneath the Hertzian contact at various stages of the load cycle",
+        "Figure 3. Tractions of the Hertzian contact at the points A to M",
         "Loads are over P₀/3. A to D belong to the first cycle, E to M to the steady state; the instants are those of figure 2, "
         "where slip ends the last one of slip. In slip q meets f p (forward) or −f p (reverse); from G on the tractions inside "
         "keep the hooks of the slip before.",

@@ -20,7 +20,7 @@ def figure_6(paper: Paper) -> Sheet:
         paper,
         0,
         "figure_06",
-        "Figure 6. Pointwise dissipation for a Hertzian contact",
+        "Figure 6. Pointwise dissipation W(x), Hertz",
         "W(x) leaves the stick edge with zero slope (as the distance to the power 3/2) and meets the outer edge with a finite one "
         "(as the distance).",
     )
@@ -32,8 +32,8 @@ def figure_9(paper: Paper) -> Sheet:
         paper,
         1,
         "figure_09",
-        "Figure 9. Pointwise dissipation for a flat and rounded contact (b/a(P₀) = 0.505)",
-        "All of it arises in the edge radii, in a narrower band than for Hertz.",
+        "Figure 9. Pointwise dissipation W(x), flat and rounded (b/a(P₀) = 0.505)",
+        "All work is done within the rounded edges, in a narrower band than for Hertz.",
     )
 
 
@@ -81,13 +81,13 @@ def figure_7(paper: Paper) -> list[Sheet]:
         _swept(
             paper.sweeps[0],
             "figure_07a",
-            "Figure 7a. Global dissipation experienced by a Hertzian contact during one cycle of load",
+            "Figure 7a. Global dissipation of a cycle, Hertz",
             "work",
         ),
         _swept(
             paper.sweeps[0],
             "figure_07b",
-            "Figure 7b. Peak pointwise dissipation experienced by a Hertzian contact during one cycle of load",
+            "Figure 7b. Peak of the pointwise dissipation, Hertz",
             "peak",
         ),
     ]
@@ -101,14 +101,14 @@ def figure_10(paper: Paper) -> list[Sheet]:
         _swept(
             rounded,
             "figure_10a",
-            f"Figure 10a. Global dissipation experienced by a flat and rounded contact {ratio}",
+            f"Figure 10a. Global dissipation of a cycle, flat and rounded {ratio}",
             "work",
             hertz,
         ),
         _swept(
             rounded,
             "figure_10b",
-            f"Figure 10b. Peak pointwise dissipation experienced by a flat and rounded contact {ratio}",
+            f"Figure 10b. Peak of the pointwise dissipation, flat and rounded {ratio}",
             "peak",
             hertz,
         ),

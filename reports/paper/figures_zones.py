@@ -96,7 +96,7 @@ def figure_4a(case: Case) -> Sheet:
     )
     return Sheet(
         "figure_04a",
-        "Figure 4a. Contact size and stick zone size through the cycle for the Hertzian contact",
+        "Figure 4a. Half-widths of contact and stick over the path of P, Hertz",
         "The abscissa is the way that P has gone, so that it runs on where P falls. Slip is deeper in the first cycle (B to E) "
         "than in the steady state, as deep in reverse slip (E to G) as in forward slip (I to M), and there is none from G to I. "
         "At E, G and M the whole contact sticks at once.",
@@ -166,7 +166,7 @@ def figure_4b(case: Case) -> Sheet:
     )
     return Sheet(
         "figure_04b",
-        "Figure 4b. Contact size and extent of slip during the stabilised cycle for various values of friction",
+        "Figure 4b. Half-widths of contact and stick in the steady cycle, four coefficients of friction",
         "Drawn for Q₀ = 0: with Q₀ = 1.1 the loads would slide grossly at f = 0.6 and 0.4, and the extent of slip does not depend "
         "on Q₀. Shaded for f = 0.4. With more friction slip starts later, reverse and forward, and full stick returns earlier.",
         "Contact half-width and four stick half-widths over the angle of the cycle.",
@@ -222,7 +222,7 @@ def figure_5(case: Case) -> Sheet:
     states = {f"state at x = {x}": [int(s) for s in solution.state[:, k]] for k, x in enumerate(POINTS)}
     return Sheet(
         "figure_05",
-        "Figure 5. Stick, slip, separation and displacement history of four points beneath the Hertzian contact",
+        "Figure 5. State and displacement of four points through the steady cycle, Hertz",
         "Above: contact and stick, with the letters of figure 2 and the four points x/a(P₀). Beneath: displacement of the upper "
         "face over the lower since M, A = 2/E*. Each point comes back to where it was; at 1.0 and 1.13 the way back is made while "
         "the faces are apart, so that they rub in one direction only.",
@@ -281,7 +281,7 @@ def figure_8(case: Case) -> Sheet:
     panel = Panel(_ANGLE, "half-width / a(P₀)", parts, x_range=(0.0, 360.0), y_range=(0.0, 1.3), x_ticks=_DEGREES)
     return Sheet(
         "figure_08",
-        "Figure 8. Variation of a and c for the flat and rounded contact",
+        "Figure 8. Half-widths of contact and stick in the steady cycle, flat and rounded",
         f"b/a(P₀) = {flat:.3f}, loads as for Hertz, f = {case.friction:g}. The phases are those of figure 4b; slip stays in two "
         "bands at the edges, outside the flat face.",
         "Contact and stick half-width of the flat and rounded contact over the angle of the cycle.",

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Formulas:
-    """Loads, fronts and slip increments of a case's steady cycle, equations (3), (4), (8), (14) and (16) to (19)."""
+    """Loads, tractions of the first cycle, fronts and slip of the steady one: equations (3) to (8), (14) and (16) to (19)."""
 
     case: Case
 
@@ -42,6 +42,44 @@ class Formulas:
         """Q + sign f P at a letter."""
         event = self.case.events[letter]
         return event.tangential_load + sign * self.case.friction * event.normal_load
+
+    def initial(self) -> tuple[float, float]:
+        """alpha and beta of the initial loading Q = alpha P + beta P^2, a parabola from (0, 0) tangent to the ellipse at A."""
+        a, (dp, dq) = self.case.events["A"], self.rates(self.case.time("A"))
+        beta = (float(dq / dp) * a.normal_load - a.tangential_load) / a.normal_load**2
+        return float(dq / dp) - 2 * beta * a.normal_load, beta
+
+    def initial_meeting(self, t: float) -> float:
+        """P_Y of equation (6), at E P_Z of (7): where the line of gradient f through the point at t meets the path O-A-B."""
+        case, (alpha, beta) = self.case, self.initial()
+        mirrored = 2 * case.time("B") - t
+        if mirrored >= case.time("A"):
+            return float(self.loads(mirrored)[0])
+        p, q = self.loads(t)
+        level, slope = float(q - case.friction * p), alpha - case.friction
+        # The root of beta P^2 + slope P = level that stays finite for beta = 0; slope < 0.
+        return 2 * level / (slope - math.sqrt(slope * slope + 4 * beta * level))
+
+    def stuck(self, x: Array, load: float) -> Array:
+        """int_0^P p'(x, eta) dQ/d eta d eta along O-A and the ellipse after A, the integral in equations (5) to (7).
+
+        By parts, for p' has an inverse root where the contact reaches x: dQ/dP p(x, P) - int p(x, eta) d2Q/d eta2 d eta.
+        """
+        case, (alpha, beta) = self.case, self.initial()
+        first, edge = case.events["A"].normal_load, np.asarray(case.contact.load(x))
+
+        def ellipse(p: Array) -> tuple[Array, Array]:
+            """dQ/dP and its derivative on the rising half of the ellipse."""
+            turn = 2 * math.pi - np.arccos((p - case.load.mean_normal_load) / case.load.normal_amplitude)
+            (dp, dq), (ddp, ddq) = self.rates(turn), self.rates(turn + math.pi / 2)
+            return dq / dp, (ddq * dp - dq * ddp) / dp**3
+
+        total = (alpha + 2 * beta * load if load <= first else ellipse(np.asarray(load))[0]) * case.contact.pressure(x, load)
+        for begin, end, onwards in ((0.0, min(load, first), False), (first, max(load, first), True)):
+            p, weights = graded(np.clip(edge, begin, end), np.full(len(x), end))
+            bend = ellipse(p)[1] if onwards else np.full_like(p, 2 * beta)
+            total = total - np.sum(weights * bend * case.contact.pressure(x[:, None], p), axis=-1)
+        return np.asarray(total)
 
     def twin(self, t: ArrayLike) -> Array:
         """Time of Y of the paper: where the line of gradient f through t meets the stretch G-I of the loop."""

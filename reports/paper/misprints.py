@@ -74,7 +74,7 @@ def stick_condition(case: Case) -> Misprint:
     return Misprint(
         "condition of stick",
         "section 2",
-        "dQ/dP < f, for which stick endures",
+        "stick while dQ/dP < f",
         "|dQ/dP| < f with P growing",
         f"of 720 instants of the steady cycle the printed rule misjudges {printed:.0%}, the mended one {right:.0%}",
         right == 0 and printed > 0.01,
@@ -108,7 +108,7 @@ def least_normal_load(case: Case) -> Misprint:
     return Misprint(
         "3H",
         "section 2, text on figure 3",
-        "Fig. 3H (where the normal load reaches its minimum value)",
+        "figure 3H is said to be at the least normal load",
         "P is least at F; H is where Q is least",
         f"P is {loads['H']:.3g} at H, {loads['F']:.3g} at F, and at least {p.min():.3g} in the cycle; Q is {forces['H']:.2g} at H, "
         f"{forces['F']:.2g} at F, and at least {q.min():.2g}",
@@ -124,7 +124,7 @@ def order_of_letters(case: Case) -> Misprint:
     return Misprint(
         "J and K",
         "section 2, figures 2 and 3",
-        "I, J (line of gradient f through G), K (maximum normal load): J before K",
+        "J (line of gradient f through G) is named before K (largest P)",
         "in this example K comes before J",
         f"the front passes P_G (off by {small(front)}) {angle['J']:.0f}° after the largest P, I lies {-angle['I']:.0f}° before it",
         front <= EXACT and angle["I"] < 0 < angle["J"],
@@ -145,7 +145,7 @@ def mean_force(case: Case) -> Misprint:
     return Misprint(
         "mean shear force",
         "section 3",
-        "independent of the mean shear force Q_1",
+        "Q_1 as the mean shear force",
         "Q_0",
         f"half of Q0 changes the dissipation by a share of {small(mean)}, half of Q1 by {amplitude:.0%} (closed integral of Q dU)",
         proves(mean, amplitude),

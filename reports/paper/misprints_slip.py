@@ -23,8 +23,11 @@ def slip_misprints(paper: Paper) -> list[Misprint]:
     """Misprints of slip and work, in the order of the paper, cross-references last."""
     peak = float(paper.peaks[0].place)
     return [
+        rate_of_the_front(paper.hertz),
+        gap_for_slope(paper.hertz),
         second_root(paper.hertz),
         stick_displacement(paper.hertz),
+        product_for_argument(paper.hertz),
         argument_of_arccosh(paper.hertz, peak),
         sign_and_multiplier(paper.hertz, peak),
         name_of_the_front(paper.hertz),
@@ -33,6 +36,78 @@ def slip_misprints(paper: Paper) -> list[Misprint]:
         net_displacement(paper.hertz),
         earlier_article(),
     ]
+
+
+def rate_of_the_front(case: Case, x: float = 1.05) -> Misprint:
+    """Equation (14), I-J: C times dP, at a point in contact from I to J."""
+    formulas, place = Formulas(case), x * case.length
+
+    def rate(t: Array, of: Array) -> Array:
+        reached = formulas.multiplier("IJ", t) * formulas.reach(place, formulas.front("IJ", t))
+        return np.asarray(case.compliance * case.friction / math.pi * reached * of)
+
+    right = printed = 0.0
+    for t, weights in formulas.windows("IJ", place):
+        right += integral(rate(t, formulas.front_rate("IJ", t)), weights)
+        printed += integral(rate(t, formulas.rates(t)[0]), weights)
+    t, weights = graded(case.time("K"), case.time("J"))
+    moved = formulas.moved(place, case.time("I"), case.time("J"))
+    after = integral(rate(t, formulas.rates(t)[0]), weights) / moved
+    errors = {"right": share(right, moved), "printed": share(printed, moved)}
+    before = printed / moved - after
+    return Misprint(
+        "(14), I–J",
+        "section 3, equation (14)",
+        "C = (1/f) (dQ/dP)(P_Y) − 1",
+        "C = [(1/f) (dQ/dP)(P_Y) − 1] dP_Y/dP, as in (18)",
+        f"slip of x = {x} a0 from I to J by (13), (15), over the engine's: as printed {before:+.1%} up to K, where dP changes its "
+        f"sign, and {after:+.1%} after K; with dP_Y/dP the error is {small(errors['right'])}",
+        proves(errors["right"], errors["printed"]) and before * after < 0,
+        errors | {"printed I-K": before, "printed K-J": after},
+    )
+
+
+def gap_for_slope(case: Case, x: float = 0.8) -> Misprint:
+    """Equation (15): what h_o is. Slip from J to M, and how it grows with all lengths and loads at the same stresses."""
+    readings = {name: _by_15(case, x, name) for name in ("slope", "gap of the increment", "gap of the punch")}
+    larger = _ten_times(case)
+    powers = {name: math.log10(_by_15(larger, x, name) / value) for name, value in readings.items()}
+    moved, grown = (Formulas(each).moved(x * each.length, each.time("J"), each.time("M")) for each in (case, larger))
+    errors = {name: share(value, moved) for name, value in readings.items()}
+    power = math.log10(grown / moved)
+    gaps = ("gap of the increment", "gap of the punch")
+    return Misprint(
+        "(15)",
+        "section 3, equation (15)",
+        "h_o: the gap before loading",
+        "h_o: the slope of the gap that an increment of load on a flat punch of half-width c opens, 1/√(x² − c²)",
+        f"lengths and loads times ten: the slip of x = {x} a0 from J to M grows as the power {power:.4f} of length. So does (15) "
+        f"with the slope ({powers['slope']:.4f}), but not with the gap beside that flat punch ({powers[gaps[0]]:.4f}) nor with the "
+        f"roller's gap x²/(2R) ({powers[gaps[1]]:.4f}). Error of the slip: {small(errors['slope'])} with the slope, "
+        f"{errors[gaps[0]]:.0%} and {errors[gaps[1]]:.0%} with the gaps in millimetres",
+        proves(errors["slope"], min(errors[name] for name in gaps)) and abs(powers["slope"] - power) <= EXACT,
+        {"right": errors["slope"], "printed": min(errors[name] for name in gaps), "power of the slip": power}
+        | {f"power with the {name}": value for name, value in powers.items()},
+    )
+
+
+def _by_15(case: Case, x: float, reading: str) -> float:
+    """Slip of x from J to M by equation (15) with a reading of h_o, integrated over x from the stick edge c."""
+    profile = case.scene.profile
+    if not isinstance(profile, Hertz):
+        raise TypeError("the gap x^2/(2R) is that of Hertz")
+    formulas, place = Formulas(case), x * case.length
+    whole = 0.0
+    for t, weights in formulas.windows("JM", place):
+        front = formulas.front("JM", t)
+        c, slope = np.asarray(case.contact.half_width(front)), formulas.reach(place, front)
+        integrals = {
+            "slope": slope,
+            "gap of the increment": place * slope - np.sqrt(np.maximum(place**2 - c**2, 0.0)),
+            "gap of the punch": (place**3 - c**3) / (6 * profile.radius),
+        }
+        whole += integral(formulas.driving("JM", t) * integrals[reading], weights)
+    return case.compliance * case.friction / math.pi * whole
 
 
 def second_root(case: Case, x: float = 1.0) -> Misprint:
@@ -82,6 +157,31 @@ def stick_displacement(case: Case, x: float = 1.1) -> Misprint:
         f"and {ratios[0.6]:.4f} times at f = 0.6 (2 f); mended off by {small(worst)}",
         proves(worst, wrong) and all(abs(ratio / (2 * f) - 1) <= EXACT for f, ratio in ratios.items()),
         {"right": worst, "printed": wrong} | {f"factor at f = {f}": ratio for f, ratio in ratios.items()},
+    )
+
+
+def product_for_argument(case: Case, x: float = 1.05) -> Misprint:
+    """Equation (18): dQ/dP times P_Y, in two units of load, at a point in contact from I to J."""
+    formulas, place, units = Formulas(case), x * case.length, {"N/mm": 1.0, "P0/3": case.unit}
+    moved = formulas.moved(place, case.time("I"), case.time("J"))
+    right, printed = 0.0, dict.fromkeys(units, 0.0)
+    for t, weights in formulas.windows("IJ", place):
+        load, slope = formulas.front("IJ", t), case.friction * (formulas.multiplier("IJ", t) + 1)
+        rest = case.compliance / math.pi * formulas.front_rate("IJ", t) * formulas.reach(place, load) / moved
+        right += integral((slope - case.friction) * rest, weights)
+        for name, unit in units.items():
+            printed[name] += integral((slope * load / unit - case.friction) * rest, weights)
+    errors = {"right": share(right, 1.0), "printed": min(abs(ratio - 1) for ratio in printed.values())}
+    return Misprint(
+        "(18)",
+        "section 3, equation (18)",
+        "(dQ/dP) P_Y − f, a product",
+        "(dQ/dP)(P_Y) − f: the slope dQ/dP at the point Y",
+        f"slip of x = {x} a0 from I to J: as a product {printed['N/mm']:.1f} times the engine's with loads in N/mm and "
+        f"{printed['P0/3']:.2f} times in units of P0/3, for a load is subtracted from a number; with the slope at Y the error is "
+        f"{small(errors['right'])}",
+        proves(errors["right"], errors["printed"]),
+        errors | {f"printed in {name}": ratio for name, ratio in printed.items()},
     )
 
 
@@ -176,26 +276,31 @@ def name_of_the_front(case: Case, x: float = 1.0) -> Misprint:
 
 def not_per_area(case: Case) -> Misprint:
     """Equation (11): ten times all lengths and loads, the same stresses."""
+    larger = _ten_times(case)
+    powers = {name: math.log10(_work(larger, name) / _work(case, name)) for name in ("density", "dissipation")}
+    whole = share(_integral_of_density(case), 1.0)
+    return Misprint(
+        "(11)",
+        "section 3",
+        "(11) is called a rate of work per unit area",
+        "(11) is an integral over x: work of the whole contact, per unit thickness",
+        f"lengths and loads times ten: W(x) grows as the power {powers['density']:.6f} of length, its integral (11) as "
+        f"{powers['dissipation']:.6f}, which is a power per thickness; the integral meets the global figure to {small(whole)}",
+        whole <= EXACT and abs(powers["density"] - 1) <= EXACT and abs(powers["dissipation"] - 2) <= EXACT,
+        {"power of W(x)": powers["density"], "power of (11)": powers["dissipation"], "right": whole},
+    )
+
+
+def _ten_times(case: Case) -> Case:
+    """The case with all lengths and loads times ten: the same stresses."""
     scene, load = case.scene, case.load
-    larger = Case(
+    return Case(
         scene.model_copy(update={"profile": scene.profile.model_copy(update={"radius": 10 * scene.profile.model_dump()["radius"]})})
     ).with_load(
         mean_normal_load=10 * load.mean_normal_load,
         normal_amplitude=10 * load.normal_amplitude,
         mean_tangential_load=10 * load.mean_tangential_load,
         tangential_amplitude=10 * load.tangential_amplitude,
-    )
-    powers = {name: math.log10(_work(larger, name) / _work(case, name)) for name in ("density", "dissipation")}
-    whole = share(_integral_of_density(case), 1.0)
-    return Misprint(
-        "(11)",
-        "section 3",
-        "The rate of doing frictional work, per unit area, is given by (11)",
-        "(11) is an integral over x: work of the whole contact, per unit thickness",
-        f"lengths and loads times ten: W(x) grows as the power {powers['density']:.6f} of length, its integral (11) as "
-        f"{powers['dissipation']:.6f}, which is a power per thickness; the integral meets the global figure to {small(whole)}",
-        whole <= EXACT and abs(powers["density"] - 1) <= EXACT and abs(powers["dissipation"] - 2) <= EXACT,
-        {"power of W(x)": powers["density"], "power of (11)": powers["dissipation"], "right": whole},
     )
 
 
@@ -227,7 +332,7 @@ def equation_before_23(case: Case, x: float = 0.8) -> Misprint:
     return Misprint(
         "reference before (23)",
         "section 4.1",
-        "For a Hertz contact, Eq. (12) becomes",
+        "(12) is said to become (23)",
         "(15), with (16) to (19)",
         f"(15) gives the forward slip of x = {x} a0 to {small(errors['right'])}; (12) is a closed integral that is zero there "
         f"({small(abs(net))} of that slip)",
@@ -246,7 +351,7 @@ def net_displacement(case: Case, x: float = 0.8) -> Misprint:
     return Misprint(
         "net displacement",
         "section 4.1",
-        "no net displacement over the load cycle … equation (11)",
+        "(11) is cited for the displacement that a cycle leaves, zero",
         "(12)",
         f"over a cycle (11) sums to W = {work:.5f} A f² P0², which is not zero; (12) to {small(net)} of the movement of x = {x} a0",
         net <= EXACT and work > 1e-3,
@@ -259,7 +364,7 @@ def earlier_article() -> Misprint:
     return Misprint(
         "reference [7]",
         "section 2",
-        "In [7], we showed …; For full details refer to the original article [7]",
+        "[7] is cited, twice, for the procedure",
         "[11], Barber, Davies and Hills 2011",
         "by reading, not by number: [7] in the list of references is Ciavarella 1998, who is not among the authors and takes P as "
         "constant; the procedure under periodic P and Q is that of [11]",

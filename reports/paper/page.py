@@ -24,6 +24,7 @@ from reports.paper.misprints_slip import slip_misprints
 from reports.paper.plots import Sheet, draw, png
 from reports.paper.statements_cycle import cycle_statements
 from reports.paper.statements_loads import load_statements
+from reports.paper.statements_tractions import traction_statements
 from reports.paper.statements_work import work_statements
 from reports.paper.tables import (
     Misprint,
@@ -57,7 +58,12 @@ class PaperReport:
 
 def statements(examples: Paper) -> tuple[Statement, ...]:
     """Every statement of the paper, with verdicts."""
-    return (*cycle_statements(examples), *load_statements(examples), *work_statements(examples))
+    return (
+        *traction_statements(examples),
+        *cycle_statements(examples),
+        *load_statements(examples),
+        *work_statements(examples),
+    )
 
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:

@@ -6,7 +6,6 @@ Equations and figures are the paper's; x and half-widths are over a0 = a(P0).
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from itertools import groupby
 
@@ -22,14 +21,13 @@ from semi_analytic.friction_work import slip_times
 Array = NDArray[np.float64]
 
 _ROUNDING = 1e-10
-_WORDS = {
-    0.77: "is always in contact, and experiences a sequence – stick, reverse slip, stick, forwards slip",
-    0.82: "leaves contact for only a very short period during the cycle and experiences – stick, reverse slip, separation, reverse "
-    "slip, stick, forwards slip",
-    1.0: "experiences an increased period of separation, with an overall history – separation, stick, forwards slip separation",
-    1.13: "sees a history – separation, forwards slip, separation",
+# What the text gives for the four points; the names of states are those of `STATE_NAMES`.
+_HISTORIES = {
+    0.77: ("stick", "reverse slip", "stick", "forward slip"),
+    0.82: ("stick", "reverse slip", "open", "reverse slip", "stick", "forward slip"),
+    1.0: ("open", "stick", "forward slip", "open"),
+    1.13: ("open", "forward slip", "open"),
 }
-_NAMES = {"stick": "stick", "reverse slip": "reverse slip", "forwards slip": "forward slip", "separation": "open"}
 
 
 def cycle_statements(paper: Paper) -> list[Statement]:
@@ -60,7 +58,7 @@ def stick_throughout(case: Case) -> Statement:
     return Statement(
         "stick from G to I",
         "section 4.1, figure 4a",
-        "The contact is always fully adhered during the interval G–I.",
+        "from G to I no point of the contact slips",
         f"deepest slip between G and I, {share:.0%} of the cycle: {deepest:.1g} a0; right after I slip has begun ({least:.1e} a0)",
         judge(deepest <= _ROUNDING < least),
         {"deepest slip in G-I": deepest, "least slip in I-M": least, "share of the cycle": share},
@@ -73,7 +71,7 @@ def transient_slip(case: Case) -> Statement:
     return Statement(
         "transient slip",
         "sections 2 and 4.1, figure 4a",
-        "the slip zone is much bigger during the transient first cycle (points B–E) than it is during the steady state",
+        "slip goes much deeper in the first cycle (B to E) than in the steady state",
         f"stick half-width at E {first:.4f} in the first cycle, {case.stick_edge:.4f} in the steady state",
         judge(first < case.stick_edge),
         {"first cycle": first, "steady": case.stick_edge},
@@ -88,8 +86,7 @@ def receding_stick(case: Case) -> Statement:
     return Statement(
         "slip advances from B to E",
         "section 2, figure 3C–E",
-        "the stick slip boundaries recede continuously, so that the slip zone is formally advancing, right the way through to "
-        "point E",
+        "from B to E the stick zone shrinks without a pause, although the contact grows at first",
         f"c falls in each of 200 steps from {stick[0]:.4f} to {stick[-1]:.4f}, while a first grows from {contact[0]:.4f} to "
         f"{contact[1]:.4f}",
         judge(smallest_step > 0 and contact[1] > contact[0]),
@@ -103,7 +100,7 @@ def same_penetration(case: Case) -> Statement:
     return Statement(
         "slip as deep forward as in reverse",
         "section 4.1, figure 4a",
-        "in the steady state, the extent of slip penetration from the contact edges is the same during forward and reverse slip",
+        "once the cycle is steady, forward and reverse slip reach equally far inwards",
         f"least stick half-width {forward:.6f} in forward slip (M), {reverse:.6f} in reverse slip (G)",
         judge(abs(forward - reverse) <= _ROUNDING),
         {"forward": forward, "reverse": reverse},
@@ -117,7 +114,7 @@ def time_in_slip(case: Case) -> Statement:
     return Statement(
         "longer in forward slip",
         "section 4.1",
-        "the contact spends a bigger fraction of the time undergoing forwards slip than reverse slip",
+        "the contact slips forward for a longer part of the cycle than in reverse",
         f"{forward:.1%} of the cycle in forward slip, {reverse:.1%} in reverse slip",
         judge(forward > reverse),
         {"forward": forward, "reverse": reverse},
@@ -133,7 +130,7 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Statement:
     return Statement(
         "forward slip is slower",
         "section 4.1",
-        "the mean forward slip velocity is lower than the magnitude of the mean reverse slip velocity",
+        "on average a point slips more slowly forward than in reverse",
         f"at x = {x} forward over reverse is {phase:.4f} if each way's distance is spread over the contact's whole phase, but the "
         f"point itself slips {duration[0] / (2 * math.pi):.4f} and {duration[1] / (2 * math.pi):.4f} of the cycle, and while it "
         f"slips the quotient of mean speeds is {own:.6f}",
@@ -166,7 +163,7 @@ def permanent_stick(case: Case) -> Statement:
     return Statement(
         "permanent stick",
         "section 4.1, figure 6",
-        "the transition point from permanent steady state stick (x/a ≈ 0.73)",
+        "permanent stick ends at about 0.73 a(P0)",
         f"a(P_T)/a0 = {case.stick_edge:.5f}",
         judge_number(case.stick_edge, 0.73, 2),
         {"a(P_T)/a0": case.stick_edge},
@@ -181,7 +178,7 @@ def net_displacement(case: Case) -> Statement:
     return Statement(
         "no net displacement",
         "sections 3 and 4.1, figure 5",
-        "There can, of course, be no net displacement over the load cycle for any pair of opposed points",
+        "after a whole cycle opposite points lie as they lay before",
         f"largest net displacement of the four points over a cycle: {small(net)} of the largest movement",
         judge(net <= _ROUNDING),
         {"net over largest": net},
@@ -193,17 +190,21 @@ def point_history(case: Case, x: float) -> Statement:
     times = case.round_times(1441)
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
     found = sequence(states)
-    expected = _as_runs([_NAMES[name] for name in re.findall("|".join(_NAMES), _WORDS[x].partition("–")[2])])
+    expected = _as_runs(_HISTORIES[x])
     turns = [expected[k:] + expected[:k] for k in range(len(expected))]
     share = float(np.mean(states == SurfaceState.OPEN))
     return Statement(
         f"history of x = {x}",
         "section 4.1, figure 5",
-        _WORDS[x],
-        f"from M on: {', '.join(found).replace('open', 'separation')}; separated for {share:.1%} of the cycle",
+        f"the point goes through {_in_words(_HISTORIES[x])}",
+        f"from M on: {_in_words(found)}; separated for {share:.1%} of the cycle",
         judge(found in turns),
         {"share of separation": share, "runs": len(found)},
     )
+
+
+def _in_words(states: Sequence[str]) -> str:
+    return ", ".join(states).replace("open", "separation")
 
 
 def sequence(states: Sequence[int] | NDArray[np.int8]) -> list[str]:
@@ -232,7 +233,7 @@ def one_way_slip(case: Case) -> Statement:
     return Statement(
         "one-way slip",
         "section 4.1",
-        "the fretting, for points remote from the contact centre (x/a(P0) ≥ 0.88) occurs exclusively in one direction",
+        "points with x/a(P0) ≥ 0.88 rub in one direction only",
         f"reverse slip dissipates up to x = {edge:.4f}; a at the largest P of the reverse-slip phase E–G is {widest:.4f}",
         judge_number(edge, 0.88, 2),
         {"edge": edge, "largest a in E-G": widest},

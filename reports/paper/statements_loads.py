@@ -43,7 +43,7 @@ def friction_delays(case: Case) -> Statement:
     return Statement(
         "friction delays slip",
         "section 4.1, figure 4b",
-        "for higher coefficients of friction the transition is delayed",
+        "with more friction the changes between stick and slip come later",
         f"from f = {order[0]} to {order[-1]} slip starts later by {shift['E']:.1f}° (E, reverse) and {shift['I']:.1f}° "
         f"(I, forward); full stick returns (G) earlier by {-shift['G']:.1f}°",
         judge(later and bool(np.all(np.diff(back) > 0)), nearly=later),
@@ -62,7 +62,7 @@ def frictions_of_figure_4b(case: Case) -> Statement:
     return Statement(
         "coefficients of figure 4b",
         "section 4.1, figure 4b",
-        "summarises the extent of slip for f = 1.0, 0.8, 0.6, 0.4",
+        "figure 4b has the zones of slip for four f: 1.0, 0.8, 0.6 and 0.4",
         f"with the example's Q0 = {mean:.2g} the loads slide grossly at f = {sliding}; with Q0 = 0 "
         f"{'none does' if not slides[1].any() else 'some do'}, and the extent of slip does not depend on Q0: figure 4b is drawn so",
         judge(not slides[0].any(), nearly=not slides[1].any()),
@@ -85,7 +85,7 @@ def mean_force(case: Case) -> Statement:
     return Statement(
         "mean shear force",
         "section 3",
-        "the work done against friction is also independent of the mean shearing force",
+        "friction does the same work whatever the mean shear force",
         f"Q0 = −1, 0 and 0.5 instead of 1.1: c moves by at most {small(zone)} a0, W by a share of {small(work)}",
         judge(max(zone, work) <= _ROUNDING),
         {"change of c": zone, "change of W": work},
@@ -106,8 +106,7 @@ def way_in(case: Case) -> Statement:
     return Statement(
         "way in",
         "section 2",
-        "The only residual information from the transient which persists is the locked-in distribution of shearing tractions "
-        "within the permanent stick region",
+        "of the initial loading only shear tractions within the permanent stick zone are left",
         f"straight and zigzag instead of the parabola: c moves by {small(zone)} a0, W by a share of {small(work)}; "
         f"shear at M differs by up to {residual[0]:.2f} P0/(3 a0) inside a(P_T) and by {small(residual[1])} outside",
         judge(max(zone, work) <= _ROUNDING and residual[1] <= _ROUNDING < residual[0]),
@@ -126,7 +125,7 @@ def rounded_stick(case: Case) -> Statement:
     return Statement(
         "slip in the radii",
         "section 4.2, figure 8",
-        "the extent of slip must be confined to the radiused regions for problems of this kind",
+        "slip cannot leave the rounded edges",
         f"permanent stick reaches to a(P_T)/a0 = {case.stick_edge:.4f}, the flat to b/a0 = {flat:.3f} (it cannot do otherwise: a "
         "≥ b)",
         judge(case.stick_edge > flat),
@@ -140,7 +139,7 @@ def narrow_bands(hertz: Case, rounded: Case) -> Statement:
     return Statement(
         "narrow bands",
         "section 4.2, figure 8",
-        "The principal effect of introducing the flat region is therefore simply to localise slip in two bands at the edges",
+        "what the flat face does is mainly to confine slip to two bands, one at each edge",
         f"slip reaches over {bands[1]:.4f} a0 at either edge, over {bands[0]:.4f} a0 for Hertz",
         judge(bands[1] < bands[0]),
         {"hertz": bands[0], "flat and rounded": bands[1]},

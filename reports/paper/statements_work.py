@@ -46,8 +46,7 @@ def forward_work(case: Case) -> Statement:
     return Statement(
         "most work in forward slip",
         "section 4.1, figure 6",
-        "the vast majority of the frictional work is expended during the forward slip phases (IJ and JM) and very little during "
-        "reverse slip (EG)",
+        "nearly all the work is done in forward slip (I–J and J–M), very little in reverse slip (E–G)",
         f"{share:.1%} of the work in forward slip, {1 - share:.1%} in reverse slip",
         judge(share > 0.75, nearly=share > 0.5),
         {"share of forward slip": share},
@@ -63,8 +62,7 @@ def both_ends(case: Case) -> Statement:
     return Statement(
         "no work at the ends",
         "section 3",
-        "It will clearly be zero within that part of the contact which is always adhered and it will also fall smoothly to zero at "
-        "the edges of the contact at its maximum extent",
+        "W(x) is zero in the permanent stick zone and vanishes smoothly at the edges of the largest contact",
         f"W within the permanent stick zone {max(values[:2]):.1g}, a share of 1e-9 of the slip zone inside the outer edge "
         f"{values[3] / values[2]:.1e} of mid-zone",
         judge(float(max(values[:2])) == 0 and largest < 1e-6),
@@ -86,7 +84,7 @@ def inner_slope(case: Case) -> Statement:
     return Statement(
         "slope at the stick edge",
         "section 4.1, figure 6",
-        "At the transition point from permanent steady state stick (x/a ≈ 0.73) the curves have zero slope",
+        "W(x) starts with zero slope at the edge of permanent stick",
         f"W grows as distance to the power {power:.4f}",
         judge(power > 1 + _EXPONENT_SLACK),
         {"exponent": power},
@@ -99,7 +97,7 @@ def outer_slope(case: Case) -> Statement:
     return Statement(
         "slope at the outer edge",
         "section 4.1, figure 6",
-        "at the outer edge of the contact they have a finite slope",
+        "W(x) meets the outer edge with a finite slope",
         f"W falls as distance to the power {power:.4f}",
         judge(abs(power - 1) <= _EXPONENT_SLACK),
         {"exponent": power},
@@ -112,7 +110,7 @@ def outer_root(case: Case) -> Statement:
     return Statement(
         "root at the outer edge",
         "section 4.1, figure 6",
-        "(and an approximately square root bounded characteristic)",
+        "near the outer edge W(x) goes roughly like a square root",
         f"the exponent is {power:.4f}, not 1/2: pressure and slip distance each vanish like the root of the distance",
         judge(abs(power - 0.5) <= _EXPONENT_SLACK, nearly=abs(power - 0.5) <= 0.1),
         {"exponent": power},
@@ -125,12 +123,11 @@ def peak_place(paper: Paper, number: int) -> Statement:
     where, words = (
         (
             "sections 4.1 and 5, figure 6",
-            "the maximum is located at just over 60% of the distance from the permanent steady state stick point to the maximum "
-            "contact half-width",
+            "counted from the edge of permanent stick, the peak of W(x) lies a little beyond 60 % of the slip zone",
         ),
         (
             "sections 4.2 and 5, figure 9",
-            "the peak occurs at a point about 60% of the way to the contact edge … just over 60% of the way",
+            "the peak of W(x) lies about 60 % of the way from stick edge to contact edge (section 5: a little more)",
         ),
     )[number]
     return Statement(
@@ -150,7 +147,7 @@ def peak_near_sliding(paper: Paper) -> Statement:
     return Statement(
         "place of the peak, all loads",
         "section 5",
-        "for the two geometries studied, is found to be located at a point just over 60% of the way",
+        "with either geometry the peak lies a little beyond 60 % of the way",
         "it moves with P0/P1 (f = 1): "
         + "; ".join(
             f"{name} {near:.3f} at the sliding limit, {far:.3f} at P0/P1 = {ratio:g}" for name, (near, far) in places.items()
@@ -169,9 +166,8 @@ def most_before_sliding(paper: Paper, what: str) -> Statement:
     steepest = max(float(np.max(np.diff(curve, axis=1))) for curve in curves)
     name = {"work": "global dissipation", "peak": "peak"}[what]
     words = {
-        "work": "for a given coefficient of friction the maximum energy dissipated occurs just before the sliding condition is "
-        "encountered",
-        "peak": "Again the damage done is severest when we have incipient sliding",
+        "work": "at each f a cycle dissipates most just before gross sliding",
+        "peak": "the peak of W(x), too, is largest just before gross sliding",
     }[what]
     count = sum(curve.shape[0] for curve in curves)
     return Statement(
@@ -199,7 +195,7 @@ def work_falls_faster(paper: Paper) -> Statement:
     return Statement(
         "work falls faster than its peak",
         "section 4.1, figure 7",
-        "the damping (total) energy falls off much more quickly than the peak value as the value P0 is increased",
+        "as P0 grows, the work of the whole contact falls much faster than the peak of W(x)",
         f"from the sliding limit to P0/P1 = 6 at f = 1 the work falls {factors[0]:.2f}-fold, the peak {factors[1]:.2f}-fold (at "
         f"constant a(P0)); at constant R too the work falls faster in every step of every f (exponents at least {gap:.2f} apart)",
         judge(gap > 0),
@@ -214,8 +210,7 @@ def best_designs(paper: Paper) -> Statement:
     return Statement(
         "best designs close to sliding",
         "section 4.1",
-        "the best designs – in the sense that the ratio of damping energy to localised energy is maximised – occur when the locus "
-        "is close to the sliding condition",
+        "work over peak is largest close to gross sliding, so the best designs lie there",
         f"W/(a0 max W(x)) at f = 1: {ratios[0][0, 0]:.3f} at the sliding limit, {ratios[0][0, -1]:.3f} at P0/P1 = 6; largest at "
         "the limit on all curves",
         judge(best == {0}),
@@ -240,8 +235,7 @@ def five_times(paper: Paper) -> Statement:
     return Statement(
         "five times the energy",
         "section 4.2, figure 10a",
-        "with the normalisation as shown, about five times as much energy absorbed for a given coefficient of friction and "
-        "amplitude of oscillatory load",
+        "in the scale of figure 10a the flat and rounded punch absorbs about five times the energy",
         f"at equal loads, f and material W contains neither a nor R: the flat and rounded punch absorbs {work:.3f} of Hertz "
         f"({sweeps.min():.2f} to {sweeps.max():.2f} over the figure), so 'five' says something about the scales of two plots",
         judge_number(work, 5, 0, slack=0.2),
@@ -256,7 +250,7 @@ def eight_times(paper: Paper) -> Statement:
     return Statement(
         "eight times the peak",
         "section 4.2, figure 10b",
-        "generally the value is of order eight times that for Hertz",
+        "its peak is mostly of the order of eight times that of Hertz",
         f"at equal a(P0) the peaks are as {peak:.3f} ({sweeps.min():.2f} to {sweeps.max():.2f} over the figure); "
         "in no one scale are work and peak five and eight times those of Hertz",
         judge_number(peak, 8, 0, slack=0.2),
@@ -273,7 +267,7 @@ def weaker_dependence(paper: Paper) -> Statement:
     return Statement(
         "weaker dependence of the peak",
         "section 4.2, figure 10b",
-        "the curves for the flat and rounded indenter show a weaker dependence of the peak value on the ratio P1/P0 = Q1/P0",
+        "its peak depends less on P1/P0 = Q1/P0 than that of Hertz",
         f"from the sliding limit to P0/P1 = 6 at f = 1 the peak falls {spread[1][0]:.2f}-fold, {spread[0][0]:.2f}-fold for Hertz; "
         f"its exponent in P1/P0 is the smaller one in {share:.0%} of the figure",
         judge(bool(np.all(spread[1] < spread[0])) and share > 0.95),
@@ -288,7 +282,7 @@ def figure_of_merit(paper: Paper) -> Statement:
     return Statement(
         "figure of merit",
         "section 4.2",
-        "the Hertz geometry is preferable to, at least, the sample flat and rounded punch examined",
+        "judged by work over peak, Hertz does better than this flat and rounded punch",
         f"W/(a0 max W(x)) of the flat and rounded punch is {merit:.3f} of Hertz; 'five' over 'eight' would be {5 / 8:.3f}",
         judge(merit < 1),
         {"quotient of merits": merit, "five over eight": 5 / 8},

@@ -21,7 +21,7 @@ class Statement:
 
     Attributes
     ----------
-    key : short name; where : place in the paper; words : the paper's words
+    key : short name; where : place in the paper; words : what the paper states, in our words
     computed : what the engine says, with numbers; verdict : follows from `values`; values : the numbers themselves
     """
 
@@ -39,7 +39,7 @@ class Misprint:
 
     Attributes
     ----------
-    key : short name; where : place in the paper; printed, right : the two readings
+    key : short name; where : place in the paper; printed, right : the two readings, formulas as they are, the rest in our words
     proof : what was evaluated, with numbers; proven : follows from `values`, None where there is nothing to
         evaluate; values : the numbers themselves
     """
