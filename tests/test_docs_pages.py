@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import hashlib
+import html
 import importlib
 import json
 import re
 import sys
 import tomllib
+import unicodedata
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -199,3 +202,48 @@ def test_the_citation_is_of_this_version() -> None:
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f'version: "{version("halfplane")}"' in citation
     assert f"license: {tomllib.loads((ROOT / 'pyproject.toml').read_text(encoding='utf-8'))['project']['license']}\n" in citation
+
+
+def words(text: str) -> list[str]:
+    """Words and numbers in lower case, without tags, escapes, LaTeX commands and the prefixes of Python's strings."""
+    text = re.sub(r"<[^<>]{0,300}>|\\n|\\[a-zA-Z]+|\b[fr]{1,2}(?=[\"'])", " ", html.unescape(text))
+    return re.findall(r"[a-z0-9]+", unicodedata.normalize("NFKD", text).lower())
+
+
+def digest(run: str) -> bytes:
+    """What tests/data/paper.bin holds of nine words."""
+    return hashlib.blake2b(run.encode(), digest_size=5).digest()
+
+
+def runs(found: list[str]) -> dict[bytes, str]:
+    """Digest -> nine words that follow each other."""
+    each = (" ".join(found[k : k + 9]) for k in range(len(found) - 8))
+    return {digest(run): run for run in each}
+
+
+def common(text: str, known: frozenset[bytes]) -> list[str]:
+    """Runs of nine words of the text that are among the known ones."""
+    return [run for key, run in runs(words(text)).items() if key in known]
+
+
+def test_the_paper_is_quoted_nowhere() -> None:
+    """No nine words in a row are the paper's, but for its title; formulas and numbers are left out."""
+    stored = (ROOT / "tests" / "data" / "paper.bin").read_bytes()
+    paper = frozenset(stored[k : k + 5] for k in range(0, len(stored), 5))
+    assert len(paper) > 4000
+    texts = {path: path.read_text(encoding="utf-8") for path in written()}
+    assert {ROOT / "README.md", DOCS / "misprints.md", ROOT / "reports" / "paper" / "misprints.py"} <= texts.keys()
+    found = {str(path.relative_to(ROOT)): quoted for path, text in texts.items() if (quoted := common(text, paper))}
+    assert not found
+    # A quotation is seen through line breaks, markup and the joints of strings.
+    planted = frozenset(runs(["one", "two", "three", "four", "five", "six", "seven", "eight", "nine"]))
+    assert common('("zero One two, *three*, four "\n f"five <b>six</b> seven-eight nine ten")', planted)
+    assert not common("one two three four five six seven eight ten", planted)
+
+
+def written() -> list[Path]:
+    """What people wrote, and the pages that are made from it."""
+    folders = [*sorted(PACKAGES), "benchmarks", "docs", "tests"]
+    kinds = {".py", ".md", ".html", ".toml", ".txt", ".ipynb"}
+    inside = [path for name in folders for path in (ROOT / name).rglob("*") if path.suffix in kinds and "_build" not in path.parts]
+    return [*sorted(ROOT.glob("*.md")), *inside]
