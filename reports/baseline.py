@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +12,7 @@ from typing import Any
 from scenes import ContactSolution, InputError, Scene
 from scenes.bounded import parsed_json, text_of
 from scenes.scene import WORDS
+from scenes.staging import made, remove_left_behind, replace_file
 
 BASELINE, COMPARISON, SOLUTION = "halfplane baseline 1", "halfplane comparison 1", "halfplane solution 1"
 # The work that a change of the code moves; what a store of condensed bodies spares would differ from one run to the next.
@@ -118,18 +117,9 @@ def write(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> No
 def replace_text(path: Path, text: str) -> None:
     """Write a file in one go: a reader sees the old one or the new one; InputError where that is not possible."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(prefix=".halfplane-", dir=path.parent)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as stream:
-                stream.write(text)
-            umask = os.umask(0)
-            os.umask(umask)
-            os.chmod(temporary, 0o666 & ~umask)
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        remove_left_behind(path.parent)
+        with made(path.parent):
+            replace_file(path, text.encode())
     except OSError as reason:
         raise InputError(f"{path}: the file can't be written: {reason.strerror or reason}; name another place") from reason
 

@@ -6,19 +6,15 @@ import json
 import os
 import re
 import shutil
-import sys
-import tempfile
 import time
 from collections.abc import Generator, Iterable
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from scenes import InputError
 from scenes.bounded import parsed_json, text_of
 from scenes.interrupts import interrupts_wait
-
-if sys.platform != "win32":
-    import fcntl
+from scenes.staging import CannotLock, hidden_folder, lock, made, remove, remove_left_behind
 
 MANIFEST = "manifest.json"
 _PAGE = "report.html"
@@ -41,7 +37,7 @@ def default_folder(name: str) -> Path:
 
 
 def claim(out: str | Path) -> Path:
-    """`out` as a path that results can be written to; it is not made yet.
+    """`out` as a path that results can be written to; it is not made yet. What killed runs left in it and beside it is removed.
 
     Raises
     ------
@@ -52,9 +48,13 @@ def claim(out: str | Path) -> Path:
     try:
         if folder.exists() and not folder.is_dir():
             raise InputError(f"--out {out}: this is a file; results go to a folder, so name another")
-        with interrupts_wait():
-            _staging(folder, out).rmdir()
-        with _alone_in(folder, out):
+        for place in (folder, _above(folder)):
+            remove_left_behind(place)
+        remove(*_staging(folder))
+        with (
+            suppress(FileNotFoundError),
+            _alone_in(folder, out),
+        ):  # what is in a folder that is not there yet, others put there rightly
             _refuse_foreign(folder, _RESULTS, out)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
@@ -68,8 +68,8 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
     Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an earlier run that this
     one did not write again are removed where their names start with one of `fresh` (all do by default), since a page must
     not stand beside figures of another run; the others stay too. Of two runs that fill one folder at once, the one that
-    moves its files last leaves all of them. Where `out` can't be filled in the end, the files stay in the temporary folder,
-    and the error says where that is.
+    moves its files last leaves all of them. Where `out` can't be filled in the end, all in it stays as it was, the new
+    files are kept beside it, and the error says where that is.
 
     Raises
     ------
@@ -78,30 +78,45 @@ def filled(out: str | Path, *, fresh: tuple[str, ...] = ("",)) -> Generator[Path
     FilledBefore
         For a Ctrl-C that came while files were moved: they are whole.
     """
-    folder = claim(out)
-    staging = _staging(folder, out)
-    results, kept = staging / "results", ""
+    folder, moving = claim(out), False
     try:
-        results.mkdir(mode=0o700)
-        yield results
-        kept = f"; what did not get there is kept in {results}"
-        _move(staging, folder, fresh, out)
-        kept = ""
-    except KeyboardInterrupt:
-        kept = ""
-        raise
+        staging, held = _staging(folder)
     except OSError as reason:
-        if isinstance(reason.filename, str) and not kept and not Path(reason.filename).is_relative_to(staging):
-            raise  # it is about another file
-        raise InputError(f"{_unwritable(out, reason)}{kept}") from reason
-    except InputError as fault:
-        if not kept:
-            raise
-        raise InputError(f"{fault}{kept}") from fault
-    finally:
-        if not kept:
-            with interrupts_wait():
-                shutil.rmtree(staging, ignore_errors=True)
+        raise _unwritable(out, reason) from reason
+    results = staging / "results"
+    with ExitStack() as at_the_end:
+        at_the_end.callback(remove, staging, held)
+        try:
+            results.mkdir(mode=0o700)
+            yield results
+            moving = True
+            _move(staging, folder, fresh, out)
+        except (OSError, InputError) as fault:
+            if moving:
+                at_the_end.pop_all()  # nothing is removed
+                kept = f"; what did not get there is kept in {_visible(staging) / results.name}"
+            elif isinstance(fault, InputError) or _is_about_another_file(fault, staging):
+                raise
+            else:
+                kept = ""
+            raise InputError(f"{_unwritable(out, fault) if isinstance(fault, OSError) else fault}{kept}") from fault
+
+
+def _is_about_another_file(fault: OSError, staging: Path) -> bool:
+    return isinstance(fault.filename, str) and not Path(fault.filename).is_relative_to(staging)
+
+
+def _visible(staging: Path) -> Path:
+    """The folder under a name that users see and no run removes, what they have no use for taken out; else under its own."""
+    try:
+        for path in staging.iterdir():
+            if path.is_file():
+                path.unlink()
+            elif not _files(path):
+                shutil.rmtree(path)
+        return staging.rename(staging.with_name(f"halfplane-kept-{staging.name[-8:]}"))
+    except OSError:
+        return staging
 
 
 def _unwritable(out: str | Path, reason: OSError) -> InputError:
@@ -110,31 +125,26 @@ def _unwritable(out: str | Path, reason: OSError) -> InputError:
 
 def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None:
     """InputError if one of `names` is in `folder` already and no manifest of ours lists it."""
+    # Where folders can't be locked another run may move its files now: the manifest goes there before them, so it is read after.
+    there = {name for name in names if os.path.lexists(folder / name)}
     for name in sorted(set(names) - set(_owned(folder))):
         if not _lies_in(folder, name):
             raise InputError(f"--out {out}: {name} would be written outside, through a link; name another folder")
-        if os.path.lexists(folder / name):
+        if name in there:
             raise InputError(f"--out {out}: {name} is there already and halfplane did not write it; name another folder or move it")
 
 
-def _staging(folder: Path, out: str | Path) -> Path:
-    """A new empty folder of the user alone, from which files can be moved to `out`; InputError if that can't be written to.
+def _above(folder: Path) -> Path:
+    """The nearest folder above that is there."""
+    return next(path for path in Path(os.path.abspath(folder)).parents if path.exists())
 
-    Beside `out`, else in it: what is above may be another disk, or a folder of others.
+
+def _staging(folder: Path) -> tuple[Path, int | None]:
+    """A new empty folder of the user alone, from which files can be moved to `folder`, and its lock; OSError if that can't be.
+
+    Beside `folder`, else in it: what is above may be another disk, or a folder of others.
     """
-    try:
-        above = Path(os.path.abspath(folder)).parent
-        while not above.exists():
-            above = above.parent
-        if not folder.is_dir():
-            return Path(tempfile.mkdtemp(prefix=".halfplane-", dir=above))
-        inside = Path(tempfile.mkdtemp(prefix=".halfplane-", dir=folder))
-    except OSError as reason:
-        raise _unwritable(out, reason) from reason
-    try:
-        return inside.rename(above / inside.name)
-    except OSError:
-        return inside
+    return hidden_folder(folder if folder.is_dir() else _above(folder), _above(folder))
 
 
 def _files(folder: Path) -> list[str]:
@@ -167,72 +177,72 @@ def _lies_in(folder: Path, name: str) -> bool:
 
 
 def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) -> None:
-    """The results to `folder`: the old page goes first, the new one comes last.
+    """The results to `folder`: the old page goes first, the new one comes last. After an error everything is as it was before.
 
     The manifest that goes there before any file lists what was there and what will be, so that a run killed between two
     moves leaves nothing that the next one takes for somebody else's; the one that goes there last, what is there.
     """
-    results = staging / "results"
+    results, before = staging / "results", staging / "before"
     new = _files(results)
-    folder.mkdir(parents=True, exist_ok=True)
-    with _alone_in(folder, out):
+    with made(folder), _alone_in(folder, out, make=True), ExitStack() as folders:
         _refuse_foreign(folder, new, out)
         others = set(_owned(folder)) - {*new, MANIFEST}
         stale = {name for name in others if name.startswith(fresh)}
+        old = sorted((name for name in {*new, *stale} if os.path.lexists(folder / name)), key=lambda name: (name != _PAGE, name))
         begun = _manifest(staging / "begun.json", {*new, *others})
         ended = _manifest(staging / "ended.json", {*new, *(others - stale)})
+        for name in old:
+            (before / name).parent.mkdir(parents=True, exist_ok=True)
+        for parent in {(folder / name).parent for name in new} - {folder}:
+            folders.enter_context(made(parent))
         try:
-            with interrupts_wait():
+            with interrupts_wait(), ExitStack() as undo:
+                if os.path.lexists(folder / MANIFEST):
+                    shutil.copyfile(folder / MANIFEST, before_manifest := staging / MANIFEST)
+                    undo.callback(os.replace, before_manifest, folder / MANIFEST)
+                else:
+                    undo.callback((folder / MANIFEST).unlink, missing_ok=True)
                 os.replace(begun, folder / MANIFEST)
-                _remove(folder, stale.union({_PAGE} & {*new}))
+                for name in old:
+                    os.rename(folder / name, before / name)
+                    undo.callback(os.rename, before / name, folder / name)
                 for name in sorted(new, key=lambda name: (name == _PAGE, name)):
-                    (folder / name).parent.mkdir(parents=True, exist_ok=True)
                     os.replace(results / name, folder / name)
+                    undo.callback(os.replace, folder / name, results / name)
                 os.replace(ended, folder / MANIFEST)
+                undo.pop_all()
         except KeyboardInterrupt as stop:
             raise FilledBefore(f"the results in {out} are whole") from stop
+        for above in {(folder / name).parent for name in stale} - {folder}:
+            with suppress(OSError):  # something is left in it
+                above.rmdir()
 
 
 @contextmanager
-def _alone_in(folder: Path, out: str | Path) -> Generator[None, None, None]:
-    """Wait for other processes that move files to `folder`; not where the system can't lock a folder (Windows, some networks)."""
-    if sys.platform == "win32" or not folder.is_dir():
-        yield
-        return
-    end = time.monotonic() + _PATIENCE
-    while (handle := _locked(folder)) is None:
-        if time.monotonic() > end:
+def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator[None, None, None]:
+    """Wait for other processes that move files to `folder`; not where the system can't lock a folder (Windows, some networks).
+
+    One that goes meanwhile is made again, or FileNotFoundError.
+    """
+    end, handle = time.monotonic() + _PATIENCE, None
+    while handle is None:
+        try:
+            handle = lock(folder)
+        except CannotLock:
+            break
+        except FileNotFoundError:
+            if not make:
+                raise
+            folder.mkdir(parents=True, exist_ok=True)
+        if handle is None and time.monotonic() > end:
             raise InputError(
                 f"--out {out}: another process has held this folder for {_PATIENCE:g} s and moves no files (is it stopped?); "
                 "end it, or name another folder"
             )
-        time.sleep(0.01)
+        if handle is None:
+            time.sleep(0.01)
     try:
         yield
     finally:
-        os.close(handle)
-
-
-def _locked(folder: Path) -> int | None:
-    """A handle that locks `folder` until it is closed; None while another process does, or where the folder was just replaced."""
-    with interrupts_wait():
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+        if handle is not None:
             os.close(handle)
-            return None
-        except OSError:
-            return handle
-        if os.path.exists(folder) and os.path.samestat(os.fstat(handle), os.stat(folder)):
-            return handle
-        os.close(handle)
-        return None
-
-
-def _remove(folder: Path, names: Iterable[str]) -> None:
-    for name in names:
-        (folder / name).unlink(missing_ok=True)
-        above = (folder / name).parent
-        if above != folder and above.is_dir() and not any(above.iterdir()):
-            above.rmdir()

@@ -15,7 +15,7 @@ Its files and the answer::
 
     reading.py, tables.py, bounded.py      scene files, columns of numbers, both only up to a stated size
     refusals.py, errors.py                 why something was refused, as a sentence
-    interrupts.py                          Ctrl-C that waits until what must not be cut in two is done
+    interrupts.py, staging.py              Ctrl-C that waits until what must not be cut in two is done; files whole or not at all
     solution.py, netcdf.py                 the form of every answer, and its file
     notebook.py                            scenes and answers in a notebook
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,6 +17,7 @@ from scenes.errors import InputError
 from scenes.netcdf import first_line, stored_dataset
 from scenes.notebook import solution_html
 from scenes.scene import Scene
+from scenes.staging import replace_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -210,8 +212,17 @@ class ContactSolution:
         )
 
     def save(self, path: str | Path) -> None:
-        """Write NetCDF (h5netcdf)."""
-        self.to_dataset().to_netcdf(path, engine="h5netcdf")
+        """Write NetCDF (h5netcdf), whole or not at all; OSError where that can't be.
+
+        HDF5 writes to memory: a disk that is full under it leaves it in a state that ends the process once the file is closed.
+        """
+        import h5netcdf
+        from xarray.backends import H5NetCDFStore
+
+        content = io.BytesIO()
+        with h5netcdf.File(content, "w") as file:
+            self.to_dataset().dump_to_store(H5NetCDFStore(file))
+        replace_file(path, content.getbuffer())
 
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:

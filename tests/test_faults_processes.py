@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -50,9 +51,9 @@ def writing(comparison: Comparison, folder: Path, done: int) -> None:
     moves = 0
     real = os.replace
 
-    def replace(source: str, target: str) -> None:
+    def replace(source: Path, target: Path) -> None:
         nonlocal moves
-        moves += 1
+        moves += Path(target).is_relative_to(folder / "out")
         if moves > done:
             os.kill(os.getpid(), signal.SIGKILL)
         real(source, target)
@@ -110,7 +111,7 @@ def interrupted(folder: Path, *words: str, which: signal.Signals = signal.SIGINT
         told = ""
         for line in process.stderr:
             told += line
-            if "steps" in line:
+            if re.search(r"[1-9]\d* steps", line):  # on a busy machine the first line comes before the first step is done
                 break
         process.send_signal(which)
         _, rest = process.communicate(timeout=120)

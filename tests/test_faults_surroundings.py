@@ -17,6 +17,7 @@ import pytest
 from reports import folder as folders
 from reports.folder import MANIFEST, FilledBefore, claim, filled
 from scenes import ContactSolution, InputError
+from scenes.staging import lock
 from test_cli_commands import environment, everything
 from test_faults_processes import interrupted
 
@@ -282,8 +283,8 @@ def test_a_folder_that_was_replaced_is_locked_anew(tmp_path: Path, monkeypatch: 
             out.mkdir()
 
     monkeypatch.setattr(fcntl, "flock", flock)
-    assert folders._locked(out) is None
-    handle = folders._locked(out)
+    assert lock(out) is None
+    handle = lock(out)
     assert handle is not None
     assert os.path.samestat(os.fstat(handle), out.stat())
     os.close(handle)

@@ -14,7 +14,6 @@ import hashlib
 import json
 import os
 import re
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from typing import Any
 
 from scenes import InputError
 from scenes.bounded import parsed_json, shown
+from scenes.staging import remove_left_behind, replace_file
 
 _FORMAT = "halfplane sweep 1"
 _ADDRESS = re.compile("[0-9a-f]{64}")
@@ -72,10 +72,11 @@ class Store:
         return sorted(name for name in names(self.results) if ".bad-" in name)
 
     def prepare(self) -> None:
-        """Make the folders; StoreError where that can't be."""
+        """Make the folders, and remove what killed sweeps left in them half-written; StoreError where that can't be."""
         with _writing(self.folder):
             for folder in (self.results, self.claims):
                 folder.mkdir(parents=True, exist_ok=True)
+                remove_left_behind(folder)
 
     def write(self, result: Mapping[str, Any]) -> None:
         """Store a result under its address; the last of two writers wins, and both wrote the same."""
@@ -88,19 +89,9 @@ class Store:
         self.write_bytes(path, text.encode())
 
     def write_bytes(self, path: Path, content: bytes) -> None:
-        """Write a file in one go: temporary name, flushed to the disk, moved; StoreError where that can't be."""
+        """Write a file in one go; StoreError where that can't be."""
         with _writing(self.folder):
-            handle, temporary = tempfile.mkstemp(prefix=".", suffix=".part", dir=path.parent)
-            try:
-                with os.fdopen(handle, "wb") as file:
-                    file.write(content)
-                    file.flush()
-                    os.fsync(file.fileno())
-                os.chmod(temporary, 0o666 & ~_umask())
-                os.replace(temporary, path)
-            except BaseException:
-                Path(temporary).unlink(missing_ok=True)
-                raise
+            replace_file(path, content)
 
     def stored_at(self, address: str) -> float | None:
         """When a result was stored, in seconds of the epoch; None where there is none any more."""
@@ -179,13 +170,6 @@ def unwritable(folder: Path, reason: OSError) -> StoreError:
     """The sentence of an OSError."""
     why = _NO_ROOM_WORDS if reason.errno in _NO_ROOM else reason.strerror or str(reason)
     return StoreError(f"{folder}: results can't be stored: {why}; what was stored before stays")
-
-
-def _umask() -> int:
-    """What the user takes away from the rights of new files; mkstemp leaves them to the owner alone."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def canonical(value: Any) -> str:
