@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import tempfile
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -45,8 +46,10 @@ def init(file: Path, start: str, bodies: bool, answers: SceneAnswers, quiet: boo
     beside = {file.parent / name: content for name, content in (scene_companions(start) if start else {}).items()}
     if taken := next((path for path in beside if path.exists()), None):
         raise InputError(f"{taken}: the file is there already and stays as it is; choose another folder for {file.name}")
-    for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
-        _write_new(path, content)
+    with ExitStack() as undo:
+        for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
+            _write_new(path, content, undo)
+        undo.pop_all()
     if quiet:
         return WITHIN
     with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
@@ -87,9 +90,10 @@ def _refuse_taken(path: Path) -> None:
         raise InputError(f"{path}: the file is there already and stays as it is; name another")
 
 
-def _write_new(path: Path, text: str) -> None:
+def _write_new(path: Path, text: str, undo: ExitStack) -> None:
     try:
         with path.open("x", encoding="utf-8") as stream:
+            undo.callback(path.unlink, missing_ok=True)
             stream.write(text)
     except FileExistsError:
         _refuse_taken(path)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import threading
 from concurrent.futures import Future
 from pathlib import Path
 
@@ -82,15 +83,30 @@ def test_workers_are_deaf_to_ctrl_c_from_birth() -> None:
 
 
 def test_ctrl_c_while_workers_are_born_is_heard_at_the_end() -> None:
+    """Also where the system hands it to another thread, as it may: one of BLAS, of a pool, of pytest-xdist."""
     reached = []
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    end = threading.Event()
+    other = threading.Thread(target=end.wait)
+    other.start()
 
     def hired() -> None:
         with _deaf_to_ctrl_c():
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.pthread_kill(other.ident or 0, signal.SIGINT)
+            os.read(reading, 1)  # it is there once the signal is
             reached.append(True)
 
-    with pytest.raises(KeyboardInterrupt):
-        hired()
+    before = signal.set_wakeup_fd(writing)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            hired()
+    finally:
+        signal.set_wakeup_fd(before)
+        end.set()
+        other.join()
+        os.close(reading)
+        os.close(writing)
     assert reached == [True]
 
 

@@ -17,6 +17,7 @@ from typing import Any, Protocol
 
 from reports.sweep.solving import solve_task
 from scenes import InputError
+from scenes.interrupts import interrupts_wait
 
 # For BLAS and OpenMP: on matrices of a few hundred rows more threads gain nothing, and fight for the cores of other workers.
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -197,16 +198,21 @@ def available_cores() -> int:
 
 @contextmanager
 def _deaf_to_ctrl_c() -> Generator[None, None, None]:
-    """Processes that start inside never hear a Ctrl-C, from their birth on; we hear it at the end. A terminal sends it to all."""
+    """Processes that start inside never hear a Ctrl-C, from their birth on; we hear it at the end. A terminal sends it to all.
+
+    They inherit that the signal is blocked. To us the block is of no use: the system hands the signal to any other thread, such as
+    one of BLAS, and Python acts on it in this one.
+    """
     if sys.platform == "win32":
         yield
         return
     resource_tracker.ensure_running()  # which lifts the block once it has started
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    with interrupts_wait():
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _nothing() -> None:
