@@ -9,11 +9,13 @@ The question::
     time_series.py, callable_loads.py      measured rows, Python functions
     expected.py, tags.py                   numbers that a scene expects, words to find it by
     consistent.py                          whether units can be one set
+    frozen.py                              what all of these have in common: checked at every door, changed by `vary`
     chebyshev.py                           series that stand for functions
 
 Its files and the answer::
 
     reading.py, tables.py, bounded.py      scene files, columns of numbers, both only up to a stated size
+    writing.py                             a scene to its file
     refusals.py, errors.py                 why something was refused, as a sentence
     interrupts.py, staging.py              Ctrl-C that waits until what must not be cut in two is done; files whole or not at all
     solution.py, netcdf.py                 the form of every answer, and its file

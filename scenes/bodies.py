@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
-from scenes.materials import FROZEN, Positive
+from scenes.frozen import Frozen
+from scenes.materials import Positive
 
 Base = Literal["fixed", "rollers"]
 Sides = Literal["free", "guided"]
 
 
-class HalfPlane(BaseModel):
+class HalfPlane(Frozen):
     """Half-plane with a flat face: what half-plane theory is about."""
-
-    model_config = FROZEN
 
     kind: Literal["half_plane"] = "half_plane"
 
@@ -25,10 +24,8 @@ class HalfPlane(BaseModel):
         return float("inf")
 
 
-class _Rectangle(BaseModel):
+class _Rectangle(Frozen):
     """What block and pad have in common; the base of an upper one carries the load."""
-
-    model_config = FROZEN
 
     kind: str
     width: Positive = Field(description="along the face, length units (library: mm)")
@@ -58,10 +55,8 @@ class Pad(_Rectangle):
     kind: Literal["pad"] = "pad"
 
 
-class Cylinder(BaseModel):
+class Cylinder(Frozen):
     """Half of a solid cylinder, its plane of symmetry bonded to a rigid plane (which carries the load of an upper body)."""
-
-    model_config = FROZEN
 
     kind: Literal["cylinder"] = "cylinder"
     radius: Positive = Field(description="length units (library: mm)")
@@ -75,14 +70,12 @@ class Cylinder(BaseModel):
 Shape = Annotated[HalfPlane | Block | Pad | Cylinder, Field(discriminator="kind")]
 
 
-class Bodies(BaseModel):
+class Bodies(Frozen):
     """The shapes of the two bodies, both mirror-symmetric in x = 0; half-planes where they are left out.
 
     >>> Bodies().half_planes, Bodies(upper=Pad(width=12.0, height=10.0)).faces_are_true
     (True, True)
     """
-
-    model_config = FROZEN
 
     lower: Shape = HalfPlane()
     upper: Shape = HalfPlane()

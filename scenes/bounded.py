@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import stat
 import sys
+import tomllib
 from collections.abc import Generator
 from contextlib import contextmanager
 from importlib import import_module
@@ -19,8 +21,23 @@ from scenes.errors import InputError
 resource = import_module("resource") if find_spec("resource") else None
 
 # Bytes. A TOML file is written by hand, and its parser is slow; tables of numbers go to CSV, answers to NetCDF.
-TOML, TEXT, SOLUTION = 2**22, 2**28, 2**31
+TOML, TEXT, SOLUTION = 2**20, 2**28, 2**31
 _SHOWN = 120
+# Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes up to 1 kB for each of its
+# parts. A number of so many hexadecimal digits is still a float.
+_DEEPEST, _MOST_KEYS, _LONGEST = 8, 10_000, 250
+_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\[^\n])*+"?|'[^'\n]*+'?)"""
+# What is not closed ends with its line or the text: nothing behind it is read by the parser either.
+_TOML = re.compile(
+    rf"""\#[^\n]*+                                                     # a comment
+    | "{{3}}(?:[^"\\]|\\.|"(?!""))*+(?:"{{3,5}}|\\?\Z)                 # strings of several lines
+    | '{{3}}(?:[^']|'(?!''))*+(?:'{{3,5}}|\Z)
+    | (?P<deep>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST},}})     # keys; numbers and words look like them
+    | (?P<long>[A-Za-z0-9_-]{{{_LONGEST},}}+)
+    | {_PART}
+    | (?P<sign>[][{{}}=])""",
+    re.DOTALL | re.VERBOSE,
+)
 
 
 def text_of(path: Path, what: str, most: int = TEXT, advice: str = "") -> str:
@@ -70,6 +87,69 @@ def parsed_json(text: str) -> Any:
         return json.loads(text, parse_int=_whole_number)
     except RecursionError as reason:
         raise ValueError("it is nested too deeply") from reason
+
+
+def parsed_toml(text: str) -> dict[str, Any]:
+    """What the TOML text says; ValueError for every fault of it, among them tables nested too deeply and too many keys.
+
+    These are counted before the parser sees the text: it takes memory with the square of the dots in a key.
+
+    >>> parsed_toml("a.b = 3")
+    {'a': {'b': 3}}
+    >>> parsed_toml("a." * 1000 + "b = 3")
+    Traceback (most recent call last):
+    ValueError: Tables nested deeper than 8 (at line 1, column 1)
+    """
+    depth, keys, before = 0, 0, ""
+    for found in _TOML.finditer(text):
+        sign = found["sign"] or ""
+        keys += sign == "=" or (sign == "[" and depth == 0 and before != "=")  # the latter: the head of a table
+        depth += (sign in "[{") - (sign in "]}") if sign else 0
+        before = sign
+        if found["deep"] or found["long"] or depth > _DEEPEST or keys > _MOST_KEYS:
+            what = f"Tables nested deeper than {_DEEPEST}"
+            if not found["deep"] and depth <= _DEEPEST:
+                what = f"A key or a number of {_LONGEST} characters or more" if found["long"] else f"More than {_MOST_KEYS:,} keys"
+            line, column = text.count("\n", 0, found.start()) + 1, found.start() - text.rfind("\n", 0, found.start())
+            raise ValueError(f"{what} (at line {line}, column {column})")
+    return tomllib.loads(text)
+
+
+def not_toml(text: str, reason: Exception) -> str:
+    """Why TOML was refused, with the line at fault; a comma within a number is pointed at.
+
+    >>> not_toml("a = 1\\nb = 0,4", ValueError("Expected newline (at line 2, column 6)"))
+    "not valid TOML: Expected newline (at line 2, column 6), in 'b = 0,4'; write a decimal point, not a comma"
+    """
+    found = re.search(r"\(at line (\d+), column \d+\)", str(reason))
+    lines = text.split("\n")
+    if not found or not 0 < int(found[1]) <= len(lines):
+        return f"not valid TOML: {reason}"
+    line = lines[int(found[1]) - 1].strip()
+    comma = "; write a decimal point, not a comma" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
+    return f"not valid TOML: {reason}, in {shown(line)}{comma}"
+
+
+def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
+    """The table of keys in a file, JSON where its name says so, else TOML: the door of every file that a user writes by hand.
+
+    Raises
+    ------
+    InputError
+        One sentence: for what `text_of` refuses (`what`, `advice` as there), for a fault with its line, for a list.
+    """
+    is_json = path.suffix == ".json"
+    text = text_of(path, what, TEXT if is_json else TOML, advice)
+    if not text.strip():
+        return {}
+    try:
+        data = parsed_json(text) if is_json else parsed_toml(text)
+    except (ValueError, RecursionError) as reason:  # the parsers' own errors, numbers of thousands of digits
+        why = f"not valid JSON: {reason}" if is_json else not_toml(text, reason)
+        raise InputError(f"{path}: {why}") from reason
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: {what} is a table of keys, not a {type(data).__name__}")
+    return data
 
 
 def _whole_number(digits: str) -> int:

@@ -10,12 +10,13 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
 from scenes.callables import PythonFunction, values_of
 from scenes.chebyshev import NODES, Unresolved, difference, fit, series
+from scenes.frozen import Frozen
 from scenes.loads import Array, LoadPath, Loads, WayIn, straight_way_in
-from scenes.materials import FROZEN, Positive
+from scenes.materials import Positive
 
 Series = tuple[float, ...]
 _ROUNDING = 1e-12
@@ -56,7 +57,7 @@ class ChebyshevLeg:
         return replace(self, start=self.start + delay, end=self.end + delay)
 
 
-class CallableLoad(BaseModel):
+class CallableLoad(Frozen):
     """P and Q given by Python functions of time on 0 <= time <= duration; corners are found, jumps refused.
 
     >>> import math
@@ -64,8 +65,6 @@ class CallableLoad(BaseModel):
     >>> [round(float(v), 12) for v in load.path().at(math.pi / 2)]
     [2.0, 1.0]
     """
-
-    model_config = FROZEN
 
     kind: Literal["callable"] = "callable"
     normal_load: PythonFunction = Field(description="P(time), force per unit thickness")

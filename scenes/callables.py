@@ -9,10 +9,11 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, BeforeValidator, Field, PlainSerializer, PrivateAttr, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Field, PlainSerializer, PrivateAttr, WithJsonSchema, model_validator
 
 from scenes.chebyshev import NODES, Pieces, Unresolved, fit, series, tail
-from scenes.materials import FROZEN, Positive
+from scenes.frozen import Frozen
+from scenes.materials import Positive
 
 Array = NDArray[np.float64]
 
@@ -71,7 +72,7 @@ class EvenCore:
         return lambda x: np.asarray(4 * x / self.end**2 * chebyshev.chebval(2 * np.square(x / self.end) - 1, slope))
 
 
-class CallableProfile(BaseModel):
+class CallableProfile(Frozen):
     """Gap given by a Python function of x: the height h, or its slope h' (odd), on |x| <= extent; beyond, it goes on straight.
 
     The slope is taken over as piecewise Chebyshev series, resolved to rounding down to extent/10^16; where h is given and is a
@@ -82,8 +83,6 @@ class CallableProfile(BaseModel):
     >>> round(float(profile.height(1.0)), 14), round(float(profile.slope(0.5)), 14)
     (0.25, 0.125)
     """
-
-    model_config = FROZEN
 
     kind: Literal["callable"] = "callable"
     height_function: PythonFunction | None = Field(None, description="h(x) [length] of x [length]")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
-from scenes.materials import FROZEN, Positive
+from scenes.frozen import Frozen
+from scenes.materials import Positive
 
 Quantity = Literal[
     "dissipation",
@@ -19,14 +20,12 @@ Quantity = Literal[
 ]
 
 
-class Expected(BaseModel):
+class Expected(Frozen):
     """One number with its tolerance and its source.
 
     >>> Expected(quantity="dissipation", value=0.0, tolerance=1e-9, source="nothing slips").engine
     'half-plane theory'
     """
-
-    model_config = FROZEN
 
     quantity: Quantity = Field(
         description="of the last cycle (the whole path where nothing repeats): dissipation, loop_work (closed integral of Q dU), "

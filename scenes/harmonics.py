@@ -10,10 +10,11 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BaseModel, Field
+from pydantic import Field
 
+from scenes.frozen import Frozen
 from scenes.loads import Array, LoadPath, Loads, Point, WayIn, straight_way_in
-from scenes.materials import FROZEN, Positive
+from scenes.materials import Positive
 
 Harmonic = tuple[Annotated[float, Field(ge=0, description="amplitude")], Annotated[float, Field(description="lag, degrees")]]
 
@@ -146,7 +147,7 @@ def _in_parts(part: Callable[..., Array], count: int, *times: Array) -> Loads:
     return p.reshape(shape), q.reshape(shape)
 
 
-class HarmonicLoad(BaseModel):
+class HarmonicLoad(Frozen):
     """P = P0 + sum over k of P_k cos(k t - phi_k), Q likewise; a revolution takes 2 pi and starts at t = 0.
 
     >>> load = HarmonicLoad(mean_normal_load=3, normal_harmonics=[(1, 0)], tangential_harmonics=[(0.5, 90), (0.25, 0)])
@@ -154,8 +155,6 @@ class HarmonicLoad(BaseModel):
     >>> float(p), round(float(q), 12)
     (4.0, 0.25)
     """
-
-    model_config = FROZEN
 
     kind: Literal["harmonics"] = "harmonics"
     mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")

@@ -13,9 +13,10 @@ from typing import Annotated, ClassVar, Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
-from scenes.materials import FROZEN, Positive
+from scenes.frozen import Frozen
+from scenes.materials import Positive
 
 Array = NDArray[np.float64]
 Loads = tuple[Array, Array]
@@ -230,7 +231,7 @@ def straight_way_in(way_in: WayIn, first: Leg, duration: float) -> tuple[Straigh
     return straight_legs(points, first.start - (len(points) - 1) * duration, duration)
 
 
-class EllipseLoad(BaseModel):
+class EllipseLoad(Frozen):
     """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase); a revolution takes 2 pi.
 
     The cycle starts where |Q - Q0| is largest while P grows.
@@ -240,8 +241,6 @@ class EllipseLoad(BaseModel):
     >>> float(p), round(float(q), 12)
     (3.0, 0.1)
     """
-
-    model_config = FROZEN
 
     kind: Literal["ellipse"] = "ellipse"
     mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
@@ -276,7 +275,7 @@ class EllipseLoad(BaseModel):
         return LoadPath(straight_way_in(self.way_in, turn, math.pi), (turn,))
 
 
-class PolygonLoad(BaseModel):
+class PolygonLoad(Frozen):
     """Straight lines in the P-Q plane, one unit of time each: from (0, 0) along `way_in`, then round `cycle` and back to its start.
 
     The cycle starts at the last point of the way in, which is not repeated in `cycle`; an empty cycle is a path that just ends.
@@ -285,8 +284,6 @@ class PolygonLoad(BaseModel):
     >>> [float(v) for v in load.path().at(1.5)], load.path().period
     ([2.0, 0.5], 3.0)
     """
-
-    model_config = FROZEN
 
     kind: Literal["polygon"] = "polygon"
     way_in: tuple[Point, ...] = Field(min_length=1, description="[P, Q] points after (0, 0)")

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, Literal, NamedTuple, Self
+from typing import Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, Field, ValidationInfo, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
-from scenes.materials import FROZEN
-from scenes.tables import RowError, Table, place_of, with_file
+from scenes.tables import FromFile, RowError, Table
 
 Array = NDArray[np.float64]
-_COLUMNS = ("x", "h")
 _ALIKE = 1e-12
 
 
@@ -26,7 +24,7 @@ class Spline(NamedTuple):
     curvature: Array
 
 
-class Tabulated(BaseModel):
+class Tabulated(FromFile):
     """Gap given by rows of x and h, joined by Schumaker's quadratic spline: it rises where the rows rise, bends up where they do.
 
     Rows of x >= 0 alone, or of both sides, which are then averaged. Beyond the last row the profile goes on straight.
@@ -36,24 +34,19 @@ class Tabulated(BaseModel):
     [0.005, 0.5]
     """
 
-    model_config = FROZEN
+    table, columns = "points", ("x", "h")
 
     kind: Literal["tabulated"] = "tabulated"
     file: str | None = Field(None, description="CSV file of the columns x, h (length units); path relative to the scene file")
     points: Table = Field(description="the rows themselves, [x, h] each, in place of a file")
     asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides, as a share of the largest gap")
 
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any, info: ValidationInfo) -> Any:
-        return with_file(data, info, "points", _COLUMNS)
-
     @model_validator(mode="after")
     def _rises(self, info: ValidationInfo) -> Self:
         try:
             one_sided(self.points.values, self.asymmetry)
         except RowError as fault:
-            raise ValueError(f"{place_of(fault, info, self.file, 'points', _COLUMNS)}: {fault.rule}") from fault
+            raise ValueError(f"{self.place_of(fault, info)}: {fault.rule}") from fault
         return self
 
     @property

@@ -7,21 +7,20 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
 from scenes.callables import CallableProfile
-from scenes.materials import FROZEN, Positive
+from scenes.frozen import Frozen
+from scenes.materials import Positive
 from scenes.measured import Tabulated
 
 
-class Hertz(BaseModel):
+class Hertz(Frozen):
     """Parabola: h = x^2 / (2 R), R being the relative radius (1/R = 1/R1 + 1/R2).
 
     >>> float(Hertz(radius=1000.0).height(2.0))
     0.002
     """
-
-    model_config = FROZEN
 
     kind: Literal["hertz"] = "hertz"
     radius: Positive = Field(description="relative radius of curvature R, length units (library: mm)")
@@ -41,14 +40,12 @@ class Hertz(BaseModel):
         return np.square(np.asarray(x, dtype=float)) / (2 * self.radius)
 
 
-class FlatRounded(BaseModel):
+class FlatRounded(Frozen):
     """Flat face |x| < b with parabolic edges: h = (|x| - b)^2 / (2 R) beyond.
 
     >>> FlatRounded(radius=10.0, flat_half_length=1.0).height([0.5, 3.0]).tolist()
     [0.0, 0.2]
     """
-
-    model_config = FROZEN
 
     kind: Literal["flat_rounded"] = "flat_rounded"
     radius: Positive = Field(description="edge radius R, length units (library: mm)")
@@ -70,14 +67,12 @@ class FlatRounded(BaseModel):
         return np.square(beyond) / (2 * self.radius)
 
 
-class PowerLaw(BaseModel):
+class PowerLaw(Frozen):
     """Power of the distance: h = rise (|x| / length)^exponent, exponent >= 1 (1 is a sharp wedge, 2 the parabola of Hertz).
 
     >>> PowerLaw(exponent=3.0, length=2.0, rise=0.5).height([-1.0, 2.0]).tolist()
     [0.0625, 0.5]
     """
-
-    model_config = FROZEN
 
     kind: Literal["power_law"] = "power_law"
     exponent: float = Field(ge=1, description="exponent n >= 1, any real number")
@@ -103,14 +98,12 @@ class PowerLaw(BaseModel):
         return self.rise * np.power(np.abs(np.asarray(x, dtype=float)) / self.length, self.exponent)
 
 
-class Compound(BaseModel):
+class Compound(Frozen):
     """Compound curvature: h' = x/R1 up to x = b, then b/R1 + (x - b)/R2.
 
     >>> Compound(inner_radius=1.0, outer_radius=2.0, inner_half_length=1.0).height([1.0, 3.0]).tolist()
     [0.5, 3.5]
     """
-
-    model_config = FROZEN
 
     kind: Literal["compound"] = "compound"
     inner_radius: Positive = Field(description="relative radius R1 of the middle, length units (library: mm)")
@@ -142,14 +135,12 @@ class Compound(BaseModel):
         return inside * (inside / 2 + beyond) / self.inner_radius + np.square(beyond) / (2 * self.outer_radius)
 
 
-class Wedge(BaseModel):
+class Wedge(Frozen):
     """Wedge with a rounded tip: h' = x/R up to x = b, then b/R: the angle of the faces.
 
     >>> Wedge(tip_radius=10.0, tip_half_length=1.0).height([1.0, 3.0]).tolist()
     [0.05, 0.25]
     """
-
-    model_config = FROZEN
 
     kind: Literal["wedge"] = "wedge"
     tip_radius: Positive = Field(description="relative radius R of the tip, length units (library: mm)")
@@ -194,14 +185,12 @@ def first_fall(coefficients: NDArray[np.float64]) -> float | None:
     return float(falls[0]) if len(falls) else None
 
 
-class EvenPolynomial(BaseModel):
+class EvenPolynomial(Frozen):
     """Even polynomial: h = sum over k of rises[k] (x / length)^(2 k + 2), rising for x > 0.
 
     >>> EvenPolynomial(length=2.0, rises=(0.5, 0.25)).height([2.0, 4.0]).tolist()
     [0.75, 6.0]
     """
-
-    model_config = FROZEN
 
     kind: Literal["polynomial"] = "polynomial"
     length: Positive = Field(description="length by which x is divided, length units (library: mm)")

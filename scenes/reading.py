@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from scenes.bounded import TEXT, TOML, parsed_json, text_of
+from scenes.bounded import keys_of, parsed_toml
 from scenes.errors import InputError
-from scenes.refusals import did_you_mean, not_toml, refusal
+from scenes.refusals import did_you_mean, refusal
 from scenes.scene import Scene
 
 _LIBRARY = resources.files("scenes") / "library"
@@ -61,7 +60,7 @@ def load_scene(source: str | Path) -> Scene:
     1.0
     """
     if str(source) in scene_names():
-        return _check(tomllib.loads(scene_text(str(source))), str(source), str(source), Path(str(_LIBRARY)))
+        return _check(parsed_toml(scene_text(str(source))), str(source), str(source), Path(str(_LIBRARY)))
     path = Path(source)
     if not path.suffix and not path.exists():
         raise InputError(_unknown_scene(str(source)))
@@ -79,17 +78,9 @@ def _parse(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: this is a folder; name the scene file in it, which ends in .toml or .json")
     if path.suffix not in (".toml", ".json"):
         raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
-    most = TOML if path.suffix == ".toml" else TEXT
-    text = text_of(path, "the scene file", most, "put long tables into a CSV file beside it, named by the key `file`")
-    if not text.strip():
+    data = keys_of(path, "the scene file", "put long tables into a CSV file beside it, named by the key `file`")
+    if not data:
         raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
-    try:
-        data = tomllib.loads(text) if path.suffix == ".toml" else parsed_json(text)
-    except (ValueError, RecursionError) as reason:  # the parsers' own errors, numbers of thousands of digits, thousands of brackets
-        why = not_toml(text, reason) if path.suffix == ".toml" else f"not valid JSON: {reason}"
-        raise InputError(f"{path}: {why}") from reason
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: a scene is a table of keys, not a {type(data).__name__}")
     return data
 
 
@@ -100,6 +91,6 @@ def _check(data: dict[str, Any], where: str, name: str, folder: Path) -> Scene:
         text = json.dumps({"name": name} | data, default=str)
         return Scene.model_validate_json(text, strict=True, context={"folder": folder})
     except ValidationError as faults:
-        raise InputError(f"{where}: {refusal(faults, data, Scene, '`halfplane schema`')}") from faults
-    except RecursionError as reason:  # keys with thousands of dots
+        raise InputError(f"{where}: {refusal(faults, data, Scene)}") from faults
+    except RecursionError as reason:  # JSON with brackets by the hundred
         raise InputError(f"{where}: its tables are nested too deeply") from reason

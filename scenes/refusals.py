@@ -5,35 +5,54 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from scenes.bounded import shown
 
+if TYPE_CHECKING:
+    from scenes.frozen import Frozen
+
 _NAMED = 4  # keys at fault beside the first that a refusal names
 
+# What no scene can state, by how a word of a key begins that would state it: section "What is neglected" of docs/theory.md.
+_NEGLECTED = {
+    ("bulk", "remote"): "bulk stress in a body is not modelled, loads are P and Q",
+    ("moment", "tilt", "rotation", "inclination", "misalignment"): "the bodies carry no moment and do not tilt",
+    ("wear", "archard"): "wear is not modelled",
+    ("plastic", "yield", "hardening", "hardness"): "the materials are linear elastic, without plasticity",
+    ("creep", "visco", "relaxation"): "the materials are linear elastic, without creep",
+    ("temperature", "thermal", "heat"): "temperature is not modelled",
+    ("fatigue", "life", "crack"): "fatigue life is not computed",
+    ("inertia", "mass", "density", "gravity"): "the contact is quasi-static, without inertia",
+    ("static", "kinetic", "velocity", "frequency", "rate"): "friction has one coefficient, and nothing depends on the rate",
+    ("adhesion", "adhesive", "roughness"): "the faces are smooth and do not adhere",
+    ("thickness",): "the bodies are in plane strain, and loads are per unit thickness",
+}
 
-def refusal(faults: ValidationError, data: dict[str, Any], model: type[BaseModel], listed: str) -> str:
+
+def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
     """The first fault with key, value, rule and what to do, and which keys more are at fault.
 
     Parameters
     ----------
-    data : the keys as they stand in the file
-    listed : where the user finds the keys of `model`, such as "`halfplane schema`"
+    data : the keys as they stand in the file, tables as dicts and lists
     """
+    listed = model.keys_listed
     # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's branches the one that got farthest.
     errors = sorted(faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"])))
     fault = errors[0]
     key, value = _key(fault, data), fault["input"]
     more = _also([name for name in dict.fromkeys(_key(error, data) for error in errors) if name not in (key, "")])
-    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").replace("an object", "a table of keys")
+    rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     match fault["type"]:
         case "extra_forbidden":
             word = str(fault["loc"][-1])
-            hint = did_you_mean(word, _keys(model) - {word})  # what is unknown here may be known in another table
-            return f"unknown key {key} = {shown(value)};{hint} {listed} lists the keys{more}"
+            # What is unknown here may be known in another table.
+            hint = neglected(word) or f"{did_you_mean(word, _keys(model) - {word})} {listed} lists the keys"
+            return f"unknown key {key} = {shown(value)};{hint}{more}"
         case "missing" if isinstance(value, dict):
             return f"the key {key} is missing; {listed} lists the keys{more}"
         case "missing":
@@ -41,7 +60,10 @@ def refusal(faults: ValidationError, data: dict[str, Any], model: type[BaseModel
         case "union_tag_not_found":
             return f"the key {key}.kind is missing; {listed} lists the kinds{more}"
         case "union_tag_invalid":
-            key, value, rule = f"{key}.kind", value["kind"], f"should be {fault['ctx']['expected_tags'].replace(', ', ' or ')}"
+            kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
+            key, value, rule = f"{key}.kind", fault["ctx"]["tag"], f"should be {kinds}"
+        case "model_type" | "model_attributes_type":
+            rule = "should be a table of keys"
         case "value_error":
             return f"{key} is refused: {rule}{more}" if key else f"{rule}{more}"
     return f"{key} = {shown(value)} is refused: {rule}{more}"
@@ -57,19 +79,17 @@ def _also(keys: Sequence[str]) -> str:
     return f" (also at fault: {', '.join(keys[:_NAMED])}{rest})" if keys else ""
 
 
-def not_toml(text: str, reason: Exception) -> str:
-    """Why TOML was refused, with the line at fault; a comma within a number is pointed at.
+def neglected(word: str) -> str:
+    """Why no scene has a key of this name, with a blank before it and the page that says so; empty where that is not the reason.
 
-    >>> not_toml("a = 1\\nb = 0,4", ValueError("Expected newline (at line 2, column 6)"))
-    "not valid TOML: Expected newline (at line 2, column 6), in 'b = 0,4'; write a decimal point, not a comma"
+    >>> neglected("yield_stress")
+    " the materials are linear elastic, without plasticity: docs/theory.md, 'What is neglected'"
+    >>> neglected("phase")
+    ''
     """
-    found = re.search(r"\(at line (\d+), column \d+\)", str(reason))
-    lines = text.split("\n")
-    if not found or not 0 < int(found[1]) <= len(lines):
-        return f"not valid TOML: {reason}"
-    line = lines[int(found[1]) - 1].strip()
-    comma = "; write a decimal point, not a comma" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
-    return f"not valid TOML: {reason}, in {shown(line)}{comma}"
+    words = re.split("[^a-z]+", word.lower())
+    found = next((limit for stems, limit in _NEGLECTED.items() if any(part.startswith(stems) for part in words)), "")
+    return f" {found}: docs/theory.md, 'What is neglected'" if found else ""
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -87,13 +107,13 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f" did you mean {near[0]}?" if near else ""
 
 
-def _keys(model: type[BaseModel]) -> set[str]:
+def _keys(model: type[Frozen]) -> set[str]:
     """Every key of a model, of whatever table."""
     schema = model.model_json_schema()
     return {key for table in (schema, *schema.get("$defs", {}).values()) for key in table.get("properties", {})}
 
 
-def _key(fault: ErrorDetails, data: dict[str, Any]) -> str:
+def _key(fault: ErrorDetails, data: Any) -> str:
     """The key as it stands in the file: pydantic's location less the parts that only its unions know."""
     found: list[str] = []
     level: Any = data

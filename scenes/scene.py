@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+import json
+from numbers import Real
+from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
 from scenes.bodies import Bodies, Pad
+from scenes.bounded import shown
 from scenes.callable_loads import CallableLoad
 from scenes.consistent import inconsistent
 from scenes.errors import InputError
 from scenes.expected import Expected
+from scenes.frozen import Frozen, ShortForm
 from scenes.harmonics import HarmonicLoad
 from scenes.loads import EllipseLoad, PolygonLoad
-from scenes.materials import FROZEN, Materials, Positive
+from scenes.materials import Elastic, Materials, Positive
 from scenes.notebook import scene_html
 from scenes.profiles import FlatRounded, Hertz, Profile
 from scenes.tags import Tag
 from scenes.time_series import TimeSeriesLoad
+from scenes.writing import write_keys
 
 Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad, Field(discriminator="kind")]
 
@@ -27,18 +33,27 @@ Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | Cal
 WORDS = ("name", "title", "purpose", "source", "tags", "units", "tolerances", "expected")
 
 
-class Friction(BaseModel):
-    """Coulomb friction with one coefficient."""
+class Friction(Frozen):
+    """Coulomb friction with one coefficient; a number alone stands for it.
 
-    model_config = FROZEN
+    >>> Friction.model_validate(0.6)
+    Friction(coefficient=0.6)
+    """
 
     coefficient: float = Field(ge=0, description="coefficient of friction f >= 0; 0 is frictionless")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _number_alone(cls, data: Any) -> Any:
+        if isinstance(data, Real) and not isinstance(data, bool):
+            return {"coefficient": data}
+        if isinstance(data, dict | Friction):
+            return data
+        raise ValueError(f"{shown(data)} is neither a number nor a table with the key coefficient")
 
-class Tolerances(BaseModel):
+
+class Tolerances(Frozen):
     """Largest admitted discrepancy of each metric, stated beforehand, in the dimensionless forms of the comparison."""
-
-    model_config = FROZEN
 
     dissipation: Positive = Field(1.5e-3, description="relative, of the last cycle")
     peak_pressure: Positive = Field(2e-4, description="relative, worst instant of the last cycle")
@@ -48,14 +63,12 @@ class Tolerances(BaseModel):
     stick_edge: Positive = Field(0.025, description="over the reference half-width, worst instant of the last cycle")
 
 
-class Scene(BaseModel):
+class Scene(Frozen):
     """One contact problem: the question that both engines answer.
 
     `name` to `tags` say what it is and where it came from, `tolerances` and `expected` what is demanded of an answer; everything
     else is physics.
     """
-
-    model_config = FROZEN
 
     name: str = Field("", description="short name; the file's stem where it is left out")
     title: str = Field("", description="one line for headings")
@@ -63,9 +76,9 @@ class Scene(BaseModel):
     source: str = Field("", description="where its numbers come from")
     tags: tuple[Tag, ...] = Field((), description="words to find it by, of a closed set: `halfplane scenes --tag`")
     units: str = Field("N, mm, MPa", description="any consistent set, as force, length, stress: words for the axes only")
-    material: Materials
+    material: Annotated[Materials, ShortForm(Elastic)]
     profile: Profile
-    friction: Friction
+    friction: Annotated[Friction, ShortForm(Annotated[float, Field(ge=0, description="the coefficient alone")])]
     load: Load
     bodies: Bodies = Bodies()
     tolerances: Tolerances = Tolerances()
@@ -99,6 +112,19 @@ class Scene(BaseModel):
     def _repr_html_(self) -> str:
         """For a notebook."""
         return scene_html(self)
+
+    def save(self, path: str | Path) -> None:
+        """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; rows of a CSV file stand in it.
+
+        Raises
+        ------
+        InputError
+            For a scene that holds a Python function, for rows that are too many for a .toml file, where it can't be written.
+        """
+        keys = json.loads(self.model_dump_json(exclude_none=True))
+        for table in (keys["profile"], keys["load"]):
+            table.pop("file", None)
+        write_keys(Path(path), keys)
 
     def model_dump_json(self, **options: Any) -> str:
         """The scene as JSON text.

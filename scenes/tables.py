@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import itertools
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic import ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo, model_validator
 from pydantic_core import CoreSchema, core_schema
 
 from scenes.bounded import TEXT, check_size, shown
+from scenes.frozen import Frozen
 
 Array = NDArray[np.float64]
 
@@ -40,10 +41,8 @@ class Table:
     @classmethod
     def of(cls, rows: ArrayLike | Table) -> Table:
         """A table from anything that makes a rectangle of finite numbers; ValueError with the row if it does not."""
-        if isinstance(rows, Table):
-            return rows
         try:
-            values = np.array(rows, dtype=float)
+            values = np.asarray(rows.values, dtype=float) if isinstance(rows, Table) else np.array(rows, dtype=float)
         except (TypeError, ValueError, OverflowError):  # the last: an integer of more digits than a number can have
             values = np.empty(0)
         if values.ndim != 2 or not len(values):
@@ -85,24 +84,48 @@ class RowError(ValueError):
         super().__init__(f"row {row + 1}: {rule}")
 
 
-def with_file(data: Any, info: ValidationInfo, key: str, names: tuple[str, ...]) -> Any:
-    """Raw input of a model with the table of its `file` put under `key`; a path is relative to the scene file."""
-    if not isinstance(data, dict) or not isinstance(data.get("file"), str) or data.get(key) is not None:
+def _rows_may_stand_in_a_file(schema: dict[str, Any], model: type[FromFile]) -> None:
+    schema["required"].remove(model.table)
+
+
+class FromFile(Frozen):
+    """Keys of which one, `table`, is rows of numbers that may stand in a CSV `file` instead, relative to the scene file."""
+
+    model_config = ConfigDict(json_schema_extra=_rows_may_stand_in_a_file)
+
+    table: ClassVar[str]
+    columns: ClassVar[tuple[str, ...]]
+
+    kind: str
+    file: str | None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, data: Any, info: ValidationInfo) -> Any:
+        if not isinstance(data, dict) or not isinstance(data.get("file"), str) or data.get(cls.table) is not None:
+            return data
+        return data | {cls.table: read_table(_folder(info) / data["file"], cls.columns)}
+
+    def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """As for every table; rows of one file are not those of another, nor is a file the source of other rows."""
+        data = super().merged(changes)
+        if changes.get("file") is not None and self.table not in changes:
+            del data[self.table]
+        if self.table in changes and "file" not in changes:
+            data["file"] = None
         return data
-    return data | {key: read_table(_folder(info) / data["file"], names)}
+
+    def place_of(self, fault: RowError, info: ValidationInfo) -> str:
+        """Where the user finds a bad row: line of the `file` that the table was read from, else row of the table."""
+        path = _folder(info) / (self.file or "")
+        if self.file is not None and path.is_file():
+            return f"{path}, line {_line_of(path, fault.row, self.columns)}"
+        return f"{self.table}, row {fault.row + 1}"
 
 
 def _folder(info: ValidationInfo) -> Path:
     """Where the scene file lies."""
     return Path((info.context or {}).get("folder", "."))
-
-
-def place_of(fault: RowError, info: ValidationInfo, file: str | None, key: str, names: tuple[str, ...]) -> str:
-    """Where the user finds a bad row: line of the `file` that the table was read from, else row of the table under `key`."""
-    path = _folder(info) / (file or "")
-    if file is not None and path.is_file():
-        return f"{path}, line {_line_of(path, fault.row, names)}"
-    return f"{key}, row {fault.row + 1}"
 
 
 def read_table(path: Path, names: tuple[str, ...]) -> Table:

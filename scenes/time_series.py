@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, ValidationInfo, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from scenes.loads import LoadPath, StraightLeg
-from scenes.materials import FROZEN
-from scenes.tables import RowError, Table, place_of, with_file
-
-_COLUMNS = ("time", "P", "Q")
+from scenes.tables import FromFile, RowError, Table
 
 
-class TimeSeriesLoad(BaseModel):
+class TimeSeriesLoad(FromFile):
     """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0, 0), unless it is (0, 0) itself.
 
     With `repeats` the rows are one cycle, which must end with the loads that it starts with.
@@ -26,24 +23,19 @@ class TimeSeriesLoad(BaseModel):
     ([2.0, 0.5], -1.5)
     """
 
-    model_config = FROZEN
+    table, columns = "rows", ("time", "P", "Q")
 
     kind: Literal["time_series"] = "time_series"
     file: str | None = Field(None, description="CSV file of the columns time, P, Q; path relative to the scene file")
     rows: Table = Field(description="the rows themselves, [time, P, Q] each, in place of a file")
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats for ever")
 
-    @model_validator(mode="before")
-    @classmethod
-    def _read(cls, data: Any, info: ValidationInfo) -> Any:
-        return with_file(data, info, "rows", _COLUMNS)
-
     @model_validator(mode="after")
     def _check(self, info: ValidationInfo) -> Self:
         try:
             _check_rows(self.rows.values, self.repeats)
         except RowError as fault:
-            raise ValueError(f"{place_of(fault, info, self.file, 'rows', _COLUMNS)}: {fault.rule}") from fault
+            raise ValueError(f"{self.place_of(fault, info)}: {fault.rule}") from fault
         return self
 
     def series(self) -> NDArray[np.float64]:

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import difflib
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from scenes import InputError
-from scenes.bounded import TOML, text_of
+from scenes.bounded import keys_of
+from scenes.frozen import Frozen
 from scenes.refusals import refusal
 
 Array = NDArray[np.float64]
 Quantity = Literal["time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"]
 
-_FORM = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 _Factor = Annotated[float, Field(gt=0)]
 
 # Names under which programs write them, compared without case, blanks, underscores and what stands in brackets: see `plain`.
@@ -36,10 +35,8 @@ ALIASES: dict[Quantity, tuple[str, ...]] = {
 }
 
 
-class Columns(BaseModel):
+class Columns(Frozen):
     """Names of the columns (arrays, fields) in the file; those left out are looked for under `ALIASES`."""
-
-    model_config = _FORM
 
     time: str | None = Field(None, description="times of the scene's load path")
     frame: str | None = Field(None, description="number of the instant, where rows of one instant share one")
@@ -52,10 +49,8 @@ class Columns(BaseModel):
     slip: str | None = Field(None, description="relative tangential displacement of the faces")
 
 
-class Factors(BaseModel):
+class Factors(Frozen):
     """What a figure of the file is multiplied by to be in the scene's unit. None: 1, and a wrong scale may be guessed and named."""
-
-    model_config = _FORM
 
     length: _Factor | None = Field(None, description="of x and slip; 1000 turns m into mm")
     stress: _Factor | None = Field(None, description="of pressure and shear; 1e-6 turns Pa into MPa")
@@ -63,24 +58,22 @@ class Factors(BaseModel):
     time: _Factor | None = Field(None, description="of time")
 
 
-class Signs(BaseModel):
+class Signs(Frozen):
     """Which way the file counts. None: as the project does, and a pressure that is negative throughout is turned and named."""
-
-    model_config = _FORM
 
     pressure: Literal["compression positive", "compression negative"] | None = None
     shear: Literal["on lower", "on upper"] | None = Field(None, description="the body on which shear along +x is positive")
     slip: Literal["upper over lower", "lower over upper"] | None = None
 
 
-class Mapping(BaseModel):
+class Mapping(Frozen):
     """The keys of a mapping file.
 
     >>> Mapping().sign("pressure"), Mapping.model_validate({"signs": {"shear": "on upper"}}).sign("shear")
     (1.0, -1.0)
     """
 
-    model_config = _FORM
+    keys_listed = "`halfplane score --mapping-example`"
 
     code: str = Field("", description="what computed it, with its version")
     surface: str | None = Field(None, description="name of the boundary, cell set or contact pair, where the file has several")
@@ -105,16 +98,11 @@ def load_mapping(source: str | Path | None) -> Mapping:
     if source is None:
         return Mapping()
     path = Path(source)
-    try:
-        data = tomllib.loads(text_of(path, "the mapping file", TOML))
-    except InputError:
-        raise
-    except (ValueError, RecursionError) as reason:
-        raise InputError(f"{path}: the mapping file is not valid TOML: {reason}") from reason
+    data = keys_of(path, "the mapping file")
     try:
         return Mapping.model_validate(data)
     except ValidationError as faults:
-        raise InputError(f"{path}: {refusal(faults, data, Mapping, '`halfplane score --mapping-example`')}") from faults
+        raise InputError(f"{path}: {refusal(faults, data, Mapping)}") from faults
 
 
 def plain(name: str) -> str:

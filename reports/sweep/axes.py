@@ -7,42 +7,36 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Self
 
 import numpy as np
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
-from scenes.materials import FROZEN
+from scenes.frozen import Frozen
 
 Value = bool | int | float | str
 Coordinates = dict[str, Value]
 
 
-class Steps(BaseModel):
+class Steps(Frozen):
     """`count` values from `start` to `stop`, both included."""
-
-    model_config = FROZEN
 
     start: float
     stop: float
     count: int = Field(ge=1, le=100_000)
 
 
-class Span(BaseModel):
+class Span(Frozen):
     """Where a Latin hypercube draws from."""
-
-    model_config = FROZEN
 
     start: float
     stop: float
     logarithmic: bool = False
 
 
-class Axis(BaseModel):
+class Axis(Frozen):
     """One axis: a name for the table, the keys that its values go to, and the values in one of five ways.
 
     >>> Axis(name="height", linear=Steps(start=2, stop=6, count=3)).settings()
     [{'height': 2.0}, {'height': 4.0}, {'height': 6.0}]
     """
-
-    model_config = FROZEN
 
     name: str = Field("", pattern=r"^([A-Za-z_]\w*)?$", description="column of the table, and the name in [derived]")
     names: tuple[str, ...] = Field((), description="of rows of values: one column for each")

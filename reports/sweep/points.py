@@ -161,7 +161,7 @@ def _scene(data: dict[str, Any]) -> Scene:
     try:
         return Scene.model_validate_json(json.dumps(data), strict=True)
     except ValidationError as faults:
-        raise InputError(refusal(faults, data, Scene, "`halfplane schema`")) from faults
+        raise InputError(refusal(faults, data, Scene)) from faults
 
 
 def _settings(preset: str, mesh: dict[str, Any], solver: dict[str, Any]) -> tuple[MeshSettings, SolverSettings]:

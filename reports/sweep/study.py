@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from reports.sweep.axes import Axis, Value
 from reports.sweep.figures import check_figures
 from scenes import InputError, Scene, load_scene
-from scenes.bounded import TOML, parsed_json, text_of
-from scenes.materials import FROZEN
-from scenes.refusals import not_toml, refusal
+from scenes.bounded import keys_of
+from scenes.frozen import Frozen
+from scenes.refusals import refusal
 
 Engine = Literal["fe", "exact"]
 Preset = Literal["default", "swift", "fine"]
 Uncertainty = Literal["none", "cheap", "budget"]
 
 
-class Study(BaseModel):
+class Study(Frozen):
     """What is asked of a sweep; see docs/sweeps.md.
 
     Attributes
@@ -37,14 +36,14 @@ class Study(BaseModel):
     samples, seed : of the Latin hypercube
     """
 
-    model_config = FROZEN
+    keys_listed = "docs/sweeps.md"
 
     title: str = ""
     purpose: str = ""
     scene: Scene
-    set: dict[str, Value] = {}
+    set: dict[str, Value] = Field({})
     axes: tuple[Axis, ...] = Field(min_length=1)
-    derived: dict[str, str | float] = {}
+    derived: dict[str, str | float] = Field({})
     engines: tuple[Engine, ...] = Field(("fe", "exact"), min_length=1)
     figures: tuple[str, ...] = Field(("error.dissipation", "error.peak_pressure"), min_length=1)
     uncertainty: Uncertainty = "none"
@@ -80,15 +79,7 @@ def load_study(source: str | Path) -> Study:
         One sentence that names file, key, value and rule.
     """
     path = Path(source)
-    text = text_of(path, "the study", TOML)
-    try:
-        data = parsed_json(text) if path.suffix == ".json" else tomllib.loads(text)
-    except (ValueError, RecursionError) as reason:
-        why = f"not valid JSON: {reason}" if path.suffix == ".json" else not_toml(text, reason)
-        raise InputError(f"{source}: {why}") from reason
-    if not isinstance(data, dict):
-        raise InputError(f"{source}: a study is a table of keys")
-    return study_of(data, str(source), path.parent)
+    return study_of(keys_of(path, "the study"), str(source), path.parent)
 
 
 def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
@@ -102,6 +93,6 @@ def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
     try:
         return Study.model_validate_json(json.dumps(data, default=str), strict=True)
     except ValidationError as faults:
-        raise InputError(f"{where}: {refusal(faults, data, Study, 'docs/sweeps.md')}") from faults
-    except RecursionError as reason:  # keys with thousands of dots
+        raise InputError(f"{where}: {refusal(faults, data, Study)}") from faults
+    except RecursionError as reason:  # JSON with brackets by the hundred
         raise InputError(f"{where}: its tables are nested too deeply") from reason
