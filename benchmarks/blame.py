@@ -27,7 +27,7 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.budget import Budget, error_budget
 from reports.ladders import climb
-from scenes import ContactSolution, Friction, Materials, Scene, load_scene
+from scenes import ContactSolution, Materials, Scene, load_scene
 
 SOLVE = import_module("halfplane_fe.solve")
 THEORY = semi_analytic.solve
@@ -61,13 +61,13 @@ def theory(change: Callable[[Scene], Scene]) -> Planted:
 
 def rubbing(factor: float) -> Callable[[Scene], Scene]:
     """Another coefficient of friction."""
-    return lambda scene: scene.model_copy(update={"friction": Friction(coefficient=factor * scene.friction.coefficient)})
+    return lambda scene: scene.vary(friction=factor * scene.friction.coefficient)
 
 
 def other_nu(scene: Scene) -> Scene:
     """Poisson's ratio of the upper body 0.4."""
-    upper = scene.material.upper.model_copy(update={"poisson_ratio": 0.4})
-    return scene.model_copy(update={"material": Materials(upper=upper, lower=scene.material.lower)})
+    upper = scene.material.upper.vary(poisson_ratio=0.4)
+    return scene.vary(material=Materials(upper=upper, lower=scene.material.lower))
 
 
 def other_body() -> Planted:

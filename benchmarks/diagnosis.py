@@ -135,13 +135,13 @@ def blocks(scene: Scene, height: float) -> Comparison:
     """Two blocks, twice as wide as high, in place of half-planes."""
     block = {"kind": "block", "width": 2 * height, "height": height}
     bodies = Bodies.model_validate({"lower": block, "upper": block})
-    return solved(scene.model_copy(update={"bodies": bodies}))
+    return solved(scene.vary(bodies=bodies))
 
 
 def unlike(scene: Scene, poisson_ratio: float) -> Comparison:
     """The upper body with another nu."""
-    upper = scene.material.upper.model_copy(update={"poisson_ratio": poisson_ratio})
-    return solved(scene.model_copy(update={"material": Materials(upper=upper, lower=scene.material.lower)}))
+    upper = scene.material.upper.vary(poisson_ratio=poisson_ratio)
+    return solved(scene.vary(material=Materials(upper=upper, lower=scene.material.lower)))
 
 
 def forgetful(scene: Scene, _severity: float) -> Comparison:

@@ -52,7 +52,7 @@ def cattaneo_mindlin(shares: tuple[float, ...]) -> Scene:
     """Press, then shear up to each of `shares` of f P in turn: the library's scene without its cycle."""
     scene = load_scene("cattaneo-mindlin")
     load, f = scene.load.cycle[0][0], scene.friction.coefficient
-    return scene.model_copy(update={"load": PolygonLoad(way_in=[(load, 0.0), *((load, k * f * load) for k in shares)])})
+    return scene.vary(load=PolygonLoad(way_in=[(load, 0.0), *((load, k * f * load) for k in shares)]))
 
 
 def timed(scene: Scene, mesh: MeshSettings, solver: SolverSettings, runs: int = RUNS) -> tuple[float, FiniteElementSolution]:

@@ -28,7 +28,7 @@ def run(name: str, method: str, stiffness: float) -> FiniteElementSolution:
     """Without halving of increments, so that all runs have their regular instants in common."""
     scene = load_scene(name.removesuffix(", unlike"))
     if name.endswith("unlike"):
-        scene = scene.model_copy(update={"material": UNLIKE})
+        scene = scene.vary(material=UNLIKE)
     settings = SolverSettings(
         method=method,  # type: ignore[arg-type]
         normal_stiffness=stiffness,

@@ -67,7 +67,7 @@ def bulk_of(inverse: int) -> Cost:
 def history_of(rows: int) -> Cost:
     """W of every step of a history of random rows."""
     scene = load_scene("hertz-paper")
-    scene = scene.model_copy(update={"load": TimeSeriesLoad(rows=random_rows(scene, rows))})
+    scene = scene.vary(load=TimeSeriesLoad(rows=random_rows(scene, rows)))
     return rows, _spent(lambda: semi_analytic.solve(scene, fields=("dissipation",))), 1
 
 
@@ -174,7 +174,7 @@ def _place(file: str, line: int, name: str) -> str:
 def profiles() -> dict[str, Any]:
     """What dominates in the jobs that people wait for."""
     paper, rows = load_scene("hertz-paper"), load_scene("hertz-paper")
-    rows = rows.model_copy(update={"load": TimeSeriesLoad(rows=random_rows(rows, 100_000))})
+    rows = rows.vary(load=TimeSeriesLoad(rows=random_rows(rows, 100_000)))
     found = {
         "hertz-paper, finite elements, default": lambda: halfplane_fe.solve(paper),
         "blocks, finite elements, swift": lambda: halfplane_fe.solve(load_scene("blocks"), MeshSettings.swift()),

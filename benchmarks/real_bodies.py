@@ -68,7 +68,7 @@ def mindlin(bodies: Bodies, radius: float = 1000.0, half_width: float = 1.0) -> 
     normal = np.pi * half_width**2 / (4 * radius * compliance)
     tangential = 0.6 * like.friction.coefficient * normal
     load = PolygonLoad(way_in=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),))
-    return like.model_copy(update={"bodies": bodies, "profile": Hertz(radius=radius), "load": load})
+    return like.vary(bodies=bodies, profile=Hertz(radius=radius), load=load)
 
 
 def figures(answer: FiniteElementSolution, instants: Sequence[float]) -> Figures:
@@ -153,11 +153,11 @@ def layer_scene(thickness: float, nu: float, stiffness: float, load: float, widt
     changes = {
         "material": Materials(upper=upper, lower=lower),
         "profile": Hertz(radius=100.0),
-        "friction": like.friction.model_copy(update={"coefficient": 0.0}),
+        "friction": 0.0,
         "load": PolygonLoad(way_in=((load, 0.0),)),
         "bodies": Bodies(lower=Block(width=width, height=thickness), upper=Block(width=width, height=4.0)),
     }
-    return like.model_copy(update=changes)
+    return like.vary(**changes)
 
 
 def layer_errors(thickness: float, nu: float = 0.3, stiffness: float = 1e6, width: float = 8.0) -> dict[str, float]:
@@ -192,9 +192,9 @@ def stiffness_ratios() -> Iterator[Row]:
     """Any E1/E2: the answer of the upper body a million times stiffer, and softer, is the mirror image of the other."""
     scene, found = mindlin(blocks(10.0)), []
     soft = scene.material.lower
-    stiff = soft.model_copy(update={"young_modulus": 1e6 * soft.young_modulus})
+    stiff = soft.vary(young_modulus=1e6 * soft.young_modulus)
     for lower, upper in ((stiff, soft), (soft, stiff)):
-        found.append(halfplane_fe.solve(scene.model_copy(update={"material": Materials(lower=lower, upper=upper)})))
+        found.append(halfplane_fe.solve(scene.vary(material=Materials(lower=lower, upper=upper))))
     yield Row("E1/E2 = 10^-6 against 10^6: dissipation", found[0].dissipation / found[1].dissipation - 1, 1e-3, "both converge")
 
 

@@ -63,7 +63,7 @@ def cycle() -> Iterator[Row]:
     yield Row("solve(hertz-paper), its own instants: way in and two cycles", 1e3 * seconds(lambda: solve(scene), 9), 20, grid, "ms")
     yield Row("solve(hertz-paper), one cycle", 1e3 * seconds(lambda: solve(scene, x=x, time=instants), 9), 20, grid, "ms")
     for name, profile, limit in profiles(scene.profile.radius):
-        other = scene.model_copy(update={"profile": profile})
+        other = scene.vary(profile=profile)
         solve(other, x=[0.0], time=[start])  # what a profile imports at its first use is no part of it
         yield Row(f"the paper's loads, {name}", seconds(lambda s=other: solve(s)), limit, f"{grid}, set-up included", "s")
 
@@ -77,12 +77,12 @@ def series() -> Iterator[Row]:
 
         def whole() -> None:
             load = TimeSeriesLoad(file=str(file))
-            solve(scene.model_copy(update={"load": load}), fields=("dissipation",))
+            solve(scene.vary(load=load), fields=("dissipation",))
 
         yield Row("CSV file of 10^6 rows read and solved, dissipation of every step", seconds(whole), 5, "Hertz", "s")
     cost = {}
     for count in (ROWS // 100, ROWS):
-        some = scene.model_copy(update={"load": TimeSeriesLoad(rows=rows[:count])})
+        some = scene.vary(load=TimeSeriesLoad(rows=rows[:count]))
         cost[count] = seconds(lambda s=some: solve(s, fields=("dissipation",)), 2) / count
     yield Row("cost of a row among 10^6 over that among 10^4", cost[ROWS] / cost[ROWS // 100], 1.5, "process time", "")
     answer = solve(some, fields=())
@@ -90,13 +90,13 @@ def series() -> Iterator[Row]:
     yield Row("peak memory, last row asked for", _peak(scene, rows), 150, "tracemalloc, 10^5 rows, less the rows", "MB")
     for name, profile, limit in profiles(scene.profile.radius):
         if name in ("compound", "power law", "flat and rounded"):
-            some = scene.model_copy(update={"profile": profile, "load": TimeSeriesLoad(rows=rows[:40_000])})
+            some = scene.vary(profile=profile, load=TimeSeriesLoad(rows=rows[:40_000]))
             spent = seconds(lambda s=some: solve(s, fields=("dissipation",)))
             yield Row(f"40,000 rows, {name}", spent, limit + 0.7, "dissipation of every step", "s")
 
 
 def _peak(scene: Scene, rows: np.ndarray) -> float:
-    long = scene.model_copy(update={"load": TimeSeriesLoad(rows=rows[: ROWS // 10])})
+    long = scene.vary(load=TimeSeriesLoad(rows=rows[: ROWS // 10]))
     tracemalloc.start()
     solve(long, fields=("dissipation",), time=[ROWS / 10], x=[0.0])
     peak = tracemalloc.get_traced_memory()[1] / 1e6

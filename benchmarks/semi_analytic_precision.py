@@ -120,7 +120,7 @@ def straight_steps(case: Case, scene: Scene, steps: int) -> float:
     """The memory curve of the theory, stepped along a polygon."""
     cycle = loads(case, steps)
     rows = [(float(k), *pair) for k, pair in enumerate([cycle[-1], *cycle])]
-    series = scene.model_copy(update={"load": TimeSeriesLoad(rows=rows, repeats=True)})
+    series = scene.vary(load=TimeSeriesLoad(rows=rows, repeats=True))
     return solve_rows(series, np.zeros(1), None, "steady", frozenset({"dissipation"})).dissipation
 
 

@@ -83,7 +83,7 @@ def sliver_trials(*shares: float) -> Iterator[Trial]:
 def on_block(width: float, height: float) -> Found:
     """Largest p and W on a block, sizes over the half-width, against elements half as long; NaN where a law is broken."""
     block = Block(width=width * HALF_WIDTH, height=height * HALF_WIDTH)
-    scene = scene_of(ellipse(*LOOP)).model_copy(update={"bodies": Bodies(lower=block)})
+    scene = scene_of(ellipse(*LOOP)).vary(bodies=Bodies(lower=block))
     finer = replace(SWIFT, element_size=SWIFT.element_size / 2, edge_element_size=SWIFT.edge_element_size / 2)
     answer, better = (halfplane_fe.solve(scene, mesh, FEW) for mesh in (SWIFT, finer))
     off = {

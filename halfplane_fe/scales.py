@@ -164,7 +164,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     """Half-width of the side that may touch of which the contact at the largest load takes a good part."""
     start, too_small, too_large = pair.scene.profile.datum_length, 0.0, np.inf
     if not pair.scene.bodies.half_planes:  # where half-planes would have it is near, and cheap to find
-        start = _fitting_size(_CoarsePair(pair.scene.model_copy(update={"bodies": Bodies()}), pair.load, pair.modulus, pair.work))
+        start = _fitting_size(_CoarsePair(pair.scene.vary(bodies=Bodies()), pair.load, pair.modulus, pair.work))
     size = min(start, pair.room)
     for _ in range(400):
         problem = pair.problem(size, tangential=False)

@@ -32,6 +32,7 @@ from halfplane_fe.settings import SolverSettings
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading
 from scenes import ContactSolution, ConvergenceError, Scene, Work, freeze
+from scenes.frozen import validated
 
 Array = NDArray[np.float64]
 
@@ -83,6 +84,8 @@ def solve(
 
     Raises
     ------
+    InputError
+        For a scene that does not pass its own check.
     InadmissibleLoadError
         If the path has gross sliding or separation, with instant and loads.
     ConvergenceError
@@ -91,7 +94,7 @@ def solve(
     # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
         report = progress or (lambda _done, _total, _text: None)
-        return _solve(scene, mesh or MeshSettings(), settings or SolverSettings(), report, scales)
+        return _solve(validated(scene, Scene), mesh or MeshSettings(), settings or SolverSettings(), report, scales)
 
 
 def _solve(

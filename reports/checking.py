@@ -99,7 +99,7 @@ def _other_way_in(scene: Scene) -> str:
     load = scene.load
     if not isinstance(load, EllipseLoad) or load.way_in != "parabola":
         return ""
-    straight = scene.model_copy(update={"load": load.model_copy(update={"way_in": "straight"})})
+    straight = scene.vary(load={"way_in": "straight"})
     return "" if check_path(straight).reason else '; or write load.way_in = "straight", which is admissible'
 
 

@@ -144,6 +144,13 @@ class CallableProfile(Frozen):
             where = self._slope.edges[1:-1][jump][0]
             raise ValueError(f"the profile has no derivative at x = {where:.6g}: its slope jumps there")
 
+    def __eq__(self, other: object) -> bool:
+        """Whether the keys are the same: the series follow from them."""
+        return isinstance(other, CallableProfile) and dict(self) == dict(other)
+
+    def __hash__(self) -> int:
+        return hash(tuple(dict(self).values()))
+
     @property
     def kinks(self) -> tuple[float, ...]:
         """Distances from the middle at which the curvature jumps [length]: the breaks declared."""

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, NoReturn, Self, TypeVar
 from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, TypeAdapter, ValidationError
 from pydantic_core import CoreSchema
 
+from scenes.bounded import shown
 from scenes.errors import InputError
 from scenes.refusals import refusal
 
@@ -79,25 +80,24 @@ class ShortForm:
 M = TypeVar("M", bound=Frozen)
 
 
-def validated(given: M, wanted: type[M] | None = None) -> M:
+def validated(given: M, wanted: type[Frozen]) -> M:
     """`given` as its own check leaves it: the door of every function that takes a scene or a part of one.
 
     Raises
     ------
     InputError
-        One sentence: for what is none of `wanted`, and for what was made past the checks (`model_construct`) and would not pass.
+        One sentence: for what is none of `wanted`, and for what was made past the checks (`model_construct`) and does not pass.
 
     >>> from scenes import Elastic
-    >>> validated(Elastic.model_construct(young_modulus=1.0, poisson_ratio=0.7))
+    >>> validated(Elastic.model_construct(young_modulus=1.0, poisson_ratio=0.7), Elastic)
     Traceback (most recent call last):
     scenes.errors.InputError: Elastic: poisson_ratio = 0.7 is refused: should be less than 0.5
     """
-    model = wanted or type(given)
-    if not isinstance(given, model):
-        how = "; load_scene reads one from the library or a file" if model.__name__ == "Scene" else ""
-        raise InputError(f"a {model.__name__} is needed, not {given!r}{how}")
+    if not isinstance(given, wanted):
+        how = "; load_scene reads one from the library or a file" if wanted.__name__ == "Scene" else ""
+        raise InputError(f"a {wanted.__name__} is needed, not {shown(given)}{how}")
     name = getattr(given, "name", "")
-    return _checked(model, given, f"{model.__name__} {name!r}" if name else model.__name__)
+    return _checked(type(given), given, f"{wanted.__name__} {shown(name)}" if name else type(given).__name__)
 
 
 def _checked(model: type[M], data: Any, where: str) -> M:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -45,11 +46,11 @@ class Friction(Frozen):
     @model_validator(mode="before")
     @classmethod
     def _number_alone(cls, data: Any) -> Any:
-        if isinstance(data, Real) and not isinstance(data, bool):
-            return {"coefficient": data}
-        if isinstance(data, dict | Friction):
+        if isinstance(data, Mapping | Friction):
             return data
-        raise ValueError(f"{shown(data)} is neither a number nor a table with the key coefficient")
+        if isinstance(data, bool) or not isinstance(data, Real):
+            raise ValueError(f"{shown(data)} is neither a number nor a table with the key coefficient")
+        return {"coefficient": data}
 
 
 class Tolerances(Frozen):

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError, Materials, Profile
+from scenes.frozen import Frozen, validated
 from semi_analytic.batch import Reason
 from semi_analytic.batch_ellipses import Ellipses, ellipses_of
 from semi_analytic.batch_profiles import Profiles, invalid_parameters, largest_load, parameters_of, profiles_of
@@ -104,8 +105,11 @@ def batch_of(profile: Profile | Mapping[str, Any], material: Materials, loads: t
     Raises
     ------
     InputError
-        For keys that are no profile's, for what is no number, and for shapes that do not broadcast.
+        For a profile or material that does not pass its own check, for keys that are no profile's, for what is no number, and for
+        shapes that do not broadcast.
     """
+    material = validated(material, Materials)
+    profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
     given = parameters_of(profile)
     try:
         arrays = [np.asarray(value, dtype=float) for value in (*loads, *given.values())]

@@ -20,6 +20,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from scenes import EllipseLeg, InputError, Leg, Scene
+from scenes.frozen import validated
 from semi_analytic.history import Span
 from semi_analytic.legs import NORMAL_LOAD, Combination, change, level, phasor, stationary
 from semi_analytic.memory import Curve
@@ -66,6 +67,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
     >>> "".join(event.letter for event in events(load_scene("hertz-paper")))
     'ABCDEFGHIKJLM'
     """
+    scene = validated(scene, Scene)
     route = own_route(scene.load.path(), scene.friction.coefficient, scene.cycles, None)
     plain = _merged(sorted(_plain(route), key=lambda event: event.time))
     return tuple(_lettered(plain, route))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, Scene, freeze
+from scenes.frozen import validated
 from semi_analytic.batch import dissipation_of
 from semi_analytic.batch_density import density_of
 from semi_analytic.batch_ellipses import Ellipses, ellipses_of
@@ -65,7 +66,8 @@ def solve(
     Raises
     ------
     InputError
-        For an unknown field, a time outside the path, a profile that this engine does not know.
+        For a scene that does not pass its own check, an unknown field, a time outside the path, a profile that this engine does not
+        know.
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path, with the instant and the loads.
 
@@ -74,6 +76,7 @@ def solve(
     >>> round(solution.pressure.item() / (2 * 90.62286500739786 / math.pi), 12)  # 2 P/(pi a) with a = 1
     1.0
     """
+    scene = validated(scene, Scene)
     if is_long(scene) and not straight_steps:
         return solve_rows(scene, *arrays_of(x, time, cycles), cycles, checked(fields))
     started = clock.perf_counter()

@@ -303,7 +303,7 @@ def _flat_rounded(name, share, tags) -> Problem:
     P = flat_rounded_load(a, b, R, E)
     c = a if not share else _flat_rounded_half_width((1 - share) * P, b, R, E)
     way_in = [(P, 0.0), *([(P, share * f * P)] if share else [])]
-    scene = motor.model_copy(update={"name": name, "load": PolygonLoad(way_in=way_in)})
+    scene = motor.vary(name=name, load=PolygonLoad(way_in=way_in))
     pressure = functools.partial(flat_rounded_pressure, b=b, R=R, E=E)
     exact = {
         "pressure": lambda x: pressure(x, a),

@@ -65,4 +65,4 @@ LOADS = {
 
 def extreme(profile, load):
     """A scene with E* = 1 and f = 0.5 by its names in `PROFILES` and `LOADS`."""
-    return make_scene(LOADS[load], 0.5, cycles=3).model_copy(update={"profile": PROFILES[profile]})
+    return make_scene(LOADS[load], 0.5, cycles=3).vary(profile=PROFILES[profile])

@@ -128,7 +128,7 @@ class TestScenes:
         plain, real = load_scene(tmp_path / "plain.toml"), load_scene(tmp_path / "bodies.toml")
         assert plain.bodies.half_planes
         assert (real.bodies.lower.kind, real.bodies.upper.kind) == ("block", "pad")
-        assert real.model_copy(update={"bodies": plain.bodies, "name": plain.name}) == plain
+        assert real.vary(bodies=plain.bodies, name=plain.name) == plain
         assert "goes with the commented example" in refused(tmp_path, "init", "x.toml", "--bodies", "--from", "hertz-paper")
 
     def test_schema_explains_the_keys_of_bodies(self, tmp_path: Path) -> None:

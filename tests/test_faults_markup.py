@@ -58,7 +58,7 @@ class Page(HTMLParser):
 
 
 def hostile(scene: Scene) -> Scene:
-    return scene.model_copy(update=dict.fromkeys(("name", "title", "purpose", "source", "units"), EVIL))
+    return scene.vary(**dict.fromkeys(("name", "title", "purpose", "source", "units"), EVIL))
 
 
 def evil_comparison() -> Comparison:
@@ -218,7 +218,7 @@ def test_an_address_in_a_plan_is_no_path(tmp_path: Path) -> None:
 def test_a_name_can_not_bring_a_card_into_a_deck() -> None:
     from reports.third.blocks import header
 
-    scene = load_scene("hertz-paper").model_copy(update={"name": "x\n*INCLUDE, INPUT=/etc/passwd", "title": "a\n*STEP"})
+    scene = load_scene("hertz-paper").vary(name="x\n*INCLUDE, INPUT=/etc/passwd", title="a\n*STEP")
 
     class Body:
         nodes = ()

@@ -22,11 +22,11 @@ def pressed(bodies, materials, radius, load):
     changes = {
         "material": materials,
         "profile": Hertz(radius=radius),
-        "friction": like.friction.model_copy(update={"coefficient": 0.0}),
+        "friction": 0.0,
         "load": PolygonLoad(way_in=((load, 0.0),)),
         "bodies": bodies,
     }
-    return like.model_copy(update=changes)
+    return like.vary(**changes)
 
 
 def layer(thickness, stiffness=1e6, nu=0.3):
@@ -65,7 +65,7 @@ class TestLayer:
         check("layer, pressure", pressure)
 
     def test_that_test_sees_half_planes(self):
-        answer = halfplane_fe.solve(layer(1.0).model_copy(update={"bodies": HALF_PLANES}), COARSE)
+        answer = halfplane_fe.solve(layer(1.0).vary(bodies=HALF_PLANES), COARSE)
         assert layer_error(answer, 1.0)[1] > 0.1
 
     @pytest.mark.slow
@@ -73,7 +73,7 @@ class TestLayer:
     def test_nothing_locks(self, nu):
         soft = layer(0.5, nu=nu)
         wide = Bodies(lower=Block(width=20.0, height=0.5), upper=Block(width=20.0, height=4.0))
-        answer = halfplane_fe.solve(soft.model_copy(update={"bodies": wide}))
+        answer = halfplane_fe.solve(soft.vary(bodies=wide))
         assert layer_error(answer, 0.5, nu)[1] < 1e-3
 
     def test_a_stiffer_punch_is_nearer_to_a_rigid_one(self):
@@ -88,7 +88,7 @@ def mindlin(bodies, radius=1000.0):
     normal = np.pi / (4 * radius * compliance)
     tangential = 0.6 * normal * like.friction.coefficient
     load = PolygonLoad(way_in=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),))
-    return like.model_copy(update={"bodies": bodies, "profile": Hertz(radius=radius), "load": load})
+    return like.vary(bodies=bodies, profile=Hertz(radius=radius), load=load)
 
 
 @functools.cache
@@ -137,9 +137,9 @@ def test_which_body_is_the_stiff_one_does_not_matter():
     block = Block(width=10.0, height=10.0)
     scene = mindlin(Bodies(lower=block, upper=block))
     soft = scene.material.lower
-    stiff = soft.model_copy(update={"young_modulus": 1e6 * soft.young_modulus})
+    stiff = soft.vary(young_modulus=1e6 * soft.young_modulus)
     found = [
-        halfplane_fe.solve(scene.model_copy(update={"material": Materials(lower=lower, upper=upper)}), MeshSettings(1 / 8, 1 / 24))
+        halfplane_fe.solve(scene.vary(material=Materials(lower=lower, upper=upper)), MeshSettings(1 / 8, 1 / 24))
         for lower, upper in ((stiff, soft), (soft, stiff))
     ]
     assert found[0].dissipation == pytest.approx(found[1].dissipation, rel=1e-9, abs=0)

@@ -143,7 +143,7 @@ def test_like_bodies_are_condensed_once_and_unlike_ones_twice(monkeypatch):
     assert "condensations" in like.work.skipped
     soft = Materials(lower=scene.material.lower, upper=Elastic(young_modulus=70e3, poisson_ratio=0.33))
     calls.clear()
-    unlike = halfplane_fe.solve(scene.model_copy(update={"material": soft}), coarse)
+    unlike = halfplane_fe.solve(scene.vary(material=soft), coarse)
     assert len(calls) == unlike.work.counts["condensations"] == 2
     assert [material.young_modulus for material in calls] == [210e3, 70e3]
     assert "condensations" not in unlike.work.skipped

@@ -15,7 +15,6 @@ from scenes import (
     ConvergenceError,
     Elastic,
     EllipseLoad,
-    Friction,
     Hertz,
     Materials,
     PolygonLoad,
@@ -33,7 +32,7 @@ UNLIKE = Materials(upper=ALUMINIUM, lower=STEEL)
 def scene_of(name):
     """A library scene; "..., unlike" with an upper body of aluminium."""
     scene = load_scene(name.removesuffix(", unlike"))
-    return scene.model_copy(update={"material": UNLIKE}) if name.endswith("unlike") else scene
+    return scene.vary(material=UNLIKE) if name.endswith("unlike") else scene
 
 
 EVERY = pytest.mark.parametrize("name", [*scene_names(), "hertz-paper, unlike", "cattaneo-mindlin, unlike", "hertz-normal, unlike"])
@@ -103,7 +102,7 @@ def test_stops_when_the_cycle_repeats_and_says_so():
 
 
 def test_a_cycle_too_few_is_not_called_steady():
-    scene = load_scene("cattaneo-mindlin").model_copy(update={"cycles": 1})
+    scene = load_scene("cattaneo-mindlin").vary(cycles=1)
     answer = fe_run(scene)
     assert answer.steady_from is None
     assert answer.record.termination == "end of path"
@@ -219,12 +218,10 @@ def in_other_units(scene, stiffer, longer):
     """The scene with stresses and lengths in other units, and its loads with them."""
     amounts = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
     material = Elastic(young_modulus=210e3 * stiffer, poisson_ratio=0.3)
-    return scene.model_copy(
-        update={
-            "material": Materials(upper=material, lower=material),
-            "profile": Hertz(radius=1000.0 * longer),
-            "load": scene.load.model_copy(update={name: getattr(scene.load, name) * stiffer * longer for name in amounts}),
-        }
+    return scene.vary(
+        material=Materials(upper=material, lower=material),
+        profile=Hertz(radius=1000.0 * longer),
+        load=scene.load.vary(**{name: getattr(scene.load, name) * stiffer * longer for name in amounts}),
     )
 
 
@@ -248,7 +245,7 @@ def test_mirrored_shear_load_mirrors_the_answer():
     plain = load_scene("hertz-paper")
     load = plain.load
     turned = {"mean_tangential_load": -load.mean_tangential_load, "phase_degrees": load.phase_degrees - 180}
-    mirrored = plain.model_copy(update={"load": load.model_copy(update=turned)})
+    mirrored = plain.vary(load=turned)
     one, other = fe_run(plain), fe_run(mirrored)
     limit = 1e-9 * one.pressure.max()
     np.testing.assert_allclose(other.time - other.time[0], one.time - one.time[0], atol=1e-9)
@@ -268,14 +265,12 @@ def test_symmetric_loading_has_a_symmetric_answer():
 # ------------------------------------------------------------------------------------------------------------ the rest
 def test_steady_cycle_does_not_depend_on_the_way_in():
     plain = load_scene("hertz-paper")
-    found = [
-        fe_run(plain.model_copy(update={"load": plain.load.model_copy(update={"way_in": way})})) for way in ("parabola", "straight")
-    ]
+    found = [fe_run(plain.vary(load={"way_in": way})) for way in ("parabola", "straight")]
     check("way in", found[0].dissipation / found[1].dissipation - 1)
 
 
 def test_friction_zero_is_frictionless_contact():
-    scene = load_scene("hertz-normal").model_copy(update={"friction": Friction(coefficient=0.0)})
+    scene = load_scene("hertz-normal").vary(friction=0.0)
     answer = fe_run(scene)
     np.testing.assert_array_equal(answer.shear, 0.0)
     np.testing.assert_allclose(answer.pressure[-1], fe_run(load_scene("hertz-normal")).pressure[-1], rtol=1e-12)
@@ -302,7 +297,7 @@ def test_polygon_and_ellipse_of_one_history_agree():
     """An ellipse without extent in P is a straight line there and back."""
     ellipse = EllipseLoad(mean_normal_load=90, tangential_amplitude=25)
     line = PolygonLoad(way_in=[(90, -25)], cycle=[(90, 25)])
-    scenes = [load_scene("cattaneo-mindlin").model_copy(update={"load": load}) for load in (ellipse, line)]
+    scenes = [load_scene("cattaneo-mindlin").vary(load=load) for load in (ellipse, line)]
     found = [fe_run(scene).dissipation for scene in scenes]
     assert found[0] == pytest.approx(found[1], rel=1e-9)
     assert math.isfinite(found[0])

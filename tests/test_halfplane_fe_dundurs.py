@@ -28,7 +28,7 @@ def test_beta_is_the_jump_of_the_coupling_across_a_point_force(upper: Elastic, l
     being the upper body.
     """
     material = Materials(upper=upper, lower=lower)
-    scene = load_scene("hertz-normal").model_copy(update={"material": material})
+    scene = load_scene("hertz-normal").vary(material=material)
     answer = halfplane_fe.solve(scene, COARSE, FEW_STEPS)
     assert answer.settings["dundurs"] == pytest.approx(dundurs(material)._asdict())
     interface = couple(*answer.condensed)

@@ -15,7 +15,7 @@ FINE = MeshSettings(element_size=1 / 24, edge_element_size=1 / 24, far_radius=8.
 
 def scene_of(name):
     scene = load_scene(name.removesuffix(", unlike"))
-    return scene.model_copy(update={"material": UNLIKE}) if name.endswith("unlike") else scene
+    return scene.vary(material=UNLIKE) if name.endswith("unlike") else scene
 
 
 def on_surface(body, x):

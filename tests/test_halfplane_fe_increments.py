@@ -18,7 +18,7 @@ UNLIKE = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=
 
 
 def unlike(name: str) -> Scene:
-    return load_scene(name).model_copy(update={"material": UNLIKE})
+    return load_scene(name).vary(material=UNLIKE)
 
 
 def test_a_tighter_step_tolerance_halves_more_and_errs_less() -> None:

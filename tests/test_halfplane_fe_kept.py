@@ -62,19 +62,17 @@ def test_put_again_counts_its_new_bytes_alone() -> None:
     assert dict(kept.items()) == {b"same": 19, b"other": 1}
 
 
-SCENE = load_scene("hertz-paper").model_copy(
-    update={
-        "profile": Hertz(radius=50.0),
-        "bodies": Bodies(lower=Block(width=12.0, height=6.0), upper=Pad(width=6.0, height=4.0)),
-        "material": Materials.model_validate(
-            {"lower": {"young_modulus": 210e3, "poisson_ratio": 0.3}, "upper": {"young_modulus": 70e3, "poisson_ratio": 0.33}}
-        ),
-        "load": EllipseLoad(
-            mean_normal_load=600.0, normal_amplitude=200.0, mean_tangential_load=20.0, tangential_amplitude=70.0, phase_degrees=90.0
-        ),
-        "friction": load_scene("hertz-paper").friction.model_copy(update={"coefficient": 0.4}),
-        "cycles": 1,
-    }
+SCENE = load_scene("hertz-paper").vary(
+    profile=Hertz(radius=50.0),
+    bodies=Bodies(lower=Block(width=12.0, height=6.0), upper=Pad(width=6.0, height=4.0)),
+    material=Materials.model_validate(
+        {"lower": {"young_modulus": 210e3, "poisson_ratio": 0.3}, "upper": {"young_modulus": 70e3, "poisson_ratio": 0.33}}
+    ),
+    load=EllipseLoad(
+        mean_normal_load=600.0, normal_amplitude=200.0, mean_tangential_load=20.0, tangential_amplitude=70.0, phase_degrees=90.0
+    ),
+    friction=load_scene("hertz-paper").friction.vary(coefficient=0.4),
+    cycles=1,
 )
 MESH = MeshSettings(element_size=1 / 8, edge_element_size=1 / 16, growth=0.5)
 

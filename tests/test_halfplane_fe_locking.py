@@ -22,7 +22,7 @@ def scene_at(poisson_ratio):
     scene = load_scene("cattaneo-mindlin")
     plane = scene.material.lower.young_modulus / (1 - scene.material.lower.poisson_ratio**2)
     body = Elastic(young_modulus=plane * (1 - poisson_ratio**2), poisson_ratio=poisson_ratio)
-    return scene.model_copy(update={"material": Materials(lower=body, upper=body)})
+    return scene.vary(material=Materials(lower=body, upper=body))
 
 
 @functools.cache
@@ -77,7 +77,7 @@ def test_stress_in_an_incompressible_body():
     """On the axis against the closed form, which knows no nu but in s_zz: the mean stress is that of r."""
     scene = load_scene("hertz-normal")
     body = Elastic(young_modulus=scene.material.lower.young_modulus * (1 - 0.4999**2) / 0.91, poisson_ratio=0.4999)
-    answer = fe_run(scene.model_copy(update={"material": Materials(lower=body, upper=body)}))
+    answer = fe_run(scene.vary(material=Materials(lower=body, upper=body)))
     (snapshot,) = halfplane_fe.fields(answer, [1.0])
     p0, a = answer.pressure[-1].max(), answer.contact_half_width[-1]
     lower = snapshot.bodies[0]

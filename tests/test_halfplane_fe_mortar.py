@@ -104,7 +104,7 @@ STEEL, ALUMINIUM = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(youn
 
 @functools.cache
 def unlike(lower: Elastic, upper: Elastic, size: float, ratio: float) -> halfplane_fe.FiniteElementSolution:
-    scene = load_scene("cattaneo-mindlin").model_copy(update={"material": Materials(lower=lower, upper=upper)})
+    scene = load_scene("cattaneo-mindlin").vary(material=Materials(lower=lower, upper=upper))
     mesh = MeshSettings(element_size=size, edge_element_size=size, upper_ratio=ratio)
     return halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=24, step_tolerance=np.inf))
 

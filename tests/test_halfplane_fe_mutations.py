@@ -103,7 +103,7 @@ def in_first_revolution(name):
     problem = PROBLEMS[name]
     path = problem.scene.load.path()
     time = path.cycle_start + (problem.time - path.cycle_start) % path.period
-    return replace(problem, time=time, scene=problem.scene.model_copy(update={"cycles": 1}))
+    return replace(problem, time=time, scene=problem.scene.vary(cycles=1))
 
 
 EQUILIBRIUM = ContactProblem.equilibrium

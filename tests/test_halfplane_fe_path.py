@@ -68,7 +68,7 @@ def test_sliding_between_the_samples_of_a_slow_path_is_refused(order):
     with pytest.raises(InadmissibleLoadError, match="gross sliding"):
         check_admissible(load.path(), 0.5)
     paper = load_scene("hertz-paper")
-    scene = paper.model_copy(update={"load": load, "friction": paper.friction.model_copy(update={"coefficient": 0.5})})
+    scene = paper.vary(load=load, friction=0.5)
     assert check_path(scene).reason == "gross sliding"
     assert check_path(scene).ratio == pytest.approx(50 / 45, rel=1e-9)
 
@@ -104,7 +104,7 @@ def test_the_largest_load_is_where_it_turns_round_not_at_a_sample(phase, number)
     load = HarmonicLoad(
         mean_normal_load=90.0, mean_tangential_load=0.0, normal_harmonics=harmonics, tangential_harmonics=((8.0, 0.0),)
     )
-    assert largest_load(load_scene("harmonics").model_copy(update={"load": load})) == pytest.approx(110.0, rel=1e-13)
+    assert largest_load(load_scene("harmonics").vary(load=load)) == pytest.approx(110.0, rel=1e-13)
 
 
 def test_the_largest_load_may_be_an_end_of_a_leg():
@@ -172,6 +172,6 @@ def test_a_polygon_is_admissible_when_its_corners_are(corners, friction):
 
 def test_solve_refuses_before_any_work(monkeypatch):
     monkeypatch.setattr(import_module("halfplane_fe.solve"), "find_scales", lambda scene: pytest.fail("work was done"))
-    scene = load_scene("cattaneo-mindlin").model_copy(update={"load": REFUSED["sliding at a corner"][0]})
+    scene = load_scene("cattaneo-mindlin").vary(load=REFUSED["sliding at a corner"][0])
     with pytest.raises(InadmissibleLoadError, match="gross sliding"):
         halfplane_fe.solve(scene)

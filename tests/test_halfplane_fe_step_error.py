@@ -24,7 +24,7 @@ METHODS = ("augmented_lagrangian", "penalty")
 def run(method, steps):
     load = EllipseLoad(mean_normal_load=90, normal_amplitude=30, tangential_amplitude=25, phase_degrees=90)
     update = {"load": load, "cycles": 2, "friction": load_scene("cattaneo-mindlin").friction}
-    scene = load_scene("hertz-paper").model_copy(update=update)
+    scene = load_scene("hertz-paper").vary(**update)
     settings = SolverSettings(
         method=method, normal_stiffness=10, tangential_stiffness=10, steps_per_cycle=steps, step_tolerance=np.inf
     )

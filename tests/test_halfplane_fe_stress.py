@@ -125,7 +125,7 @@ def test_so_little_load_that_it_may_be_none_is_refused_as_that():
 def test_a_block_like_a_needle_is_refused_in_a_sentence(height, words):
     """4 a wide: a matrix that is not positive definite was LinAlgError, with a traceback, at 4e6 a."""
     scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=100.0)
-    scene = scene.model_copy(update={"bodies": Bodies(lower=Block(width=90.0, height=height))})
+    scene = scene.vary(bodies=Bodies(lower=Block(width=90.0, height=height)))
     with pytest.raises(ConvergenceError, match=words) as caught:
         halfplane_fe.solve(scene, replace(SWIFT, edge_element_size=1 / 64, element_size=1 / 16), FEW)
     assert "\n" not in str(caught.value)

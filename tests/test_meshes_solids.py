@@ -184,9 +184,9 @@ def scaled(name, length):
     shape, profile = SHAPES[name]
     lengths = {key: value * length for key, value in shape.model_dump().items() if isinstance(value, float)}
     if isinstance(profile, Tabulated):
-        return shape.model_copy(update=lengths), Tabulated(points=[(x * length, h * length) for x, h in ROWS])
+        return shape.vary(**lengths), Tabulated(points=[(x * length, h * length) for x, h in ROWS])
     radii = {key: value * length for key, value in profile.model_dump().items() if isinstance(value, float)}
-    return shape.model_copy(update=lengths), profile.model_copy(update=radii)
+    return shape.vary(**lengths), profile.vary(**radii)
 
 
 @pytest.mark.parametrize(("order", "cells"), [(1, "quadrilaterals"), (2, "triangles")])

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from scenes import Friction, TimeSeriesLoad, load_scene, scene_names
+from scenes import TimeSeriesLoad, load_scene, scene_names
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 
@@ -71,10 +71,10 @@ def test_the_reference_of_a_time_series_sees_the_physics(regress: ModuleType, fa
     exact = regress.mp.mpf(stored()["time-series"]["reference"])
     assert abs(regress.truth(scene) / exact - 1) < 1e-15
     if fault == "friction":
-        scene = scene.model_copy(update={"friction": Friction(coefficient=scene.friction.coefficient * (1 + 1e-9))})
+        scene = scene.vary(friction=scene.friction.coefficient * (1 + 1e-9))
     else:
         rows = [(t, p, q * (1 + 1e-9)) for t, p, q in scene.load.series().tolist()]
-        scene = scene.model_copy(update={"load": TimeSeriesLoad(rows=rows)})
+        scene = scene.vary(load=TimeSeriesLoad(rows=rows))
     assert abs(regress.truth(scene) / exact - 1) > 1e-10
 
 

@@ -186,8 +186,8 @@ def in_other_units(solution: ContactSolution, stress: float, length: float) -> C
     """The same solution in other units of stress and length."""
     force, energy = stress * length, stress * length**2
     material = solution.scene.material
-    stiffer = {b: m.model_copy(update={"young_modulus": m.young_modulus * stress}) for b, m in material if b in ("upper", "lower")}
-    scene = solution.scene.model_copy(update={"material": Materials.model_construct(**(dict(material) | stiffer))})
+    stiffer = {b: m.vary(young_modulus=m.young_modulus * stress) for b, m in material if b in ("upper", "lower")}
+    scene = solution.scene.vary(material=Materials.model_construct(**(dict(material) | stiffer)))
     factors = dict.fromkeys(("pressure", "shear"), stress) | dict.fromkeys(("normal_load", "tangential_load"), force)
     lengths = ("x", "slip", "contact_edges", "stick_edges", "contact_half_width", "rigid_shift", "permanent_stick_half_width")
     factors |= dict.fromkeys(lengths, length) | {"dissipation": energy, "dissipation_density": energy / length}

@@ -43,7 +43,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 def nasty() -> Comparison:
     truth = cattaneo_mindlin(steps_per_leg=12, points=61)
     words = dict.fromkeys(("name", "title", "purpose", "source"), NASTY)
-    scene = truth.scene.model_copy(update=words | {"units": f"{NASTY.replace(',', '')}, {NASTY}, MPa"})
+    scene = truth.scene.vary(**(words | {"units": f"{NASTY.replace(',', '')}, {NASTY}, MPa"}))
     truth = replace(truth, scene=scene)
     result = with_fields(truth, pressure=1.01 * truth.pressure, shear=0.99 * truth.shear, slip=truth.slip + 1e-4, engine=NASTY)
     return compare(truth, result, polygon_reference=truth)

@@ -14,7 +14,7 @@ BASE = load_scene("hertz-paper")
 
 
 def scene(load: EllipseLoad | PolygonLoad, friction: float = 0.5) -> Scene:
-    return BASE.model_copy(update={"load": load, "friction": BASE.friction.model_copy(update={"coefficient": friction})})
+    return BASE.vary(load=load, friction=friction)
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -37,7 +37,7 @@ def test_a_table_is_found_too_short_where_theory_finds_it_so(share: float, held:
     modulus = 210e3 / (2 * (1 - 0.3**2))
     end = share * math.sqrt(4 * 110 * 1000 / (math.pi * modulus))
     table = Tabulated.model_validate({"points": [[end * k / 40, (end * k / 40) ** 2 / 2000] for k in range(41)]})
-    short = scene(load).model_copy(update={"profile": table})
+    short = scene(load).vary(profile=table)
     if held:
         require_profile_wide_enough(short, "mine.toml")
         semi_analytic.solve(short, x=[0.0], fields=())
@@ -118,7 +118,7 @@ def test_the_sentence_names_everything() -> None:
 def test_a_way_in_that_is_alone_at_fault_is_told(mean: float, hint: bool) -> None:
     """The parabola is tangent to the ellipse, so it leaves zero as steeply as it must; a cycle outside the cone has no way in."""
     paper = load_scene("hertz-paper")
-    tilted = paper.model_copy(update={"load": paper.load.model_copy(update={"mean_tangential_load": mean})})
+    tilted = paper.vary(load={"mean_tangential_load": mean})
     with pytest.raises(InputError) as refused:
         require_admissible(tilted, "my.toml")
     assert ('or write load.way_in = "straight"' in str(refused.value)) == hint
@@ -126,6 +126,6 @@ def test_a_way_in_that_is_alone_at_fault_is_told(mean: float, hint: bool) -> Non
 
 def test_a_record_in_which_compression_is_negative_is_told_so() -> None:
     rows = [[0.0, -80.0, 0.0], [1.0, -90.0, 20.0], [2.0, -100.0, -20.0], [3.0, -80.0, 0.0]]
-    record = scene(PolygonLoad(way_in=[(100, 0)])).model_copy(update={"load": TimeSeriesLoad(rows=rows, repeats=True)})
+    record = scene(PolygonLoad(way_in=[(100, 0)])).vary(load=TimeSeriesLoad(rows=rows, repeats=True))
     with pytest.raises(InputError, match=r"my\.toml: load: P is never positive; .* turn its sign if"):
         require_admissible(record, "my.toml")

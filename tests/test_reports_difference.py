@@ -152,10 +152,10 @@ def test_an_unknown_key_is_refused_with_the_keys_there_are(a: baseline.Findings)
 
 
 def test_different_scenes_are_named_key_by_key(a: baseline.Findings) -> None:
-    scene = a.scene.model_copy(update={"friction": a.scene.friction.model_copy(update={"coefficient": 0.4})})
+    scene = a.scene.vary(friction=0.4)
     with pytest.raises(InputError, match=r"different scenes: friction\.coefficient is 0\.5 and 0\.4$"):
         difference(a, replace(a, scene=scene))
-    words = a.scene.model_copy(update={"title": "another title", "name": "other"})
+    words = a.scene.vary(title="another title", name="other")
     assert difference(a, replace(a, scene=words)).same
 
 

@@ -171,7 +171,7 @@ def test_fields_of_a_solution_without_bodies_are_refused(paper: Comparison, tmp_
 
 def faulty(scene: Scene, like: ContactSolution, **changed: object) -> ContactSolution:
     """The half-plane answer to a scene that differs in `changed`, passed off as the answer to `scene`."""
-    return with_fields(semi_analytic.solve(scene.model_copy(update=changed), x=like.x, time=like.time), scene=scene)
+    return with_fields(semi_analytic.solve(scene.vary(**changed), x=like.x, time=like.time), scene=scene)
 
 
 class TestPlantedFaults:
@@ -183,7 +183,7 @@ class TestPlantedFaults:
 
         The dissipation of this cycle is no witness: as a function of f it is nearly at its largest at f = 1.
         """
-        friction = paper.scene.friction.model_copy(update={"coefficient": factor})
+        friction = paper.scene.friction.vary(coefficient=factor)
         result = faulty(paper.scene, paper.result, friction=friction)
         found = compare(paper.reference, result)
         expected = result.dissipation / paper.reference.dissipation - 1
@@ -198,7 +198,7 @@ class TestPlantedFaults:
     def test_poisson_ratio_of_one_body(self, paper: Comparison) -> None:
         """A softer body makes a wider contact: pressure and edges see it, and nothing is inadmissible."""
         material = paper.scene.material
-        softer = material.model_copy(update={"upper": material.upper.model_copy(update={"poisson_ratio": 0.25})})
+        softer = material.vary(upper=material.upper.vary(poisson_ratio=0.25))
         found = compare(paper.reference, faulty(paper.scene, paper.result, material=softer))
         failed = {metric.key for metric in found.metrics if metric.accurate is False}
         assert {"peak_pressure", "pressure", "dissipation"} <= failed

@@ -121,21 +121,18 @@ def pad(flat: float, curvature: float, ratio: float = 0.6) -> Scene:
     """A pad of the map: a = 1 by half-plane theory, P constant, Q between +-ratio f P."""
     load = steel_load(flat, curvature)
     base = load_scene("two-cylinders")
-    bodies = base.bodies.model_copy(
-        update={
-            "upper": Pad(width=2 * flat + 1.4 / curvature, height=1 / curvature),
-            "lower": load_scene("hertz-paper").bodies.lower,
-        }
+    bodies = base.bodies.vary(
+        upper=Pad(width=2 * flat + 1.4 / curvature, height=1 / curvature), lower=load_scene("hertz-paper").bodies.lower
     )
     steel = Elastic(young_modulus=210e3, poisson_ratio=0.3)
     changes = {
         "material": Materials(lower=steel, upper=steel),
         "profile": FlatRounded(radius=1 / curvature, flat_half_length=flat),
         "bodies": bodies,
-        "friction": base.friction.model_copy(update={"coefficient": 0.5}),
+        "friction": 0.5,
         "load": PolygonLoad(way_in=((load, 0.0), (load, 0.5 * ratio * load)), cycle=((load, -0.5 * ratio * load),)),
     }
-    return base.model_copy(update=changes)
+    return base.vary(**changes)
 
 
 @lru_cache
@@ -169,7 +166,7 @@ def test_correction_is_the_law_for_the_scene() -> None:
 
 
 def changed(scene: Scene, **parts: object) -> Scene:
-    return scene.model_copy(update=parts)
+    return scene.vary(**parts)
 
 
 SCENE = pad(0.5, 0.05)
@@ -181,13 +178,13 @@ LOAD = (steel_load(0.5, 0.05), 0.3 * steel_load(0.5, 0.05))
     [
         (pad(0.5, 0.2), "the correction holds up to 0.1"),
         (pad(0.1, 0.05), "b/a of 0.2 to 0.9"),
-        (changed(SCENE, bodies=SCENE.bodies.model_copy(update={"upper": Pad(width=3.0, height=20.0)})), "the pad is too small"),
+        (changed(SCENE, bodies=SCENE.bodies.vary(upper=Pad(width=3.0, height=20.0))), "the pad is too small"),
         (
-            changed(SCENE, bodies=SCENE.bodies.model_copy(update={"lower": SCENE.bodies.upper})),
+            changed(SCENE, bodies=SCENE.bodies.vary(lower=SCENE.bodies.upper)),
             "a pad with a flat face on a half-plane",
         ),
         (
-            changed(SCENE, material=SCENE.material.model_copy(update={"lower": Elastic(young_modulus=1e5, poisson_ratio=0.3)})),
+            changed(SCENE, material=SCENE.material.vary(lower=Elastic(young_modulus=1e5, poisson_ratio=0.3))),
             "of one material",
         ),
         (changed(SCENE, load=PolygonLoad(way_in=(LOAD,), cycle=((0.9 * LOAD[0], 0.0),))), "constant P"),

@@ -31,7 +31,7 @@ NAMES = list(NAMED)
 def blocks(base: str, height: float, aspect: float) -> Scene:
     """The scene `blocks` at another size."""
     block = Block(height=height, width=aspect * height, base=base, sides="free" if base == "fixed" else "guided")
-    return load_scene("blocks").model_copy(update={"bodies": Bodies(lower=block, upper=block)})
+    return load_scene("blocks").vary(bodies=Bodies(lower=block, upper=block))
 
 
 @pytest.mark.parametrize("name", list(MAPS))

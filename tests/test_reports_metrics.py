@@ -223,7 +223,7 @@ def test_without_dissipation_the_discrepancy_is_absolute() -> None:
 
 def test_frictionless_shear_is_measured_over_pressure() -> None:
     """f = 0: a shear that should not be there still counts, over ||p||."""
-    scene = TRUTH.scene.model_copy(update={"friction": TRUTH.scene.friction.model_copy(update={"coefficient": 0.0})})
+    scene = TRUTH.scene.vary(friction=0.0)
     still = changed(scene=scene, shear=0 * TRUTH.shear, dissipation=0.0, dissipation_density=0 * TRUTH.x)
     found = compare(still, with_fields(still, shear=0.01 * TRUTH.pressure))
     assert found.metric("shear").value == pytest.approx(0.01)
@@ -295,12 +295,12 @@ def test_no_permanent_stick_in_one_is_said() -> None:
 
 
 def test_another_question_is_refused() -> None:
-    friction = TRUTH.scene.friction.model_copy(update={"coefficient": 0.505})
-    other = changed(scene=TRUTH.scene.model_copy(update={"friction": friction}))
+    friction = TRUTH.scene.friction.vary(coefficient=0.505)
+    other = changed(scene=TRUTH.scene.vary(friction=friction))
     with pytest.raises(InputError, match=r"different questions: friction is .*0\.5.* and .*0\.505"):
         compare(TRUTH, other)
 
 
 def test_another_title_or_tolerance_is_the_same_question() -> None:
-    renamed = TRUTH.scene.model_copy(update={"title": "renamed", "name": "other"})
+    renamed = TRUTH.scene.vary(title="renamed", name="other")
     assert compare(TRUTH, changed(scene=renamed)).passed

@@ -23,7 +23,7 @@ def test_without_typst_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.skipif(importlib.util.find_spec("typst") is None, reason="typst is not installed: pip install -e .[pdf]")
 def test_a_pdf_is_written_beside_the_page_whatever_the_words(tmp_path: Path) -> None:
-    scene = TRUTH.scene.model_copy(update={"name": NASTY, "title": NASTY, "purpose": NASTY})
+    scene = TRUTH.scene.vary(name=NASTY, title=NASTY, purpose=NASTY)
     truth = replace(TRUTH, scene=scene)
     comparison = compare(truth, with_fields(truth, shear=0.99 * truth.shear, engine=NASTY))
     write(comparison, tmp_path / "out", command=NASTY, pdf=True)

@@ -55,7 +55,7 @@ def test_our_own_field_files_come_back_as_they_were_written(tmp_path, bodies):
     scene = load_scene("cattaneo-mindlin")
     if bodies == "blocks":
         block = {"kind": "block", "width": 20.0, "height": 12.0}
-        scene = scene.model_copy(update={"bodies": Bodies.model_validate({"lower": block, "upper": block})})
+        scene = scene.vary(bodies=Bodies.model_validate({"lower": block, "upper": block}))
     run = fe_run(scene, COARSE, FEW_STEPS)
     steps = run.last_cycle[:: max(1, len(run.last_cycle) // 5)]
     write_fields(run, halfplane_fe.fields(run, run.time[steps]), tmp_path)

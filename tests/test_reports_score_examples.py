@@ -75,7 +75,7 @@ def test_report_and_table_of_the_path_score_alike(scored):
 
 def test_a_turned_shear_would_be_noticed(scored):
     folder = FOLDER / "abaqus"
-    turned = load_mapping(folder / "mapping.toml").model_copy(update={"signs": Signs(shear="on upper")})
+    turned = load_mapping(folder / "mapping.toml").vary(signs=Signs(shear="on upper"))
     wrong = score_file(folder / "path.csv", turned, load_scene(measure.SCENE))
     assert wrong.metric("shear").value > 5 * scored["abaqus"].metric("shear").value
 

@@ -129,7 +129,7 @@ class TestPoints:
             preset="swift",
         )
         [point] = expand(asked)
-        assert point.scene.profile == load_scene("hertz-paper").profile.model_copy(update={"radius": 500.0})
+        assert point.scene.profile == load_scene("hertz-paper").profile.vary(radius=500.0)
         assert point.scene.load.model_dump()["mean_normal_load"] == 180.0
         assert point.scene.load.model_dump()["way_in"] == "straight"
         assert (point.mesh.element_size, point.mesh.growth, point.solver.steps_per_cycle) == (0.1, 0.5, 48)
@@ -186,9 +186,9 @@ class TestGrouping:
         found = plan(asked, expand(asked))
         assert [[p.coordinates["h"] for p in group] for group in found.groups] == [[5.0] * 3, [10.0] * 3]
         assert found.condensations == 2
-        unlike = asked.model_copy(update={"set": {"material.lower.young_modulus": 1e5}})
+        unlike = asked.vary(set={"material.lower.young_modulus": 1e5})
         assert plan(unlike, expand(unlike)).condensations == 4
-        alone = asked.model_copy(update={"share_condensations": False})
+        alone = asked.vary(share_condensations=False)
         assert plan(alone, expand(alone)).condensations == 6
 
     def test_tasks_hold_every_point_once_and_no_two_groups(self) -> None:

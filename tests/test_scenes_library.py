@@ -76,7 +76,7 @@ def test_the_library_is_large_enough_and_nothing_stands_twice() -> None:
     assert len(NAMES) >= WANTED
     assert len(set(NAMES)) == len(NAMES)
     found = [load_scene(name) for name in NAMES]
-    for texts in ([scene.title for scene in found], [scene.model_copy(update={"name": ""}).model_dump_json() for scene in found]):
+    for texts in ([scene.title for scene in found], [scene.vary(name="").model_dump_json() for scene in found]):
         assert len(set(texts)) == len(texts)
     assert all(re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name) for name in NAMES)
 
@@ -269,7 +269,7 @@ def mindlin() -> ContactSolution:
 
 def finding(solution: ContactSolution, **changed: object) -> expected.Finding:
     one = {"quantity": "dissipation", "value": 1.0, "tolerance": 1e-6, "source": "planted"} | changed
-    scene = solution.scene.model_copy(update={"expected": (Expected.model_validate(one),)})
+    scene = solution.scene.vary(expected=(Expected.model_validate(one),))
     (found,) = expected.check(scene, [solution])
     return found
 

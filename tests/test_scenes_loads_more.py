@@ -156,14 +156,14 @@ def test_functions_that_will_not_do_are_refused(given, why):
 
 
 def test_a_scene_with_functions_cannot_be_written():
-    scene = load_scene("hertz-paper").model_copy(update={"load": FUNCTIONS})
+    scene = load_scene("hertz-paper").vary(load=FUNCTIONS)
     with pytest.raises(InputError, match="can't be written, hashed or sent elsewhere: it holds a Python function"):
         scene.model_dump_json()
 
 
 @pytest.mark.parametrize("load", [HARMONICS, TimeSeriesLoad(rows=[[0, 1, 0.1], [1, 2, 0.5]])], ids=lambda load: load.kind)
 def test_loads_survive_json_and_have_words(load):
-    scene = load_scene("hertz-paper").model_copy(update={"load": load})
+    scene = load_scene("hertz-paper").vary(load=load)
     assert Scene.model_validate_json(scene.model_dump_json()) == scene
     assert load.in_words("N/mm").startswith("the loads ")
     assert "N/mm" in FUNCTIONS.in_words("N/mm")

@@ -66,7 +66,7 @@ def test_heights_are_symmetric_rising_and_start_at_zero(profile):
 
 @pytest.mark.parametrize("profile", PROFILES[:-1], ids=lambda profile: profile.kind)
 def test_profiles_survive_json(profile):
-    scene = load_scene("hertz-paper").model_copy(update={"profile": profile})
+    scene = load_scene("hertz-paper").vary(profile=profile)
     again = Scene.model_validate_json(scene.model_dump_json())
     assert again == scene
     np.testing.assert_array_equal(again.profile.height([0.3, 1.9]), profile.height([0.3, 1.9]))
@@ -105,7 +105,7 @@ def test_a_table_lies_beside_the_scene_file(tmp_path, monkeypatch):
     np.testing.assert_allclose(profile.height([0.5, 1.5, 3.0]), [0.125, 1.125, 4.0])
     # The rows go with the scene: nothing is read again.
     (tmp_path / "deep" / "trace.csv").unlink()
-    scene = load_scene("hertz-paper").model_copy(update={"profile": profile})
+    scene = load_scene("hertz-paper").vary(profile=profile)
     assert Scene.model_validate_json(scene.model_dump_json()).profile == profile
 
 

@@ -54,7 +54,7 @@ def question(loads, friction=1.0, **changes):
 
 
 def solved(profile, row, friction=1.0, **asked):
-    scene = make_scene(ellipse(*row), friction).model_copy(update={"profile": profile})
+    scene = make_scene(ellipse(*row), friction).vary(profile=profile)
     return solve(scene, **asked)
 
 

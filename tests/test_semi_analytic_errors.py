@@ -37,8 +37,8 @@ def test_true_errors_are_below_the_estimates(name):
     """Measured: estimates of 1e-13 to 5e-10, true errors 5 to 1e4 times smaller."""
     profile, exact = CASES[name]
     scene = load_scene("hertz-paper")
-    solution = solve(scene.model_copy(update={"profile": profile}), x=X, cycles="steady")
-    truth = solve(scene.model_copy(update={"profile": exact}), x=X, time=solution.time)
+    solution = solve(scene.vary(profile=profile), x=X, cycles="steady")
+    truth = solve(scene.vary(profile=exact), x=X, time=solution.time)
     estimates = solution.record.errors
     top = {"shear": scene.friction.coefficient * float(np.max(truth.pressure))}
     near = (
@@ -58,7 +58,7 @@ def test_closed_forms_claim_no_error_and_rough_tables_tell_theirs(monkeypatch):
     scene = load_scene("hertz-paper")
     assert not solve(scene, x=X).record.errors
     rows = Tabulated(points=np.stack([ROWS, (np.cosh(ROWS) - 1) / R], axis=1))
-    scene = scene.model_copy(update={"profile": rows})
+    scene = scene.vary(profile=rows)
     solution = solve(scene, x=X, cycles="steady")
     assert set(solution.record.errors) <= {*FIELDS, "pressure at the edge", "shear at the edge"}
     assert 1e-11 > solution.record.errors["dissipation"] > abs(solution.loop_work / solution.dissipation - 1)
@@ -69,7 +69,7 @@ def test_closed_forms_claim_no_error_and_rough_tables_tell_theirs(monkeypatch):
 
 
 def test_errors_are_for_what_was_asked_and_survive_the_file(tmp_path):
-    scene = load_scene("hertz-paper").model_copy(update={"profile": CASES["rows of a parabola"][0]})
+    scene = load_scene("hertz-paper").vary(profile=CASES["rows of a parabola"][0])
     solution = solve(scene, x=X, fields=("pressure",), cycles="steady")
     assert set(solution.record.errors) == {"pressure", "pressure at the edge"}
     solution.save(tmp_path / "solution.nc")
@@ -98,7 +98,7 @@ def test_closed_forms_tell_what_their_arcs_lose(monkeypatch):
 def test_arcs_of_other_legs_are_integrated_twice_too(monkeypatch):
     """The root left at the begin of the arc and no part halved costs 6e-12 of the shear: told, where no entry was made."""
     load = HarmonicLoad(mean_normal_load=1.0, normal_harmonics=[(0.999, 0.0)], tangential_harmonics=[(0.02, 90.0)])
-    scene = make_scene(load).model_copy(update={"profile": PowerLaw(exponent=3.5, length=1.0, rise=0.6)})
+    scene = make_scene(load).vary(profile=PowerLaw(exponent=3.5, length=1.0, rise=0.6))
     x = np.linspace(0, 1, 9)
     assert "shear" not in solve(scene, x=x, fields=("shear",)).record.errors
     monkeypatch.setattr(curved, "_AHEAD", 0.0)
@@ -115,7 +115,7 @@ def test_a_field_that_is_not_a_number_stops_the_answer(monkeypatch, method, fiel
 
 
 def test_the_tip_of_a_sharp_wedge_is_infinite_and_no_fault():
-    scene = nearly_unloaded(0.3).model_copy(update={"profile": PowerLaw(exponent=1.0, length=1.0, rise=0.3)})
+    scene = nearly_unloaded(0.3).vary(profile=PowerLaw(exponent=1.0, length=1.0, rise=0.3))
     solution = solve(scene, x=[0.0, 0.1], fields=("pressure", "shear"))
     assert np.all(solution.pressure[1:, 0] == np.inf)
     assert not solution.record.errors
@@ -123,7 +123,7 @@ def test_the_tip_of_a_sharp_wedge_is_infinite_and_no_fault():
 
 @pytest.mark.parametrize("name", ["pressure", "spread", "log_area"])
 def test_an_error_that_is_not_a_number_is_no_small_error(monkeypatch, name):
-    scene = load_scene("hertz-paper").model_copy(update={"profile": CASES["rows of a parabola"][0]})
+    scene = load_scene("hertz-paper").vary(profile=CASES["rows of a parabola"][0])
     own = TabulatedContact.quadrature_error
 
     def lost(self, kind, *given):
@@ -159,7 +159,7 @@ def test_last_digits_of_tiny_slip_and_of_the_rigid_shift_are_told():
     nothing was.
     """
     profile = FlatRounded(radius=1.0, flat_half_length=1e-3)
-    scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 1e-4), (1.0, -1e-4)]), 0.5).model_copy(update={"profile": profile})
+    scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 1e-4), (1.0, -1e-4)]), 0.5).vary(profile=profile)
     time, half = np.linspace(4.0, 7.0, 6), 1.13
     x = half * np.array([0.63, 0.93, 0.999, 1.1, 3.0])
     found = solve(scene, x=x, time=time, fields=("slip", "rigid_shift"))

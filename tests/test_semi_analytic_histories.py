@@ -334,7 +334,7 @@ def test_rows_over_corners_of_the_profile_dissipate_what_legs_do(profile):
     normal = 1.5 + 0.5 * np.cos(time) * draw.uniform(0.6, 1.0, count)
     tangential = 0.4 * normal * np.sin(0.7 * time + 0.3 * draw.normal(size=count))
     rows = np.column_stack([time, normal, tangential]).tolist()
-    scene = make_scene(TimeSeriesLoad(rows=rows)).model_copy(update={"profile": profile})
+    scene = make_scene(TimeSeriesLoad(rows=rows)).vary(profile=profile)
     x = np.linspace(0.8, 1.5, 8)
     asked = ("dissipation", "dissipation_density")
     one, other = solve(scene, x=x, fields=asked), by_rows(scene, x=x, fields=asked)

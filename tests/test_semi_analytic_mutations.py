@@ -110,8 +110,8 @@ def test_friction_itself_matters():
     """f -> 0 is not a detail: with a tenth less friction more slips, with a thousandth of it the path is refused."""
     scene = load_scene("cattaneo-mindlin")
     less = dataclasses.asdict(solve(scene, x=[0.0]))["dissipation"]
-    friction = scene.friction.model_copy(update={"coefficient": 0.45})
-    more = solve(scene.model_copy(update={"friction": friction}), x=[0.0]).dissipation
+    friction = scene.friction.vary(coefficient=0.45)
+    more = solve(scene.vary(friction=friction), x=[0.0]).dissipation
     assert more > 1.1 * less
     with pytest.raises(ValueError, match="gross sliding"):
-        solve(scene.model_copy(update={"friction": scene.friction.model_copy(update={"coefficient": 5e-4})}))
+        solve(scene.vary(friction=5e-4))

@@ -117,8 +117,8 @@ def test_a_contact_wider_than_the_extent_is_refused():
 
 
 def test_a_scene_with_a_function_cannot_be_written():
-    scene = load_scene("hertz-paper").model_copy(update={"profile": CallableProfile(slope_function=lambda x: x, extent=1.0)})
+    scene = load_scene("hertz-paper").vary(profile=CallableProfile(slope_function=lambda x: x, extent=1.0))
     with pytest.raises(InputError, match="holds a Python function"):
         scene.model_dump_json()
-    hertz = load_scene("hertz-paper").model_copy(update={"profile": Hertz(radius=1.0)})
+    hertz = load_scene("hertz-paper").vary(profile=Hertz(radius=1.0))
     assert "hertz" in hertz.model_dump_json()

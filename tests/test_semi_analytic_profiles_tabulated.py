@@ -121,7 +121,7 @@ def test_rows_under_which_the_contact_splits_are_refused():
 def test_dissipation_of_a_table_by_two_routes():
     """Quadrature over time and along arcs is cut where an edge passes a knot: 4e-6 apart where it was not, measured 1e-14."""
     profile = table(lambda x: np.cosh(x) - 1, 3.0, 31)
-    scene = make_scene(ellipse()).model_copy(update={"profile": profile})
+    scene = make_scene(ellipse()).vary(profile=profile)
     solution = solve(scene, x=[0.0], fields=("dissipation",))
     assert solution.loop_work == pytest.approx(solution.dissipation, rel=1e-11, abs=0)
 
@@ -152,6 +152,6 @@ def test_work_across_knots_is_cut_at_those_between_alone(monkeypatch):
 
     monkeypatch.setattr(pile, "panels", seen)
     load = polygon([(1.0, 0.0)], [(0.4, 0.1), (0.8, -0.15), (1.0, 0.1)])
-    solve(make_scene(load, 0.7).model_copy(update={"profile": table(lambda x: np.cosh(x) - 1, 1.2, 61)}), x=[0.0])
+    solve(make_scene(load, 0.7).vary(profile=table(lambda x: np.cosh(x) - 1, 1.2, 61)), x=[0.0])
     assert len(cuts) > 9
     assert all(cuts)

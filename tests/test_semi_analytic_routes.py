@@ -76,7 +76,7 @@ PROFILES = st.one_of(
 def test_every_way_to_the_work_of_an_ellipse_meets(profile, ratio, use, phase, friction):
     """1e-10, or 1e-14 of A f^2 P0^2 where there is next to no slip."""
     scene = make_scene(ellipse(1.0, ratio, 0.0, use * friction * (1 - ratio), phase), friction)
-    found = routes(scene.model_copy(update={"profile": profile}))
+    found = routes(scene.vary(profile=profile))
     np.testing.assert_allclose(found, found[0], rtol=1e-10, atol=1e-14 * friction**2)
 
 
@@ -96,7 +96,7 @@ CORNERED = {
 @pytest.mark.parametrize("profile", CORNERED.values(), ids=CORNERED)
 def test_an_arc_that_passes_corners_of_the_profile_keeps_its_digits(profile):
     """Q dU takes the logarithm along the arc, tractions and slips its kernels: 1e-12 and 4e-13; 2e-6 and 2e-5 if not cut."""
-    scene = make_scene(ellipse(1.0, 0.6, 0.1, 0.3, -70.0)).model_copy(update={"profile": profile})
+    scene = make_scene(ellipse(1.0, 0.6, 0.1, 0.3, -70.0)).vary(profile=profile)
     answer = solve(scene, x=np.linspace(0.0, 1.6, 9), time=np.linspace(2.0, 20.0, 7))
     assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-11, abs=0)
     # The second rule of the estimate shares nothing but the kernel with the first.

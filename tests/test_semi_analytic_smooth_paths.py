@@ -143,7 +143,7 @@ def test_start_up_plays_no_part_in_the_steady_cycle(points):
     scene = make_scene(load, 0.5)
     route = own_route(scene.load.path(), 0.5, 6, None)
     assert route.history.steady_from in (0, 1)
-    straight = make_scene(load.model_copy(update={"way_in": "straight"}), 0.5)
+    straight = make_scene(load.vary(way_in="straight"), 0.5)
     expected = solve(straight, x=[0.0], fields=("dissipation",)).dissipation
     assert solve(scene, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(expected, rel=1e-9, abs=0)
 
@@ -232,7 +232,7 @@ def test_rounding_ends_the_halving(monkeypatch):
         duration=2 * math.pi,
         repeats=True,
     )
-    answer = solve(make_scene(load, 0.4).model_copy(update={"profile": EvenPolynomial(length=1.0, rises=(0.5, 0.4))}), x=[0.0])
+    answer = solve(make_scene(load, 0.4).vary(profile=EvenPolynomial(length=1.0, rises=(0.5, 0.4))), x=[0.0])
     assert 0 <= answer.dissipation < 1e-28
     assert parts
 
@@ -255,7 +255,7 @@ def test_what_instants_share_of_an_arc_is_integrated_once(monkeypatch):
         normal_harmonics=[(0.5, 0.0)],
         tangential_harmonics=[(0.05, 40.0), (0.02, -60.0)],
     )
-    scene = make_scene(load, 0.3).model_copy(update={"profile": profile})
+    scene = make_scene(load, 0.3).vary(profile=profile)
     answer = solve(scene, x=[0.0], fields=("dissipation",))
     assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12, abs=0)
     assert sum(inverted) < 4e6  # 2.0e6, and 7.0e7 before

@@ -118,16 +118,12 @@ def test_rigid_shift_follows_the_flat_punches():
 @pytest.mark.parametrize("name", ["hertz-paper", "motor"])
 def test_mirrored_path_mirrors_everything(name):
     scene = load_scene(name)
-    load = scene.load.model_copy(
-        update={
-            "mean_tangential_load": -scene.load.mean_tangential_load,
-            "phase_degrees": scene.load.phase_degrees - 180,
-            "way_in": "straight",
-        }
+    load = scene.load.vary(
+        mean_tangential_load=-scene.load.mean_tangential_load, phase_degrees=scene.load.phase_degrees - 180, way_in="straight"
     )
-    one = solve(scene.model_copy(update={"load": scene.load.model_copy(update={"way_in": "straight"})}), x=1.0071 * X)
+    one = solve(scene.vary(load={"way_in": "straight"}), x=1.0071 * X)
     two = solve(
-        scene.model_copy(update={"load": load}),
+        scene.vary(load=load),
         x=1.0071 * X,
         time=one.time - one.scene.load.path().cycle_start + load.path().cycle_start,
     )
@@ -236,7 +232,7 @@ def test_solution_survives_the_file(tmp_path):
 def test_unlike_bodies_come_with_a_note():
     scene = load_scene("hertz-paper")
     pair = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=Elastic(young_modulus=210e3, poisson_ratio=0.3))
-    notes = solve(scene.model_copy(update={"material": pair}), x=[0.0], fields=()).record.notes
+    notes = solve(scene.vary(material=pair), x=[0.0], fields=()).record.notes
     assert "Dundurs' beta = " in notes[0]
     assert not any("Dundurs" in note for note in solve(scene, x=[0.0], fields=()).record.notes)
 

@@ -74,7 +74,7 @@ def test_loads_of_any_size(profile_of, longer, stiffer):
     answers = []
     for length, stress in ((1.0, 1.0), (longer, stiffer)):
         scene = make_scene(ellipse(*(amounts * length * stress), 70.0), 0.5, modulus=stress)
-        scene = scene.model_copy(update={"profile": profile_of(length)})
+        scene = scene.vary(profile=profile_of(length))
         answers.append(solve(scene, x=x * length))
     one, other = answers
     units = {"pressure": stiffer, "shear": stiffer, "slip": longer, "rigid_shift": longer, "dissipation_density": longer * stiffer}
@@ -120,7 +120,7 @@ def test_a_load_that_swings_by_less_than_any_number_holds_still(swing):
 
 def wedge_scene(load):
     """A sharp wedge of unit slope: P = a with E* = 1."""
-    return make_scene(load, 0.5).model_copy(update={"profile": PowerLaw(exponent=1.0, length=1.0, rise=1.0)})
+    return make_scene(load, 0.5).vary(profile=PowerLaw(exponent=1.0, length=1.0, rise=1.0))
 
 
 def test_the_shear_at_the_very_tip_of_a_wedge_is_a_sum_of_logarithms():

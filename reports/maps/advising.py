@@ -15,6 +15,7 @@ from reports.maps.pads import RATIO, SHEAR, work_lines
 from reports.maps.readings import read
 from reports.sweep.figures import QUANTITIES
 from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
+from scenes.frozen import validated
 
 FIGURES = ("error.dissipation", "error.p0", "error.contact_half_width")
 _WORDS = {"flat": "b/a", "aspect": "width/height"}
@@ -48,6 +49,7 @@ def parts(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, list[Part]]:
     InputError
         Where the maps are not there, or have no such contact: frictionless, another profile than Hertz or flat with rounded edges.
     """
+    scene = validated(scene, Scene)
     if scene.friction.coefficient == 0:
         raise InputError(f"{scene.name}: friction.coefficient = 0: nothing is dissipated, and no map is of frictionless contacts")
     if not isinstance(scene.profile, Hertz | FlatRounded):

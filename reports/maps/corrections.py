@@ -22,6 +22,7 @@ from reports.maps.layers import curvature_sum
 from reports.maps.quadratic import Curvatures, dissipation_error
 from reports.metrics import compliance
 from scenes import Block, FlatRounded, HalfPlane, Hertz, InputError, Pad, Scene
+from scenes.frozen import validated
 from semi_analytic.contact import contact_of
 
 Array = NDArray[np.float64]
@@ -98,6 +99,7 @@ def correction(scene: Scene) -> Correction:
         Where the correction was not derived or not tried: other than two equal blocks of one material, a profile other than Hertz,
         a path without a cycle, sides or Poisson's ratio other than in the maps, blocks too low or narrower than high.
     """
+    scene = validated(scene, Scene)
     block = _block(scene)
     normal, tangential, cycle = _sampled(scene)
     largest = float(normal.max())
@@ -126,6 +128,7 @@ def pad_correction(scene: Scene) -> float:
         Other than one pad and one half-plane of one material, a pad that its size moves too, P that moves or Q that does not go
         simply to and fro, and a/R or b/a that no finite elements were tried at.
     """
+    scene = validated(scene, Scene)
     where, profile = scene.name or "scene", scene.profile
     pads = [body for body in (scene.bodies.lower, scene.bodies.upper) if isinstance(body, Pad)]
     planes = [body for body in (scene.bodies.lower, scene.bodies.upper) if isinstance(body, HalfPlane)]

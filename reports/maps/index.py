@@ -41,7 +41,7 @@ def designers_scene() -> Scene:
         "bodies": Bodies(lower=Block(width=8.0, height=4.0), upper=Cylinder(radius=8.0)),
         "load": PolygonLoad(way_in=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)),
     }
-    return load_scene("two-cylinders").model_copy(update={**changes, "name": "designer"})
+    return load_scene("two-cylinders").vary(**changes, name="designer")
 
 
 def _question(folder: Path) -> str:

@@ -89,7 +89,7 @@ def odd_part(folder: Path) -> list[str]:
 
 def _blocks(base: str, height: float, aspect: float, scene: Scene) -> Scene:
     block = Block(width=height * aspect, height=height, base=base, sides="free" if base == "fixed" else "guided")
-    return scene.model_copy(update={"bodies": Bodies(lower=block, upper=block)})
+    return scene.vary(bodies=Bodies(lower=block, upper=block))
 
 
 def left(error: float, predicted: float) -> float:
@@ -138,17 +138,14 @@ def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
     base = load_scene("blocks")
     p0 = base.load.mean_normal_load  # type: ignore[union-attr]
     lean = amplitude * abs(np.cos(np.radians(phase)))
-    load = base.load.model_copy(
-        update={
-            "normal_amplitude": amplitude * p0,
-            "mean_tangential_load": 0.0,
-            "tangential_amplitude": 0.5 * p0 * float(np.sqrt(lean**2 - amplitude**2 + (1 - margin) ** 2) - lean),
-            "phase_degrees": phase,
-            "way_in": "straight",
-        }
+    load = base.load.vary(
+        normal_amplitude=amplitude * p0,
+        mean_tangential_load=0.0,
+        tangential_amplitude=0.5 * p0 * float(np.sqrt(lean**2 - amplitude**2 + (1 - margin) ** 2) - lean),
+        phase_degrees=phase,
+        way_in="straight",
     )
-    friction = base.friction.model_copy(update={"coefficient": 0.5})
-    return _blocks("fixed", 8.0, 2.0, base.model_copy(update={"load": load, "friction": friction}))
+    return _blocks("fixed", 8.0, 2.0, base.vary(load=load, friction=0.5))
 
 
 def worst_loops(readings: Readings) -> str:

@@ -165,9 +165,9 @@ class Case:
 
     def with_load(self, friction: float | None = None, **changes: Any) -> Case:
         """The same with another f or other numbers of the ellipse."""
-        scene = self.scene.model_copy(update={"load": self.load.model_copy(update=changes)})
+        scene = self.scene.vary(load=changes)
         if friction is not None:
-            scene = scene.model_copy(update={"friction": scene.friction.model_copy(update={"coefficient": friction})})
+            scene = scene.vary(friction=friction)
         return Case(scene)
 
     def about_no_shear(self, friction: float) -> Case:

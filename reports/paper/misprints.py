@@ -39,8 +39,7 @@ def corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Mis
     p = case.load.mean_normal_load
     q = part * friction * p
     load = PolygonLoad(way_in=((p, 0.0), (p, q)))
-    coefficient = case.scene.friction.model_copy(update={"coefficient": friction})
-    scene = case.scene.model_copy(update={"load": load, "friction": coefficient})
+    scene = case.scene.vary(load=load, friction=friction)
     x = np.linspace(0.0, 0.999, 200) * case.length
     shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
 

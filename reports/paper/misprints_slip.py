@@ -294,9 +294,7 @@ def not_per_area(case: Case) -> Misprint:
 def _ten_times(case: Case) -> Case:
     """The case with all lengths and loads times ten: the same stresses."""
     scene, load = case.scene, case.load
-    return Case(
-        scene.model_copy(update={"profile": scene.profile.model_copy(update={"radius": 10 * scene.profile.model_dump()["radius"]})})
-    ).with_load(
+    return Case(scene.vary(profile={"radius": 10 * scene.profile.model_dump()["radius"]})).with_load(
         mean_normal_load=10 * load.mean_normal_load,
         normal_amplitude=10 * load.normal_amplitude,
         mean_tangential_load=10 * load.mean_tangential_load,

@@ -13,7 +13,7 @@ import numpy as np
 import semi_analytic
 from reports.score.diagnosis_discrepancy import Array, Discrepancy, Tractions
 from reports.score.diagnosis_hypothesis import Hypothesis, fitted
-from scenes import EllipseLoad, Friction, Materials, Scene
+from scenes import EllipseLoad, Materials, Scene
 from semi_analytic.contact import contact_of
 
 # f at which next to nothing slips, over the scene's: a mesh keeps the infinite shear of bonded faces finite, as a large f does.
@@ -54,10 +54,10 @@ def _theory(what: Discrepancy, scene: Scene, time: Array, offset: float) -> Trac
 def stiffer(scene: Scene, factor: float) -> Scene:
     """E* times `factor`."""
     material = {
-        name: body.model_copy(update={"young_modulus": factor * body.young_modulus})
+        name: body.vary(young_modulus=factor * body.young_modulus)
         for name, body in (("upper", scene.material.upper), ("lower", scene.material.lower))
     }
-    return scene.model_copy(update={"material": Materials(**material)})
+    return scene.vary(material=Materials(**material))
 
 
 def _stiffness(what: Discrepancy) -> Iterator[Hypothesis]:
@@ -99,7 +99,7 @@ def _offset(what: Discrepancy) -> Iterator[Hypothesis]:
 
 def with_friction(scene: Scene, coefficient: float) -> Scene:
     """The scene with another f."""
-    return scene.model_copy(update={"friction": Friction(coefficient=coefficient)})
+    return scene.vary(friction=coefficient)
 
 
 def _friction(what: Discrepancy) -> Iterator[Hypothesis]:

@@ -21,6 +21,7 @@ from reports.score.solution import contact_solution, of_own_file
 from reports.score.surface import SurfaceResult
 from reports.score.tidying import surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
+from scenes.frozen import validated
 
 Against = Literal["exact", "fe"]
 OWN = ".nc"
@@ -65,7 +66,7 @@ def score(
     >>> round(found.metric("peak_pressure").value, 9), found.metric("dissipation").value is None
     (0.01, True)
     """
-    asked = scene if isinstance(scene, Scene) else load_scene(scene)
+    asked = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
     fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
     series = {"time": time, "normal_load": loads[0] if loads else None, "tangential_load": loads[1] if loads else None}
     result = surface_result(code or "the arrays", code, x, fields, series)

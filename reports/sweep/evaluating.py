@@ -118,7 +118,7 @@ def _shared_scales(scene: Scene) -> Scales:
     changed = {"friction": Friction(coefficient=0.0), "load": PolygonLoad(way_in=((largest_load(scene), 0.0),)), "cycles": 1}
     # Words move no number, and would keep points of one group apart.
     words = {name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS}
-    still = scene.model_copy(update=words | changed)
+    still = scene.vary(**(words | changed))
     return _scales_of(still.model_dump_json())
 
 

@@ -19,6 +19,7 @@ from reports.sweep.store import Planned, Store
 from reports.sweep.study import Study, load_study
 from reports.sweep.versions import code_versions
 from scenes import InputError
+from scenes.frozen import validated
 from scenes.interrupts import interrupts_wait
 
 _INDEX_EVERY = 15.0
@@ -53,7 +54,7 @@ def prepare(
     InputError
         For a study that is refused, and for a folder with results in it unless `resume`.
     """
-    asked = study if isinstance(study, Study) else load_study(study)
+    asked = validated(study, Study) if isinstance(study, Study) else load_study(study)
     where = "study" if isinstance(study, Study) else str(study)
     store = Store(Path(folder))
     if store.folder.exists() and not store.folder.is_dir():

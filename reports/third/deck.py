@@ -17,6 +17,7 @@ from meshes import MeshSettings
 from reports.third.bodies import DeckBody, deck_body, upper_places
 from reports.third.settings import DeckSettings
 from scenes import Cylinder, HalfPlane, Scene, Shape, freeze
+from scenes.frozen import validated
 
 Array = NDArray[np.float64]
 
@@ -86,9 +87,10 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
     Raises
     ------
     InputError
-        For bodies that can't be meshed or held, see `meshes.build` and `halfplane_fe.solve`.
+        For a scene that does not pass its own check, and for bodies that can't be meshed or held, see `meshes.build` and
+        `halfplane_fe.solve`.
     """
-    settings = settings or DeckSettings()
+    scene, settings = validated(scene, Scene), settings or DeckSettings()
     check_supports(scene, sheared(scene))
     scales = scales or find_scales(scene, Counter())
     cut = MeshSettings(
