@@ -131,7 +131,8 @@ def sweep_json(state: State, code: int = 0, **written: Path) -> str:
 def _points(state: State) -> dict[str, Any]:
     counts = {name: getattr(state, name) for name in ("done", "failed", "running", "waiting", "total")}
     failures = [{"point": number, "reason": reason} for number, reason in state.failures]
-    return {"points": counts, "seconds_left": state.left, "damaged": state.damaged, "failures": failures}
+    notes = [{"note": note, "points": count} for note, count in state.notes]
+    return {"points": counts, "seconds_left": state.left, "damaged": state.damaged, "failures": failures, "notes": notes}
 
 
 def _names(written: Mapping[str, Path]) -> dict[str, str]:

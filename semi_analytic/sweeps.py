@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from scenes import Materials, Profile
 from semi_analytic.batch import Reason, dissipation_of
 from semi_analytic.batch_density import peak_of
 from semi_analytic.batch_members import Batch, Block, batch_of
+from semi_analytic.bookkeeping import neglected_coupling
 
 Array = NDArray[np.float64]
 
@@ -30,6 +31,7 @@ class DissipationBatch:
     reason : `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is not finite or not admitted (P0 > 0,
         the rest of the loads >= 0, parameters by the rules of the profile), 4 the profile ends before the contact does,
         5 the quadrature did not settle
+    notes : what holds for all members and must not be missed: the coupling of unlike materials, which is neglected
     """
 
     value: Array
@@ -37,6 +39,7 @@ class DissipationBatch:
     reverse: Array
     permanent_stick_load: Array
     reason: NDArray[np.int8]
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +51,14 @@ class PeakBatch:
     value : max W(x) [energy per area]; NaN where `reason` is not 0, 0 where nothing slips
     place : |x| of the peak [length]; NaN where nothing slips
     fraction : the same between the permanent stick edge (0) and the largest contact (1)
-    reason : as in `DissipationBatch`
+    reason, notes : as in `DissipationBatch`
     """
 
     value: Array
     place: Array
     fraction: Array
     reason: NDArray[np.int8]
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
 
 
 def dissipation(
@@ -118,7 +122,8 @@ def dissipation(
         value[block.places] = ahead + back
         stick[block.places] = block.ellipses.permanent
         _unsettled(value, reason, block)
-    return DissipationBatch(*(_frozen(part, batch) for part in (value, forward, reverse, stick, reason)))
+    columns = (value, forward, reverse, stick, reason)
+    return DissipationBatch(*(_frozen(part, batch) for part in columns), notes=tuple(neglected_coupling(material)))
 
 
 def peak_dissipation(
@@ -162,7 +167,8 @@ def peak_dissipation(
         place[block.places] = np.where(top > 0, x, np.nan)
         fraction[block.places] = np.where(top > 0, part, np.nan)
         _unsettled(value, reason, block)
-    return PeakBatch(*(_frozen(part, batch) for part in (value, place, fraction, reason)))
+    columns = (value, place, fraction, reason)
+    return PeakBatch(*(_frozen(part, batch) for part in columns), notes=tuple(neglected_coupling(material)))
 
 
 def _columns(batch: Batch, count: int) -> list[NDArray[Any]]:

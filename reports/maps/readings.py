@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from reports.sweep.index import Table
 
 Array = NDArray[np.float64]
-_LEFT_OUT = ("address", "number", "reason")
+_LEFT_OUT = ("address", "notes", "number", "reason")
 _DIGITS = 7
 
 

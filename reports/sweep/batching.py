@@ -29,14 +29,14 @@ def in_one_call(asked: Asked, jobs: list[dict[str, Any]]) -> dict[int, dict[str,
     found = {number: value for numbers in kinds.values() for number, value in _works({n: scenes[n] for n in numbers}).items()}
     seconds = (time.perf_counter() - begun) / max(1, len(found))
     return {
-        number: {"address": jobs[number]["address"], "status": "done", "reason": "", "record": {"message": "a member of a batch"}}
-        | {"figures": {"exact.dissipation": value}, "notes": {}, "seconds": seconds, "host": platform.node()}
-        for number, value in found.items()
+        number: {"address": jobs[number]["address"], "status": "done", "reason": "", "seconds": seconds, "host": platform.node()}
+        | {"figures": {"exact.dissipation": value}, "notes": {}, "record": {"message": "a member of a batch", "notes": notes}}
+        for number, (value, notes) in found.items()
     }
 
 
-def _works(scenes: Mapping[int, Scene]) -> dict[int, float]:
-    """Dissipation of ellipses on one profile and material, where the batch has a value."""
+def _works(scenes: Mapping[int, Scene]) -> dict[int, tuple[float, tuple[str, ...]]]:
+    """Dissipation of ellipses on one profile and material, where the batch has a value, with the notes of the batch."""
     import semi_analytic
 
     first, loads = next(iter(scenes.values())), [scene.load for scene in scenes.values() if isinstance(scene.load, EllipseLoad)]
@@ -50,4 +50,5 @@ def _works(scenes: Mapping[int, Scene]) -> dict[int, float]:
         tangential_amplitude=[load.tangential_amplitude for load in loads],
         phase=[load.phase for load in loads],
     )
-    return {number: float(value) for number, value in zip(scenes, batch.value, strict=True) if math.isfinite(value)}
+    values = zip(scenes, batch.value, strict=True)
+    return {number: (float(value), batch.notes) for number, value in values if math.isfinite(value)}

@@ -16,7 +16,7 @@ from reports.sweep.progress import State, duration, state_of, teller, time_left
 from reports.sweep.running import Prepared, prepare, work
 from reports.sweep.store import Store, StoreError
 
-_SHOWN = 20
+_SHOWN, _NOTES = 20, 3
 
 
 def sweep(
@@ -102,6 +102,11 @@ def _summary(store: Store, table: Table) -> None:
         rows = [(str(row["number"]), described({name: row[name] for name in table.axes}), row["reason"]) for row in failed[:_SHOWN]]
         show_table(f"{len(failed)} of {len(table.rows)} points failed", ("point", "at", "reason"), rows)
     say(f"{len(table.rows) - len(failed)} points done, {len(failed)} failed; `halfplane sweep report {store.folder}` draws them")
+    notes = table.notes()
+    for note, count in notes[:_NOTES]:
+        say(f"note on {count} of {len(table.rows)} points: {note}")
+    if len(notes) > _NOTES:
+        say(f"... and {len(notes) - _NOTES} other notes; see index.csv")
     say(str(store.folder / "index.csv"))
 
 

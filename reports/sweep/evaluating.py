@@ -50,11 +50,12 @@ def exact_alone(asked: Asked, scene: Scene) -> ContactSolution:
 
 @dataclass(frozen=True)
 class Evaluated:
-    """Figures by name, why some have no value, and what the solution itself says of how uncertain some are."""
+    """Figures by name, why some have no value, what the solution itself says of how uncertain some are; the notes of theory."""
 
     values: Values
     notes: dict[str, str]
     doubts: dict[str, float]
+    of_theory: tuple[str, ...]
 
 
 def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool = False) -> Evaluated:
@@ -81,7 +82,8 @@ def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool =
             doubts[name] = _stated(metric, fe, comparison.scales.half_width)
             if metric.value is None:
                 notes[name] = metric.note or "there is nothing to compare"
-    return Evaluated({name: values[name] for name in asked.figures}, notes, doubts)
+    of_theory = tuple(f"half-plane theory: {note}" for note in exact.record.notes) if exact is not None else ()
+    return Evaluated({name: values[name] for name in asked.figures}, notes, doubts, of_theory)
 
 
 def _stated(metric: Metric, fe: ContactSolution, half_width: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from reports.cells import harmless
 from reports.sweep.store import Planned, Store
 
-STATUS = ("number", "status", "seconds", "reason", "address")
+STATUS = ("number", "status", "seconds", "reason", "notes", "address")
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Table:
 
     Attributes
     ----------
-    columns : names: number, the axes, the figures and their uncertainties, then status, seconds, reason, address
+    columns : names: number, the axes, the figures and their uncertainties, then status, seconds, reason, notes, address
     axes : names of the columns that are coordinates
     figures : names of the columns that are figures
     rows : one mapping for each point with a result, in the order of the study; None where there is no value
@@ -41,6 +42,10 @@ class Table:
         """The rows with figures alone."""
         rows = tuple(row for row in self.rows if row["status"] == "done")
         return Table(self.columns, self.axes, self.figures, rows, self.waiting)
+
+    def notes(self) -> list[tuple[str, int]]:
+        """What is noted on points, and on how many of them; the most frequent first."""
+        return Counter(row["notes"] for row in self.rows if row["notes"]).most_common()
 
     def numbers(self, column: str) -> NDArray[np.float64]:
         """A column (n_rows,), NaN where there is no value; KeyError for an unknown one, ValueError for one of words."""
@@ -88,8 +93,14 @@ def _row(point: Planned, result: Mapping[str, Any], figures: tuple[str, ...]) ->
         **point.coordinates,
         **values,
         **{name: result[name] for name in ("status", "seconds", "reason")},
+        "notes": "; ".join([*result["record"].get("notes", ()), *_why(result["notes"])]),
         "address": point.address,
     }
+
+
+def _why(notes: Mapping[str, str]) -> list[str]:
+    """What is noted on single figures, and under no name on all."""
+    return [f"{name}: {note}" if name else note for name, note in notes.items()]
 
 
 def read_index(folder: str | Path) -> Table:

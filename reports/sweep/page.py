@@ -30,7 +30,7 @@ def write_page(store: Store) -> Path:
     state, table = state_of(store)
     raw, _ = store.read_plan()
     study = study_of(raw, str(store.folder / "sweep.json"))
-    columns = [name for name in table.columns if name not in ("address", "reason")]
+    columns = [name for name in table.columns if name not in ("address", "reason", "notes")]
     names = plain_figures(table)
     page = template("sweep.html").render(
         title=study.title or f"Sweep of {study.scene.title or study.scene.name}",

@@ -16,7 +16,7 @@ from reports.sweep.expressions import evaluate
 from reports.sweep.study import Study
 from reports.sweep.versions import code_versions
 from scenes import InputError, Scene
-from scenes.refusals import refusal
+from scenes.refusals import neglected, refusal
 from scenes.scene import WORDS
 
 if TYPE_CHECKING:
@@ -148,11 +148,15 @@ def _place(data: dict[str, Any], key: str, value: Value) -> None:
                 if isinstance(level, list)
                 else "none"
             )
-            raise InputError(f"{key}: the scene has no {'.'.join(path[: depth + 1])}; known there: {known}")
+            why = neglected(part) or f" known there: {known}"
+            raise InputError(f"{key}: the scene has no {'.'.join(path[: depth + 1])};{why}")
     if isinstance(level, list) and last.isdigit() and int(last) < len(level):
         level[int(last)] = value
     elif isinstance(level, dict):
         level[last] = value
+        if last == "file":  # the rows that are there are those of another file
+            for rows in ("rows", "points"):
+                level.pop(rows, None)
     else:
         raise InputError(f"{key}: {'.'.join(path)} is no table of keys")
 

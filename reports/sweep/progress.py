@@ -82,6 +82,7 @@ class State:
     damaged : names of results that were set aside
     rate : results a second, of late; None where there are fewer than two
     failures : (number, reason) of failed points
+    notes : (note, number of points) of what is noted on points
     """
 
     title: str
@@ -93,6 +94,7 @@ class State:
     damaged: tuple[str, ...]
     rate: float | None
     failures: tuple[tuple[int, str], ...]
+    notes: tuple[tuple[str, int], ...]
 
     @property
     def left(self) -> float | None:
@@ -126,5 +128,6 @@ def state_of(store: Store) -> tuple[State, Table]:
         tuple(store.damaged()),
         rate,
         failures,
+        tuple(table.notes()),
     )
     return state, table

@@ -97,7 +97,8 @@ def _solve(asked: Asked, question: Question) -> dict[str, Any]:
         values |= cheap_uncertainty(asked, question, fe, found, notes)
     if asked.uncertainty == "budget":
         values |= budget(question, fe, values, notes)
-    return _finished(values, notes, _record(fe))
+    record = _record(fe)
+    return _finished(values, notes, record | {"notes": [*record["notes"], *found.of_theory]})
 
 
 def _finished(values: Values, notes: dict[str, str], record: dict[str, Any]) -> dict[str, Any]:

@@ -1,0 +1,295 @@
+"""A scene changed from Python: `vary` is checked as a file is, and no engine takes what went past the checks."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+import halfplane_fe
+import semi_analytic
+from reports import score
+from reports.maps.corrections import correction
+from reports.sweep import run
+from reports.sweep.study import study_of
+from reports.third.deck import build_deck
+from scenes import (
+    Block,
+    Bodies,
+    CallableLoad,
+    CallableProfile,
+    Elastic,
+    FlatRounded,
+    Friction,
+    Hertz,
+    InputError,
+    Materials,
+    PolygonLoad,
+    Scene,
+    Tabulated,
+    TimeSeriesLoad,
+    load_scene,
+    scene_names,
+    scene_schema,
+    scene_text,
+)
+from scenes.tables import Table
+
+PAPER = load_scene("hertz-paper")
+WIDE = Bodies(lower=Block(width=40.0, height=20.0))
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "value"),
+    [
+        ({"friction": 0.6}, "friction.coefficient", 0.6),
+        ({"friction": np.float64(0.6)}, "friction.coefficient", 0.6),
+        ({"friction": {"coefficient": 0.6}}, "friction.coefficient", 0.6),
+        ({"friction": Friction(coefficient=0.6)}, "friction.coefficient", 0.6),
+        ({"load": {"phase_degrees": 60}}, "load.phase_degrees", 60.0),
+        ({"load": {"kind": "ellipse", "phase_degrees": 60}}, "load.phase_degrees", 60.0),
+        ({"load": PolygonLoad(way_in=[(1, 0)])}, "load.way_in", ((1.0, 0.0),)),
+        ({"load": {"kind": "polygon", "way_in": [[1, 0]]}}, "load.way_in", ((1.0, 0.0),)),
+        ({"profile": {"kind": "flat_rounded", "radius": 3, "flat_half_length": 1}}, "profile.flat_half_length", 1.0),
+        ({"bodies": WIDE}, "bodies.lower.height", 20.0),
+        ({"bodies": {"lower": {"kind": "block", "width": 40, "height": 20}}}, "bodies.lower.height", 20.0),
+        ({"material": {"upper": {"young_modulus": 7e4}}}, "material.upper.young_modulus", 7e4),
+        ({"material": {"poisson_ratio": 0.2}}, "material.upper.poisson_ratio", 0.2),
+        ({"cycles": 2}, "cycles", 2),
+    ],
+)
+def test_the_key_is_changed_and_nothing_else(changes: dict[str, Any], key: str, value: Any) -> None:
+    changed = PAPER.vary(**changes)
+    found: Any = changed
+    for part in key.split("."):
+        found = getattr(found, part)
+    assert found == value
+    assert changed.vary(**{name: getattr(PAPER, name) for name in changes}) == PAPER
+
+
+def test_a_mapping_keeps_the_keys_that_it_does_not_name_at_every_depth() -> None:
+    scene = load_scene("blocks")
+    changed = scene.vary(bodies={"lower": {"height": 7}}, material={"upper": {"poisson_ratio": 0.2}})
+    assert changed.bodies.lower == scene.bodies.lower.vary(height=7)
+    assert changed.bodies.upper == scene.bodies.upper
+    assert changed.material.upper == Elastic(young_modulus=scene.material.upper.young_modulus, poisson_ratio=0.2)
+    assert changed.material.lower == scene.material.lower
+    both = scene.vary(material={"young_modulus": 7e4}).material
+    assert both.alike
+    assert both.lower == scene.material.lower.vary(young_modulus=7e4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"frictoin": 0.6}, ["unknown key frictoin = 0.6", "did you mean friction?"]),
+        ({"body": WIDE}, ["unknown key body", "did you mean bodies?"]),
+        ({"load": {"phase": 60}}, ["unknown key load.phase = 60", "did you mean phase_degrees?"]),
+        ({"bodies": {"lower": {"height": 3}}}, ["unknown key bodies.lower.height = 3"]),
+        ({"material": {"poisson_ratio": 0.7}}, ["material.upper.poisson_ratio = 0.7", "less than 0.5"]),
+        ({"material": {"young_modulus": 1, "upper": {}}}, ["unknown key material.young_modulus"]),
+        ({"friction": -1}, ["friction = -1 is refused", "greater than or equal to 0"]),
+        ({"friction": True}, ["friction is refused", "neither a number nor a table"]),
+        ({"friction": "0.6"}, ["friction is refused", "neither a number nor a table"]),
+        ({"friction": float("nan")}, ["friction = nan", "finite"]),
+        ({"load": {"kind": "polygon"}}, ["load.way_in is missing"]),  # nothing of the ellipse's way_in is taken over
+        ({"load": {"kind": "ellips"}}, ["load.kind = 'ellips'", "'ellipse' or 'polygon'"]),
+        ({"load": 3}, ["load = 3", "table of keys"]),
+        ({"profile": Hertz.model_construct(radius=-1.0)}, ["profile.radius = -1.0", "greater than 0"]),
+        ({"profile": Hertz.model_construct()}, ["profile.radius is missing"]),
+        (
+            {"bodies": Bodies.model_construct(lower=Block.model_construct(kind="block", width=-1.0, height=1.0))},
+            ["bodies.lower.width"],
+        ),
+    ],
+)
+def test_what_a_file_may_not_say_is_refused_in_one_sentence(changes: dict[str, Any], said: list[str]) -> None:
+    for change in (lambda: PAPER.vary(**changes), lambda: PAPER.model_copy(update=changes)):
+        with pytest.raises(InputError) as refusal:
+            change()
+        assert str(refusal.value).startswith("vary: ")
+        assert "\n" not in str(refusal.value)
+        assert not [words for words in said if words not in str(refusal.value)], refusal.value
+
+
+@pytest.mark.parametrize(
+    "part",
+    [PAPER.profile, PAPER.load, PAPER.material, PAPER.material.lower, PAPER.friction, PAPER.tolerances, WIDE, WIDE.lower],
+    ids=lambda part: type(part).__name__,
+)
+def test_parts_of_a_scene_are_as_careful(part: Any) -> None:
+    with pytest.raises(InputError, match=r"unknown key (upper\.)?raduis"):
+        part.vary(raduis=3)
+    with pytest.raises(InputError, match=r"unknown key (upper\.)?raduis"):
+        part.model_copy(update={"raduis": 3})
+    with pytest.raises(InputError, match="take vary"):
+        part.copy(update={"radius": 3})
+    assert part.model_copy() == part == part.vary()
+
+
+def test_rows_and_the_file_that_they_come_from_stay_together(tmp_path: Path) -> None:
+    scene = load_scene("time-series")
+    rows = [[0, 90, 0], [1, 90, 30]]
+    changed = scene.vary(load={"rows": rows, "repeats": False})
+    assert changed.load == TimeSeriesLoad(rows=rows)
+    (tmp_path / "other.csv").write_text("0,90,0\n1,90,30\n", encoding="utf-8")
+    assert scene.vary(load={"file": str(tmp_path / "other.csv")}).load.rows == Table.of(rows)
+    with pytest.raises(InputError, match=r"nowhere\.csv: the file can't be read"):
+        scene.vary(load={"file": "nowhere.csv"})
+
+
+def past_the_checks() -> dict[str, Scene]:
+    """Scenes that no door should take, by what the refusal says."""
+    keys = dict(PAPER)
+    rigid = Elastic.model_construct(young_modulus=210e3, poisson_ratio=0.7)
+    load = PAPER.load.model_construct(**(dict(PAPER.load) | {"tangential_amplitude": -1.0}))
+    return {
+        "poisson_ratio = 0.7": Scene.model_construct(**keys | {"material": Materials.model_construct(upper=rigid, lower=rigid)}),
+        "load.tangential_amplitude": Scene.model_construct(**keys | {"load": load}),
+        "friction is missing": Scene.model_construct(**{name: value for name, value in keys.items() if name != "friction"}),
+        "not finite numbers": Scene.model_construct(
+            **keys | {"load": TimeSeriesLoad.model_construct(rows=Table(np.array([[0.0, 1.0, 0.0], [1.0, np.nan, 0.0]])))}
+        ),
+    }
+
+
+DOORS: dict[str, Callable[[Scene], object]] = {
+    "semi_analytic.solve": semi_analytic.solve,
+    "semi_analytic.events": semi_analytic.events,
+    "halfplane_fe.solve": halfplane_fe.solve,
+    "reports.score": lambda scene: score([0.0, 0.1], [1.0, 1.0], [0.0, 0.0], scene=scene),
+    "export": build_deck,
+    "maps": correction,
+}
+
+
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("said", ["poisson_ratio = 0.7", "load.tangential_amplitude", "friction is missing"])
+def test_no_door_takes_what_went_past_the_checks(door: str, said: str) -> None:
+    with pytest.raises(InputError, match=f"^Scene 'hertz-paper': .*{said}"):
+        DOORS[door](past_the_checks()[said])
+
+
+def test_a_table_made_past_its_checks_is_refused() -> None:
+    with pytest.raises(InputError, match="is not all finite numbers"):
+        semi_analytic.solve(past_the_checks()["not finite numbers"])
+
+
+@pytest.mark.parametrize("door", ["semi_analytic.solve", "semi_analytic.events", "halfplane_fe.solve"])
+def test_a_name_is_no_scene(door: str) -> None:
+    with pytest.raises(InputError, match="a Scene is needed, not 'hertz-paper'; load_scene reads one"):
+        DOORS[door]("hertz-paper")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("batch", [semi_analytic.dissipation, semi_analytic.peak_dissipation])
+def test_batches_take_no_profile_or_material_that_went_past_the_checks(batch: Callable[..., object]) -> None:
+    loads = {"friction_coefficient": 0.5, "mean_normal_load": 3.0, "normal_amplitude": 1.0, "tangential_amplitude": 1.0}
+    rigid = Elastic.model_construct(young_modulus=1.0, poisson_ratio=0.7)
+    with pytest.raises(InputError, match=r"upper\.poisson_ratio = 0\.7"):
+        batch(profile=PAPER.profile, material=Materials.model_construct(upper=rigid, lower=rigid), **loads)
+    with pytest.raises(InputError, match=r"radius = -1\.0"):
+        batch(profile=Hertz.model_construct(radius=-1.0), material=PAPER.material, **loads)
+
+
+def test_a_sweep_takes_no_study_that_went_past_the_checks(tmp_path: Path) -> None:
+    axes = [{"name": "f", "key": "friction", "values": [0.8, 0.9]}]
+    study = study_of({"scene": "hertz-paper", "axes": axes, "engines": ["exact"], "figures": ["exact.dissipation"]}, "here")
+    bad = study.model_construct(**dict(study) | {"scene": past_the_checks()["load.tangential_amplitude"]})
+    with pytest.raises(InputError, match=r"scene\.load\.tangential_amplitude = -1\.0"):
+        run(bad, tmp_path / "out", workers=1)
+    assert not (tmp_path / "out").exists()
+
+
+class TestFrictionAsANumber:
+    """friction = 0.6 stands for the table with the key coefficient."""
+
+    def test_in_a_file(self, tmp_path: Path) -> None:
+        text = scene_text("hertz-paper")
+        head, _, rest = text.partition("[friction]\n")
+        rest = rest.partition("\n\n")[2]
+        (tmp_path / "mine.toml").write_text(f'name = "hertz-paper"\nfriction = 0.6\n{head}{rest}', encoding="utf-8")
+        assert load_scene(tmp_path / "mine.toml") == PAPER.vary(friction={"coefficient": 0.6})
+
+    def test_in_the_constructor(self) -> None:
+        assert Scene(**dict(PAPER) | {"friction": 1}) == PAPER
+
+    @pytest.mark.parametrize("value", ["true", '"0.6"', "-0.1", "nan", "[0.6]"])
+    def test_nothing_else_is_a_number(self, value: str, tmp_path: Path) -> None:
+        head, _, rest = scene_text("hertz-paper").partition("[friction]\n")
+        (tmp_path / "mine.toml").write_text(f"friction = {value}\n{head}{rest.partition(chr(10) * 2)[2]}", encoding="utf-8")
+        with pytest.raises(InputError, match=r"mine\.toml: friction"):
+            load_scene(tmp_path / "mine.toml")
+
+    def test_on_the_axis_of_a_sweep(self, tmp_path: Path) -> None:
+        axes = [{"name": "f", "key": "friction", "values": [0.8, 0.9]}]
+        data = {"scene": "hertz-paper", "axes": axes, "engines": ["exact"], "figures": ["exact.dissipation"]}
+        table = run(study_of(data, "here"), tmp_path, workers=1)
+        wanted = [semi_analytic.solve(PAPER.vary(friction=f)).dissipation for f in (0.8, 0.9)]
+        np.testing.assert_allclose(table.numbers("exact.dissipation"), wanted, rtol=1e-12)
+
+    def test_in_the_schema(self) -> None:
+        """And every scene of the library is valid by it, short forms and rows from files among them."""
+        check = jsonschema.Draft202012Validator(scene_schema())
+        for name in scene_names():
+            assert not list(check.iter_errors(tomllib.loads(scene_text(name)))), name
+        keys = tomllib.loads(scene_text("hertz-paper"))
+        for value, right in ((0.6, True), ({"coefficient": 0.6}, True), (-0.6, False), ("0.6", False), ({"coeff": 1}, False)):
+            assert check.is_valid(keys | {"friction": value}) is right, value
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_saved_scene_is_read_back_as_it_was(name: str, tmp_path: Path) -> None:
+    scene = load_scene(name)
+    # A scene with a CSV file takes its rows along.
+    whole = scene.vary(load={"file": None}) if isinstance(scene.load, TimeSeriesLoad) else scene
+    for suffix in (".toml", ".json"):
+        scene.save(tmp_path / f"mine{suffix}")
+        assert load_scene(tmp_path / f"mine{suffix}") == whole
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.json", "mine.toml"]
+
+
+def test_any_words_survive_in_a_saved_scene(tmp_path: Path) -> None:
+    words = "".join(map(chr, [*range(1, 0x250), 0x2028, 0x1F600])) + "'''\"\"\"\\ # = [a.b]"
+    scene = PAPER.vary(title=words, purpose="\n".join(words), profile=Tabulated(points=[[0, 0], [1, 0.1], [2, 1e-1 / 3 * 9]]))
+    scene.save(tmp_path / "mine.toml")
+    assert load_scene(tmp_path / "mine.toml") == scene
+
+
+def test_what_can_not_be_saved_leaves_what_was_there(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    PAPER.save(path)
+    before = path.read_bytes()
+    rows = np.column_stack([np.arange(40_000.0), np.full(40_000, 90.0), np.sin(np.arange(40_000.0))])
+    long = PAPER.vary(load=TimeSeriesLoad(rows=rows))
+    with pytest.raises(InputError, match=r"at most 1\.05 MB would be read; save it as \.json"):
+        long.save(path)
+    with pytest.raises(InputError, match="Python function"):
+        PAPER.vary(profile=CallableProfile(height_function=lambda x: x**2 / 2000, extent=3.0)).save(path)
+    assert path.read_bytes() == before
+    long.save(tmp_path / "mine.json")
+    assert load_scene(tmp_path / "mine.json") == long
+    for bad, said in ((tmp_path / "mine.yaml", "ends in .toml or .json"), (tmp_path / "no" / "a.toml", "can't be written")):
+        with pytest.raises(InputError, match=said):
+            PAPER.save(bad)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.json", "mine.toml"]
+
+
+def test_a_scene_of_functions_is_checked_again_and_stays_itself() -> None:
+    profile = CallableProfile(slope_function=lambda x: x / 1000, extent=3.0)
+    load = CallableLoad(normal_load=lambda t: 90 + 30 * np.cos(t), tangential_load=lambda t: 20 * np.sin(t), duration=2 * np.pi)
+    scene = PAPER.vary(profile=profile, load=load, friction=0.9)
+    assert (scene.profile, scene.load) == (profile, load)
+    assert hash(scene.profile) == hash(profile)
+    assert scene == PAPER.vary(friction=0.9).vary(profile=profile).vary(load=load)
+    assert scene.vary(profile=FlatRounded(radius=1.0, flat_half_length=1.0)) != scene
+
+
+def test_a_scene_as_json_goes_through_the_same_door(tmp_path: Path) -> None:
+    (tmp_path / "mine.json").write_text(json.dumps(json.loads(PAPER.model_dump_json()) | {"friction": 0.6}), encoding="utf-8")
+    assert load_scene(tmp_path / "mine.json") == PAPER.vary(friction=0.6)
