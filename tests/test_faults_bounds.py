@@ -6,6 +6,8 @@ import os
 import resource
 import subprocess
 import sys
+import tomllib
+import tracemalloc
 import zlib
 from base64 import b64encode
 from pathlib import Path
@@ -21,6 +23,7 @@ from meshes.limits import body_nodes, check_count, contact_nodes
 from reports import baseline
 from reports.score.scoring import own_solution
 from scenes import InputError, load_scene, scene_text
+from scenes.bounded import parsed_toml
 from score_results import exact
 from test_cli_commands import environment
 
@@ -53,7 +56,7 @@ def huge(path: Path, size: int) -> None:
 
 
 LIMITS = {
-    ".toml": "4.19 MB",
+    ".toml": "1.05 MB",
     ".json": "268 MB",
     ".csv": "268 MB",
     ".frd": "537 MB",
@@ -68,7 +71,72 @@ def test_a_file_beyond_the_limit_is_refused(name: str, tmp_path: Path) -> None:
     huge(path, 3 * 10**9 if name.endswith(".nc") else 10**9)
     sentence = outcome(DOORS[name], path)
     assert name in sentence
-    assert f"at most {'4.19 MB' if name == 'study.json' else limit} are read" in sentence
+    assert f"at most {limit} are read" in sentence
+
+
+DOTS = "a." * 6000 + "b"
+NESTED = {
+    "a key": f"{DOTS} = 1\n",
+    "a key in quotes": DOTS.replace("a", "'a'").replace("b", '"b"') + " = 1\n",
+    "a key with blanks": DOTS.replace(".", " . ") + " = 1\n",
+    "the head of a table": f"[{DOTS}]\n",
+    "the head of a list of tables": f"[[{DOTS}]]\n",
+    "an inline table": f"x = {{ {DOTS} = 1 }}\n",
+    "tables in tables": "x = " + "{a = " * 6000,
+    "behind words": f'r = "\'\'\'"\ns = \'"""\'\nt = """\\"""\n# \'\'\'\n""""\n{DOTS} = 1\n',
+}
+
+
+@pytest.mark.parametrize("text", NESTED.values(), ids=NESTED)
+@pytest.mark.parametrize("name", [name for name in DOORS if name.endswith(".toml")])
+def test_toml_is_bounded_before_it_is_parsed(name: str, text: str, tmp_path: Path) -> None:
+    """The parser takes memory with the square of the dots: 150 MB for each of these, 2 GB for 45 kB."""
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    tracemalloc.start()
+    try:
+        sentence = outcome(DOORS[name], path)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert "not valid TOML: Tables nested deeper than 8 (at line" in sentence
+    assert peak < 2e7
+
+
+def test_forty_five_kilobytes_of_dots_take_no_gigabytes(tmp_path: Path) -> None:
+    (tmp_path / "deep.toml").write_text("a." * 22_500 + "a = 1\n", encoding="utf-8")
+    assert "Tables nested deeper than 8" in limited(tmp_path, "check", "deep.toml")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"# {DOTS}\ns = '{DOTS} = 1'\n",
+        f's = "\\"{DOTS} = 1"\n',
+        f's = """\\""""\nt = """\n{DOTS} = 1\n[{DOTS}]\n"""""\nu = 1\n',
+        f"s = ''''\n{DOTS} = 1\n'''''\n",
+        "a.b.c.d.e.f.g.h = [[1.5, -2.5e-3], [0.25, 1e5]] # 1.2.3.4.5.6.7.8.9\n",
+        "[[a.'b.b'.c]]\nd = [{e = {f = [1979-05-27T07:32:00.5Z]}}]\n",
+        "".join(f"k{number} = 1\n" for number in range(10_000)),
+        "rows = [" + "[0.5, 1.5],\n" * 20_000 + "]\n",
+    ],
+)
+def test_what_is_not_nested_is_read(text: str) -> None:
+    assert parsed_toml(text) == tomllib.loads(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("".join(f"k{number} = 1\n" for number in range(10_001)), r"More than 10,000 keys \(at line 10001, column 8\)"),
+        ("".join(f"[k{number}]\n" for number in range(10_001)), r"More than 10,000 keys \(at line 10001, column 1\)"),
+        ("a = 1\ncycles = 0x" + "f" * 5000, r"A key or a number of 250 characters or more \(at line 2, column 10\)"),
+    ],
+)
+def test_keys_and_numbers_have_an_end(text: str, said: str) -> None:
+    """A hexadecimal number of any length was read, and no JSON could be written of it."""
+    with pytest.raises(ValueError, match=said):
+        parsed_toml(text)
 
 
 def test_a_gigabyte_is_refused_where_there_is_little_memory(tmp_path: Path) -> None:

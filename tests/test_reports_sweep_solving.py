@@ -8,15 +8,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from markupsafe import escape
 
 import semi_analytic
 from halfplane_fe import SolverSettings
 from halfplane_fe import solve as solve_fe
 from meshes import MeshSettings
 from reports.comparison import compare
+from reports.sweep.command import status, sweep
 from reports.sweep.evaluating import _scales_of
+from reports.sweep.index import read_index
+from reports.sweep.page import write_page
 from reports.sweep.points import expand
 from reports.sweep.solving import solve_task
+from reports.sweep.store import Store
 from reports.sweep.study import Study, study_of
 from reports.sweep.versions import code_versions
 from scenes import ConvergenceError, load_scene
@@ -125,6 +130,30 @@ def test_one_call_gives_what_solving_one_by_one_gives() -> None:
     assert len(at_once) == len(singly) == 15
     for one, other in zip(at_once, singly, strict=True):
         assert one["figures"]["exact.dissipation"] == pytest.approx(other["figures"]["exact.dissipation"], rel=1e-9)
+
+
+@pytest.mark.parametrize("figures", [["exact.dissipation"], ["exact.dissipation", "exact.p0"]], ids=["in one call", "one by one"])
+def test_neglected_coupling_is_noted_in_store_table_and_page(
+    figures: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = tmp_path / "study.json"
+    axes = [{"name": "E", "key": "material.lower.young_modulus", "values": [7e4, 210e3]}]
+    asked.write_text(json.dumps({"scene": "hertz-paper", "axes": axes, "engines": ["exact"], "figures": figures}), encoding="utf-8")
+    note = "Dundurs' beta = -0.142857: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
+    assert sweep(str(asked), tmp_path / "out", "processes", "", 1, True, True) == 0
+    assert f"note on 1 of 2 points: {note}" in " ".join(capsys.readouterr().out.split())
+    assert [row["notes"] for row in read_index(tmp_path / "out").rows] == [note, ""]
+    assert f'"{note}"' in (tmp_path / "out" / "index.csv").read_text(encoding="utf-8")
+    assert str(escape(note)) in write_page(Store(tmp_path / "out")).read_text(encoding="utf-8")
+    assert status(tmp_path / "out", as_json=True) == 0
+    assert json.loads(capsys.readouterr().out)["notes"] == [{"note": note, "points": 1}]
+
+
+def test_coupling_that_theory_neglects_is_noted_beside_finite_elements() -> None:
+    axes = [{"name": "E", "key": "material.lower.young_modulus", "values": [7e4]}]
+    [answer] = answers(fe_study(axes=axes, figures=["error.dissipation"]))
+    assert answer["status"] == "done", answer
+    assert [note for note in answer["record"]["notes"] if note.startswith("half-plane theory: Dundurs' beta = -0.14")]
 
 
 def test_what_does_not_converge_is_a_failure_with_its_record(monkeypatch: pytest.MonkeyPatch) -> None:

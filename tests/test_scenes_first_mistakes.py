@@ -4,9 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from reports.sweep.study import load_study
+from reports.sweep.points import expand
+from reports.sweep.study import load_study, study_of
 from scenes import InputError, load_scene, scene_text
 
+DOCS = Path(__file__).parents[1] / "docs"
 PLAIN = scene_text("hertz-paper").split("[[expected]]")[0]
 
 
@@ -35,6 +37,42 @@ def refused(folder: Path, old: str, new: str) -> str:
 )
 def test_the_sentence_names_the_cure(old: str, new: str, cure: str, tmp_path: Path) -> None:
     assert cure in refused(tmp_path, old, new)
+
+
+@pytest.mark.parametrize(
+    ("key", "limit"),
+    [
+        ("bulk", "bulk stress in a body is not modelled"),
+        ("bulk_stress", "bulk stress in a body is not modelled"),
+        ("bulk_stress_lower", "bulk stress in a body is not modelled"),
+        ("moment", "the bodies carry no moment and do not tilt"),
+        ("tilt", "the bodies carry no moment and do not tilt"),
+        ("wear", "wear is not modelled"),
+        ("wear_coefficient", "wear is not modelled"),
+        ("plasticity", "linear elastic, without plasticity"),
+        ("yield_stress", "linear elastic, without plasticity"),
+        ("temperature", "temperature is not modelled"),
+        ("static_coefficient", "friction has one coefficient"),
+        ("density", "quasi-static"),
+        ("thickness", "per unit thickness"),
+    ],
+)
+def test_what_no_scene_can_state_is_answered_by_the_limit(key: str, limit: str, tmp_path: Path) -> None:
+    """It was "did you mean" something unrelated: title for tilt, the coefficient of friction for that of wear."""
+    for table in ("[load]", "[friction]", "[profile]"):
+        sentence = refused(tmp_path, table, f"{table}\n{key} = 0.5")
+        assert f"unknown key {table[1:-1]}.{key} = 0.5; " in sentence
+        assert limit in sentence
+        assert "docs/theory.md, 'What is neglected'" in sentence
+        assert "did you mean" not in sentence
+    assert limit in refused(tmp_path, "title", f"{key} = 0.5\ntitle")
+    assert "\n## What is neglected\n" in (DOCS / "theory.md").read_text(encoding="utf-8")
+
+
+def test_an_axis_of_a_sweep_is_answered_by_the_limit_too() -> None:
+    axes = [{"name": "s", "key": "bulk.lower", "values": [1.0, 2.0]}]
+    with pytest.raises(InputError, match="the scene has no bulk; bulk stress in a body is not modelled"):
+        expand(study_of({"scene": "hertz-paper", "axes": axes}, "here"))
 
 
 @pytest.mark.parametrize("units", ["N, mm, MPa", "N, m, Pa", "kN, mm, GPa", "lbf, in, psi", "kip, in, ksi", "SI", "N, furlong, Pa"])

@@ -32,6 +32,17 @@ def arguments(rows):
     }
 
 
+@pytest.mark.parametrize("batch", [dissipation, peak_dissipation])
+def test_neglected_coupling_of_unlike_materials_is_noted_as_solve_does(batch):
+    soft = UNIT.vary(young_modulus=UNIT.young_modulus / 1e9, poisson_ratio=0.0)
+    unlike = Materials(upper=soft, lower=UNIT)  # beta = 0.5
+    scene = make_scene(ellipse(3.0, 1.0, 1.1, 1.0), 1.0)
+    noted = solve(scene.vary(material=unlike), x=[0.0], fields=()).record.notes
+    assert batch(profile=scene.profile, material=unlike, friction_coefficient=1.0, **PAPER).notes == noted
+    assert noted[0].startswith("Dundurs' beta = 0.5: ")
+    assert batch(profile=scene.profile, material=MATERIAL, friction_coefficient=1.0, **PAPER).notes == ()
+
+
 @pytest.mark.parametrize("flat", PROFILES)
 def test_batch_is_that_of_thirty_digits(flat):
     """Worst measured 3e-13 relative."""
