@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,6 +20,10 @@ from scenes import ConvergenceError, Elastic, freeze
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+# How far a compliance may be from that of its mesh under one load (`condensation_error`). Rounding leaves 1e-13; of a guided block
+# 1e4 times as high as wide 4e-8. With 1e-7 (free sides, 1e2 times as high) the contact iterations end nowhere.
+LARGEST_ERROR = 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class CondensedBody:
@@ -32,8 +36,9 @@ class CondensedBody:
     weights : (n,) integral of each node's shape function over the surface [length]
     compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x, outward) on node j,
         symmetric [length per force per thickness]
-    diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (of the
-        elimination), degrees_of_freedom, sparse_factorisations
+    probe : (n_dofs,) of the whole body under the random load of `condensation_error`, which checks the compliance by it
+    diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (`condensation_error`),
+        degrees_of_freedom, sparse_factorisations
     """
 
     body: BodyMesh
@@ -42,6 +47,7 @@ class CondensedBody:
     y: Array
     weights: Array
     compliance: Array
+    probe: Array = field(default_factory=lambda: np.empty(0))
     diagnostics: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -64,8 +70,11 @@ def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> 
     return splu(stiffness, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
-def _interface_stiffness(system: System) -> tuple[Array, float]:
-    """Stiffness of the contact and arc nodes (2 n + 2 m), all others eliminated, and its residual.
+Inside = Callable[[Array], Array]  # displacement of the contact and arc nodes -> that of all degrees of freedom (n_dofs,)
+
+
+def _interface_stiffness(system: System) -> tuple[Array, Inside]:
+    """Stiffness of the contact and arc nodes (2 n + 2 m), all others eliminated, and the way back to these.
 
     The kept nodes stand last in the order of elimination, so that their stiffness is the trailing block of the factors: three to
     five times faster than solving for each unit force.
@@ -81,40 +90,77 @@ def _interface_stiffness(system: System) -> tuple[Array, float]:
     factors = factorise((stiffness + sparse.diags(stiffer))[order][:, order].tocsc(), "NATURAL")
     last = slice(len(inner), None)
     found = factors.L[last, last].toarray() @ factors.U[last, last].toarray() - np.diag(stiffer[kept])
-    residual = _elimination_residual(stiffness, inner_factors, inner, kept, found)
-    if not residual < 1e-8:
-        raise ConvergenceError(f"condensation: the sparse factorisation left a relative residual of {residual:.1e}")
-    return (found + found.T) / 2, residual
+
+    def inside(displacement: Array) -> Array:
+        whole = np.zeros(stiffness.shape[0])
+        whole[kept] = displacement
+        whole[inner] = inner_factors.solve(-(stiffness[inner] @ whole))
+        return whole
+
+    return (found + found.T) / 2, inside
 
 
-def _elimination_residual(
-    stiffness: sparse.csr_matrix, inner_factors: SuperLU, inner: Indices, kept: Indices, found: Array
-) -> float:
-    """Relative error of the forces that `found` gives for one displacement of the kept nodes, against solving for it."""
-    rng = np.random.default_rng(0)
-    displacement = np.zeros(stiffness.shape[0])
-    displacement[kept] = rng.standard_normal(len(kept))
-    displacement[inner] = inner_factors.solve(-(stiffness[inner] @ displacement))
-    forces = stiffness[kept] @ displacement
-    return float(np.abs(found @ displacement[kept] - forces).max() / np.abs(forces).max())
+def _compliance(system: System, stiffness: Array, datum_length: float, probing: Array) -> tuple[Array, Array]:
+    """(2 n, 2 n): displacement of the contact nodes by unit forces on them; the arc carries the half-plane's tractions.
 
-
-def _compliance(system: System, stiffness: Array, material: Elastic, datum_length: float) -> Array:
-    """(2 n, 2 n): displacement of the contact nodes by unit forces on them; the arc carries the half-plane's tractions."""
+    And the displacement of contact and arc nodes by the forces `probing` (2 n,).
+    """
     if not system.arc.size:
-        return cho_solve(cho_factor(stiffness), np.eye(len(stiffness)))
-    by_nodes, by_half_plane = _arc_work(system, material, datum_length)
+        compliance = cho_solve(cho_factor(stiffness), np.eye(len(stiffness)))
+        return compliance, compliance @ probing
+    by_nodes, by_half_plane = _arc_work(system, datum_length)
     loads = np.vstack([np.eye(system.contact.size), by_nodes[system.arc.ravel()]])
     # The loads balance, so that holding the body in its three rigid motions changes nothing.
     rigid, _ = np.linalg.qr(rigid_motions(system.basis)[np.concatenate([system.contact.ravel(), system.arc.ravel()])])
     held = stiffness + np.abs(stiffness).max() * rigid @ rigid.T
-    return loads.T @ cho_solve(cho_factor(held, overwrite_a=True), loads) - by_half_plane
+    displacements = cho_solve(cho_factor(held, overwrite_a=True), loads)
+    return loads.T @ displacements - by_half_plane, displacements @ probing
 
 
-def _arc_work(system: System, material: Elastic, datum_length: float) -> tuple[Array, Array]:
+def _probing_forces(system: System) -> Array:
+    """(2 n,) the random load of `condensation_error`: normal deviates, on every contact node along x and outward."""
+    return np.random.default_rng(0).standard_normal(system.contact.size)
+
+
+def condensation_error(system: System, datum_length: float, compliance: Array, probe: Array) -> float:
+    """How far a compliance is from that of the mesh, under one random load: a check that solves nothing.
+
+    The displacement of the whole body under this load is known (`probe`). The virtual work of its stress shows that it is that
+    displacement, whatever it was found by; its supports are held, and the compliance gives it on the contact nodes.
+
+    Parameters
+    ----------
+    compliance : (2, n, 2, n), as that of a CondensedBody
+    probe : (n_dofs,) displacement of the whole body under the load [length], then r/G where the body has them
+
+    Returns
+    -------
+    float
+        The largest of four relative errors: forces of a degree of freedom over the largest of the load, motion of a support and of
+        a contact node over the largest displacement, asymmetry of the compliance. 0 is perfect.
+    """
+    forces, contact = _probing_forces(system), system.contact.ravel()
+    by_nodes, by_half_plane = _arc_work(system, datum_length)
+    load = np.zeros_like(probe)
+    load[contact] = forces
+    load[: system.basis.N] += by_nodes @ forces
+    unbalanced = system.internal_forces(probe) - load
+    unbalanced[system.held] = 0.0  # what the supports carry
+    moved = probe[contact] + by_nodes.T @ probe[: system.basis.N] - by_half_plane @ forces
+    flat = compliance.reshape(len(forces), -1)
+    apart = {
+        "forces": np.abs(unbalanced).max() / np.abs(forces).max(),
+        "supports": np.abs(probe[system.held]).max(initial=0.0) / np.abs(moved).max(),
+        "contact nodes": np.abs(flat @ forces - moved).max() / np.abs(moved).max(),
+        "reciprocity": np.abs(flat - flat.T).max() / np.abs(flat).max(),
+    }
+    return float(max(apart.values()))
+
+
+def _arc_work(system: System, datum_length: float) -> tuple[Array, Array]:
     """See `far_field.arc_work`."""
     facets = np.concatenate([np.empty(0, dtype=np.int64), *(system.basis.mesh.boundaries[name] for name in system.around)])
-    return arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], material, datum_length)
+    return arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], system.material, datum_length)
 
 
 def _rigid_part(system: System, displacement: Array) -> Array:
@@ -150,24 +196,38 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     InputError
         For linear elements of a nearly incompressible body: they lock.
     ConvergenceError
-        If the sparse solve leaves a residual above 1e-8, or rounding leaves no stiffness.
+        If rounding leaves no stiffness, or a compliance that is not that of the mesh to 1e-6 (`condensation_error`).
     """
     system = assemble(body, material)
-    stiffness, residual = _interface_stiffness(system)
+    stiffness, inside = _interface_stiffness(system)
     try:
-        compliance = _compliance(system, stiffness, material, datum_length)
+        compliance, probed = _compliance(system, stiffness, datum_length, _probing_forces(system))
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
     asymmetry = float(np.abs(compliance - compliance.T).max() / np.abs(compliance).max())
-    n, places = system.contact.shape[1], system.basis.doflocs[:, system.contact[0]]
+    compliance, probe = (compliance + compliance.T).reshape(*system.contact.shape, *system.contact.shape) / 2, inside(probed)
+    residual = condensation_error(system, datum_length, compliance, probe)
+    if not residual <= LARGEST_ERROR:
+        raise ConvergenceError(
+            f"condensation: rounding leaves a compliance that differs from that of the mesh by {residual:.1e}: the body is too "
+            "slender for its contact, or some of its elements are too thin"
+        )
+    figures = {"asymmetry": asymmetry, "residual": residual, "sparse_factorisations": 2.0}
+    return condensed_body(body, system, compliance, probe, figures)
+
+
+def condensed_body(body: BodyMesh, system: System, compliance: Array, probe: Array, figures: Mapping[str, float]) -> CondensedBody:
+    """A body with its compliance, as it was found now or before; all else is the mesh's own."""
+    places = system.basis.doflocs[:, system.contact[0]]
     return CondensedBody(
         body,
-        material,
+        system.material,
         freeze(places[0]),
         freeze(places[1]),
         freeze(surface_weights(system.basis, system.contact)),
-        freeze((compliance + compliance.T).reshape(2, n, 2, n) / 2),
-        {"asymmetry": asymmetry, "residual": residual, "degrees_of_freedom": float(system.basis.N), "sparse_factorisations": 2.0},
+        freeze(compliance),
+        freeze(probe),
+        {**figures, "degrees_of_freedom": float(system.basis.N)},
     )
 
 
@@ -188,7 +248,7 @@ def displacement_fields(condensed: CondensedBody, forces: Array, datum_length: f
     cases = forces.reshape(-1, forces.shape[-1])
     load = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     load[system.contact.ravel()] = cases
-    load[: system.basis.N] += _arc_work(system, condensed.material, datum_length)[0] @ cases
+    load[: system.basis.N] += _arc_work(system, datum_length)[0] @ cases
     # The ends of the arc hold a half-disc without a force, since the loads balance.
     free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, system.arc[:, :1].ravel(), system.arc[1, -1:]]))
     displacements = np.zeros_like(load)

@@ -29,6 +29,7 @@ from halfplane_fe.resolution import Seen, resolution_notes
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, contact_modulus, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
+from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading
 from scenes import ContactSolution, ConvergenceError, Scene, Work, freeze
@@ -221,7 +222,7 @@ def _solution(
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
-        record=record_of(run, scales, audit, _notes(scene, mesh, run, arrays, grading.edge_size)),
+        record=record_of(run, scales, audit, (*refusals(problem.work), *_notes(scene, mesh, run, arrays, grading.edge_size))),
         work=_work(scene, problem, run, condensed, watch.seconds),
         settings={
             "mesh": asdict(mesh),

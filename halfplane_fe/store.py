@@ -2,37 +2,46 @@
 
 The folder is $HALFPLANE_CACHE, else `halfplane` in $XDG_CACHE_HOME or ~/.cache; HALFPLANE_CACHE=off keeps nothing. Files are npz
 without pickle, written to a temporary name and moved, so that a reader never sees half of one; the oldest give way once the folder
-outgrows its bound. A file that can't be read is made anew, a folder that can't be written to is done without: `work` counts both.
+outgrows its bound. What is read is checked twice: it has the digest that was written with it, and it is the compliance of this very
+mesh, material and support under a random load (`condensation_error`). A file that fails is refused with a note, condensed again and
+replaced; a folder that can't be written to is done without. `work` counts both.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import stat
 import tempfile
 import time
 import zipfile
 import zlib
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from dataclasses import fields, is_dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any, BinaryIO
 
 import numpy as np
+import skfem
 from numpy.typing import NDArray
 
-from halfplane_fe import assembly, elasticity, far_field
-from halfplane_fe.elasticity import CondensedBody, condense
+from halfplane_fe.assembly import assemble
+from halfplane_fe.elasticity import LARGEST_ERROR, CondensedBody, condensation_error, condense, condensed_body
 from meshes import BodyMesh
-from scenes import Elastic, freeze
+from scenes import Elastic
+from scenes.sources import source_digest
 
 _BOUND_BYTES = 1_000_000_000
 _LEFT_BEHIND = 3600.0  # seconds: no write takes an hour
 # What is raised over a file that was cut off, spoilt, or says that it holds more than there is memory.
 _SPOILT = (OSError, ValueError, KeyError, EOFError, MemoryError, NotImplementedError, RuntimeError, zipfile.BadZipFile, zlib.error)
-SOURCES = (assembly, elasticity, far_field)  # what a condensed body follows from
-_ARRAYS = ("x", "y", "weights", "compliance")
+_SOURCES = ("halfplane_fe", "meshes", "scenes")  # what a condensed body follows from, whatever part of it
+_LIBRARIES = ("numpy", "scipy", "scikit-fem")
+# What `work` counts a refused file under, before the reason.
+_REFUSED = "stored condensations refused: "
 
 
 def cache_folder() -> Path | None:
@@ -56,7 +65,7 @@ def condensed(body: BodyMesh, material: Elastic, datum_length: float, work: Coun
     """The condensed body, from the store or made now and stored; `work` counts which."""
     folder = cache_folder()
     path = None if folder is None else folder / f"{_key(body, material, datum_length)}.npz"
-    if path is not None and (found := _read(path, body, material, work)):
+    if path is not None and (found := _read(path, body, material, datum_length, work)):
         work["condensations from the store"] += 1
         return found
     made = condense(body, material, datum_length)
@@ -69,56 +78,111 @@ def condensed(body: BodyMesh, material: Elastic, datum_length: float, work: Coun
     return made
 
 
+def refusals(work: Mapping[str, int]) -> Iterator[str]:
+    """A sentence for each reason for which stored bodies were refused."""
+    for name, count in work.items():
+        before, refused, why = name.partition(_REFUSED)
+        if refused:
+            yield (
+                f"the store of condensed bodies ({cache_folder()}): {count} of the {before}condensations read there "
+                f"{'was' if count == 1 else 'were'} refused, since the file {why}; condensed again, and replaced"
+            )
+
+
 def _key(body: BodyMesh, material: Elastic, datum_length: float) -> str:
-    """Digest of everything that the answer depends on, the code included."""
+    """Digest of every input of the condensation, whatever fields it has, and of the code."""
     digest = hashlib.sha256()
-    mesh = body.mesh
-    for array in (mesh.p, mesh.t, *(mesh.boundaries[name] for name in sorted(mesh.boundaries))):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    for module in SOURCES:
-        digest.update(Path(str(module.__file__)).read_bytes())
-    words = [material.model_dump_json(), repr(float(datum_length)), *sorted(mesh.boundaries), repr(sorted(body.supports.items()))]
-    words += [version(name) for name in ("numpy", "scipy", "scikit-fem")]
-    digest.update("|".join(words).encode())
+    inputs = {"body": body, "material": material, "datum_length": float(datum_length)}
+    for part in _parts({**inputs, "code": source_digest(*_SOURCES), **{name: version(name) for name in _LIBRARIES}}):
+        digest.update(part)
     return digest.hexdigest()
 
 
-def _read(path: Path, body: BodyMesh, material: Elastic, work: Counter[str]) -> CondensedBody | None:
+def _parts(value: Any) -> Iterator[bytes]:
+    """A value as bytes, field by field: others for any other value. TypeError for a kind that has no place in a key."""
+    match value:
+        case np.ndarray():
+            yield from (repr((value.dtype.str, value.shape)).encode(), np.ascontiguousarray(value).tobytes())
+        case skfem.Mesh():
+            yield from _parts({"kind": type(value).__name__, "p": value.p, "t": value.t, "boundaries": dict(value.boundaries)})
+        case Mapping():
+            yield f"{len(value)} of a mapping".encode()
+            for name in sorted(value):
+                yield from (repr(name).encode(), *_parts(value[name]))
+        case Elastic():
+            yield value.model_dump_json().encode()
+        case None | bool() | int() | float() | str():
+            yield repr(value).encode()
+        case _ if is_dataclass(value):
+            yield from _parts({field.name: getattr(value, field.name) for field in fields(value)})
+        case _:
+            raise TypeError(f"the key of a stored body has no place for {value!r}")
+
+
+def _read(path: Path, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]) -> CondensedBody | None:
+    """The condensed body of a file; None where there is none, or none that stands up to both checks."""
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            arrays = {name: freeze(stored[name]) for name in _ARRAYS}
-            names, values = stored["diagnostic_names"], stored["diagnostic_values"]
-        diagnostics = {str(name): float(value) for name, value in zip(names, values, strict=True)}
-        _check_form(arrays)
+        with _opened(path) as file, np.load(file, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in ("compliance", "probe", "names", "figures")}
+            if str(stored["digest"]) != _digest(path.stem, arrays):
+                raise _RefusedError("has not the content that was written (its digest is another)")
+        found = _checked(arrays, body, material, datum_length)
     except FileNotFoundError:
         return None
+    except _RefusedError as reason:
+        work[f"{_REFUSED}{reason}"] += 1
+        return None
     except _SPOILT:
-        work["stored condensations unreadable"] += 1
+        work[f"{_REFUSED}can't be read"] += 1
         return None
     with suppress(OSError):  # somebody else's store, or gone since; what was read stands
         os.utime(path)  # the store forgets what was used longest ago
-    return CondensedBody(body, material, **arrays, diagnostics=diagnostics)
+    return found
 
 
-def _check_form(arrays: Mapping[str, NDArray[np.float64]]) -> None:
-    """ValueError for arrays that are not those of a condensed body: the store is a folder that others may write to."""
-    count = len(arrays["x"])
-    shapes = {"x": (count,), "y": (count,), "weights": (count,), "compliance": (2, count, 2, count)}
-    for name, shape in shapes.items():
-        if arrays[name].shape != shape or not np.isfinite(arrays[name]).all():
-            raise ValueError(f"{name} is not finite of shape {shape}")
+class _RefusedError(ValueError):
+    """Why a stored file is not taken, as the end of a sentence."""
+
+
+def _opened(path: Path) -> BinaryIO:
+    """A regular file to read from; others are never opened: a FIFO would wait for a writer, a device may do anything."""
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise _RefusedError("is no regular file")
+    # Should it be one no more by now, this does not wait either.
+    return os.fdopen(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb")
+
+
+def _digest(key: str, arrays: Mapping[str, NDArray[Any]]) -> str:
+    """Of what a file holds, under its own key only."""
+    digest = hashlib.sha256(key.encode())
+    for part in _parts(arrays):
+        digest.update(part)
+    return digest.hexdigest()
+
+
+def _checked(arrays: Mapping[str, NDArray[Any]], body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
+    """The condensed body, if it is the one of this mesh and material: the key and the digest are not all that speaks for it."""
+    system = assemble(body, material)
+    compliance, probe, shape = arrays["compliance"], arrays["probe"], system.contact.shape
+    forms = compliance.shape == (*shape, *shape) and probe.shape == (system.n_dofs,)
+    if not (forms and np.isfinite(compliance).all() and np.isfinite(probe).all()):
+        raise _RefusedError("holds arrays of another form")
+    error = condensation_error(system, datum_length, compliance, probe)
+    if not error <= LARGEST_ERROR:
+        raise _RefusedError(f"holds another compliance than that of the mesh (by {error:.1e})")
+    figures = {str(name): float(value) for name, value in zip(arrays["names"], arrays["figures"], strict=True)}
+    return condensed_body(body, system, compliance, probe, figures)
 
 
 def _write(path: Path, made: CondensedBody, work: Counter[str]) -> None:
-    arrays = {name: getattr(made, name) for name in _ARRAYS}
-    arrays["diagnostic_names"] = np.array(list(made.diagnostics))
-    arrays["diagnostic_values"] = np.array(list(made.diagnostics.values()))
+    names, figures = np.array(list(made.diagnostics)), np.array(list(made.diagnostics.values()))
+    arrays: dict[str, Any] = {"compliance": made.compliance, "probe": made.probe, "names": names, "figures": figures}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(suffix=".part", dir=path.parent)
         try:
             with os.fdopen(handle, "wb") as file:
-                np.savez(file, **arrays)
+                np.savez(file, **arrays, digest=_digest(path.stem, arrays))
             os.replace(temporary, path)
         except BaseException:
             Path(temporary).unlink(missing_ok=True)
@@ -151,7 +215,7 @@ def _listed(folder: Path, suffix: str) -> list[tuple[Path, float, int]]:
             if entry.name.endswith(suffix):
                 with suppress(FileNotFoundError):
                     status = os.stat(entry.path)
-                    found.append((Path(entry.path), status.st_mtime, status.st_size))
+                    found += [] if not stat.S_ISREG(status.st_mode) else [(Path(entry.path), status.st_mtime, status.st_size)]
     return found
 
 

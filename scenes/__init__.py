@@ -19,6 +19,7 @@ Its files and the answer::
     refusals.py, errors.py                 why something was refused, as a sentence
     interrupts.py, staging.py              Ctrl-C that waits until what must not be cut in two is done; files whole or not at all
     solution.py, netcdf.py                 the form of every answer, and its file
+    sources.py                             the source files that an answer was computed by, as a digest
     notebook.py                            scenes and answers in a notebook
 """
 

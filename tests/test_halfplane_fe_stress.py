@@ -121,12 +121,12 @@ def test_so_little_load_that_it_may_be_none_is_refused_as_that():
         halfplane_fe.solve(scene, SWIFT, FEW)
 
 
-@pytest.mark.parametrize(("height", "words"), [(1e5, "still change state"), (1e8, "a stiffness is lost in rounding")])
-def test_a_block_like_a_needle_is_refused_in_a_sentence(height, words):
+@pytest.mark.parametrize("height", [1e5, 1e8])
+def test_a_block_like_a_needle_is_refused_in_a_sentence(height):
     """4 a wide: a matrix that is not positive definite was LinAlgError, with a traceback, at 4e6 a."""
     scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=100.0)
     scene = scene.vary(bodies=Bodies(lower=Block(width=90.0, height=height)))
-    with pytest.raises(ConvergenceError, match=words) as caught:
+    with pytest.raises(ConvergenceError, match="rounding") as caught:
         halfplane_fe.solve(scene, replace(SWIFT, edge_element_size=1 / 64, element_size=1 / 16), FEW)
     assert "\n" not in str(caught.value)
 
@@ -138,7 +138,7 @@ def test_slivers_of_a_hundredth_of_a_degree_do_no_harm():
 
 
 def test_slivers_whose_stiffness_is_rounding_are_refused():
-    with pytest.raises(ConvergenceError, match="the sparse factorisation left a relative residual"):
+    with pytest.raises(ConvergenceError, match="rounding leaves a compliance"):
         stress_slivers.with_slivers(1e-10)
 
 

@@ -3,6 +3,8 @@
 import json
 import math
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -23,8 +25,9 @@ from reports.sweep.points import expand
 from reports.sweep.solving import solve_task
 from reports.sweep.store import Store
 from reports.sweep.study import Study, study_of
-from reports.sweep.versions import code_versions
-from scenes import ConvergenceError, load_scene
+from reports.sweep.versions import code_versions, task_modules
+from scenes import ConvergenceError, InputError, load_scene
+from scenes.sources import source_digest
 from test_reports_sweep_study import study
 
 ROOT = Path(__file__).parents[1]
@@ -186,6 +189,43 @@ def _nothing_sticks() -> dict[str, Any]:
 def test_other_code_is_noticed_before_anything_is_solved() -> None:
     task = {"versions": code_versions() | {"numpy": "0.1"}, "points": []}
     assert re.search(r"numpy is 0\.1 here and .* there", json.loads(solve_task(json.dumps(task)))["mismatch"])
+
+
+def modules_of_a_task() -> list[Path]:
+    """Files of `reports` that a worker loads, listed by a process that loads them."""
+    words = (
+        "import sys, reports.sweep.solving, reports.comparison, reports.budget, reports.ladders\n"
+        "print(*(m.__file__ for n, m in sys.modules.items() if n.startswith('reports.') and not hasattr(m, '__path__')), sep='\\n')"
+    )
+    found = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    return [Path(line) for line in found.split()]
+
+
+def test_any_other_line_that_numbers_depend_on_is_another_address(monkeypatch: pytest.MonkeyPatch) -> None:
+    engines = ("scenes", "semi_analytic", "meshes", "halfplane_fe")
+    counted = [*(path for name in engines for path in sorted((ROOT / name).rglob("*.py"))), *modules_of_a_task()]
+    assert {"comparison.py", "metrics_work.py", "budget.py", "body_words.py", "evaluating.py"} <= {path.name for path in counted}
+    read, edited = Path.read_bytes, Path()
+    monkeypatch.setattr(Path, "read_bytes", lambda path: read(path) + (b"# one line more" if path == edited else b""))
+    addresses = set()
+    for edited in [Path(), *counted]:  # noqa: B007 (the reader looks at it)
+        for cached in (source_digest, code_versions):
+            cached.cache_clear()
+        addresses.add(code_versions()["code"])
+    for cached in (source_digest, code_versions):
+        cached.cache_clear()
+    assert len(addresses) == len(counted) + 1
+
+
+@pytest.mark.parametrize("name", ["reports.gone", "gone", "reports.sweep.gone"])
+def test_a_module_that_is_missing_has_no_digest(name: str) -> None:
+    """Names that matched no file were passed over in silence."""
+    with pytest.raises(InputError, match=f"^{name}: this installation lacks the module's source file"):
+        source_digest(name)
+
+
+def test_pages_are_no_part_of_an_address() -> None:
+    assert not {"reports.page", "reports.notebook", "reports.wording", "reports.cli"} & set(task_modules())
 
 
 def test_the_study_of_the_docs_is_one() -> None:

@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-import hashlib
+import ast
 import platform
 from functools import cache
 from importlib.metadata import version
-from importlib.resources import files
-from pathlib import Path
 
-# What numbers depend on: the engines, what they stand on, and the comparison. Pages and the command line are not among it.
+from scenes.sources import source_digest, source_files
+
+# What numbers depend on: the engines and what they stand on, all of it; of `reports` what a worker's task imports.
 _PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe")
-_COMPARISON = (
-    "budget", "certificates", "comparison", "convergence", "definition", "definitions", "judging", "ladders", "metrics", "sampling",
-    "verdicts",
-)  # fmt: skip
-_SWEEP = ("batching", "evaluating", "figures", "solving", "uncertainty")
+_TASK = "reports.sweep.solving"
+# How a comparison shows itself moves no number.
+_SHOWN = "reports.notebook"
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh", "pydantic")
 
 
 @cache
 def code_versions() -> dict[str, str]:
     """Digest of the code and versions of the packages that numbers depend on, as this process found them when it first asked."""
-    return {"code": _digest(), "python": ".".join(platform.python_version_tuple()[:2])} | {
-        name: version(name) for name in _LIBRARIES
-    }
+    code = source_digest(*_PACKAGES, *task_modules())[:16]
+    return {"code": code, "python": ".".join(platform.python_version_tuple()[:2])} | {name: version(name) for name in _LIBRARIES}
 
 
 def difference(ours: dict[str, str], theirs: dict[str, str]) -> str:
@@ -41,12 +38,29 @@ def difference(ours: dict[str, str], theirs: dict[str, str]) -> str:
     )
 
 
-def _digest() -> str:
-    digest = hashlib.sha256()
-    reports = Path(str(files("reports")))
-    paths = [path for name in _PACKAGES for path in sorted(Path(str(files(name))).glob("*.py"))]
-    paths += [path for stem in _COMPARISON for path in sorted(reports.glob(f"{stem}*.py"))]
-    paths += [reports / "sweep" / f"{stem}.py" for stem in _SWEEP]
-    for path in paths:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
+@cache
+def task_modules() -> tuple[str, ...]:
+    """Modules of `reports` that the figures of a point depend on: what its task imports, what these import, and so on."""
+    source_files(_SHOWN)  # what is left out has this name still
+    found: set[str] = set()
+    waiting = {_TASK}
+    while waiting:  # each turn finds one module more, and there are so many files
+        name = waiting.pop()
+        found.add(name)
+        waiting |= _imported(name) - found - {_SHOWN}
+    return tuple(sorted(found))
+
+
+def _imported(name: str) -> set[str]:
+    """Modules of `reports` that a module imports anywhere in it, but for the checker of types."""
+    (file,) = source_files(name)
+    parts = [part for part in ast.parse(file.read_bytes()).body if not ast.unparse(part).startswith("if TYPE_CHECKING:")]
+    names: set[str] = set()
+    for node in (node for part in parts for node in ast.walk(part)):
+        match node:
+            case ast.Import(names=imported):
+                names |= {one.name for one in imported}
+            case ast.ImportFrom(module=str(module), names=imported):  # `from a import b`: b may be a module or a name in a
+                names |= {module, *(f"{module}.{one.name}" for one in imported)}
+    root = source_files(_TASK)[0].parents[2]
+    return {name for name in names if name.startswith("reports.") and root.joinpath(*name.split(".")).with_suffix(".py").is_file()}
