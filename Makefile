@@ -3,12 +3,16 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest contract slow lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
+.PHONY: help run test lint types contracts pytest contract slow nightly fresh lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
 
 PY := .venv/bin/python
-STAMP := .venv/.installed
+PROGRAM := .venv/.installed
+STAMP := .venv/.installed-for-tests
 PEERS_STAMP := .peers/.installed
 PYTEST_ARGS ?=
+# The Pythons that all pins have wheels for, as pyproject.toml names them. PYTHON=python3.13 takes that one, otherwise python3 is tried first.
+PYTHONS := $(shell sed -n 's/.*"Programming Language :: Python :: \(3\.[0-9]*\)".*/\1/p' pyproject.toml)
+PYTHON ?=
 
 export XDG_CACHE_HOME := $(CURDIR)/.cache
 export XDG_DATA_HOME := $(CURDIR)/.cache/data
@@ -26,13 +30,15 @@ ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 # programs: pip keeps the real home, where a user may have set it up.
 HOME_HERE := HOME="$(CURDIR)/.cache/home"
 
+# What `make test` and the tools need beside the program.
+EXTRAS := test,lint,docs,parquet,cluster,browser,pdf,animation
 # Debian packages of other people's codes; one that is added here is installed by `make peers`.
 PEERS := calculix-ccx python3-getfem
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-run: $(STAMP) ## the main job: the paper's Hertz cycle through both engines, and the report
+run: $(PROGRAM) ## the main job: the paper's Hertz cycle through both engines, and the report
 	@echo "==> halfplane run hertz-paper"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(PY) -m reports run hertz-paper
@@ -134,21 +140,32 @@ pages: $(STAMP) ## what pages take from files, engines and their own examples: o
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/executed.py
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/report_picture.py
 
-# The stamps. A second call does nothing until pyproject.toml or constraints.txt changes; an interrupted one starts afresh.
-$(STAMP): pyproject.toml constraints.txt
+# The stamps: what the program needs, then what tests, pages and tools need besides. A second call does nothing until pyproject.toml
+# or constraints.txt changes; an interrupted one starts again.
+$(PROGRAM): pyproject.toml constraints.txt
 	@mkdir -p "$$TMPDIR" .cache/home
 	@if ! $(PY) -m pip --version >/dev/null 2>&1; then \
 	    python=""; \
-	    for candidate in python3.11 python3; do \
-	        if $$candidate -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; then python=$$candidate; break; fi; \
+	    for candidate in $(or $(PYTHON),python3 $(addprefix python,$(PYTHONS))); do \
+	        version=$$($$candidate -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null || true); \
+	        case " $(PYTHONS) " in *" $${version:-none} "*) python=$$candidate; break;; esac; \
 	    done; \
-	    if [ -z "$$python" ]; then echo "make: no Python 3.11 found (tried python3.11 and python3)" >&2; exit 1; fi; \
+	    if [ -z "$$python" ]; then \
+	        echo "make: no Python among $(PYTHONS) found (tried $(or $(PYTHON),python3 $(addprefix python,$(PYTHONS))))" >&2; exit 1; \
+	    fi; \
 	    echo "==> .venv: a new environment from $$($$python --version)"; \
 	    $$python -m venv --clear .venv; \
 	fi
-	@echo "==> .venv: the pinned packages (2.1 GB on disk, once)"
+	@echo "==> .venv: the pinned packages that the program needs"
 	@$(PY) -m pip install -c constraints.txt hatchling editables
-	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[test,lint,docs,browser,pdf,animation]"
+	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e .
+	@echo "==> .venv: $$(du -sm .venv | cut -f1) MB on disk"
+	@touch $@
+
+$(STAMP): $(PROGRAM)
+	@echo "==> .venv: the pinned packages of tests, pages and tools"
+	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[$(EXTRAS)]"
+	@echo "==> .venv: $$(du -sm .venv | cut -f1) MB on disk"
 	@touch $@
 
 $(PEERS_STAMP): peers.txt
@@ -157,16 +174,10 @@ $(PEERS_STAMP): peers.txt
 	@.peers/bin/python -m pip install -r peers.txt
 	@touch $@
 
-constraints: $(STAMP) ## renew constraints.txt with the newest packages (then run make test)
-	@echo "==> constraints: a throw-away environment with the newest of everything"
-	@$(PY) -m venv --clear .cache/constraints
-	@.cache/constraints/bin/python -m pip install hatchling editables
-	@.cache/constraints/bin/python -m pip install --no-build-isolation -e ".[test,lint,docs,parquet,cluster,browser,pdf,animation]"
-	@{ sed -n '/^#/p' constraints.txt; \
-	   .cache/constraints/bin/python -m pip list --format=freeze --exclude-editable --exclude pip --exclude setuptools; \
-	 } > .cache/constraints.txt
-	@mv .cache/constraints.txt constraints.txt
-	@rm -rf .cache/constraints
+constraints: $(PROGRAM) ## renew constraints.txt: the newest packages that the oldest Python takes, each with wheels for all Pythons
+	@echo "==> constraints: for Python $(PYTHONS)"
+	@mkdir -p "$$TMPDIR"
+	@$(PY) benchmarks/pins.py
 	@git --no-pager diff --stat -- constraints.txt
 
 clean: ## remove results and the tools' caches, keep .venv

@@ -28,3 +28,7 @@ from halfplane_fe.settings import SolverSettings
 from halfplane_fe.solve import FiniteElementSolution, solve
 
 __all__ = ["BodyFields", "FiniteElementSolution", "Snapshot", "SolverSettings", "check_admissible", "fields", "solve"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -35,3 +35,7 @@ __all__ = [
     "write_pvd",
     "write_vtu",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -71,3 +71,7 @@ __all__ = [
     "peak_dissipation",
     "solve",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -30,11 +30,19 @@ def make(
     quiet: bool,
     as_json: bool = False,
 ) -> int:
-    """Run the studies of a map, or of all, and write tables and pages into `out`; 3 where a point failed."""
+    """Run the studies of a map, or of all, and write tables and pages into `out`; 3 where a point failed.
+
+    Raises
+    ------
+    InputError
+        Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
+    """
     from reports.sweep import command, read_index
     from reports.sweep.progress import state_of
     from reports.sweep.store import Store
 
+    if out is None and not (PUBLISHED / "README.md").exists():
+        raise InputError("the published maps are those of a checkout, and this is an installed copy: name a folder by --out")
     folder, code, states = out or PUBLISHED, WITHIN, {}
     wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
     folder.mkdir(parents=True, exist_ok=True)
