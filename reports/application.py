@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Group, Parameter
 
-WITHIN, OUTSIDE, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 3, 130
+WITHIN, OUTSIDE, BAD_INPUT, NOT_CONVERGED, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 70, 130
+
+# The folder that the running command writes to, once it is known: run.log there takes the traceback of an internal error.
+output_folder: ContextVar[Path | None] = ContextVar("output_folder", default=None)
 
 
 # The list of commands by use, and within a group by `sort_key`.

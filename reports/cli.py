@@ -4,13 +4,19 @@ command does is in `commands_engines`, `commands_scenes` and `commands_machine`,
 from __future__ import annotations
 
 import os
+import shlex
 import sys
+import tempfile
+import textwrap
+import time
+import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 
 from cyclopts import CycloptsError
 
 from reports import cli_engines, cli_maps, cli_results, cli_scenes, cli_sweep  # noqa: F401 (they register themselves)
-from reports.application import BAD_INPUT, INTERRUPTED, NOT_CONVERGED, WITHIN, app
+from reports.application import BAD_INPUT, INTERNAL, INTERRUPTED, NOT_CONVERGED, WITHIN, app, output_folder
 from reports.process import settled
 
 
@@ -20,20 +26,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _run(list(arguments))
     with settled() as process:
         try:
-            code = _run(sys.argv[1:])
+            code = _run(sys.argv[1:], process.received)
             if (fault := process.unwritten()) is not None:
                 code = _refused(f"the answer could not be written to stdout: {fault.strerror}; see to that and ask again")
         except KeyboardInterrupt:  # a second one, while the first was told
             code = INTERRUPTED
-        except Exception:
-            if not process.received:
-                raise
-            code = _interrupted("")  # compiled modules and locks make another error of it
         return process.exit_code(code)
 
 
-def _run(tokens: list[str]) -> int:
-    """The exit code of a command line; whatever is refused, in a sentence."""
+def _run(tokens: list[str], received: Sequence[int] = ()) -> int:
+    """The exit code of a command line; whatever is refused or goes wrong, in a sentence. `received`: signals until now."""
+    output_folder.set(None)
     try:
         if any(token == "" or (token.startswith("--") and token.endswith("=")) for token in tokens):
             return _refused("one of the arguments is empty: is a variable of the shell not set? Give a value, or leave it out")
@@ -41,36 +44,69 @@ def _run(tokens: list[str]) -> int:
             encoding = sys.getfilesystemencoding()
             return _refused(f"{strange}: this is no text in {encoding}; name it otherwise, or set PYTHONUTF8=1 if it is UTF-8")
         return int(app(tokens) or WITHIN)
-    except CycloptsError as fault:
+    except KeyboardInterrupt as stop:
+        return _interrupted(str(stop))
+    except Exception as fault:  # noqa: BLE001 (the outermost door: nothing may leave it but an exit code)
+        return _said(fault, tokens, received)
+
+
+def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
+    """The exit code of what went wrong, and its sentence on stderr."""
+    # scenes is heavy: it is imported when it must have been imported already, never for --help.
+    if isinstance(fault, ValueError | RuntimeError):
+        from scenes import ConvergenceError, InputError
+
+        if isinstance(fault, InputError):
+            return _refused(_one_line(str(fault)))
+        if isinstance(fault, ConvergenceError):
+            _refused(f"not converged: {_one_line(str(fault))}")
+            return NOT_CONVERGED
+    if isinstance(fault, CycloptsError):
         from reports.misspelt import sentence
 
         return _refused(sentence(fault))
-    except ValueError as fault:
-        # scenes is heavy: it is imported when it must have been imported already, never for --help.
-        from scenes import InputError
-
-        if not isinstance(fault, InputError):
-            raise
-        return _refused(_one_line(str(fault)))
-    except RuntimeError as fault:
-        from scenes import ConvergenceError
-
-        if not isinstance(fault, ConvergenceError):
-            raise
-        _refused(f"not converged: {_one_line(str(fault))}")
-        return NOT_CONVERGED
-    except MemoryError as fault:
+    if isinstance(fault, MemoryError):
         why = f" ({_one_line(str(fault))})" if str(fault) else ""
         return _refused(f"there is not enough memory for this{why}; ask for a coarser mesh, fewer steps or fewer instants")
-    except OSError as fault:
+    if isinstance(fault, OSError):
         return _refused(_of_the_system(fault))
-    except KeyboardInterrupt as stop:
-        return _interrupted(str(stop))
+    # Compiled modules and locks make another error of Ctrl-C.
+    return _interrupted("") if received else _internal(fault, tokens)
 
 
 def _interrupted(what: str) -> int:
     _refused(f"interrupted; {what or 'nothing was written'}")
     return INTERRUPTED
+
+
+def _internal(fault: Exception, tokens: Sequence[str]) -> int:
+    """A fault of the program: one sentence, and where its traceback is."""
+    lines = [time.strftime("%Y-%m-%d %H:%M:%S %z  ") + shlex.join(["halfplane", *tokens]), *traceback.format_exception(fault)]
+    place = _kept("\n".join(line.rstrip("\n") for line in lines) + "\n")
+    what = ": ".join(filter(None, (type(fault).__name__, textwrap.shorten(str(fault), 200, placeholder=" ...").rstrip("."))))
+    _refused(f"internal error, a fault of halfplane: {what}; the traceback is {place}: please report it")
+    return INTERNAL
+
+
+def _kept(text: str) -> str:
+    """Keep a traceback in run.log of the output folder, else in the temporary folder, else on stderr; where that is, in words."""
+    from reports.console import complain
+
+    folder = output_folder.get()
+    if folder is not None:
+        from reports.folder import add_to_log
+
+        # Where the folder can't take it, the next place does.
+        with suppress(Exception):
+            return f"in {add_to_log(folder, text)}"
+    try:
+        handle, name = tempfile.mkstemp(prefix="halfplane-", suffix=".log")
+        with open(handle, "w", encoding="utf-8", errors="backslashreplace") as file:
+            file.write(text)
+        return f"in {name}"
+    except OSError:
+        complain(text)
+        return "above"
 
 
 def _refused(sentence: str) -> int:

@@ -11,6 +11,7 @@ from collections.abc import Generator, Iterable
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
+from reports.application import output_folder
 from scenes import InputError
 from scenes.bounded import parsed_json, text_of
 from scenes.interrupts import interrupts_wait
@@ -58,7 +59,17 @@ def claim(out: str | Path) -> Path:
             _refuse_foreign(folder, _RESULTS, out)
     except OSError as reason:
         raise _unwritable(out, reason) from reason
+    output_folder.set(folder)
     return folder
+
+
+def add_to_log(folder: Path, text: str) -> Path:
+    """Append `text` to run.log in `folder`, where all else stays; returns its path."""
+    with filled(folder, fresh=()) as staging:
+        log = folder / "run.log"
+        before = log.read_text("utf-8", errors="replace") if log.is_file() else ""
+        (staging / "run.log").write_text(before + text, encoding="utf-8")
+    return log
 
 
 @contextmanager

@@ -103,7 +103,7 @@ def show_fields(scene: Scene, report: FieldsReport) -> None:
             for found in (one.von_mises, one.tension)
         ]
         rows.append((one.instant.label, *map(number, (one.time, one.normal_load, one.tangential_load)), *largest))
-    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"nodal von Mises [{stress}]", f"nodal tension [{stress}]")
+    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"nodal von Mises [{stress}]", f"nodal tension, no peak [{stress}]")
     show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3))
     say(f"places (x, y) in {length}, on the undeformed bodies; tension is the largest principal stress")
     say(NO_PEAK)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from reports.certificates import certificates
@@ -112,6 +113,11 @@ def score_solution(
     `whole` is the `whole_path` of its scene; None has it solved, where the solution was worked out of a foreign result.
     `polygon` asks for theory on the straight steps between the instants as well, which tells the error of the steps where the
     instants are all the increments of a solver.
+
+    Raises
+    ------
+    InputError
+        Where the reference carries no pressure at any of the result's points and instants.
     """
     reference = _like_parts(_REFERENCES[against](solution), solution)
     steps = _on_polygon(solution) if polygon and against == "exact" else None
@@ -119,8 +125,26 @@ def score_solution(
         whole = whole_path(solution.scene)
     like, words = (reference, ()) if whole is None else by_same_rule(reference, solution, scales(whole).half_width)
     found = compare(like, solution, polygon_reference=steps, scales_from=whole)
+    if solution.pressure.any() and not found.expected.pressure.any():
+        raise InputError(_beside(solution, reference))
     checks = certificates(reference)
     return replace(found, reference=reference, reference_certificates=checks, guesses=guesses, notes=(*words, *found.notes))
+
+
+def _beside(solution: ContactSolution, reference: ContactSolution) -> str:
+    """Why no point of a result can be judged: its points lie beside the contact, or its instants before or after it."""
+    source, edges = solution.settings.get("source", solution.engine), reference.contact_edges
+    if not np.isfinite(edges).any():
+        first, last = solution.time[[0, -1]]
+        return (
+            f"{source}: it has pressure at times {first:.6g} to {last:.6g}, where the scene has no contact: state the scene's "
+            "times of its instants, by a column or by times of a mapping"
+        )
+    return (
+        f"{source}: none of its points lies in the contact: they go from x = {solution.x[0]:.6g} to {solution.x[-1]:.6g}, the "
+        f"contact from {np.nanmin(edges):.6g} to {np.nanmax(edges):.6g}; state its x at the middle of the contact by x_offset of a "
+        "mapping, in the scene's length"
+    )
 
 
 def diagnosed(comparison: Comparison) -> Comparison:
