@@ -59,7 +59,7 @@ def mirror() -> str:
 
 
 def pip_settings(root: Path) -> tuple[dict[str, str], list[str]]:
-    """PIP_... variables that say what pip's files and variables say here, and the folders they name; files are copied into the root."""
+    """PIP_... variables for what pip is set to here, and the folders that it names; its files are copied into the root."""
     settings: dict[str, str] = {}
     for line in printed(sys.executable, "-m", "pip", "config", "list").splitlines():
         key, _, value = line.partition("=")
@@ -114,8 +114,8 @@ def readme(root: Path) -> list[str]:
     took = []
     for block in blocks((ROOT / "README.md").read_text("utf-8")):
         start = time.monotonic()
-        command = ["/usr/bin/env", "-i", *(f"{key}={value}" for key, value in variables.items()), "bash", "-exc", f"cd /root/halfplane\n{block}"]
-        apart("bash", "-euc", MOUNTS, "fresh", root, *folders, "--", *command)
+        clean = ["/usr/bin/env", "-i", *(f"{key}={value}" for key, value in variables.items())]
+        apart("bash", "-euc", MOUNTS, "fresh", root, *folders, "--", *clean, "bash", "-exc", f"cd /root/halfplane\n{block}")
         took.append(f"{block.splitlines()[-1][:15].strip()} {time.monotonic() - start:.0f} s")
     python = root / "root" / "halfplane" / ".venv" / "pyvenv.cfg"
     return [*re.findall(r"^version = (\S+)", python.read_text("utf-8"), flags=re.MULTILINE), *took]

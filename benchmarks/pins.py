@@ -3,7 +3,7 @@
     python benchmarks/pins.py            (make constraints) newest packages, checked, written
     python benchmarks/pins.py --check    (make nightly) the present pins checked
 
-What may be installed is resolved for the oldest Python: nothing newer is had there. Each pin is then looked up, as a wheel, for all.
+What may be installed is resolved for the oldest Python; each pin is then looked up, as a wheel, for all of them.
 """
 
 from __future__ import annotations
@@ -39,10 +39,9 @@ def pinned() -> list[str]:
 def look_up(version: str, words: list[str], *options: str) -> str:
     """What pip would install on the first release of a Python, without doing so; RuntimeError with pip's words where it can't."""
     with tempfile.TemporaryDirectory() as nowhere:
-        words = [sys.executable, "-m", "pip", "install", "--dry-run", "--quiet", "--ignore-installed", "--only-binary", ":all:"] + [
-            *("--python-version", f"{version}.0", "--target", nowhere, *options, *words)
-        ]
-        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        install = [sys.executable, "-m", "pip", "install", "--dry-run", "--quiet", "--ignore-installed", "--only-binary", ":all:"]
+        where = ["--python-version", f"{version}.0", "--target", nowhere]
+        done = subprocess.run([*install, *where, *options, *words], capture_output=True, text=True, check=False)
     if done.returncode:
         reasons = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
         raise RuntimeError(f"Python {version}: {' '.join(reasons) or done.stderr}")

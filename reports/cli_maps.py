@@ -14,7 +14,9 @@ from reports.application import JUDGE, Json, Quiet, SceneName, app
 def map_(
     name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), or all.")],
     *,
-    out: Annotated[Path | None, Parameter(help="Folder of tables and pages; in a checkout reports/published/maps if left out.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Folder of tables and pages; a checkout's reports/published/maps if left out.")
+    ] = None,
     stores: Annotated[Path, Parameter(help="Folder of the sweeps' stores.")] = Path("out/maps"),
     workers: Annotated[int | None, Parameter(help="Processes; all cores if left out.")] = None,
     remake: Annotated[bool, Parameter(negative="", help="Start afresh: drop the sweeps' results first.")] = False,

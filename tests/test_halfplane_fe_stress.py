@@ -125,7 +125,7 @@ def test_so_little_load_that_it_may_be_none_is_refused_as_that():
 def test_a_block_like_a_needle_is_refused_in_a_sentence(height):
     """4 a wide: a matrix that is not positive definite was LinAlgError, with a traceback, at 4e6 a.
 
-    Which step is first to find the digits gone (condensation, active set or Tresca halves) depends on round-off, so on the processor.
+    Which step is the first to find the digits gone depends on round-off, so on the processor.
     """
     scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=100.0)
     scene = scene.vary(bodies=Bodies(lower=Block(width=90.0, height=height)))

@@ -1,4 +1,4 @@
-"""reports/published/: its numbers are what the code gives, its pages are what its numbers give, and wheels hold the maps' tables."""
+"""reports/published/: its numbers are what the code gives, its pages are what its numbers give; a wheel has the maps' tables."""
 
 import json
 import xml.etree.ElementTree as ET
