@@ -102,7 +102,7 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
     target = Path(os.path.realpath(path))  # a link stays one
     new, held = _locked(lambda: _new_file(target.parent))
     try:
-        with new.open("wb") as file:
+        with new.open("r+b") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())  # some disks say only now that they are full

@@ -62,11 +62,11 @@ def starved(words: Sequence[str], disk: Path, fails: int, *, for_ever: bool = Tr
     calls: list[str] = []
     with tempfile.TemporaryDirectory() as name, socket.socket(socket.AF_UNIX) as door:
         here = Path(name)
-        door.bind(str(here / "door"))
+        door.bind("")  # the system finds an address
         door.listen()
         keeper = threading.Thread(target=_answer, args=(door, disk, fails, for_ever, calls), daemon=True)
         keeper.start()
-        process = _WARM.Process(target=_halfplane, args=(tuple(words), disk, here))
+        process = _WARM.Process(target=_halfplane, args=(tuple(words), disk, here, door.getsockname()))
         process.start()
         process.join(600)
         process.kill()
@@ -83,7 +83,7 @@ def possible() -> bool:
     return platform.machine() in _MACHINES and starved(["--version"], Path("/"), 0).code == 0
 
 
-def _halfplane(words: Sequence[str], disk: Path, here: Path) -> None:
+def _halfplane(words: Sequence[str], disk: Path, here: Path, address: bytes) -> None:
     """In a process of its own, with all that takes long to import there already."""
     from reports.cli import main
 
@@ -93,7 +93,7 @@ def _halfplane(words: Sequence[str], disk: Path, here: Path) -> None:
     os.environ |= {"COLUMNS": "400", "NO_COLOR": "1"}
     sys.argv = ["halfplane", *words]
     with socket.socket(socket.AF_UNIX) as door:
-        door.connect(str(here / "door"))
+        door.connect(address)
         listener = _install()
         socket.send_fds(door, [b" "], [listener])
         os.close(listener)

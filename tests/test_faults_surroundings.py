@@ -6,6 +6,7 @@ import errno
 import fcntl
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -34,10 +35,14 @@ def halfplane(
     stdout: int = subprocess.PIPE,
     stderr: int = subprocess.PIPE,
     closed: bool = False,
+    limit: int = resource.RLIM_INFINITY,
     **own: str,
 ) -> subprocess.CompletedProcess[str]:
-    def close() -> None:
-        for handle in range(3):
+    """In streams of its own, closed ones among them; `limit` is that of the bytes of a file."""
+
+    def prepare() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        for handle in range(3) if closed else ():
             os.close(handle)
 
     return subprocess.run(
@@ -50,7 +55,7 @@ def halfplane(
         text=True,
         timeout=120,
         check=False,
-        preexec_fn=close if closed else None,
+        preexec_fn=prepare,
     )
 
 
