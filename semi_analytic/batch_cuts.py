@@ -106,7 +106,7 @@ def _measured(name: str, e: Ellipses, profiles: Profiles, member: Indices, begin
     return values
 
 
-def _doubt(values: Array, size: Array) -> Array:
+def quadrature_error(values: Array, size: Array) -> Array:
     """Error of the full rule over `size`, from above: what it and the next coarser rule differ by, or if that falls like an
     exponential as it does where all is smooth, the power 1.5 of it (the power 2 would be just)."""
     near, far = (np.abs(values[k] - values[k + 1]) / np.where(size > 0, size, 1.0) for k in (0, 1))
@@ -119,8 +119,8 @@ def _settled(name: str, e: Ellipses, profiles: Profiles, pieces: tuple[Indices, 
     """
     (member, begin, end), values, total = pieces, rough, np.zeros(len(size))
     for level in range(_LEVELS):
-        doubt = _doubt(values, size[member])
-        done = ~(doubt > _SETTLED) | ((level >= _PATIENT) & (doubt * size[member] <= _NOTHING * np.square(e.mean[member])))
+        error = quadrature_error(values, size[member])
+        done = ~(error > _SETTLED) | ((level >= _PATIENT) & (error * size[member] <= _NOTHING * np.square(e.mean[member])))
         np.add.at(total, member[done], values[0, done])
         member, begin, end = member[~done], begin[~done], end[~done]
         if not len(member):

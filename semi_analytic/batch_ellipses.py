@@ -82,9 +82,9 @@ def ellipses_of(mean: Array, amplitude: Array, tangential: Array, phase: Array, 
 
 def phase_of(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
     """Rate over f, P - P_c and P at angles s of a phase: "E-G", "I-J" or "J-M"."""
-    forth, back = np.cos(e.start + s), np.cos(e.start - s)
     if name == "E-G":
-        return e.v * np.sin(e.turn - s), e.u * np.sin(s / 2) ** 2, e.load(forth)
+        return e.v * np.sin(e.turn - s), e.u * np.sin(s / 2) ** 2, e.load(np.cos(e.start + s))
+    sine = np.sin(s)
     if name == "I-J":
-        return e.u * np.sin(s), 2 * e.amplitude * e.sine * np.sin(s), e.load(-forth)
-    return e.u * np.sin(s), e.v * np.sin((e.turn + s) / 2) ** 2, e.load(back)
+        return e.u * sine, 2 * e.amplitude * e.sine * sine, e.load(-np.cos(e.start + s))
+    return e.u * sine, e.v * np.sin((e.turn + s) / 2) ** 2, e.load(np.cos(e.start - s))

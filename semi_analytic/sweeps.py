@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import Materials, Profile
 from semi_analytic.batch import Reason, dissipation_of
-from semi_analytic.batch_density import peak_of
+from semi_analytic.batch_density import maxima_of
 from semi_analytic.batch_members import Batch, Block, batch_of
 from semi_analytic.bookkeeping import neglected_coupling
 
@@ -48,16 +48,22 @@ class PeakBatch:
 
     Attributes
     ----------
-    value : max W(x) [energy per area]; NaN where `reason` is not 0, 0 where nothing slips
+    value : max W(x) [energy per area], the largest of all maxima; NaN where `reason` is not 0, 0 where nothing slips
     place : |x| of the peak [length]; NaN where nothing slips
     fraction : the same between the permanent stick edge (0) and the largest contact (1)
     reason, notes : as in `DissipationBatch`
+    second_value, second_place : the second largest maximum of W(x), where W falls by more than 1e-3 of the peak between the two;
+        NaN where there is one maximum only
+    value_error : error of `value` from above [energy per area]: by quadrature, by round-off and by the search
     """
 
     value: Array
     place: Array
     fraction: Array
     reason: NDArray[np.int8]
+    second_value: Array
+    second_place: Array
+    value_error: Array
     notes: tuple[str, ...] = field(default=(), kw_only=True)
 
 
@@ -139,8 +145,10 @@ def peak_dissipation(
 ) -> PeakBatch:
     """Largest pointwise dissipation of the same ellipses, and where it is; arguments as in `dissipation`.
 
-    To some 1e-9 of itself where W(x) is smooth. It takes 0.5 ms a member for Hertz, 5 to 20 ms for power laws and polynomials, some
-    100 ms for the others.
+    W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least load, and one further out. Each
+    piece between the kinks of W(x) is searched, which are at a(P_min) and at the corners of the profile. The value is good to some
+    1e-10 of itself, or to `value_error` where slip is tiny. A member takes 3 ms for Hertz, 10 ms for power laws, flat and rounded,
+    50 to 130 ms for polynomials, wedges and compound curvatures, half a second for tables.
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
@@ -157,17 +165,18 @@ def peak_dissipation(
     """
     loads = (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase, friction_coefficient)
     batch = batch_of(profile, material, loads)
-    value, place, fraction, reason = _columns(batch, 3)
+    value, place, fraction, second, second_place, error, reason = _columns(batch, 6)
     for block in batch.blocks():
         reason[block.all] = block.reason
         if not len(block.good):
             continue
-        top, x, part = peak_of(block.ellipses, block.profiles)
-        value[block.places] = block.scale * top
-        place[block.places] = np.where(top > 0, x, np.nan)
-        fraction[block.places] = np.where(top > 0, part, np.nan)
+        found = maxima_of(block.ellipses, block.profiles)
+        for column, works in ((value, found.value), (second, found.second_value), (error, found.error)):
+            column[block.places] = block.scale * works
+        for column, values in ((place, found.place), (fraction, found.fraction), (second_place, found.second_place)):
+            column[block.places] = values
         _unsettled(value, reason, block)
-    columns = (value, place, fraction, reason)
+    columns = (value, place, fraction, reason, second, second_place, error)
     return PeakBatch(*(_frozen(part, batch) for part in columns), notes=tuple(neglected_coupling(material)))
 
 
