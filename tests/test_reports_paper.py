@@ -65,7 +65,7 @@ STATEMENTS: dict[str, tuple[str, dict[str, tuple[float, float]]]] = {
     "place of the peak, flat and rounded": ("confirmed", {"fraction": (0.604, 5e-4)}),
     "place of the peak, all loads": ("refined", {}),
     "five times the energy": ("contradicted", {"quotient of work": (0.557, 5e-4)}),
-    "weaker dependence of the peak": ("confirmed", {}),
+    "weaker dependence of the peak": ("confirmed", {"share of smaller exponents": (1.0, 0.0), "last shoulder": (5.82, 0.11)}),
     "eight times the peak": ("contradicted", {"quotient of peaks": (0.97, 5e-4)}),
     "figure of merit": ("confirmed", {"quotient of merits": (0.574, 5e-4), "five over eight": (0.625, 0.0)}),
 }

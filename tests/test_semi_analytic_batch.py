@@ -293,7 +293,7 @@ def test_peak_is_continuous_along_fifty_random_paths():
 
 @pytest.mark.parametrize("swing", [0.5, 1e-3, 1e-6, 1e-9])
 def test_error_of_the_peak_covers_thirty_digits_of_constant_load(swing):
-    """Hertz, P constant, Q between +- swing f P: W(x) = (8 f^2 P/(pi E*)) p(x) int arccosh(x/(a sqrt(1 - z))) dz up to z = swing."""
+    """Hertz, P constant, Q between +- swing f P: W(x) = (8 f^2 P/(pi E*)) p int arccosh(x/(a sqrt(1 - z))) dz up to z = swing."""
     peak = peak_dissipation(
         profile=PROFILES[0.0],
         material=MATERIAL,
