@@ -97,10 +97,10 @@ def over(numerator: Array, denominator: Array) -> Array:
 
 
 def mean_over_time(series: Array, applies: NDArray[np.bool_], time: Array) -> float | None:
-    """Mean of `series` over `time` by the trapezoidal rule on the instants that apply; None if fewer than two do."""
-    if applies.sum() < 2:
-        return None
+    """Mean of `series` over `time` by the trapezoidal rule on the instants that apply; None where no time passes between them."""
     t = time[applies]
+    if not len(t) or t[-1] == t[0]:
+        return None
     return float(np.trapezoid(series[applies], t) / (t[-1] - t[0]))
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from reports.application import app
 from reports.cli import main
 from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
@@ -350,3 +351,103 @@ class TestExitCodes:
         assert "of 3 expected numbers are missed" in alone.stdout
         files = {path.name for path in (tmp_path / "out" / "cattaneo-mindlin").iterdir()}
         assert files >= {"semi_analytic.nc", "semi_analytic.json", "semi_analytic.csv", "halfplane_fe.nc", "scene.json"}
+
+
+class TestInternalErrors:
+    """An exception that nobody expected: exit code 70, one sentence, and the traceback in a file that the sentence names."""
+
+    SENTENCE = "halfplane: internal error, a fault of halfplane: ZeroDivisionError: planted; the traceback is in "
+
+    @pytest.fixture(autouse=True)
+    def here(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+
+    @staticmethod
+    def planted(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("planted")
+
+    def told(self, capsys: pytest.CaptureFixture[str]) -> str:
+        """The file that the one sentence on stderr names, and that holds the traceback."""
+        shown = capsys.readouterr()
+        (line,) = shown.err.splitlines()
+        assert line.startswith(self.SENTENCE)
+        name = line.removeprefix(self.SENTENCE).removesuffix(": please report it")
+        text = Path(name).read_text(encoding="utf-8")
+        assert "Traceback (most recent call last):" in text
+        assert text.rstrip().endswith("ZeroDivisionError: planted")
+        return name
+
+    @pytest.mark.parametrize("name", [name for name in app if not name.startswith("-")])
+    def test_at_every_command(self, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+        def fails() -> None:
+            self.planted()
+
+        monkeypatch.setattr(app[name], "default_command", fails)
+        assert main([name]) == 70
+        kept = Path(self.told(capsys))
+        assert kept.parent == Path.cwd()
+        assert f"  halfplane {name}\n" in kept.read_text(encoding="utf-8")
+
+    def test_the_output_folder_has_it_and_is_used_again(
+        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        """Beside what an earlier run left there, one below the other; a later run takes the folder as before."""
+        asked = ["exact", "cattaneo-mindlin", "--quiet", "--out", "here"]
+        assert main(asked) == 0
+        before = everything(Path("here"))
+        capsys.readouterr()
+        with monkeypatch.context() as patch:
+            patch.setattr("semi_analytic.solve", self.planted)
+            for count in (1, 2):
+                assert main(asked) == 70
+                assert self.told(capsys) == "here/run.log"
+                assert Path("here/run.log").read_text(encoding="utf-8").count("Traceback") == count
+        assert everything(Path("here")) == before | {"run.log"}
+        assert everything(Path.cwd()) == {"here", *(f"here/{name}" for name in everything(Path("here")))}
+        assert main(asked) == 0
+
+    @pytest.mark.parametrize(
+        "words", ["run cattaneo-mindlin", "fe cattaneo-mindlin", "fields cattaneo-mindlin --at 1 --no-pictures"]
+    )
+    def test_no_answer_is_left_half_written(
+        self, words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        monkeypatch.setattr("halfplane_fe.solve", self.planted)
+        command, *options = words.split()
+        assert main([command, "cattaneo-mindlin", *options, "--quiet"]) == 70
+        assert self.told(capsys) == "out/cattaneo-mindlin/run.log"
+        assert {path.name for path in Path("out/cattaneo-mindlin").iterdir()} == {"run.log", "manifest.json"}
+
+    def test_where_no_file_can_be_written_it_is_on_stderr(
+        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        def full(*_: object, **__: object) -> None:
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr("semi_analytic.solve", self.planted)
+        monkeypatch.setattr("reports.folder.filled", full)
+        assert main(["exact", "cattaneo-mindlin", "--quiet", "--out", "here"]) == 70
+        assert Path(self.told(capsys)).parent == Path.cwd()
+        monkeypatch.setattr("tempfile.mkstemp", full)
+        assert main(["exact", "cattaneo-mindlin", "--quiet", "--out", "here"]) == 70
+        shown = capsys.readouterr().err
+        assert "Traceback (most recent call last):" in shown
+        assert shown.splitlines()[-1].endswith("ZeroDivisionError: planted; the traceback is above: please report it")
+
+    def test_of_a_process(self, tmp_path: Path) -> None:
+        """No traceback on the terminal, nothing on stdout; a message of many lines is one short one."""
+        program = (
+            "import sys, semi_analytic, reports.cli\n"
+            "def fails(*_, **__): raise KeyError('many\\nlines ' * 99)\n"
+            "semi_analytic.solve = fails\n"
+            "sys.argv = ['halfplane', 'exact', 'cattaneo-mindlin', '--quiet']\n"
+            "sys.exit(reports.cli.main())\n"
+        )
+        command = [sys.executable, "-c", program]
+        done = subprocess.run(command, cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=120, check=False)
+        assert (done.returncode, done.stdout) == (70, "")
+        (line,) = done.stderr.splitlines()
+        assert len(line) < 400
+        assert "; the traceback is in out/cattaneo-mindlin/run.log: please report it" in line
+        assert "KeyError" in (tmp_path / "out" / "cattaneo-mindlin" / "run.log").read_text(encoding="utf-8")

@@ -57,10 +57,15 @@ def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> 
     Raises
     ------
     InputError
-        For a pressure that is zero everywhere.
+        For a pressure that is zero everywhere, or nowhere compression by the sign that the mapping states.
     """
     if not np.any(result.pressure):
         raise InputError(f"{result.source}: the pressure is zero at every point and instant: nothing to score")
+    if mapping.signs.pressure is not None and result.pressure.max() <= 0:
+        raise InputError(
+            f"{result.source}: by signs.pressure = {mapping.signs.pressure!r} of the mapping no point is in compression: state the "
+            "other sign, or leave it out"
+        )
     scales = expected_scales(whole)
     said: list[str] = []
     for step in (_pressure_sign, _load_sign, _length, _stress, _loads, _middle):
