@@ -74,6 +74,16 @@ contract: $(STAMP) ## the frozen values of both engines and of comparisons, all 
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m pytest -n 2 --slow --benchmark-disable --basetemp=.cache/tmp/pytest tests/contract
 
+nightly: $(STAMP) ## every test, slow ones too, CalculiX and dask there, none skipped; then make test on the oldest and newest Python (root)
+	@SECONDS=0; trap 'echo "==> nightly: exit code $$? after $$((SECONDS / 60)) min"' EXIT; \
+	$(MAKE) --no-print-directory peers lint types contracts docs; \
+	$(PY) benchmarks/pins.py --check; \
+	CI=1 $(MAKE) --no-print-directory pytest PYTEST_ARGS="--slow --hypothesis-profile=local $(PYTEST_ARGS)"; \
+	$(MAKE) --no-print-directory fresh SUITES="bookworm forky"
+
+fresh: $(PROGRAM) ## the README's own blocks in bare roots of Debian (root; SUITES="bookworm trixie"; MIRROR=URL for another than apt's)
+	@$(PY) benchmarks/fresh.py $(SUITES)
+
 lowest: $(STAMP) ## the wheel with the lowest versions that pyproject.toml allows: built, installed apart from .venv, run outside
 	@echo "==> lowest: an environment of its own in .cache/lowest"
 	@mkdir -p "$$TMPDIR" .cache/home

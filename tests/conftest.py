@@ -38,11 +38,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    if config.getoption("--slow") or "slow" in config.getoption("markexpr"):
+    if _slow_wanted(config):
         return
     for item in items:
         if item.get_closest_marker("slow"):
             item.add_marker(pytest.mark.skip(reason=SLOW_REASON))
+
+
+def _slow_wanted(config: pytest.Config) -> bool:
+    return bool(config.getoption("--slow")) or "slow" in config.getoption("markexpr")
 
 
 @pytest.hookimpl(wrapper=True)
@@ -58,14 +62,15 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
 
 
 def _may_skip(item: pytest.Item, report: pytest.TestReport) -> bool:
-    return not IN_CI or hasattr(report, "wasxfail") or item.get_closest_marker("slow") is not None
+    unasked = item.get_closest_marker("slow") is not None and not _slow_wanted(item.config)
+    return not IN_CI or hasattr(report, "wasxfail") or unasked
 
 
 def _refuse_skip(report: Report) -> Report:
-    """In CI a test that can't run is a failure: nothing may pass by being skipped, save the tests marked slow."""
+    """In CI a test that can't run is a failure: nothing may pass by being skipped, save slow tests that are not asked for."""
     reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
     report.outcome = "failed"
-    report.longrepr = f"skipped in CI, where only slow tests may be: {reason}"
+    report.longrepr = f"skipped in CI, where only slow tests may be, and only unasked: {reason}"
     return report
 
 
