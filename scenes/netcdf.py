@@ -1,7 +1,8 @@
-"""Stored answers read back: the form checked by names, dimensions and sizes before any array is unpacked."""
+"""Stored answers: written whole, and read back with names, dimensions and sizes checked before any array is unpacked."""
 
 from __future__ import annotations
 
+import io
 import sys
 import traceback
 from collections.abc import Generator, Mapping
@@ -20,6 +21,20 @@ if TYPE_CHECKING:
 # What the libraries raise on files that are broken off, spoilt or something else.
 _FAULTS = (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RuntimeError, OverflowError)
 WHAT = "the solution"
+
+
+def netcdf_of(data: xr.Dataset) -> memoryview:
+    """The bytes of a NetCDF file.
+
+    HDF5 writes to memory: a disk that is full under it leaves it in a state that ends the process once the file is closed.
+    """
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    content = io.BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        data.dump_to_store(H5NetCDFStore(file))
+    return content.getbuffer()
 
 
 def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Dataset:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.errors import InputError
-from scenes.netcdf import first_line, stored_dataset
+from scenes.netcdf import first_line, netcdf_of, stored_dataset
 from scenes.notebook import solution_html
 from scenes.scene import Scene
 from scenes.staging import replace_file
@@ -212,17 +211,8 @@ class ContactSolution:
         )
 
     def save(self, path: str | Path) -> None:
-        """Write NetCDF (h5netcdf), whole or not at all; OSError where that can't be.
-
-        HDF5 writes to memory: a disk that is full under it leaves it in a state that ends the process once the file is closed.
-        """
-        import h5netcdf
-        from xarray.backends import H5NetCDFStore
-
-        content = io.BytesIO()
-        with h5netcdf.File(content, "w") as file:
-            self.to_dataset().dump_to_store(H5NetCDFStore(file))
-        replace_file(path, content.getbuffer())
+        """Write NetCDF, whole or not at all; OSError where that can't be."""
+        replace_file(path, netcdf_of(self.to_dataset()))
 
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
