@@ -92,7 +92,7 @@ def norm(x: Array, values: Array) -> Array:
 
 def over(numerator: Array, denominator: Array) -> Array:
     """Quotient; 0/0 is NaN ("nothing to compare"), anything else over 0 is infinite."""
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.asarray(numerator / denominator, dtype=float)
 
 

@@ -173,6 +173,11 @@ def _constant_ratio(own: Array, theirs: Array, size: float) -> str:
 def _by_loads(result: SurfaceResult, path: LoadPath, scene: Scene, loads: tuple[Array, Array], limit: float, by: str) -> History:
     """In order along the path; where every instant lies on the cycle, in its last one."""
     size = float(np.max(path.at(_samples(path, 1, whole=True))[0]))
+    if np.max(loads[0]) <= STATED * size:
+        raise InputError(
+            f"{result.source}: its largest P is {np.max(loads[0]):.4g} (from {by}) and the scene's {size:.4g}: too little to tell "
+            "its instants by; see to thickness and factors of the mapping, or state the times"
+        )
     best: tuple[float, Array] | None = None
     for times in _windows(path, scene):
         found = _in_order(times, path, scene, loads, size)

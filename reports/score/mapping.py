@@ -163,10 +163,11 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
     kind = {"x": "length", "y": "length", "slip": "length", "pressure": "stress", "shear": "stress", "time": "time"}.get(quantity)
     if quantity == "frame":
         return values
-    scaled = values * (getattr(mapping.factors, kind or "load") or 1.0) * mapping.sign(quantity)
-    if quantity in ("x", "y"):
-        return np.asarray(scaled - (mapping.x_offset if quantity == "x" else mapping.y_offset))
-    return np.asarray(scaled / mapping.thickness if kind is None else scaled)
+    with np.errstate(over="ignore"):  # what is not finite is refused by the reader, with its place
+        scaled = values * (getattr(mapping.factors, kind or "load") or 1.0) * mapping.sign(quantity)
+        if quantity in ("x", "y"):
+            return np.asarray(scaled - (mapping.x_offset if quantity == "x" else mapping.y_offset))
+        return np.asarray(scaled / mapping.thickness if kind is None else scaled)
 
 
 def stated_times(source: str, mapping: Mapping, count: int, what: str = "instants") -> Array:

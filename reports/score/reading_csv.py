@@ -98,7 +98,8 @@ def _constant(source: str, name: str, values: Array | None, by: str) -> Array | 
     """The one figure of each instant; InputError where its rows differ."""
     if values is None:
         return None
-    odd = np.flatnonzero(np.ptp(values, axis=1) > 1e-9 * np.max(np.abs(values)))
+    with np.errstate(invalid="ignore"):  # what a factor made infinite is refused with all that is not finite
+        odd = np.flatnonzero(np.ptp(values, axis=1) > 1e-9 * np.max(np.abs(values)))
     if len(odd):
         row = values[odd[0]]
         raise InputError(f"{source}: {name} goes from {row.min():.6g} to {row.max():.6g} within instant {odd[0] + 1} (by {by})")

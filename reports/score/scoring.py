@@ -117,33 +117,35 @@ def score_solution(
     Raises
     ------
     InputError
-        Where the reference carries no pressure at any of the result's points and instants.
+        Where no point of the result lies in the reference's contact at any of its instants.
     """
     reference = _like_parts(_REFERENCES[against](solution), solution)
+    _refuse_beside(solution, reference)
     steps = _on_polygon(solution) if polygon and against == "exact" else None
     if whole is None and derived(solution):
         whole = whole_path(solution.scene)
     like, words = (reference, ()) if whole is None else by_same_rule(reference, solution, scales(whole).half_width)
     found = compare(like, solution, polygon_reference=steps, scales_from=whole)
-    if solution.pressure.any() and not found.expected.pressure.any():
-        raise InputError(_beside(solution, reference))
     checks = certificates(reference)
     return replace(found, reference=reference, reference_certificates=checks, guesses=guesses, notes=(*words, *found.notes))
 
 
-def _beside(solution: ContactSolution, reference: ContactSolution) -> str:
-    """Why no point of a result can be judged: its points lie beside the contact, or its instants before or after it."""
-    source, edges = solution.settings.get("source", solution.engine), reference.contact_edges
-    if not np.isfinite(edges).any():
+def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> None:
+    """InputError where no point of a result can be judged: all lie beside the contact, or its instants have none."""
+    left, right = (np.interp(solution.time, reference.time, np.nan_to_num(edge)) for edge in reference.contact_edges.T)
+    if np.any((solution.x > left[:, None]) & (solution.x < right[:, None])) or not solution.pressure.any():
+        return
+    source = solution.settings.get("source", solution.engine)
+    if np.all(left >= right):
         first, last = solution.time[[0, -1]]
-        return (
+        raise InputError(
             f"{source}: it has pressure at times {first:.6g} to {last:.6g}, where the scene has no contact: state the scene's "
             "times of its instants, by a column or by times of a mapping"
         )
-    return (
+    raise InputError(
         f"{source}: none of its points lies in the contact: they go from x = {solution.x[0]:.6g} to {solution.x[-1]:.6g}, the "
-        f"contact from {np.nanmin(edges):.6g} to {np.nanmax(edges):.6g}; state its x at the middle of the contact by x_offset of a "
-        "mapping, in the scene's length"
+        f"contact from {left.min():.6g} to {right.max():.6g}; state its x at the middle of the contact by x_offset of a mapping, "
+        "in the scene's length"
     )
 
 
