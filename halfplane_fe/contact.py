@@ -90,6 +90,8 @@ class ContactProblem:
     def __post_init__(self) -> None:
         self._systems = Systems(self.interface, self.layer, self.friction, self.work)
         self._coupled = self.tangential and self.interface.coupling is not None
+        # Shear and slip of like bodies are in proportion to f, and their rounding with them.
+        self._share = 1.0 if self._coupled else min(1.0, self.friction)
 
     def equilibrium(
         self, history: InterfaceState, time: float, loads: tuple[float, float], start: States | None = None
@@ -176,7 +178,8 @@ class ContactProblem:
         touching = (np.abs(answer.pressure) <= ROUNDING) & (np.abs(gap) <= ROUNDING)
         closed = np.where(touching, states != OPEN, trial_pressure > 0)
         pressure, _, wanted = project(np.maximum(trial_pressure, ROUNDING), answer.shear + r_tangential * slip, self.friction)
-        at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= _ON_CONE) & (np.abs(slip) <= ROUNDING)
+        limit = _ON_CONE * self._share, ROUNDING * self._share
+        at_cone = (np.abs(np.abs(answer.shear) - self.friction * pressure) <= limit[0]) & (np.abs(slip) <= limit[1])
         wanted = np.where(at_cone & (states != OPEN), states, wanted)
         wanted = np.where(closed, wanted, OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets chase each other.

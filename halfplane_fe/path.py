@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 _SAMPLES = 721
 # Share of the largest load below which a load can't be told from none: the nodal forces are known to about so much of it.
 _LEAST_LOAD = 1e-12
+# Share of f times the largest load within which |Q| is f P.
+_ROUNDING_OF_LIMIT = 1e-14
 _ROUNDING_OF_LOAD = (
     "so little load, 1e-12 of the largest or less, finite elements can't tell from separation (the half-plane engine can),"
 )
@@ -71,10 +73,11 @@ def stretches(leg: Leg, friction: float, increments: float) -> list[Stretch]:
 
 
 def check_admissible(path: LoadPath, friction: float) -> None:
-    """Refuse a path with separation or gross sliding (|Q| >= f P, with Q = 0 allowed for f = 0).
+    """Refuse a path with separation or gross sliding (|Q| >= f P, with Q = 0 allowed).
 
     Separation is P <= 0 after the start, or so little load that it can't be told from none.
-    Both extremes are met at turning points, so looking there is exact.
+    Both extremes are met at turning points, so looking there is exact: to 1e-14 of f times the largest load, in any unit and for
+    any f. The half-plane engine admits |Q| = f P itself; here nothing sticks then, and the tangential displacement has no value.
 
     Raises
     ------
@@ -93,7 +96,7 @@ def check_admissible(path: LoadPath, friction: float) -> None:
                 raise InadmissibleLoadError(_ROUNDING_OF_LOAD, times[worst], p[worst], q[worst])
             raise InadmissibleLoadError("separation: the bodies lift off", times[worst], p[worst], q[worst])
         excess = np.abs(q) - friction * p
-        sliding = inside & (excess >= 0) & (np.abs(q) > 1e-12 * scale)
+        sliding = inside & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)
         if sliding.any():
             worst = int(np.argmax(np.where(sliding, excess, -np.inf)))
             raise InadmissibleLoadError("gross sliding: |Q| >= f P", times[worst], p[worst], q[worst])

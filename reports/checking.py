@@ -122,8 +122,8 @@ def _ratio(leg: Leg, friction: float, time: Array) -> Array:
     """|Q|/(f P); 0 at P = Q = 0, infinite at P < 0 or at Q beside P = 0 or f = 0."""
     normal, tangential = leg.loads(time)
     size = np.abs(tangential)
-    # A load that is zero but for rounding of its own leg is zero.
-    size = np.where(size <= _ROUNDING * np.max(np.abs(normal)), 0.0, size)
+    # A load that is zero but for the rounding of its own leg is zero.
+    size = np.where(size <= _ROUNDING * friction * np.max(np.abs(normal)), 0.0, size)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = size / (friction * normal)
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))

@@ -114,7 +114,10 @@ class History:
 
 
 def check(legs: Sequence[Leg], friction: float) -> None:
-    """Raise InadmissibleLoadError at the first instant of gross sliding or separation on `legs`; |Q| = f P is admitted."""
+    """Raise InadmissibleLoadError at the first instant of gross sliding or separation on `legs`.
+
+    |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any f.
+    """
     scale = max(abs(float(leg.loads(time)[0])) for leg in legs for time in (leg.start, leg.end))
     for leg in legs:
         for begin, end in stretches(leg, friction):
@@ -129,7 +132,7 @@ def _check_stretch(leg: Leg, begin: float, end: float, friction: float, slack: f
             level(s, friction),
             s * last.tangential - friction * last.normal,
             f"gross sliding, Q = {sign}f P,",
-            slack * max(friction, 1e-3),
+            slack * friction,
         )
         for s, sign in ((1, ""), (-1, "-"))
     ]

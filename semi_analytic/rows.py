@@ -113,7 +113,7 @@ def check_rows(rows: Array, friction: float) -> None:
     """Raise InadmissibleLoadError at the first gross sliding or separation; lines between admissible points are admissible."""
     normal, tangential = rows[:, 1], rows[:, 2]
     slack = _ROUNDING * float(np.max(np.abs(normal)))
-    bad = np.flatnonzero((normal < -slack) | (np.abs(tangential) > friction * normal + slack * max(friction, 1e-3)))
+    bad = np.flatnonzero((normal < -slack) | (np.abs(tangential) > friction * (normal + slack)))
     if len(bad):
         before, after = rows[max(int(bad[0]) - 1, 0)].tolist(), rows[bad[0]].tolist()
         leg = StraightLeg(before[0], after[0], (before[1], before[2]), (after[1], after[2]))

@@ -9,12 +9,29 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import halfplane_fe
+import semi_analytic
 from halfplane_fe import check_admissible
 from halfplane_fe.path import stretches, turning_points
 from halfplane_fe.scales import largest_load
+from meshes import MeshSettings
 from problems import fe_run
 from reports.checking import check_path
-from scenes import EllipseLeg, EllipseLoad, HarmonicLoad, InadmissibleLoadError, ParabolaLeg, PolygonLoad, StraightLeg, load_scene
+from scenes import (
+    Elastic,
+    EllipseLeg,
+    EllipseLoad,
+    Friction,
+    HarmonicLoad,
+    Hertz,
+    InadmissibleLoadError,
+    Materials,
+    ParabolaLeg,
+    PolygonLoad,
+    Scene,
+    StraightLeg,
+    TimeSeriesLoad,
+    load_scene,
+)
 
 TURN = 2 * math.pi
 
@@ -168,6 +185,47 @@ def test_a_polygon_is_admissible_when_its_corners_are(corners, friction):
     elif outside:
         with pytest.raises(InadmissibleLoadError):
             check_admissible(load.path(), friction)
+
+
+@pytest.mark.parametrize(
+    ("friction", "force", "length"), [(1e-15, 1, 1), (1e-12, 1e6, 1e-3), (1e-6, 1, 1e3), (0.3, 1e-6, 1), (1.0, 1, 1), (1e3, 1, 1)]
+)
+def test_both_engines_admit_the_same_loads_at_the_limit(friction, force, length):
+    """'Just' is relative to f P: Q = f P (1 - 1e-9) is solved, to the same tangential displacement, f P (1 + 1e-9) refused."""
+    steel = Elastic(young_modulus=210e3 * force / length**2, poisson_ratio=0.3)
+    profile, largest = Hertz(radius=1000 * length), 100 * force / length
+
+    def scene(share):
+        load = PolygonLoad(way_in=[(largest, 0), (largest, share * friction * largest)])
+        return Scene(
+            name="limit",
+            material=Materials(upper=steel, lower=steel),
+            profile=profile,
+            friction=Friction(coefficient=friction),
+            load=load,
+            cycles=1,
+        )
+
+    coarse = MeshSettings(element_size=1 / 4, edge_element_size=1 / 8, far_radius=6.0, growth=0.5)
+    exact = semi_analytic.solve(scene(1 - 1e-9), x=[0.0], fields=("rigid_shift",))
+    fe = halfplane_fe.solve(scene(1 - 1e-9), mesh=coarse)
+    assert not check_path(scene(1 - 1e-9)).reason
+    assert fe.rigid_shift[-1] == pytest.approx(exact.rigid_shift[-1], rel=1e-3)
+    for share in (1 + 1e-9, -1 - 1e-9, 1.001):
+        assert check_path(scene(share)).reason == "gross sliding"
+        with pytest.raises(InadmissibleLoadError, match="gross sliding"):
+            semi_analytic.solve(scene(share), x=[0.0], fields=())
+        with pytest.raises(InadmissibleLoadError, match="gross sliding"):
+            halfplane_fe.solve(scene(share), mesh=coarse)
+
+
+def test_rows_of_a_long_series_slide_by_the_same_limit():
+    """1,001 rows up to Q = 1.001 f P, f = 1e-15."""
+    paper = load_scene("hertz-paper")
+    rows = [(k, 50.0, 1.001e-15 * 50 * k / 1001) for k in range(1, 1002)]
+    scene = paper.model_copy(update={"load": TimeSeriesLoad(rows=[(0, 0, 0), *rows]), "friction": Friction(coefficient=1e-15)})
+    with pytest.raises(InadmissibleLoadError, match="gross sliding"):
+        semi_analytic.solve(scene, fields=())
 
 
 def test_solve_refuses_before_any_work(monkeypatch):
