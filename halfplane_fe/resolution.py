@@ -1,5 +1,7 @@
 """What the mesh can't see, in sentences: contacts, slip zones and flanks of the pressure that are too few elements wide.
 
+And the coarse mesh beside it, from which the dissipation differs by what it is uncertain by at least.
+
 # notation: h element at the edges of contact and stick, of the coarser side; a half-width; A = 2/E*; f coefficient of friction
 
 Measured on Hertz at P0 : P1 = 3 : 1, quadratic elements, h = a/1.1 ... a/160, matching sides and sides of ratio 1.5 ... 20, the
@@ -11,11 +13,13 @@ elements of a/16 to a/160 dissipate 0.024 to 0.04 (h/a)^2 A f^2 P^2.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfplane_fe.settings import SolverSettings
+from meshes import MeshSettings
 from scenes import Scene
 
 Array = NDArray[np.float64]
@@ -138,3 +142,27 @@ def _of_slip(seen: Seen) -> Iterator[str]:
             f"the dissipation is {seen.dissipation:.2g} A f^2 P^2, and the mesh alone makes up to {floor:.2g} of that unit where "
             "all of the contact is next to slipping, even if nothing slips: take the figure for uncertain by that much"
         )
+
+
+def coarse(mesh: MeshSettings, settings: SolverSettings) -> tuple[MeshSettings, SolverSettings] | None:
+    """A mesh as much coarser as the coarse preset is than the default; a penalty layer stays the same layer.
+
+    None where the surface elements are as large as any.
+
+    >>> coarse(MeshSettings(), SolverSettings())[0] == MeshSettings.swift()
+    True
+    """
+    preset, default = MeshSettings.swift(), MeshSettings()
+    times = {name: getattr(preset, name) / getattr(default, name) for name in ("element_size", "edge_element_size", "growth")}
+    made = replace(
+        mesh,
+        element_size=min(0.25, mesh.element_size * times["element_size"]),
+        edge_element_size=min(0.25, mesh.edge_element_size * times["edge_element_size"]),
+        far_radius=max(2.0, mesh.far_radius * preset.far_radius / default.far_radius),
+        growth=min(1.0, mesh.growth * times["growth"]),
+    )
+    if settings.method == "penalty":
+        wider = made.edge_element_size / mesh.edge_element_size  # the stiffness is over E* and this size
+        stiffness = [min(1e9, k * wider) for k in (settings.normal_stiffness, settings.tangential_stiffness)]
+        settings = replace(settings, normal_stiffness=stiffness[0], tangential_stiffness=stiffness[1])
+    return None if made.edge_element_size == mesh.edge_element_size else (made, settings)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import platform
 import time as clock
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from importlib.metadata import version
 from typing import Any
@@ -25,14 +25,14 @@ from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.pair import check_supports, condensed_pair, initial_gap, meshed_pair
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
-from halfplane_fe.resolution import Seen, resolution_notes
-from halfplane_fe.run import Pace, PathRun, Progress, run_path
+from halfplane_fe.resolution import Seen, coarse, resolution_notes
+from halfplane_fe.run import REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, contact_modulus, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading
-from scenes import ContactSolution, ConvergenceError, Scene, Work, freeze
+from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene, Work, freeze
 from scenes.frozen import validated
 
 Array = NDArray[np.float64]
@@ -73,6 +73,7 @@ def solve(
     progress: Progress | None = None,
     *,
     scales: Scales | None = None,
+    coarse_mesh: bool = False,
 ) -> FiniteElementSolution:
     """Solve a scene by finite elements, on the mesh's own points and the stepping's own instants.
 
@@ -82,6 +83,8 @@ def solve(
     mesh, settings : how it is cut and iterated; defaults serve the paper's scenes
     progress : called with (done, total, text) as work goes on
     scales : those of an earlier solution of the same scene, on whatever mesh: spares the coarse run, moves no number
+    coarse_mesh : solve the scene on a coarse mesh too (a quarter more time), and state how far its dissipation is from the
+        answer's: `dissipation_uncertainty`, with a note where that is more than the scene's tolerance
 
     Raises
     ------
@@ -95,7 +98,49 @@ def solve(
     # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
         report = progress or (lambda _done, _total, _text: None)
-        return _solve(validated(scene, Scene), mesh or MeshSettings(), settings or SolverSettings(), report, scales)
+        mesh, settings = mesh or MeshSettings(), settings or SolverSettings()
+        answer = _solve(validated(scene, Scene), mesh, settings, report, scales)
+        return _beside_a_coarse_mesh(answer, coarse(mesh, settings), report) if coarse_mesh else answer
+
+
+def _beside_a_coarse_mesh(
+    answer: FiniteElementSolution, settings: tuple[MeshSettings, SolverSettings] | None, report: Progress
+) -> FiniteElementSolution:
+    """The answer with how far its dissipation is from that of a coarse mesh, and a note where there is reason for doubt."""
+    noted, watch = partial(_noted, answer), _Watch()
+    if settings is None:
+        return noted("the dissipation has no uncertainty: no mesh is coarser than this one")
+    try:
+        other = _solve(
+            answer.scene, *settings, lambda done, total, text: report(done, total, f"coarse mesh, {text}"), answer.scales
+        )
+    except KeyboardInterrupt as stop:
+        raise Interrupted("interrupted on the coarse mesh, after the mesh that was asked for", answer) from stop
+    except (ConvergenceError, InputError) as failure:
+        return noted(f"the dissipation has no uncertainty: the coarse mesh that it is taken from has no answer: {failure}")
+    watch.lap("coarse mesh")
+    apart, tolerance = abs(other.dissipation - answer.dissipation), answer.scene.tolerances.dissipation
+    counts = {f"coarse mesh, {name}": other.work.counts[name] for name in ("contact nodes", "steps solved", "contact iterations")}
+    found = replace(
+        answer,
+        dissipation_uncertainty=apart,
+        work=replace(answer.work, counts={**answer.work.counts, **counts}, seconds={**answer.work.seconds, **watch.seconds}),
+        settings={**answer.settings, "coarse_mesh": {**asdict(settings[0]), "dissipation": other.dissipation}},
+    )
+    if not apart > tolerance * answer.dissipation:
+        return found
+    share = f" ({apart / answer.dissipation:.2%}, for a tolerance of {tolerance:.2%})" if answer.dissipation else ""
+    elements = [f"{one.settings['element_size']:.3g}" for one in (other, answer)]
+    return _noted(
+        found,
+        f"the dissipation is uncertain by {apart:.3g} at least{share}: so far it is from that of a coarse mesh, with elements of "
+        f"{elements[0]} for {elements[1]} at the edges; make edge_element_size less",
+    )
+
+
+def _noted(answer: FiniteElementSolution, note: str) -> FiniteElementSolution:
+    """The answer with one note more."""
+    return replace(answer, record=replace(answer.record, notes=(*answer.record.notes, note)))
 
 
 def _solve(
@@ -248,7 +293,22 @@ def _notes(scene: Scene, mesh: MeshSettings, run: PathRun, arrays: Mapping[str, 
     unit = 2 / contact_modulus(scene.material.lower, scene.material.upper) * (scene.friction.coefficient * np.max(load)) ** 2
     work = float(arrays["dissipation"] / unit) if unit > 0 else 0.0
     coarser = element * max(mesh.upper_ratio, 1.0)
-    return tuple(resolution_notes(scene, Seen(load, contact, stick, coarser, mesh.order, work, needs_shear(scene))))
+    seen = Seen(load, contact, stick, coarser, mesh.order, work, needs_shear(scene))
+    return (*_drift_notes(run), *resolution_notes(scene, seen))
+
+
+def _drift_notes(run: PathRun) -> Iterator[str]:
+    """That no revolution repeats, and by how much the dissipation still changes."""
+    if run.steady_from is not None or not run.cycle_change:
+        return
+    works = [float(density.sum()) for density in run.cycle_density]
+    drift = ""
+    if len(works) > 1 and works[-1] > 0:
+        drift = f"; its dissipation differs by {1 - works[-2] / works[-1]:+.1e} of itself from that of the one before"
+    yield (
+        f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of the largest nodal force away from its "
+        f"start (up to {REPEATS:g} counts as the same){drift}; give the scene more cycles"
+    )
 
 
 def _work(

@@ -12,6 +12,10 @@ from reports.options import FiniteElementOptions
 
 _DEFAULTS = FiniteElementOptions()
 _THIRD_LIMIT = 1800.0
+CoarseMesh = Annotated[
+    bool,
+    Parameter(help="Solve on a coarse mesh too: what that changes, the dissipation is uncertain by at least."),
+]
 
 
 @app.command(group=SOLVE, sort_key=1, help_epilogue="")
@@ -35,6 +39,7 @@ def run(
     third_limit: Annotated[
         float | None, Parameter(help="Seconds after which the third opinion is stopped; 1800 if left out.")
     ] = None,
+    coarse_mesh: CoarseMesh = True,
     json: Annotated[bool, Parameter(negative="", help="The verdict as JSON on stdout, and nothing else there.")] = False,
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
@@ -56,6 +61,7 @@ def run(
         third_limit=limit,
         stress=stress,
         pdf=pdf,
+        coarse_mesh=coarse_mesh,
         as_json=json,
     )
 
@@ -90,6 +96,7 @@ def fe(
     scene: SceneName,
     *,
     out: Out = None,
+    coarse_mesh: CoarseMesh = True,
     json: Json = False,
     quiet: Quiet = False,
     finite_elements: FiniteElementOptions = _DEFAULTS,
@@ -97,7 +104,7 @@ def fe(
     """Finite elements alone: summary, NetCDF and CSV, no page."""
     from reports import commands_engines
 
-    return commands_engines.fe(scene, out, quiet, finite_elements, json)
+    return commands_engines.fe(scene, out, quiet, finite_elements, json, coarse_mesh=coarse_mesh)
 
 
 @app.command(group=SOLVE, sort_key=4, help_epilogue="")

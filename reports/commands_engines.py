@@ -13,7 +13,7 @@ from reports.console import Stages, complain, say, show_table
 from reports.folder import claim, default_folder
 from reports.options import FiniteElementOptions
 from reports.series import Wish, check_series
-from reports.tables import exit_code, show_budget, show_expected, show_fields, show_third, show_verdict
+from reports.tables import exit_code, show_budget, show_expected, show_fields, show_notes, show_third, show_verdict
 from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def run(
     third_limit: float | None = None,
     stress: tuple[str, ...] = (),
     pdf: bool = False,
+    coarse_mesh: bool = True,
     as_json: bool = False,
 ) -> int:
     """Both engines, the verdict, the page; with `budget`, where the errors come from."""
@@ -45,7 +46,7 @@ def run(
     options.settings()
     third = () if third_limit is None else ("--third", "calculix", "--third-limit", f"{third_limit:g}")
     asked = (("--vtu", *vtu) if vtu else (), ("--stress", *stress) if stress else (), ("--pdf",) if pdf else ())
-    more = (*asked, ("--budget",) if budget else (), third)
+    more = (*asked, ("--budget",) if budget else (), () if coarse_mesh else ("--no-coarse-mesh",), third)
     command = options.command("run", source, folder, *more)
     try:
         with jobs.naming(source):
@@ -60,6 +61,7 @@ def run(
                 third_limit=third_limit,
                 stress=stress,
                 pdf=pdf,
+                coarse_mesh=coarse_mesh,
             )
     except Interrupted as stop:
         return _interrupted(stop, folder)
@@ -68,6 +70,7 @@ def run(
     if as_json:
         return _say_json(report)
     show_verdict(report.comparison)
+    show_notes(report.comparison)
     show_budget(report.comparison)
     show_third(report)
     met = show_expected(scene, (report.comparison.reference, report.comparison.result))
@@ -102,9 +105,17 @@ def exact(source: str, out: Path | None, quiet: bool, as_json: bool = False) -> 
     return _alone(source, out, quiet, as_json, jobs.solve_half_plane)
 
 
-def fe(source: str, out: Path | None, quiet: bool, options: FiniteElementOptions, as_json: bool = False) -> int:
+def fe(
+    source: str, out: Path | None, quiet: bool, options: FiniteElementOptions, as_json: bool = False, *, coarse_mesh: bool = True
+) -> int:
     """Finite elements alone."""
-    return _alone(source, out, quiet, as_json, lambda scene, stages: jobs.solve_finite_elements(scene, options, stages))
+    return _alone(
+        source,
+        out,
+        quiet,
+        as_json,
+        lambda scene, stages: jobs.solve_finite_elements(scene, options, stages, coarse_mesh=coarse_mesh),
+    )
 
 
 def fields(source: str, wish: Wish, out: Path | None, quiet: bool, options: FiniteElementOptions, as_json: bool = False) -> int:

@@ -61,13 +61,15 @@ def load_engines(stages: Stages) -> None:
             raise InputError(f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing") from reason
 
 
-def solve_finite_elements(scene: Scene, options: FiniteElementOptions, stages: Stages) -> ContactSolution:
-    """The finite-element answer."""
+def solve_finite_elements(
+    scene: Scene, options: FiniteElementOptions, stages: Stages, *, coarse_mesh: bool = False
+) -> ContactSolution:
+    """The finite-element answer, with what its dissipation is uncertain by at least if a coarse mesh is wanted for that."""
     import halfplane_fe
 
     mesh, settings = options.settings()
     with stages.stage("finite elements") as report:
-        return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report)
+        return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report, coarse_mesh=coarse_mesh)
 
 
 def solve_half_plane(
@@ -95,10 +97,11 @@ def run(
     third_limit: float | None = None,
     stress: tuple[str, ...] = (),
     pdf: bool = False,
+    coarse_mesh: bool = False,
 ) -> Report:
     """Both engines, the comparison, with `budget` where its errors come from, and the report.
 
-    With `third_limit`, in seconds, CalculiX' answer stands beside them.
+    With `third_limit`, in seconds, CalculiX' answer stands beside them; with `coarse_mesh`, what the dissipation is uncertain by.
     """
     if third_limit is not None:
         from reports.third.running import find_calculix
@@ -109,7 +112,7 @@ def run(
 
         require_typst("--pdf")
     begun = time.process_time()
-    result = solve_finite_elements(scene, options, stages)
+    result = solve_finite_elements(scene, options, stages, coarse_mesh=coarse_mesh)
     with _keeping(result):
         reference = solve_half_plane(scene, stages, result)
         polygon = solve_half_plane(scene, stages, result, straight_steps=True)

@@ -56,6 +56,9 @@ def verdict_json(report: Report, findings: Sequence[Finding], exit_code: int) ->
             }
             for metric in comparison.headlines
         },
+        "dissipation": comparison.result.dissipation,
+        "dissipation_uncertainty": comparison.result.dissipation_uncertainty,
+        "dissipation_drift": comparison.result.dissipation_drift,
         "expected": expected.content(findings),
         "notes": comparison.notes,
         "page": str(report.page),
@@ -96,7 +99,8 @@ def solution_json(
 
 
 _ALONE = (
-    *("engine", "converged", "message", "notes", "dissipation", "loop_work", "permanent_stick_half_width"),
+    *("engine", "converged", "message", "notes", "dissipation", "dissipation_uncertainty", "dissipation_drift"),
+    *("loop_work", "permanent_stick_half_width"),
     *("largest_half_width", "largest_pressure", "certificates", "counts"),
 )
 

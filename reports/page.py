@@ -35,6 +35,7 @@ from reports.wording import (
     sentence,
     standing,
     tolerance_of,
+    uncertain_work,
     uncertainty_of,
     unit_of,
     value_of,
@@ -214,7 +215,9 @@ def _figure(value: float, form: str) -> str:
 
 
 def _step_errors(comparison: Comparison) -> Iterator[str]:
-    """What friction work at the end of each step would be instead of the mean of the step: the step's own error."""
+    """What W is uncertain by at least, and what friction work at the end of each step would make of it: the step's own error."""
+    if words := uncertain_work(comparison):
+        yield words
     for solution in (comparison.reference, comparison.result):
         energy = solution.record.energy
         if {"interface", "end_of_step"} <= energy.keys() and solution.dissipation > 0:

@@ -38,8 +38,10 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
         (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
         (f"permanent stick half-width [{length}]", _or_none(solution.permanent_stick_half_width)),
-        (f"dissipation {_of_the_last_cycle(solution)} [{work}]", _or_none(solution.dissipation)),
+        (f"dissipation {_of_the_last_cycle(solution)} [{work}]", dissipation_words(solution)),
     ]
+    if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
+        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
     if np.isfinite(solution.loop_work):
         rows.append((f"closed integral of Q dU [{work}]", f"{solution.loop_work:.10g}"))
         if (normal := normal_work(solution)) is not None:
@@ -49,6 +51,15 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     rows.extend((f"{name.replace('_', ' ')} (work)", str(count)) for name, count in solution.work.counts.items())
     rows.extend((f"{name.replace('_', ' ')} (skipped)", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
     return rows
+
+
+def dissipation_words(solution: ContactSolution) -> str:
+    """W, and what it is uncertain by at least where that was looked for."""
+    value, apart = _or_none(solution.dissipation), solution.dissipation_uncertainty
+    if np.isnan(apart):
+        return value
+    share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
+    return f"{value} ± at least {apart:.2g}{share}, the difference from a coarse mesh"
 
 
 def _of_the_last_cycle(solution: ContactSolution) -> str:

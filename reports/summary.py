@@ -126,6 +126,8 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
     return {
         "engine": solution.engine,
         "dissipation": solution.dissipation,
+        "dissipation_uncertainty": solution.dissipation_uncertainty,
+        "dissipation_drift": solution.dissipation_drift,
         "loop_work": solution.loop_work,
         "cycle_dissipation": solution.cycle_dissipation,
         "permanent_stick_half_width": solution.permanent_stick_half_width,

@@ -48,6 +48,16 @@ def exit_code(comparison: Comparison) -> int:
     return WITHIN if comparison.passed else OUTSIDE
 
 
+def show_notes(comparison: Comparison) -> None:
+    """What the dissipation of the finite elements is uncertain by, and what these say of their answer."""
+    from reports.wording import uncertain_work
+
+    if words := uncertain_work(comparison):
+        say(words)
+    for note in comparison.result.record.notes:
+        say(f"Note: {note}.")
+
+
 def show_budget(comparison: Comparison) -> None:
     """Where the errors come from, if that was measured."""
     if comparison.budget is None:

@@ -7,7 +7,7 @@ import math
 from reports.body_words import are_half_planes, idealisation
 from reports.comparison import Comparison
 from reports.definitions import name_of
-from reports.units import load_unit, minus, number, units
+from reports.units import energy_unit, load_unit, minus, number, units
 from reports.verdicts import Metric, Verdict
 from scenes import EllipseLoad, FlatRounded, Hertz, PolygonLoad, Scene
 
@@ -169,6 +169,18 @@ def how_judged(comparison: Comparison) -> str:
         return f"No uncertainty is known for {names}: a term was not measured. There |E| alone is judged."
     asked = "requested for these values; `--budget` measures it" if _both_ours(comparison) else "stated for these values"
     return f"No uncertainty was {asked}. Each verdict is by |E| alone."
+
+
+def uncertain_work(comparison: Comparison) -> str:
+    """The result's dissipation with what it is uncertain by at least, in a sentence; empty where that was not looked for."""
+    found = comparison.result
+    if math.isnan(found.dissipation_uncertainty):
+        return ""
+    share = f" ({percent(found.dissipation_uncertainty / found.dissipation, signed=False)})" if found.dissipation else ""
+    return (
+        f"Dissipation of a cycle by {name_of(found.engine)}: {found.dissipation:.6g} {energy_unit(comparison.scene)} ± at least "
+        f"{found.dissipation_uncertainty:.2g}{share}: so far it is from that of a coarse mesh."
+    )
 
 
 def lead(comparison: Comparison) -> str:

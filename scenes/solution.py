@@ -102,6 +102,8 @@ class ContactSolution:
         U = (A/pi) int M' ln(2 L/a) d eta
     dissipation_density : (n_points,) [energy / area], of the last whole cycle
     dissipation : energy per unit thickness, of the last whole cycle
+    dissipation_uncertainty : how far `dissipation` is from that of a coarse mesh, by which it is uncertain at least; NaN where no
+        such run was made
     loop_work : closed integral of Q dU over the last whole cycle, between half-planes of like materials the second and
         independent way to the dissipation (of other bodies that of P dV, V the approach, comes to it);
         NaN where the last cycle does not end in the state it started from
@@ -138,6 +140,18 @@ class ContactSolution:
     settings: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     loop_work: float = float("nan")
+    dissipation_uncertainty: float = float("nan")
+
+    @property
+    def dissipation_drift(self) -> float:
+        """Change of the dissipation from the cycle before the last to the last, over that of the last.
+
+        0 where the last cycle ends in the state it started from, NaN where there is no cycle before it or no dissipation.
+        """
+        found = self.cycle_dissipation[-2:]
+        if self.steady_from is not None:
+            return 0.0
+        return float((found[1] - found[0]) / found[1]) if len(found) == 2 and found[1] > 0 else float("nan")
 
     def to_dataset(self) -> xr.Dataset:
         """Everything but the meshes as an xarray.Dataset; the inverse is `from_dataset`."""
@@ -171,6 +185,7 @@ class ContactSolution:
             "scene": self.scene.model_dump_json(),
             "dissipation": self.dissipation,
             "loop_work": self.loop_work,
+            "dissipation_uncertainty": self.dissipation_uncertainty,
             "permanent_stick_half_width": self.permanent_stick_half_width,
             "steady_from": -1 if self.steady_from is None else self.steady_from,
             "record": json.dumps(record),
@@ -196,6 +211,7 @@ class ContactSolution:
             scene=Scene.model_validate_json(stored["scene"]),
             dissipation=float(stored["dissipation"]),
             loop_work=float(stored["loop_work"]),
+            dissipation_uncertainty=float(stored.get("dissipation_uncertainty", "nan")),
             permanent_stick_half_width=float(stored["permanent_stick_half_width"]),
             steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
             record=Record(

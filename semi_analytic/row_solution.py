@@ -97,6 +97,7 @@ def _solution(
     each = np.array([factor * series.passes[k].work if wanted else math.nan for k in calendar.covered])
     density = factor * last.density if "dissipation_density" in asked.fields else np.full(len(asked.distance), np.nan)
     stick = float(asked.contact.half_width(max(last.least, 0.0)))
+    arrays: dict[str, Any] = {**{name: freeze(values) for name, values in lines.items()}, **grids}
     return ContactSolution(
         engine="semi_analytic",
         scene=scene,
@@ -112,8 +113,7 @@ def _solution(
         work=_work(scene, asked, series, seconds),
         settings=settings,
         versions=versions(),
-        **{name: freeze(values) for name, values in lines.items()},
-        **grids,
+        **arrays,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,7 +99,7 @@ def solve(
         "fields": evaluated - marched,
         "dissipation": clock.perf_counter() - evaluated,
     }
-    lines: dict[str, Array] = {**series, **work_done.arrays}
+    arrays: dict[str, Any] = {**{name: freeze(values) for name, values in {**series, **work_done.arrays}.items()}, **grids}
     return ContactSolution(
         engine="semi_analytic",
         scene=scene,
@@ -112,8 +113,7 @@ def solve(
         work=work_of(scene, question, work_done, seconds),
         settings={"cycles": cycles, "fields": sorted(question.fields), "straight_steps": straight_steps},
         versions=versions(),
-        **{name: freeze(values) for name, values in lines.items()},
-        **grids,
+        **arrays,
     )
 
 
