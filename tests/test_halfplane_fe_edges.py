@@ -7,7 +7,7 @@ import pytest
 
 import semi_analytic
 from halfplane_fe import SolverSettings
-from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
+from halfplane_fe.edges import contact_edge, contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
 from halfplane_fe.visible import _slow_rim
 from meshes import MeshSettings
 from problems import fe_run
@@ -66,6 +66,17 @@ def test_nothing_sticks_nothing_is_said():
     closed = np.abs(x) < 0.91
     none = np.zeros_like(closed)
     assert np.isnan(stick_uncertainty(x, (none, none), closed, (-0.92, 0.92), (np.nan, np.nan), (0.01, 0.01))).all()
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.5, 0.77, 0.98])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_form_that_every_smooth_edge_has_is_found_exactly(share, side):
+    """p = (E*/2) beta sqrt(d) inside, g = (2/3) beta d^(3/2) outside, from the two nodes around the edge."""
+    modulus, beta, spacing = 3.0, 0.7, 0.01
+    inside, outside = share * spacing, (1 - share) * spacing
+    pressure, gap = modulus / 2 * beta * np.sqrt(inside), 2 / 3 * beta * outside**1.5
+    found = contact_edge(side * 1.0, pressure, side * (1.0 + spacing), gap, modulus)
+    assert found == pytest.approx(side * (1.0 + inside), abs=1e-12)
 
 
 def test_a_known_contact_edge_lies_within_its_uncertainty_wherever_it_falls():
