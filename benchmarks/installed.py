@@ -36,7 +36,7 @@ COMMANDS = {
     "exact plain.toml --out exact --quiet": 0,
     f"fe plain.toml --out fe {COARSE}": 0,
     f"run plain.toml --out run {COARSE}": 1,
-    f"fields plain.toml --out fields --at 42 {COARSE}": 0,
+    f"fields plain.toml --out fields --at 14 {COARSE}": 0,
     "export plain.toml --out deck --to calculix --steps-per-cycle 8 --quiet": 0,
     "score exact/semi_analytic.nc --scene plain.toml --out score --quiet": 0,
     "diff run run": 0,
@@ -60,13 +60,15 @@ values = [0.6, 0.7]
 """
 # One process for all of them: half of what a short command takes is its start.
 DRIVER = """
-import json, shutil, sys
+import json, sys
 from pathlib import Path
 from reports.cli import main
 from reports.application import app
 from reports.maps.atlas import PUBLISHED
 if __name__ == "__main__":
-    shutil.copytree(PUBLISHED, "maps")
+    Path("maps").mkdir()
+    for table in PUBLISHED.glob("limits-*.csv"):
+        (Path("maps") / table.name).write_bytes(table.read_bytes())
     found = {"": [name for name in app if name[0] != "-"]}
     for words in json.loads(sys.argv[1]):
         try:
