@@ -61,7 +61,8 @@ class Record:
     notes : everything that a reader must not miss: fallbacks, neglected coupling, clipped values
     errors : field -> estimate, from above, of the largest error that quadratures and series left in it, over the largest value
         of the field (of f p for the shear), 1 % of a away from edges, where tractions are roots; "... at the edge" for the points
-        asked for, however near. Fields in closed form, and engines that estimate none, have no entry
+        asked for, however near; of `dissipation` and `loop_work` over themselves. Fields in closed form, and engines that estimate
+        none, have no entry
     """
 
     converged: bool

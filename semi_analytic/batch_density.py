@@ -25,7 +25,7 @@ from semi_analytic.batch_cuts import angles, corner_loads, quadrature_error
 from semi_analytic.batch_ellipses import Ellipses, phase_of
 from semi_analytic.batch_profiles import BatchContact, Profiles
 from semi_analytic.quadrature import graded
-from semi_analytic.rounding import LAST_DIGITS
+from semi_analytic.rounding import LAST_DIGITS, PROMISED
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -49,8 +49,6 @@ _EVENLY = np.array([0.21, 0.47, 0.73])
 _THREE = np.array([[-1], [0], [1]])
 # A second maximum counts where W falls between the two by this share of the larger; samples are good to 1e-6.
 _DISTINCT = 1e-3
-# What closed forms keep of their own value, see `errors`.
-_PROMISED = 1e-12
 
 
 def density_of(e: Ellipses, contact: BatchContact | Profiles, x: Array, every: int = 1) -> tuple[Array, Array]:
@@ -198,7 +196,7 @@ def _rounding(e: Ellipses, inner: Array, outer: Array) -> tuple[Array, Array]:
     ends, middle = np.maximum(e.u, e.v) * np.sin(e.turn / 2) ** 2, np.sin(np.minimum(math.pi - e.turn, math.pi / 2))
     deepest = np.maximum(ends, 2 * e.amplitude * e.sine * middle)
     slips = deepest > 0
-    relative = _PROMISED + 3 * LAST_DIGITS * (e.mean + e.amplitude) / np.where(slips, deepest, np.inf)
+    relative = PROMISED + 3 * LAST_DIGITS * (e.mean + e.amplitude) / np.where(slips, deepest, np.inf)
     return relative, np.where(slips, 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer), 0.0)
 
 

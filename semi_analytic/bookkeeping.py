@@ -25,13 +25,15 @@ from semi_analytic.snapshot import Snapshot
 Array = NDArray[np.float64]
 
 _DOUBTFUL = 1e-9
+_SINGLE = ("dissipation", "loop_work")
 
 
 @dataclass(frozen=True, eq=False)
 class Dissipations:
     """Friction work of the cycles, the last one by a second route too, and how many quadratures it took.
 
-    `doubts` are the estimated errors of those quadratures that settle by themselves: of W over W, of W(x) over the largest.
+    `doubts` are the estimated errors of those quadratures that settle by themselves: of W over W, of W(x) over the largest; and
+    that of the second route.
     """
 
     last: float
@@ -76,7 +78,8 @@ def _notes(scene: Scene, question: Question, errors: Mapping[str, float]) -> Ite
         yield "the last cycle is not steady: no closed integral of Q dU to compare the dissipation with"
     for name, error in errors.items():
         if error > _DOUBTFUL and "edge" not in name:
-            yield f"{name}: quadratures and rounding may have left an error of {error:.1e} of the largest value"
+            size = "it" if name in _SINGLE else "the largest value"
+            yield f"{name}: quadratures and rounding may have left an error of {error:.1e} of {size}"
 
 
 def neglected_coupling(material: Materials) -> Iterator[str]:

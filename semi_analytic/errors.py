@@ -31,6 +31,7 @@ from semi_analytic.history import Span
 from semi_analytic.legs import level, rate
 from semi_analytic.memory import Piece, front_time, pieces
 from semi_analytic.pile import Pile
+from semi_analytic.rounding import PROMISED
 from semi_analytic.snapshot import Snapshot
 
 Array = NDArray[np.float64]
@@ -43,8 +44,6 @@ _FEW_POINTS = 9
 _NEAR = 0.01
 _TINY = float(np.finfo(float).tiny)
 _EPS = float(np.finfo(float).eps)
-# Relative errors below which closed forms have no entry: what they promise.
-_PROMISED = 1e-12
 
 
 def field_errors(
@@ -77,7 +76,7 @@ def field_errors(
         size = max(float(np.max(np.abs(grids["slip"]))) * math.pi * asked.modulus / 2, _TINY)
         arcs["slip"] = _arcs(contact, snapshot, chosen, x, "slip") / size
     if not isinstance(contact, Pile):
-        return {name: value for name, value in arcs.items() if value > _PROMISED}
+        return {name: value for name, value in arcs.items() if value > PROMISED}
     knots = 2 * max((sum(1 for _ in pieces(snapshot.actives[k])) for k in snapshot.which[chosen]), default=0) + 2
     found: dict[str, float] = {}
     if not asked.fields.isdisjoint(("pressure", "shear")) and top > _TINY:

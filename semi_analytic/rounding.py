@@ -21,8 +21,8 @@ _REPEATS, _OF_SLIP, _LEAST = 1e-12, 1e-4, 2e-14
 LAST_DIGITS = 4 * _EPS
 """Share of P by which P_c may be off: measured 1 to 3 last digits on cycles of constant P with d/P from 1e-4 to 1e-14."""
 
-# Closed forms promise that much, see `errors`; what rounding adds is told where it is more.
-_PROMISED = 1e-12
+PROMISED = 1e-12
+"""Closed forms promise that much, see `errors`; what rounding adds is told where it is more."""
 
 
 def slipped_share(spans: Sequence[Span]) -> float:
@@ -49,7 +49,7 @@ def rounding_of_slip(share: float) -> float:
     kernels that cancel. Measured: up to 4.5 times, on a short flat face.
     """
     error = LAST_DIGITS / share if share > 0 else 0.0
-    return error if 8 * error > _PROMISED else 0.0
+    return error if 8 * error > PROMISED else 0.0
 
 
 def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
@@ -59,4 +59,4 @@ def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
     """
     largest = float(np.max(np.abs(shifts)))
     error = 2 * LAST_DIGITS * friction * float(np.max(np.abs(moments))) / largest if largest > 0 else 0.0
-    return error if error > _PROMISED else 0.0
+    return error if error > PROMISED else 0.0

@@ -23,7 +23,7 @@ from semi_analytic.evaluation import grids_of, series_of
 from semi_analytic.friction_work import closed_integral_and_rounding, global_dissipation, pointwise_dissipation
 from semi_analytic.history import Span
 from semi_analytic.question import FIELDS, Question, arrays_of, ask, checked
-from semi_analytic.rounding import rounding_of_shift, rounding_of_slip, rounding_of_work, slipped_share
+from semi_analytic.rounding import PROMISED, rounding_of_shift, rounding_of_slip, rounding_of_work, slipped_share
 from semi_analytic.route import Cycles
 from semi_analytic.row_solution import solve_rows
 from semi_analytic.time_series import is_long
@@ -93,7 +93,7 @@ def solve(
         errors["slip"] = errors.get("slip", 0.0) + rounding
     if "rigid_shift" in question.fields and (rounding := _rounding_of_shift(question, series)):
         errors["rigid_shift"] = rounding
-    errors |= {name: doubt for name, doubt in work_done.doubts.items() if doubt and name in question.fields}
+    errors |= {name: doubt for name, doubt in work_done.doubts.items() if doubt and name in (*question.fields, "loop_work")}
     seconds = {
         "history": marched - started,
         "fields": evaluated - marched,
@@ -139,7 +139,11 @@ def _dissipations(question: Question) -> Dissipations:
         steady = route.history.steady_from
         if steady is not None and last >= steady:
             second = _second_route(question, last, works[last][0])
+        own = doubts["dissipation"]
         doubts["dissipation"] += dissipation_error(contact, cycles[last], modulus, float(each[-1]), second)
+        # Of the two routes W keeps more digits where slip is tiny: what they differ by is the error of the other one.
+        apart = own + abs(second / float(each[-1]) - 1) if math.isfinite(second) and each[-1] > 0 else 0.0
+        doubts["loop_work"] = apart if apart > PROMISED else 0.0
         doubts["dissipation_density"] = doubts.get("dissipation_density", 0.0) + doubts["dissipation"]
     slipping = sum(span.direction != 0 for span in used)
     arrays = {"dissipation_density": density[question.fold], "cycle_dissipation": each}
