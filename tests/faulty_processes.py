@@ -10,7 +10,9 @@ import signal
 import subprocess
 import sys
 import time
+import traceback
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 from reports.sweep.store import Store
@@ -27,6 +29,19 @@ JOBS = {
     "sweep": ("sweep", "study.toml", "--workers", "1", "--out", "out", "--resume"),
     "cache": ("fe", "cattaneo-mindlin", *COARSE, "--out", "out"),
 }
+
+
+def in_a_child(act: Callable[[], object]) -> int:
+    """Exit code of a process that does `act`, minus the signal that killed it; 1 where something was raised."""
+    child = os.fork()
+    if not child:
+        try:
+            act()
+            os._exit(0)
+        finally:
+            traceback.print_exc()
+            os._exit(1)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
 def started(folder: Path, job: str) -> subprocess.Popen[str]:

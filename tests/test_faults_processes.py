@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from ast import literal_eval
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,12 +26,14 @@ from threadpoolctl import threadpool_limits
 import halfplane_fe
 import reports
 import semi_analytic
-from faulty_processes import JOBS, finished, half_files, numbers, started, survive, undisturbed
+from faulty_processes import JOBS, finished, half_files, in_a_child, numbers, started, survive, undisturbed
 from halfplane_fe import store
 from meshes import MeshSettings
+from reports.baseline import replace_text
 from reports.comparison import Comparison
-from reports.folder import MANIFEST, filled
-from scenes import ContactSolution, InputError, Interrupted, load_scene
+from reports.folder import MANIFEST, claim, filled
+from reports.sweep.store import Store
+from scenes import ContactSolution, InputError, Interrupted, load_scene, staging
 from test_cli_commands import COARSE, environment, everything
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -65,16 +73,13 @@ def writing(comparison: Comparison, folder: Path, done: int) -> None:
 @pytest.mark.parametrize("done", [0, 1, 3, 7, 11, 15])
 def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, comparison: Comparison, tmp_path: Path) -> None:
     """SIGKILL at the one place where it can hurt: while finished files go to their names. The page and the manifest come last."""
-    child = os.fork()
-    if not child:
-        writing(comparison, tmp_path, done)
-        os._exit(0)
-    _, status = os.waitpid(child, 0)
-    assert os.WIFSIGNALED(status)
+    assert in_a_child(lambda: writing(comparison, tmp_path, done)) == -signal.SIGKILL
     assert half_files(tmp_path) == []
     assert not (tmp_path / "out" / "report.html").exists()
     assert len([name for name in everything(tmp_path / "out") if "." in name]) == done if done else True
+    assert [name for name in os.listdir(tmp_path) if name.startswith(".")] != []
     reports.write(comparison, tmp_path / "out")
+    assert os.listdir(tmp_path) == ["out"]
     reports.write(comparison, tmp_path / "undisturbed")
     assert everything(tmp_path / "out") == everything(tmp_path / "undisturbed")
     manifest = json.loads((tmp_path / "out" / MANIFEST).read_text(encoding="utf-8"))
@@ -84,11 +89,7 @@ def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, compa
 @pytest.mark.parametrize("done", [1, 3])
 def test_killed_between_two_moves_no_page_stands_beside_other_figures(done: int, comparison: Comparison, tmp_path: Path) -> None:
     reports.write(comparison, tmp_path / "out")
-    child = os.fork()
-    if not child:
-        writing(comparison, tmp_path, done)
-        os._exit(0)
-    os.waitpid(child, 0)
+    assert in_a_child(lambda: writing(comparison, tmp_path, done)) == -signal.SIGKILL
     assert not (tmp_path / "out" / "report.html").exists()
     assert half_files(tmp_path) == []
 
@@ -230,6 +231,116 @@ def test_many_at_once_on_one_folder_leave_one_whole_report(tmp_path: Path) -> No
         assert {(tmp_path / "out" / name).read_text() for name in runs[last]} == {f'"{last}"\n'}
         assert set(json.loads((tmp_path / "out" / MANIFEST).read_text())["files"]) == there
     assert everything(tmp_path) - {"out"} == {f"out/{name}" for name in everything(tmp_path / "out")}
+
+
+def test_another_first_run_at_any_moment_is_no_stranger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One whole run comes between any two lines of another, or waits for it: three of 163 took its page for somebody else's."""
+    real, waits = time.sleep, threading.Event()
+    lines, moment, others = 0, 0, list[Future[None]]()
+
+    def fill(*names: str) -> None:
+        with filled(tmp_path / str(moment) / "out") as folder:
+            for name in names:
+                (folder / name).write_text(f"{names}")
+
+    def sleep(seconds: float) -> None:
+        waits.set()  # the one of us has locked what the other needs
+        real(seconds)
+
+    def watch(frame: FrameType, event: str, _argument: object) -> Callable[..., Any] | None:
+        nonlocal lines
+        if not frame.f_code.co_filename.endswith(("folder.py", "staging.py")):
+            return None
+        lines += event == "line"
+        if lines == moment and not others:
+            others.append(crowd.submit(fill, "a.json", "b.json", "report.html"))
+            others[0].add_done_callback(lambda _: waits.set())
+            assert waits.wait(60)
+        return watch
+
+    monkeypatch.setattr(time, "sleep", sleep)
+    with ThreadPoolExecutor(1) as crowd:
+        while lines >= moment:
+            moment, lines = moment + 1, 0
+            (tmp_path / str(moment)).mkdir()
+            others.clear()
+            waits.clear()
+            sys.settrace(watch)
+            try:
+                fill("a.json", "c.json", "report.html")
+            finally:
+                sys.settrace(None)
+            for other in others:
+                other.result(60)
+            place = tmp_path / str(moment)
+            (names,) = {path.read_text() for path in (place / "out").iterdir() if path.name != MANIFEST}
+            assert {"out", "out/manifest.json", *(f"out/{name}" for name in literal_eval(names))} == everything(place)
+    assert moment > 100
+
+
+def dying(folder: Path) -> None:
+    with filled(folder / "dead") as results:
+        (results / "a.json").write_text("{}")
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_folder_of_a_run_that_lives_stays_and_one_of_a_dead_run_goes(tmp_path: Path) -> None:
+    assert in_a_child(lambda: dying(tmp_path)) == -signal.SIGKILL
+    (dead,) = os.listdir(tmp_path)
+    with filled(tmp_path / "alive") as folder:
+        assert dead not in os.listdir(tmp_path)
+        (folder / "a.json").write_text("{}")
+        with filled(tmp_path / "other") as other:
+            (other / "b.json").write_text("{}")
+    assert everything(tmp_path) == {
+        "alive",
+        "other",
+        *(f"{n}/{MANIFEST}" for n in ("alive", "other")),
+        "alive/a.json",
+        "other/b.json",
+    }
+
+
+@pytest.mark.parametrize("locks", ["of one machine", "none"])
+def test_a_folder_that_no_lock_says_is_dead_goes_after_a_day(locks: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run on another machine may hold a lock that this one does not see."""
+    with monkeypatch.context() as elsewhere:
+        if locks == "of one machine":
+            elsewhere.setattr(staging, "_PREFIX", ".halfplane-0123ab-")
+        assert in_a_child(lambda: dying(tmp_path)) == -signal.SIGKILL
+    (name,) = os.listdir(tmp_path)
+    if locks == "none":
+
+        def flock(*_: object) -> None:
+            raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+        monkeypatch.setattr(fcntl, "flock", flock)
+    claim(tmp_path / "out")
+    assert os.listdir(tmp_path) == [name]
+    for path in (tmp_path / name, *(tmp_path / name).rglob("*")):
+        os.utime(path, (time.time() - 90_000, time.time() - 90_000))
+    claim(tmp_path / "out")
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("writer", ["baseline", "sweep"])
+def test_a_file_of_a_killed_process_goes_too(writer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = Store(tmp_path / "store")
+    store.prepare()
+
+    def write() -> None:
+        if writer == "baseline":
+            replace_text(tmp_path / "baseline.json", "{}")
+        else:
+            store.prepare()
+            store.write({"address": "a"})
+
+    with monkeypatch.context() as killing:
+        killing.setattr(os, "replace", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
+        assert in_a_child(write) == -signal.SIGKILL
+    assert [path for path in tmp_path.rglob(".*") if path.is_file()] != []
+    write()
+    assert [path for path in tmp_path.rglob(".*") if path.is_file()] == []
 
 
 @pytest.mark.slow

@@ -271,6 +271,7 @@ def test_what_was_computed_is_kept_where_its_folder_is_lost(
     out.mkdir()
     with pytest.raises(InputError, match="what did not get there is kept in ") as fault:
         fill(out, "a.json", "b.json", meanwhile=lambda: spoil(out))
+    claim(tmp_path / "later")
     assert (Path(str(fault.value).rsplit("kept in ", 1)[1]) / "b.json").read_text() == "b.json"
     assert not (out / MANIFEST).exists()
     assert out.is_dir() or out.read_text() == "mine"
