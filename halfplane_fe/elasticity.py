@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import skfem
@@ -19,6 +20,7 @@ from scenes import ConvergenceError, Elastic, freeze
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Inside = Callable[[Array], Array]  # displacement of the contact and arc nodes -> that of all degrees of freedom (n_dofs,)
 
 # How far a compliance may be from that of its mesh under one load (`condensation_error`). Rounding leaves 1e-13; of a guided block
 # 1e4 times as high as wide 4e-8. With 1e-7 (free sides, 1e2 times as high) the contact iterations end nowhere.
@@ -70,9 +72,6 @@ def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> 
     return splu(stiffness, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
-Inside = Callable[[Array], Array]  # displacement of the contact and arc nodes -> that of all degrees of freedom (n_dofs,)
-
-
 def _interface_stiffness(system: System) -> tuple[Array, Inside]:
     """Stiffness of the contact and arc nodes (2 n + 2 m), all others eliminated, and the way back to these.
 
@@ -100,7 +99,7 @@ def _interface_stiffness(system: System) -> tuple[Array, Inside]:
     return (found + found.T) / 2, inside
 
 
-def _compliance(system: System, stiffness: Array, datum_length: float, probing: Array) -> tuple[Array, Array]:
+def _compliance(system: System, stiffness: Array, arc: ArcLoads, probing: Array) -> tuple[Array, Array]:
     """(2 n, 2 n): displacement of the contact nodes by unit forces on them; the arc carries the half-plane's tractions.
 
     And the displacement of contact and arc nodes by the forces `probing` (2 n,).
@@ -108,13 +107,12 @@ def _compliance(system: System, stiffness: Array, datum_length: float, probing: 
     if not system.arc.size:
         compliance = cho_solve(cho_factor(stiffness), np.eye(len(stiffness)))
         return compliance, compliance @ probing
-    by_nodes, by_half_plane = _arc_work(system, datum_length)
-    loads = np.vstack([np.eye(system.contact.size), by_nodes[system.arc.ravel()]])
+    loads = np.vstack([np.eye(system.contact.size), arc.by_nodes])
     # The loads balance, so that holding the body in its three rigid motions changes nothing.
     rigid, _ = np.linalg.qr(rigid_motions(system.basis)[np.concatenate([system.contact.ravel(), system.arc.ravel()])])
     held = stiffness + np.abs(stiffness).max() * rigid @ rigid.T
     displacements = cho_solve(cho_factor(held, overwrite_a=True), loads)
-    return loads.T @ displacements - by_half_plane, displacements @ probing
+    return loads.T @ displacements - arc.by_half_plane, displacements @ probing
 
 
 def _probing_forces(system: System) -> Array:
@@ -122,7 +120,7 @@ def _probing_forces(system: System) -> Array:
     return np.random.default_rng(0).standard_normal(system.contact.size)
 
 
-def condensation_error(system: System, datum_length: float, compliance: Array, probe: Array) -> float:
+def condensation_error(system: System, arc: ArcLoads, compliance: Array, probe: Array) -> float:
     """How far a compliance is from that of the mesh, under one random load: a check that solves nothing.
 
     The displacement of the whole body under this load is known (`probe`). The virtual work of its stress shows that it is that
@@ -130,6 +128,7 @@ def condensation_error(system: System, datum_length: float, compliance: Array, p
 
     Parameters
     ----------
+    arc : of the system, `arc_loads`
     compliance : (2, n, 2, n), as that of a CondensedBody
     probe : (n_dofs,) displacement of the whole body under the load [length], then r/G where the body has them
 
@@ -139,14 +138,13 @@ def condensation_error(system: System, datum_length: float, compliance: Array, p
         The largest of four relative errors: forces of a degree of freedom over the largest of the load, motion of a support and of
         a contact node over the largest displacement, asymmetry of the compliance. 0 is perfect.
     """
-    forces, contact = _probing_forces(system), system.contact.ravel()
-    by_nodes, by_half_plane = _arc_work(system, datum_length)
+    forces, contact, around = _probing_forces(system), system.contact.ravel(), system.arc.ravel()
     load = np.zeros_like(probe)
     load[contact] = forces
-    load[: system.basis.N] += by_nodes @ forces
+    load[around] = arc.by_nodes @ forces
     unbalanced = system.internal_forces(probe) - load
     unbalanced[system.held] = 0.0  # what the supports carry
-    moved = probe[contact] + by_nodes.T @ probe[: system.basis.N] - by_half_plane @ forces
+    moved = probe[contact] + arc.by_nodes.T @ probe[around] - arc.by_half_plane @ forces
     flat = compliance.reshape(len(forces), -1)
     apart = {
         "forces": np.abs(unbalanced).max() / np.abs(forces).max(),
@@ -157,10 +155,21 @@ def condensation_error(system: System, datum_length: float, compliance: Array, p
     return float(max(apart.values()))
 
 
-def _arc_work(system: System, datum_length: float) -> tuple[Array, Array]:
-    """See `far_field.arc_work`."""
+class ArcLoads(NamedTuple):
+    """Work of the half-plane's tractions on the arc by unit forces on the contact nodes, see `far_field.arc_work`.
+
+    `by_nodes` (2 m, 2 n) on the nodes of the arc, `by_half_plane` (2 n, 2 n); zeros for a body without an arc.
+    """
+
+    by_nodes: Array
+    by_half_plane: Array
+
+
+def arc_loads(system: System, datum_length: float) -> ArcLoads:
+    """Those of the body; `datum_length` as of `condense` [length]."""
     facets = np.concatenate([np.empty(0, dtype=np.int64), *(system.basis.mesh.boundaries[name] for name in system.around)])
-    return arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], system.material, datum_length)
+    found = arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], system.material, datum_length)
+    return ArcLoads(found[0][system.arc.ravel()], found[1])
 
 
 def _rigid_part(system: System, displacement: Array) -> Array:
@@ -200,13 +209,14 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     """
     system = assemble(body, material)
     stiffness, inside = _interface_stiffness(system)
+    arc = arc_loads(system, datum_length)
     try:
-        compliance, probed = _compliance(system, stiffness, datum_length, _probing_forces(system))
+        compliance, probed = _compliance(system, stiffness, arc, _probing_forces(system))
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
     asymmetry = float(np.abs(compliance - compliance.T).max() / np.abs(compliance).max())
     compliance, probe = (compliance + compliance.T).reshape(*system.contact.shape, *system.contact.shape) / 2, inside(probed)
-    residual = condensation_error(system, datum_length, compliance, probe)
+    residual = condensation_error(system, arc, compliance, probe)
     if not residual <= LARGEST_ERROR:
         raise ConvergenceError(
             f"condensation: rounding leaves a compliance that differs from that of the mesh by {residual:.1e}: the body is too "
@@ -248,7 +258,7 @@ def displacement_fields(condensed: CondensedBody, forces: Array, datum_length: f
     cases = forces.reshape(-1, forces.shape[-1])
     load = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     load[system.contact.ravel()] = cases
-    load[: system.basis.N] += _arc_work(system, datum_length)[0] @ cases
+    load[system.arc.ravel()] += arc_loads(system, datum_length).by_nodes @ cases
     # The ends of the arc hold a half-disc without a force, since the loads balance.
     free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, system.arc[:, :1].ravel(), system.arc[1, -1:]]))
     displacements = np.zeros_like(load)

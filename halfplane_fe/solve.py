@@ -108,6 +108,9 @@ def _beside_a_coarse_mesh(
 ) -> FiniteElementSolution:
     """The answer with how far its dissipation is from that of a coarse mesh, and a note where there is reason for doubt."""
     noted, watch = partial(_noted, answer), _Watch()
+    if not needs_shear(answer.scene):
+        skipped = {**answer.work.skipped, "coarse mesh": (1, "no shear can arise: the dissipation is 0 on any mesh")}
+        return replace(answer, work=replace(answer.work, skipped=skipped))
     if settings is None:
         return noted("the dissipation has no uncertainty: no mesh is coarser than this one")
     try:

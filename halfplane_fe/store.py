@@ -29,7 +29,7 @@ import skfem
 from numpy.typing import NDArray
 
 from halfplane_fe.assembly import assemble
-from halfplane_fe.elasticity import LARGEST_ERROR, CondensedBody, condensation_error, condense, condensed_body
+from halfplane_fe.elasticity import LARGEST_ERROR, CondensedBody, arc_loads, condensation_error, condense, condensed_body
 from meshes import BodyMesh
 from scenes import Elastic
 from scenes.sources import source_digest
@@ -83,9 +83,10 @@ def refusals(work: Mapping[str, int]) -> Iterator[str]:
     for name, count in work.items():
         before, refused, why = name.partition(_REFUSED)
         if refused:
+            replaced = "not replaced: remove it" if work.get(f"{before}condensations not stored") else "replaced"
             yield (
                 f"the store of condensed bodies ({cache_folder()}): {count} of the {before}condensations read there "
-                f"{'was' if count == 1 else 'were'} refused, since the file {why}; condensed again, and replaced"
+                f"{'was' if count == 1 else 'were'} refused, since the file {why}; condensed again, and {replaced}"
             )
 
 
@@ -167,7 +168,7 @@ def _checked(arrays: Mapping[str, NDArray[Any]], body: BodyMesh, material: Elast
     forms = compliance.shape == (*shape, *shape) and probe.shape == (system.n_dofs,)
     if not (forms and np.isfinite(compliance).all() and np.isfinite(probe).all()):
         raise _RefusedError("holds arrays of another form")
-    error = condensation_error(system, datum_length, compliance, probe)
+    error = condensation_error(system, arc_loads(system, datum_length), compliance, probe)
     if not error <= LARGEST_ERROR:
         raise _RefusedError(f"holds another compliance than that of the mesh (by {error:.1e})")
     figures = {str(name): float(value) for name, value in zip(arrays["names"], arrays["figures"], strict=True)}

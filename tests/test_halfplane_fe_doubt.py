@@ -196,9 +196,16 @@ def test_from_python_it_is_not_solved_unasked() -> None:
 
 def test_a_mesh_that_can_be_no_coarser_has_no_uncertainty_and_says_so() -> None:
     mesh = MeshSettings(element_size=0.25, edge_element_size=0.25, growth=1.0)
-    solution = halfplane_fe.solve(load_scene("hertz-normal"), mesh, FEW, coarse_mesh=True)
+    solution = halfplane_fe.solve(load_scene("cattaneo-mindlin"), mesh, FEW, coarse_mesh=True)
     assert np.isnan(solution.dissipation_uncertainty)
     assert "the dissipation has no uncertainty: no mesh is coarser than this one" in solution.record.notes
+
+
+def test_without_shear_no_coarse_mesh_is_solved() -> None:
+    solution = halfplane_fe.solve(load_scene("hertz-normal"), COARSE, FEW, coarse_mesh=True)
+    assert "coarse mesh" in solution.work.skipped
+    assert "coarse mesh" not in solution.work.seconds
+    assert solution.dissipation == 0
 
 
 @pytest.mark.parametrize("failure", [ConvergenceError("it moved"), KeyboardInterrupt()])
@@ -213,7 +220,7 @@ def test_a_coarse_mesh_that_fails_takes_nothing_away(failure: BaseException, mon
         return real(*given)
 
     monkeypatch.setattr(solving, "_solve", solve)
-    ask = functools.partial(halfplane_fe.solve, load_scene("hertz-normal"), COARSE, FEW, coarse_mesh=True)
+    ask = functools.partial(halfplane_fe.solve, load_scene("cattaneo-mindlin"), COARSE, FEW, coarse_mesh=True)
     if isinstance(failure, KeyboardInterrupt):
         with pytest.raises(Interrupted, match="on the coarse mesh") as caught:
             ask()

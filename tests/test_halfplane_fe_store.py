@@ -327,7 +327,8 @@ def test_what_is_no_regular_file_is_not_opened(folder: Path, kind: str) -> None:
     if kind == "folder":  # which no file replaces: done without, and said
         work: Counter[str] = Counter()
         store.condensed(body(), STEEL, 7.0, work)
-        assert "is no regular file" in next(store.refusals(work))
+        (sentence,) = store.refusals(work)
+        assert sentence.endswith("is no regular file; condensed again, and not replaced: remove it")
         assert work["condensations not stored"] == 1
         return
     watched = threading.Thread(target=refused_once, args=(folder, "is no regular file", good), daemon=True)
