@@ -48,6 +48,18 @@ def _largest_half_width(solution: ContactSolution) -> float:
     return float(np.nanmax(solution.contact_half_width[solution.last_cycle]))
 
 
+def _lower_face_displacement(solution: ContactSolution) -> float:
+    """u_y of the middle of the lower face at the largest load; NaN for a half-plane, whose displacement has no datum."""
+    from halfplane_fe import FiniteElementSolution, fields
+
+    if not isinstance(solution, FiniteElementSolution) or solution.scene.bodies.lower.kind == "half_plane":
+        return math.nan
+    largest = solution.last_cycle[np.argmax(solution.normal_load[solution.last_cycle])]
+    lower = fields(solution, [solution.time[largest]])[0].bodies[0]
+    middle = np.argmin(np.hypot(*lower.points.T))
+    return float(lower.displacement[middle, 1])
+
+
 _MEASURES: dict[str, Callable[[ContactSolution], float]] = {
     "dissipation": lambda solution: float(solution.dissipation),
     "loop_work": lambda solution: float(solution.loop_work),
@@ -56,6 +68,7 @@ _MEASURES: dict[str, Callable[[ContactSolution], float]] = {
     "largest_pressure": lambda solution: float(np.max(solution.pressure[solution.last_cycle])),
     "permanent_stick_half_width": lambda solution: float(solution.permanent_stick_half_width),
     "stick_share": lambda solution: float(solution.permanent_stick_half_width) / _largest_half_width(solution),
+    "lower_face_displacement": _lower_face_displacement,
 }
 
 

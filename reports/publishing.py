@@ -22,13 +22,14 @@ from typing import TYPE_CHECKING, Any
 from reports.baseline import Findings, of_content, of_solution, replace_text
 from reports.console import say
 from reports.difference import SAME, difference
-from scenes import InputError, Scene, load_scene, scene_names
+from scenes import Expected, InputError, Scene, load_scene, scene_names
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
 
 FOLDER = Path(__file__).with_name("published")
 TRUTHS = Path(__file__).parents[1] / "benchmarks" / "regress.json"
+ROLLER = TRUTHS.with_name("roller.json")
 # Largest difference from the frozen values before they count as stale, before the defaults of `difference`.
 STALE = {"*.counts.*": 0.05, "semi_analytic.*": 1e-10}
 EXACT, CLOSED = 1e-12, 1e-12
@@ -83,6 +84,7 @@ def half_plane_findings(name: str) -> Findings:
 
 def findings(comparison: Comparison) -> Findings:
     """The figures of a scene: the metrics, the finite elements', and the half-plane engine's on its own points."""
+    from reports.expected import measure
     from reports.summary import as_json
 
     name = comparison.scene.name
@@ -90,7 +92,15 @@ def findings(comparison: Comparison) -> Findings:
     if both.unfinished:
         raise InputError(f"{name}: not converged, so not published: {'; '.join(both.unfinished)}")
     kept = {key: value for key, value in both.figures.items() if not key.startswith("semi_analytic.")}
+    for one in published_by_others(comparison.scene):
+        kept.setdefault(f"halfplane_fe.{one.quantity}", measure(comparison.result, one.quantity))
     return Findings(name, both.scene, kept | dict(alone.figures), {**both.engines, **alone.engines})
+
+
+def published_by_others(scene: Scene) -> Iterator[Expected]:
+    """What a benchmark of other codes expects of finite elements."""
+    if "benchmark" in scene.tags:
+        yield from (one for one in scene.expected if one.engine == "finite elements")
 
 
 def externals(scene: Scene, largest_load: float) -> Iterator[External]:
@@ -122,6 +132,8 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
             yield External("halfplane_fe.largest_pressure", repr(pressure), scene.tolerances.peak_pressure, "Hertz: 2 P/(π a)")
     if scene.name == "layer":
         yield from LAYER
+    for one in published_by_others(scene):
+        yield External(f"halfplane_fe.{one.quantity}", repr(one.value), one.tolerance, one.source)
 
 
 def error_of(external: External, figures: Mapping[str, float | None], scene: Scene, largest_load: float) -> float:

@@ -17,6 +17,7 @@ Quantity = Literal[
     "largest_pressure",
     "permanent_stick_half_width",
     "stick_share",
+    "lower_face_displacement",
 ]
 
 
@@ -30,7 +31,8 @@ class Expected(Frozen):
     quantity: Quantity = Field(
         description="of the last cycle (the whole path where nothing repeats): dissipation, loop_work (closed integral of Q dU), "
         "largest_half_width, least_half_width of the contact, largest_pressure, permanent_stick_half_width, "
-        "stick_share (the latter over largest_half_width)"
+        "stick_share (the latter over largest_half_width), lower_face_displacement (along y, of the lower face's middle at the "
+        "largest load: finite elements of a real body)"
     )
     value: float = Field(description="in the scene's units; energies and loads per unit thickness")
     tolerance: Positive = Field(

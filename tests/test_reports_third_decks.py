@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +16,12 @@ from reports.third.calculix import calculix_deck
 from reports.third.deck import Deck, build_deck
 from reports.third.settings import DeckSettings
 from scenes import InputError, load_scene, scene_names
+
+BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
+sys.path.insert(0, str(BENCHMARKS))
+import roller  # noqa: E402
+
+sys.path.remove(str(BENCHMARKS))
 
 COARSE = DeckSettings(element_size=1 / 8, edge_element_size=1 / 16, far_radius=20.0, growth=0.6, steps_per_cycle=16)
 SCENES = ("hertz-paper", "cattaneo-mindlin", "pad-on-block", "layer", "cylinder-roller-frictionless")
@@ -101,6 +109,19 @@ def test_true_faces_stay_as_they_are_made() -> None:
     x, y = deck.upper.nodes[deck.upper.contact_nodes - deck.upper.first_node].T
     radius = 50.0
     assert np.allclose(y, radius - np.sqrt(radius**2 - x**2), rtol=0, atol=1e-9)
+
+
+def test_the_roller_benchmark_mirrors_the_half_cylinder_and_loads_its_top() -> None:
+    half = deck_of("cylinder-roller-frictionless")
+    whole = roller.whole_cylinder(half)
+    assert whole.upper.areas().min() > 0
+    assert whole.upper.areas().sum() == pytest.approx(2 * half.upper.areas().sum(), rel=1e-12)
+    assert len(np.unique(whole.upper.nodes.round(9), axis=0)) == len(whole.upper.nodes) == whole.reference - whole.upper.first_node
+    loaded = whole.upper.nodes[whole.upper.held[2] - whole.upper.first_node]
+    assert loaded[:, 1].max() == pytest.approx(100.0)
+    assert np.abs(loaded[:, 0]).max() <= half.scales.half_width
+    assert roller.two_increments(half).time.tolist() == [0.0, 0.5, 1.0]
+    assert set(roller.kept()) == set(roller.cases())
 
 
 @pytest.mark.parametrize("dialect", ["calculix", "abaqus"])

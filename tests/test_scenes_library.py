@@ -164,13 +164,17 @@ def test_published_figures_of_the_finite_elements_meet_what_is_expected(name: st
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in NAMES])
 def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
-    """Elements of a/8 and a/32: pressure and half-width to 4 %, dissipation to 15 % (worst: 13.2 %, flat-pad-on-block)."""
+    """Elements of a/8 and a/32: pressure and half-width to 4 %, dissipation to 15 % (worst: 13.2 %, flat-pad-on-block).
+
+    One number states a larger tolerance of its own: the published roller's stress on linear elements of 1.5 mm.
+    """
     scene = load_scene(name)
     solution = halfplane_fe.solve(scene, mesh=MeshSettings.swift())
     assert solution.record.converged
     assert not [check.label for check in certificates(solution) if not check.holds]
     for finding in expected.check(scene, [solution]):
-        assert abs(finding.difference) <= (0.15 if finding.expected.quantity == "dissipation" else 0.04), finding
+        limit = 0.15 if finding.expected.quantity == "dissipation" else max(0.04, finding.expected.tolerance)
+        assert abs(finding.difference) <= limit, finding
 
 
 @pytest.mark.slow
@@ -285,7 +289,7 @@ def test_a_number_that_is_off_is_missed(mindlin: ContactSolution) -> None:
 
 def test_no_such_thing_is_missed_not_met(mindlin: ContactSolution) -> None:
     sliding = replace(mindlin, permanent_stick_half_width=math.nan)
-    for quantity in ("permanent_stick_half_width", "stick_share"):
+    for quantity in ("permanent_stick_half_width", "stick_share", "lower_face_displacement"):
         missed = finding(sliding, quantity=quantity, value=0.5)
         assert not missed.met
         assert expected.rows([missed])[0][3] == "none"
