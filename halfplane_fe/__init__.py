@@ -25,9 +25,18 @@ In the order in which a scene passes through::
 from halfplane_fe.fields import BodyFields, Snapshot, fields
 from halfplane_fe.path import check_admissible
 from halfplane_fe.settings import SolverSettings
-from halfplane_fe.solve import FiniteElementSolution, solve
+from halfplane_fe.solve import FiniteElementSolution, require_solvable, solve
 
-__all__ = ["BodyFields", "FiniteElementSolution", "Snapshot", "SolverSettings", "check_admissible", "fields", "solve"]
+__all__ = [
+    "BodyFields",
+    "FiniteElementSolution",
+    "Snapshot",
+    "SolverSettings",
+    "check_admissible",
+    "fields",
+    "require_solvable",
+    "solve",
+]
 
 
 def __dir__() -> list[str]:

@@ -20,8 +20,10 @@ _SAMPLES = 721
 _LEAST_LOAD = 1e-12
 # Share of f times the largest load within which |Q| is f P.
 _ROUNDING_OF_LIMIT = 1e-14
-_ROUNDING_OF_LOAD = (
-    "so little load, 1e-12 of the largest or less, finite elements can't tell from separation (the half-plane engine can),"
+_LITTLE_LOAD = "so little load, 1e-12 of the largest or less, finite elements can't tell from separation; the half-plane engine can"
+_SLIDING = (
+    "finite elements need |Q| below f P (half-plane theory takes |Q| = f P too); lower the tangential load, raise the normal load "
+    "or friction.coefficient"
 )
 
 
@@ -92,11 +94,10 @@ def check_admissible(path: LoadPath, friction: float) -> None:
         separated = inside & (p <= _LEAST_LOAD * scale)
         if separated.any():
             worst = int(np.argmin(np.where(separated, p, np.inf)))
-            if p[worst] > 0:
-                raise InadmissibleLoadError(_ROUNDING_OF_LOAD, times[worst], p[worst], q[worst])
-            raise InadmissibleLoadError("separation: the bodies lift off", times[worst], p[worst], q[worst])
+            rule = _LITTLE_LOAD if p[worst] > 0 else ""
+            raise InadmissibleLoadError("separation", times[worst], p[worst], q[worst], friction, rule=rule)
         excess = np.abs(q) - friction * p
         sliding = inside & (excess >= -_ROUNDING_OF_LIMIT * friction * scale) & (q != 0)
         if sliding.any():
             worst = int(np.argmax(np.where(sliding, excess, -np.inf)))
-            raise InadmissibleLoadError("gross sliding: |Q| >= f P", times[worst], p[worst], q[worst])
+            raise InadmissibleLoadError("gross sliding", times[worst], p[worst], q[worst], friction, rule=_SLIDING)

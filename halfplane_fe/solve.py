@@ -31,7 +31,7 @@ from halfplane_fe.scales import Scales, contact_modulus, find_scales, needs_shea
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
-from meshes import BodyMesh, MeshSettings, SurfaceGrading
+from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
 from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene, Work, freeze
 from scenes.frozen import validated
 
@@ -150,8 +150,7 @@ def _solve(
     scene: Scene, mesh: MeshSettings, settings: SolverSettings, report: Progress, known: Scales | None
 ) -> FiniteElementSolution:
     watch = _Watch()
-    check_admissible(scene.load.path(), scene.friction.coefficient)
-    check_supports(scene, sheared(scene))
+    _check_loads(scene)
     report(0, None, "coarse run")
     coarse_work: Counter[str] = Counter()
     scales = known or find_scales(scene, coarse_work)
@@ -179,6 +178,31 @@ def _solve(
         raise type(run.failure)(str(run.failure), answer) from run.failure
     _check_room(answer)
     return answer
+
+
+def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
+    """All that `solve` refuses before it makes a mesh of its own: half-planes by their loads, real bodies by the coarse run too.
+
+    Raises
+    ------
+    InputError
+        For a load path, supports or a face too narrow for the contact that `solve` refuses.
+    ConvergenceError
+        Where the coarse run does not converge.
+    """
+    _check_loads(scene)
+    if scene.bodies.half_planes:
+        return  # there is room for every contact
+    settings = mesh or MeshSettings()
+    with threadpool_limits(limits=1, user_api="blas"):
+        scales = find_scales(scene, Counter())
+    for name, shape, ratio in (("lower", scene.bodies.lower, 1.0), ("upper", scene.bodies.upper, settings.upper_ratio)):
+        check(name, shape, scene.profile, surface_grading(settings, scales, ratio), settings)
+
+
+def _check_loads(scene: Scene) -> None:
+    check_admissible(scene.load.path(), scene.friction.coefficient)
+    check_supports(scene, sheared(scene))
 
 
 class _Watch:

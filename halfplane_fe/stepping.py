@@ -16,6 +16,8 @@ _SHORTEST = 2.0**-12
 _SHORTEST_FOR_ERROR = 2.0**-5
 # Share of the leg within which an event is met.
 _LANDING_TOLERANCE = 2e-11
+# Trials of a regular increment: all of its halves down to the shortest and as many refused; and of each contact node, eight events.
+_MOST_TRIALS, _MOST_EVENTS = 2**14, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ def follow(
     Raises
     ------
     ConvergenceError
-        Where halving does not help.
+        Where halving does not help, or events do not end.
     """
 
     def loads_at(time: float) -> tuple[float, float]:
@@ -67,7 +69,7 @@ def follow(
     landing = Landing(_LANDING_TOLERANCE * (stretch.leg.end - stretch.leg.start), too_long)
     for end in stretch.ends:
         targets = [end]  # the first is to be reached, those after it are what halving has put before it
-        while targets:
+        for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
             attempt = _attempt(problem, history, loads_at, targets[-1], landing, regular)
             if isinstance(attempt, float):
                 targets.append((history.time + attempt) / 2)
@@ -79,6 +81,10 @@ def follow(
             yield attempt
             while targets and history.time >= targets[-1]:
                 targets.pop()
+            if not targets:
+                break
+        else:
+            raise ConvergenceError(f"the increment that ends at time {end:.6g} was not reached: nodes touch and let go without end")
 
 
 def _attempt(

@@ -11,7 +11,7 @@ Where to find what::
 """
 
 from meshes.bodies import BodyMesh, MeshSettings, SurfaceGrading
-from meshes.build import build
+from meshes.build import build, check
 from meshes.files import PvdEntry, write_pvd, write_vtu
 from meshes.foreign import FieldFrame, FieldPart, collected_files, joined, read_frames
 from meshes.half_disc import half_disc
@@ -26,6 +26,7 @@ __all__ = [
     "PvdEntry",
     "SurfaceGrading",
     "build",
+    "check",
     "collected_files",
     "half_disc",
     "joined",

@@ -39,21 +39,29 @@ def solid(
     InputError
         Where the face does not reach past the places that may touch, or a pad's face goes below its base.
     """
+    check_face(name, shape, profile, grading)
     face, half_width = face_of(shape, profile), shape.face_half_width
     height = shape.radius if isinstance(shape, Cylinder) else shape.height
-    if grading.outer >= half_width:
-        raise InputError(
-            f"bodies.{name}: the contact reaches |x| = {grading.outer:.6g}, past the end of the {shape.kind}'s face at "
-            f"{half_width:.6g}: make the {shape.kind} wider, or the load less"
-        )
-    if isinstance(shape, Pad) and not float(face.depth(np.array(half_width))) < height:
-        raise InputError(f"bodies.{name}.height = {height:g} is refused: the pad's face goes as deep at its sides; make it higher")
     unit, length = scaled_grading(grading, 1 / grading.outer).drawn_for(cells), grading.outer
     outline = _Outline(face, half_width / length, height / length, length)
     size = size_field(unit, growth)
     mesh = mirrored_mesh(lambda: outline.draw(unit, size), size, order, cells, outline.settle)
     mesh = mesh.scaled(float(length))
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
+
+
+def check_face(name: str, shape: Block | Pad | Cylinder, profile: Profile, grading: SurfaceGrading) -> None:
+    """InputError where the face does not reach past the places that may touch, or a pad's face goes below its base."""
+    half_width = shape.face_half_width
+    if grading.outer >= half_width:
+        raise InputError(
+            f"bodies.{name}: the contact reaches |x| = {grading.outer:.6g}, past the end of the {shape.kind}'s face at "
+            f"{half_width:.6g}: make the {shape.kind} wider, or the load less"
+        )
+    if isinstance(shape, Pad) and not float(face_of(shape, profile).depth(np.array(half_width))) < shape.height:
+        raise InputError(
+            f"bodies.{name}.height = {shape.height:g} is refused: the pad's face goes as deep at its sides; make it higher"
+        )
 
 
 def _supports(shape: Block | Pad | Cylinder) -> Mapping[str, str]:

@@ -1,4 +1,4 @@
-"""Whether a scene has a solution at all, before anything is solved: |Q| <= f P and P >= 0 all along, a profile that holds P."""
+"""Whether a load path has a solution at all, before anything is solved: |Q| <= f P and P >= 0 all along."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import EllipseLoad, InputError, Leg, Scene, sampled
+from scenes import EllipseLoad, InadmissibleLoadError, InputError, Leg, Scene, StraightLeg, TimeSeriesLoad, sampled
 
 Array = NDArray[np.float64]
 
@@ -46,8 +46,7 @@ def check_path(scene: Scene) -> PathCheck:
     >>> round(check.ratio, 12), check.reason
     (0.6, '')
     """
-    path, friction = scene.load.path(), scene.friction.coefficient
-    legs = [(leg, "way in") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
+    friction, legs = scene.friction.coefficient, _deciding_legs(scene)
     worst = [_worst_of(leg, friction) for leg, _ in legs]
     place = int(np.argmax([ratio for ratio, _ in worst]))
     ratio, time = worst[place]
@@ -66,32 +65,48 @@ def check_path(scene: Scene) -> PathCheck:
     )
 
 
+def _deciding_legs(scene: Scene) -> list[tuple[Leg, str]]:
+    """The legs of the way in and of one cycle, and which of the two each is part of.
+
+    Of the rows of a record, which may be millions, those steps alone that decide: the first to leave the admissible region, that
+    with the worst ratio and that with the largest P, all of which are at rows.
+    """
+    load = scene.load
+    if not isinstance(load, TimeSeriesLoad):
+        path = load.path()
+        return [(leg, "way in") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
+    rows = load.series()
+    normal, tangential = (np.stack([rows[:-1, column], rows[1:, column]], axis=1) for column in (1, 2))
+    ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
+    first = np.flatnonzero(ratio > 1 + _ROUNDING)[:1]
+    legs = []
+    for k in np.unique([*first, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
+        (start, *before), (end, *after) = rows[k : k + 2].tolist()
+        leg = StraightLeg(start, end, (before[0], before[1]), (after[0], after[1]))
+        legs.append((leg, "cycle" if load.repeats and k > 0 else "way in"))
+    return legs
+
+
 def require_admissible(scene: Scene, source: str) -> None:
     """InputError naming `source`, the instant, the loads and the rule if the path leaves the admissible region."""
     check = check_path(scene)
-    if not check.reason:
+    if not check.reason or check.first_time is None:
         return
-    what = {
-        "gross sliding": "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load control; "
-        "lower the tangential load, raise the normal load or friction.coefficient",
-        "separation": "P is not positive there, so the bodies part; keep P > 0 after the start",
-    }[check.reason]
     if check.reason == "separation" and not _presses(scene):
         raise InputError(
             f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so "
             "turn its sign if compression is negative in this record"
         )
-    raise InputError(
-        f"{source}: load: {check.reason} from time {check.first_time:.6g} on, worst in the {check.part} at time "
-        f"{check.time:.6g} with P = {check.normal_load:.6g}, Q = {check.tangential_load:.6g}, f = "
-        f"{scene.friction.coefficient:g}: {what}{_other_way_in(scene)}"
+    worst = (check.time, check.normal_load, check.tangential_load)
+    fault = InadmissibleLoadError(
+        check.reason, check.first_time, *worst[1:], scene.friction.coefficient, worst, where=f"worst in the {check.part}"
     )
+    raise InputError(f"{source}: {fault}{_other_way_in(scene)}")
 
 
 def _presses(scene: Scene) -> bool:
     """Whether P is positive anywhere."""
-    path = scene.load.path()
-    return any(_largest_normal_load(leg) > 0 for leg in (*path.way_in, *path.cycle))
+    return any(_largest_normal_load(leg) > 0 for leg, _ in _deciding_legs(scene))
 
 
 def _other_way_in(scene: Scene) -> str:
@@ -103,27 +118,16 @@ def _other_way_in(scene: Scene) -> str:
     return "" if check_path(straight).reason else '; or write load.way_in = "straight", which is admissible'
 
 
-def require_profile_wide_enough(scene: Scene, source: str) -> None:
-    """InputError naming `source` where half-plane theory can't press the profile together with the largest load of the path.
-
-    That is a table or a function which ends within the contact, or a shape under which the contact would split.
-    """
-    from semi_analytic.contact import contact_of
-
-    path = scene.load.path()
-    largest = max(_largest_normal_load(leg) for leg in (*path.way_in, *path.cycle))
-    try:
-        contact_of(scene.profile, scene.material).half_width(largest)
-    except InputError as fault:
-        raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
+def largest_normal_load(scene: Scene) -> float:
+    """Largest P of the path [force per thickness]."""
+    return max(_largest_normal_load(leg) for leg, _ in _deciding_legs(scene))
 
 
-def _ratio(leg: Leg, friction: float, time: Array) -> Array:
-    """|Q|/(f P); 0 at P = Q = 0, infinite at P < 0 or at Q beside P = 0 or f = 0."""
-    normal, tangential = leg.loads(time)
+def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
+    """|Q|/(f P) of legs (..., n samples each); 0 at P = Q = 0, infinite at P < 0 or at Q beside P = 0 or f = 0."""
     size = np.abs(tangential)
     # A load that is zero but for the rounding of its own leg is zero.
-    size = np.where(size <= _ROUNDING * friction * np.max(np.abs(normal)), 0.0, size)
+    size = np.where(size <= _ROUNDING * friction * np.max(np.abs(normal), axis=-1, keepdims=True), 0.0, size)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = size / (friction * normal)
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
@@ -131,7 +135,7 @@ def _ratio(leg: Leg, friction: float, time: Array) -> Array:
 
 def _worst_of(leg: Leg, friction: float) -> tuple[float, float]:
     """(largest ratio, its time) on one leg."""
-    return _highest(leg, lambda time: _ratio(leg, friction, time))
+    return _highest(leg, lambda time: _ratio(*leg.loads(time), friction))
 
 
 def _largest_normal_load(leg: Leg) -> float:
@@ -158,14 +162,15 @@ def _highest(leg: Leg, of: Callable[[Array], Array]) -> tuple[float, float]:
 def _first_of(leg: Leg, friction: float) -> float:
     """When a leg that leaves the admissible region first does so, by bisection."""
     time = np.union1d(sampled(leg, _SAMPLES), [_worst_of(leg, friction)[1]])
-    outside = int(np.flatnonzero(_ratio(leg, friction, time) > 1 + _ROUNDING)[0])
+    outside = int(np.flatnonzero(_ratio(*leg.loads(time), friction) > 1 + _ROUNDING)[0])
     if outside == 0:
         return float(time[0])
     low, high = float(time[outside - 1]), float(time[outside])
     for _ in range(60):
         middle = (low + high) / 2
-        if _ratio(leg, friction, np.array([middle]))[0] > 1 + _ROUNDING:
+        if _ratio(*leg.loads(np.array([middle])), friction)[0] > 1 + _ROUNDING:
             high = middle
         else:
             low = middle
-    return high
+    # A line from P = Q = 0 that slides does so from its start on, where the ratio itself is 0/0.
+    return leg.start if high - leg.start < _ROUNDING * (leg.end - leg.start) else high

@@ -46,7 +46,7 @@ def init(
 
 @app.command(group=SCENES, sort_key=2, help_epilogue="")
 def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
-    """Read a scene, and see whether its loads stay clear of gross sliding and separation."""
+    """Refuse what `run` would refuse; say how large the contact gets and how near gross sliding comes."""
     from reports import commands_scenes
 
     return commands_scenes.check(scene, json, quiet)

@@ -11,6 +11,7 @@ from reports import jobs
 from reports.application import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 from reports.folder import claim, default_folder
+from reports.largest_contact import largest_contact
 from reports.options import FiniteElementOptions
 from reports.series import Wish, check_series
 from reports.tables import exit_code, show_budget, show_expected, show_fields, show_notes, show_third, show_verdict
@@ -43,6 +44,7 @@ def run(
     if stress:
         _can_draw(stages)
     jobs.load_engines(stages)
+    largest_contact(scene, source)  # what theory refuses, before the finite elements are solved
     options.settings()
     third = () if third_limit is None else ("--third", "calculix", "--third-limit", f"{third_limit:g}")
     asked = (("--vtu", *vtu) if vtu else (), ("--stress", *stress) if stress else (), ("--pdf",) if pdf else ())
@@ -152,6 +154,8 @@ def fields(source: str, wish: Wish, out: Path | None, quiet: bool, options: Fini
 
 def _times(words: tuple[str, ...], option: str, scene: Scene) -> None:
     """InputError for a word that is neither a time of the path nor "events", before anything is solved."""
+    if not words:
+        return
     from reports.fields import instant_of
 
     legs = list(scene.load.path().legs(scene.cycles))

@@ -14,8 +14,11 @@ from typing import Any
 from reports import checking, jobs, questions
 from reports.answers import SceneAnswers, example
 from reports.application import WITHIN
-from reports.console import say
-from scenes import InputError, scene_companions, scene_schema, scene_text
+from reports.console import Stages, say
+from scenes import InputError, Scene, TimeSeriesLoad, scene_companions, scene_schema, scene_text
+
+# Rows of a load series up to which `check` asks the finite elements too: 10,000 take them a second to look at, and hours to solve.
+_MOST_ROWS = 10_000
 
 
 def scenes(name: str, tags: tuple[str, ...], as_json: bool) -> int:
@@ -103,12 +106,14 @@ def _write_new(path: Path, text: str, undo: ExitStack) -> None:
 
 
 def check(source: str, as_json: bool, quiet: bool) -> int:
-    """Read and check a scene, loads and profile; say how near it comes to gross sliding."""
+    """Refuse what `run` would refuse; say how large the contact gets, and how near it comes to gross sliding."""
     from reports.body_words import bodies_in_words, idealisation, unlike_materials
+    from reports.largest_contact import in_words, largest_contact, remarks
     from reports.wording import question
 
     scene = jobs.read(source)
-    checking.require_profile_wide_enough(scene, source)
+    largest = largest_contact(scene, source)
+    doubts = remarks(scene, largest) + _refused_by_elements(scene, source)
     found = checking.check_path(scene)
     words = [sentence for sentence in (bodies_in_words(scene), unlike_materials(scene), idealisation(scene)) if sentence]
     last = (
@@ -119,11 +124,26 @@ def check(source: str, as_json: bool, quiet: bool) -> int:
     if as_json:
         from reports.machine import check_json
 
-        say(check_json(scene, found, [question(scene), *words], last))
+        say(check_json(scene, found, largest, [question(scene), *words], doubts, last))
     elif not quiet:
-        for sentence in (question(scene), *words, last):
+        for sentence in (question(scene), *words, in_words(scene, largest), *(f"Remark: {doubt}" for doubt in doubts), last):
             say(sentence)
     return WITHIN
+
+
+def _refused_by_elements(scene: Scene, source: str) -> list[str]:
+    """InputError for what finite elements refuse; a remark where the load series is too long to ask them."""
+    if isinstance(scene.load, TimeSeriesLoad) and len(scene.load.rows) > _MOST_ROWS:
+        return [
+            f"The record has {len(scene.load.rows)} rows, and finite elements take at least two increments a row: solve it by "
+            "half-plane theory alone, `halfplane exact`."
+        ]
+    jobs.load_engines(Stages(quiet=True))
+    import halfplane_fe
+
+    with jobs.naming(source):
+        halfplane_fe.require_solvable(scene)
+    return []
 
 
 def schema() -> int:

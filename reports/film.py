@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes import InputError
+
 if TYPE_CHECKING:
     from PIL.Image import Image
 
@@ -18,6 +20,8 @@ Frame = NDArray[np.uint8]
 
 RATE = 12  # frames a second
 LARGEST_GIF = 8_000_000  # bytes; what mail and web pages take
+# Times that a film is made smaller: at the last it has 1/300 of its width.
+_SHRINKINGS = 20
 _COLOURS = 255  # one of the 256 is left to Pillow for "as in the frame before"
 
 
@@ -50,9 +54,12 @@ def write_film(frames: Iterable[Frame], colours: NDArray[np.uint8], folder: Path
             pictures += _indexed(_each(frames, add), colours)
     size = pictures[0].size
     scaled = pictures
-    while _write_gif(scaled, folder / files[0]) > LARGEST_GIF:
-        scale = 0.75 * scaled[0].width / size[0]
-        scaled = _smaller(pictures, scale)
+    for power in range(1, _SHRINKINGS + 1):
+        if _write_gif(scaled, folder / files[0]) <= LARGEST_GIF:
+            break
+        scaled = _smaller(pictures, 0.75**power)
+    else:
+        raise InputError(f"{files[0]}: {len(pictures)} frames take more than 8 MB at every size; --frames: ask for fewer")
     if scaled[0].size != size:
         now, full = (f"{width} x {height}" for width, height in (scaled[0].size, size))
         notes.append(f"{files[0]}: {now} pixels instead of {full}, to stay below 8 MB")
@@ -109,7 +116,7 @@ def _indexed(frames: Iterable[Frame], colours: NDArray[np.uint8]) -> Iterator[Im
 def _smaller(pictures: list[Image], scale: float) -> list[Image]:
     from PIL import Image
 
-    size = tuple(round(scale * side) for side in pictures[0].size)
+    size = tuple(max(round(scale * side), 1) for side in pictures[0].size)
     return [
         picture.convert("RGB").resize(size, Image.Resampling.LANCZOS).quantize(palette=pictures[0], dither=Image.Dither.NONE)  # type: ignore[arg-type]
         for picture in pictures

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from reports.expected import Finding
     from reports.fields_job import FieldsReport
     from reports.jobs import Report
+    from reports.largest_contact import LargestContact
     from reports.maps.advice import Advice
     from reports.paper.page import PaperReport
     from reports.sweep.progress import State
@@ -105,8 +106,10 @@ _ALONE = (
 )
 
 
-def check_json(scene: Scene, found: PathCheck, words: Sequence[str], sentence: str) -> str:
-    """What `check` says of an admissible scene."""
+def check_json(
+    scene: Scene, found: PathCheck, largest: LargestContact, words: Sequence[str], doubts: Sequence[str], sentence: str
+) -> str:
+    """What `check` says of a scene that can be solved; a peak pressure that is infinite is null."""
     worst = {"ratio": found.ratio, "part": found.part, "time": found.time, "normal_load": found.normal_load}
     return _text(
         {
@@ -116,6 +119,8 @@ def check_json(scene: Scene, found: PathCheck, words: Sequence[str], sentence: s
             "passed": True,
             "sentence": sentence,
             "notes": list(words),
+            "remarks": list(doubts),
+            "largest_contact": vars(largest),
             "nearest_to_sliding": worst | {"tangential_load": found.tangential_load},
         }
     )

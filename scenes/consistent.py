@@ -11,6 +11,15 @@ _STRESSES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.75729316
 _ROUNDING = 1e-6
 
 
+def stress_in_pascal(word: str) -> float:
+    """What a unit of stress is in Pa; 0 for a word that nobody here knows.
+
+    >>> stress_in_pascal("MPa"), stress_in_pascal("stress")
+    (1000000.0, 0.0)
+    """
+    return _STRESSES.get(word, 0.0)
+
+
 def inconsistent(units: str) -> str:
     """Why `units` can't be right, with what to do; empty for a consistent set, and for words that nobody here knows.
 

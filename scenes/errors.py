@@ -26,18 +26,50 @@ class InputError(ValueError):
         super().__init__("".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short))
 
 
+_RULES = {
+    "gross sliding": "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load control; "
+    "lower the tangential load, raise the normal load or friction.coefficient",
+    "separation": "P is not positive there, so the bodies part; keep P > 0 after the start",
+}
+
+
 class InadmissibleLoadError(InputError):
     """The load path leaves the region where a solution exists: gross sliding or separation under load control.
 
-    Attributes
+    Parameters
     ----------
-    time, normal_load, tangential_load : float
-        The instant and the loads at which it happens.
+    reason : "gross sliding" or "separation"
+    time, normal_load, tangential_load : the instant and the loads at which it happens
+    friction : f
+    seen : time, P and Q where the fault shows, if not there: a path that slides from the unloaded state on does so at P = Q = 0
+    where : words on that place, such as "worst in the cycle"
+    rule : what is broken and what to do, in place of the words for `reason`
+
+    >>> print(InadmissibleLoadError("separation", 1.5, 0.0, 0.0, 0.5, (2.0, -3.0, 0.0)))
+    load: separation from time 1.5 on, at time 2 with P = -3, Q = 0: P is not positive there, so the bodies part; keep P > 0
+    after the start
     """
 
-    def __init__(self, reason: str, time: float, normal_load: float, tangential_load: float) -> None:
+    def __init__(
+        self,
+        reason: str,
+        time: float,
+        normal_load: float,
+        tangential_load: float,
+        friction: float | None = None,
+        seen: tuple[float, float, float] | None = None,
+        *,
+        where: str = "",
+        rule: str = "",
+    ) -> None:
         self.time, self.normal_load, self.tangential_load = time, normal_load, tangential_load
-        super().__init__(f"{reason} at time {time:.6g}: normal load {normal_load:.6g}, tangential load {tangential_load:.6g}")
+        at, normal, tangential = seen or (time, normal_load, tangential_load)
+        since = f" from time {time:.6g} on," if at != time else ""
+        place = f" {where}" if where else ""
+        loads = f"P = {normal:.6g}, Q = {tangential:.6g}"
+        if reason == "gross sliding" and friction is not None:
+            loads += f", f = {friction:g}"
+        super().__init__(f"load: {reason}{since}{place} at time {at:.6g} with {loads}: {rule or _RULES[reason]}")
 
 
 class ConvergenceError(RuntimeError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Literal, NamedTuple, Self
 
 import numpy as np
@@ -13,6 +12,18 @@ from scenes.tables import FromFile, RowError, Table
 
 Array = NDArray[np.float64]
 _ALIKE = 1e-12
+# Of a slope: what two neighbouring secants of rows on a line may differ by. Their rounding is less, and those of a parabola differ
+# by one part in as many as there are rows.
+_IN_LINE = 1e-9
+# Of an interval between two rows: nearer than this to an end there is no further knot. What it costs the curve is that share of a
+# slope; a shorter piece has no digits left in its curvature.
+_SHORTEST = 1e-6
+# Of x: rows nearer to each other than this have no slope between them that rounding leaves.
+_CLOSEST = 1e-9
+# Rows of one side. The normal load is a sum over all of them for each: 2,000 take some 5 s, and the fields of a cycle a minute.
+_MOST = 2_000
+# A rise counts as a whole number of steps to this; steps are coarse where half of all rises are less than so many.
+_WHOLE, _COARSE = 1e-3, 1000
 
 
 class Spline(NamedTuple):
@@ -67,6 +78,21 @@ class Tabulated(FromFile):
         """The curve for x >= 0."""
         return rising_spline(*one_sided(self.points.values, self.asymmetry))
 
+    def row_before(self, distance: float) -> int:
+        """Number, counted from 0, of the last row with x <= `distance` [length]."""
+        return int(np.searchsorted(self.points.values[:, 0], distance, side="right")) - 1
+
+    def place(self, row: int) -> str:
+        """Where the user finds a row, counted from 0."""
+        return f"profile.file = {self.file!r}, row {row + 1}" if self.file else f"profile.points, row {row + 1}"
+
+    def step_of_heights(self) -> float | None:
+        """The step in which h is written [length], where rises of neighbouring rows are few of these; None where it is finer."""
+        rise = np.abs(np.diff(one_sided(self.points.values, self.asymmetry)[1]))
+        step = float(np.min(rise[rise > 0]))
+        whole = np.max(np.abs(rise / step - np.round(rise / step))) < _WHOLE
+        return step if whole and np.median(rise) < _COARSE * step else None
+
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
         distance, spline = np.abs(np.asarray(x, dtype=float)), self.spline()
@@ -90,12 +116,21 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
     back = np.flatnonzero(np.diff(x) <= 0)
     if len(back):
         raise RowError(int(back[0]) + 1, f"x = {x[back[0] + 1]:.6g} does not ascend")
+    close = np.flatnonzero(np.diff(x) < _CLOSEST * np.maximum(np.abs(x[1:]), np.abs(x[:-1])))
+    if len(close):
+        raise RowError(
+            int(close[0]) + 1,
+            f"x = {x[close[0] + 1]:.17g} is nearer to the row before than {_CLOSEST:g} of itself: leave one of the two out",
+        )
     if len(x[x >= 0]) < 3 or not np.any(x == 0):
         raise RowError(0, "a row with x = 0 and at least two with x > 0 are needed")
     centre = int(np.flatnonzero(x == 0)[0])
     if centre:
         h = _averaged(x, h, centre, asymmetry)
     x, h = x[centre:], h[centre:] - h[centre]
+    if len(x) > _MOST:
+        rule = f"the profile has {len(x):,} rows of x >= 0, and at most {_MOST:,} are taken: leave out all but every n-th"
+        raise RowError(centre + _MOST, rule)
     falls = np.flatnonzero(np.diff(h) < 0)
     if len(falls):
         raise RowError(
@@ -125,36 +160,32 @@ def rising_spline(x: Array, h: Array) -> Spline:
     """Schumaker's spline (SIAM J. Numer. Anal. 20, 1983): slopes by parabolas through three rows, one more knot where needed."""
     secant = np.diff(h) / np.diff(x)
     slope = _slopes(x, secant)
-    knots, slopes = [0.0], [float(slope[0])]
-    for k, (left, right) in enumerate(pairwise(x.tolist())):
-        begin, end, mean = float(slope[k]), float(slope[k + 1]), float(secant[k])
-        if abs(begin + end - 2 * mean) > _ALIKE * (begin + end):
-            between = _extra_knot(left, right, begin - mean, end - mean)
-            share = (between - left) / (right - left)
-            knots.append(between)
-            slopes.append(2 * mean - share * begin - (1 - share) * end)
-        knots.append(right)
-        slopes.append(end)
-    at, tangent = np.array(knots), np.maximum(slopes, 0.0)
+    begin, end = slope[:-1] - secant, slope[1:] - secant
+    bent = np.flatnonzero(np.abs(begin + end) > _ALIKE * (slope[:-1] + slope[1:]))
+    # Where the curvature changes within an interval: where both parts bend the same way, else, with an inflection, in its middle.
+    turns = begin * end < 0
+    share = np.where(turns, end / np.where(turns, end - begin, 1.0), 0.5)[bent]
+    share = np.clip(share, _SHORTEST, 1 - _SHORTEST)
+    between = 2 * secant[bent] - share * slope[bent] - (1 - share) * slope[bent + 1]
+    at = np.insert(x, bent + 1, x[bent] + share * (x[bent + 1] - x[bent]))
+    tangent = np.maximum(np.insert(slope, bent + 1, between), 0.0)  # below 0 by rounding alone
     rises = np.diff(at) * (tangent[:-1] + tangent[1:]) / 2
     return Spline(at, np.concatenate([[0.0], np.cumsum(rises)]), tangent, np.diff(tangent) / np.diff(at))
 
 
 def _slopes(x: Array, secant: Array) -> Array:
-    """Slopes at the rows: of the parabola through three of them, 0 in the middle of the profile, never beyond twice a secant."""
+    """Slopes at the rows: of the parabola through three of them, 0 in the middle of the profile, never beyond twice a secant.
+
+    Where three rows lie on a line the spline follows it: any other slope at its ends would bend it back.
+    """
     step = np.diff(x)
     slope = np.zeros(len(x))
     slope[1:-1] = (secant[:-1] * step[1:] + secant[1:] * step[:-1]) / (step[:-1] + step[1:])
+    alike = np.concatenate([[False], np.abs(np.diff(secant)) <= _IN_LINE * np.maximum(secant[:-1], secant[1:]), [False]])
+    along = np.where(alike[:-1] | alike[1:], secant, np.inf)
+    line = np.minimum(along[:-1], along[1:])
+    slope[1:-1] = np.where(np.isfinite(line), line, slope[1:-1])
     slope[-1] = 2 * secant[-1] - slope[-2]
     slope[1:-1] = np.minimum(slope[1:-1], 2 * np.minimum(secant[:-1], secant[1:]))
     slope[-1] = np.clip(slope[-1], 0.0, 2 * secant[-1])
     return slope
-
-
-def _extra_knot(left: float, right: float, begin: float, end: float) -> float:
-    """Where the curvature changes within an interval; `begin`, `end`: slopes at its ends less the secant."""
-    if begin * end >= 0:
-        return (left + right) / 2
-    if abs(end) < abs(begin):
-        return left + (right - left) * end / (end - begin)
-    return right + (right - left) * begin / (end - begin)

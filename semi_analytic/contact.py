@@ -27,7 +27,7 @@ from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.hertz import HertzContact
 from semi_analytic.polynomial import PolynomialContact
 from semi_analytic.power_law import PowerLawContact
-from semi_analytic.tabulated import TabulatedContact
+from semi_analytic.tabulated import tabulated_contact
 from semi_analytic.wedge import wedge_contact
 
 Array = NDArray[np.float64]
@@ -109,8 +109,7 @@ def contact_of(profile: Profile, materials: Materials) -> Contact:
         case EvenPolynomial():
             return PolynomialContact(modulus, datum, profile.length, profile.rises)
         case Tabulated():
-            spline = profile.spline()
-            return TabulatedContact(modulus, datum, spline.x, spline.curvature)
+            return tabulated_contact(modulus, profile)
         case CallableProfile():
             return callable_contact(modulus, profile)
     raise InputError(f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile")

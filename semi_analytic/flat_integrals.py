@@ -21,6 +21,8 @@ NEARBY = 0.3
 # Tau (that of the edge, for spreads) up to which 24 of Gauss' nodes serve the integrands, singular at t = +-i: there the two rules
 # differ by 5e-15.
 _DEEP = 2.5
+# Terms of the series of arctan t: what is left out at t = SHALLOW is 1e-16 of the first.
+_TERMS = 14
 # Share of tau^2 below which a difference is taken from the rise of F: three of Gauss' nodes leave 4e-16.
 _CLOSE = 0.01
 
@@ -68,6 +70,35 @@ def pressure_in_closed_form(inner: Array, tau: Array) -> Array:
     size = np.where(inner == 0, 1.0, np.abs(inner))
     logs = np.log(root + tau) - x * np.log((root + x * tau) / np.sqrt(1 + tau * tau)) - offset / 2 * np.log(size)
     return np.where(root > 0, root * np.arctan(tau) - np.where(joined, logs, apart), 0.0)
+
+
+def pressure_when_shallow(inner: Array, tau: Array) -> Array:
+    """int t arctan(t)/sqrt(t^2 + g^2) dt up to tau <= SHALLOW, where its closed form cancels.
+
+    Well inside the flat, g > tau, twelve of Gauss' nodes in t: the integrand is even, its nearest singularities are at t = +-i g.
+    Beside and beyond the edge, term by term of arctan t = t - t^3/3 + ..., with r = sqrt(t^2 + g^2),
+
+        I_k = int t^(2 k + 2)/r dt = [t^(2 k + 1) r - (2 k + 1) g^2 I_(k - 1)]/(2 k + 2),    I_0 = [t r - g^2 arsinh(t/g)]/2,
+
+    and for g^2 < 0, from where the root vanishes, + |g|^2 arsinh(r/|g|).
+    """
+    result, inside = np.empty(tau.shape), inner > tau * tau
+    node, share = gauss(12)
+    t = tau[inside][..., None] * node
+    quotient = t * np.arctan(t) / np.sqrt(t * t + inner[inside][..., None])
+    result[inside] = tau[inside] * np.sum(share * quotient, axis=-1)
+    t, square = tau[~inside], inner[~inside]
+    edge = np.sqrt(np.abs(square))
+    root = np.sqrt(np.where(square > 0, t * t + square, np.maximum((t - edge) * (t + edge), 0.0)))
+    height = np.where(square > 0, t, root) / np.where(edge > 0, edge, 1.0)
+    term = (t * root - square * np.arcsinh(height)) / 2
+    power, total = t * root, np.where(root > 0, term, 0.0)
+    for k in range(1, _TERMS):
+        power = power * t * t
+        term = (power - (2 * k + 1) * square * term) / (2 * k + 2)
+        total = total + (-1) ** k / (2 * k + 1) * np.where(root > 0, term, 0.0)
+    result[~inside] = total
+    return result
 
 
 def pressure_integral(weight: Callable[[Array], Array], inner: Array, tau: Array) -> Array:

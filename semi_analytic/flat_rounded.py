@@ -26,6 +26,7 @@ from semi_analytic.flat_integrals import (
     pressure_in_closed_form,
     pressure_integral,
     pressure_moment_integral,
+    pressure_when_shallow,
     spread_in_closed_form,
     spread_integral,
     spread_moment_integral,
@@ -88,7 +89,7 @@ class FlatRoundedContact:
         shallow = tau < SHALLOW
         result = np.zeros(tau.shape)
         result[~shallow] = pressure_in_closed_form(inner[~shallow], tau[~shallow])
-        result[shallow] = pressure_integral(np.arctan, inner[shallow], tau[shallow])
+        result[shallow] = pressure_when_shallow(inner[shallow], tau[shallow])
         return self.stress * result
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:

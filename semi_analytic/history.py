@@ -126,15 +126,15 @@ def check(legs: Sequence[Leg], friction: float) -> None:
 
 def _check_stretch(leg: Leg, begin: float, end: float, friction: float, slack: float) -> None:
     last = instant(leg, end)
-    limits = [(NORMAL_LOAD, -last.normal, "separation, no contact is left,", slack)]
+    limits = [(NORMAL_LOAD, -last.normal, "separation", slack)]
     limits += [
         (
             level(s, friction),
             s * last.tangential - friction * last.normal,
-            f"gross sliding, Q = {sign}f P,",
+            "gross sliding",
             slack * friction,
         )
-        for s, sign in ((1, ""), (-1, "-"))
+        for s in (1, -1)
     ]
     broken = []
     for what, excess, reason, tolerance in limits:
@@ -148,7 +148,8 @@ def _check_stretch(leg: Leg, begin: float, end: float, friction: float, slack: f
         earliest = min(time for time, _ in broken) + _NEAR * (end - begin)
         time, reason = next(entry for entry in broken if entry[0] <= earliest)
         where = instant(leg, time)
-        raise InadmissibleLoadError(reason, time, where.normal, where.tangential)
+        seen = (last.time, last.normal, last.tangential)  # P, u and v are monotonic up to there
+        raise InadmissibleLoadError(reason, time, where.normal, where.tangential, friction, seen)
 
 
 def march(curve: Curve, legs: Sequence[Leg], friction: float, delay: float) -> tuple[tuple[Span, ...], Curve]:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import ChebyshevLeg, EllipseLeg, HarmonicLeg, Leg, ParabolaLeg, StraightLeg
+from scenes import ChebyshevLeg, EllipseLeg, HarmonicLeg, Leg, NotFoundError, ParabolaLeg, StraightLeg
 from semi_analytic.turning import LEAST, stationary_on_harmonics, stationary_on_series
 
 Array = NDArray[np.float64]
@@ -23,6 +23,8 @@ _SAMPLES = 257
 _ROUNDING = 1e-14
 _IDLE = 3
 _ROUNDING_OF_TIME = 4.5e-16
+# Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the step between two of these.
+_MOST_STEPS = 4000
 
 
 class Combination(NamedTuple):
@@ -188,7 +190,7 @@ def _time_by_newton(leg: Leg, what: Combination, wanted: Array, total: float, be
     low, high = np.full(wanted.shape, min(begin, end)), np.full(wanted.shape, max(begin, end))
     time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)  # exact for a cosine that turns at both ends
     best, least, idle, last = time, np.full(wanted.shape, math.inf), np.zeros(wanted.shape, int), high - low
-    while True:
+    for _ in range(_MOST_STEPS):
         fault, slope = rising * (change(leg, what, time, begin) - wanted), rising * rate(leg, what, time)
         better = np.abs(fault) < least
         best, least, idle = np.where(better, time, best), np.where(better, np.abs(fault), least), np.where(better, 0, idle + 1)
@@ -200,6 +202,7 @@ def _time_by_newton(leg: Leg, what: Combination, wanted: Array, total: float, be
         kept = (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last)
         following = np.where(kept, newton, (low + high) / 2)
         last, time = np.abs(following - time), following
+    raise NotFoundError(f"no time was found at which the loads have changed as wanted, between {begin:.17g} and {end:.17g}")
 
 
 def stretches(leg: Leg, friction: float) -> list[tuple[float, float]]:

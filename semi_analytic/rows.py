@@ -118,7 +118,7 @@ def check_rows(rows: Array, friction: float) -> None:
         before, after = rows[max(int(bad[0]) - 1, 0)].tolist(), rows[bad[0]].tolist()
         leg = StraightLeg(before[0], after[0], (before[1], before[2]), (after[1], after[2]))
         check([leg], friction)
-        raise InadmissibleLoadError("gross sliding or separation", after[0], after[1], after[2])
+        raise InadmissibleLoadError("separation" if after[1] < -slack else "gross sliding", after[0], after[1], after[2], friction)
 
 
 def run(stack: Stack, rows: Array, instants: Instants, wanted: Wanted, contact: Contact) -> Pass:

@@ -9,13 +9,15 @@ The sums are taken once, at the nodes of Chebyshev series in u behind each knot;
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import InputError, NotFoundError
+from scenes import InputError, NotFoundError, Tabulated
 from scenes.chebyshev import NODES, clenshaw, series
 from semi_analytic.flat_law import inverse_load_function, load_function
 from semi_analytic.pile import Pile
@@ -26,6 +28,8 @@ _CHUNK = 2_000_000
 _STEPS = 50
 # Share of a half-width below which Newton's next step would be its square: less than rounding.
 _ROOT_OF_ROUNDING = 1e-9
+# Of the largest dP/da: what rounding may leave below 0 where the profile is straight.
+_FALL = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,15 +60,6 @@ class TabulatedContact(Pile):
 
     knots: Array
     curvature: Array
-
-    def __post_init__(self) -> None:
-        half = np.linspace(0.5, 1.0, 4) * np.diff(self.knots)[:, None] + self.knots[:-1, None]
-        stiffness = self.stiffness(half)
-        falls = stiffness < -1e-12 * np.max(stiffness)
-        if np.any(falls):
-            raise InputError(
-                f"profile: the contact would split near a half-width of {half[falls][0]:.6g}; smooth the rows until it does not"
-            )
 
     @property
     def least(self) -> float:
@@ -120,6 +115,18 @@ class TabulatedContact(Pile):
             load[here] = np.sum(np.where(inside, jumps[:reached] * (a * a * angle - b * tau), 0.0), axis=-1) / 2
         return load, rate
 
+    def splits_at(self) -> float | None:
+        """The least half-width at which dP/da < 0: pressed further, the contact would part in two. None where there is none."""
+        laws = self._laws
+        if not len(laws.begin):
+            return None  # all in closed form, and rising
+        # Of every piece the ends too: where P' falls behind a knot it is least at the next one.
+        t = np.concatenate([[-1.0], NODES, [1.0]])
+        half = laws.begin[:, None] + np.square(laws.low[:, None] + (laws.high - laws.low)[:, None] * (1 + t) / 2)
+        rate = self.stiffness(half)
+        falls = rate < -_FALL * np.max(rate)
+        return float(np.min(half[falls])) if np.any(falls) else None
+
     @cached_property
     def _laws(self) -> Laws:
         """Series behind every knot from the second on; none where there are no more than two."""
@@ -127,12 +134,11 @@ class TabulatedContact(Pile):
         pieces: list[tuple[float, float, float]] = []
         for before, begin, end in zip(knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True):
             # Behind a short interval the series is in octaves: what the knot before leaves is singular at u^2 = before - begin.
-            whole, step, done = (end - begin) ** 0.5, (begin - before) ** 0.5, 0.0
-            while done < whole:
-                upto = min(max(2 * done, step), whole)
-                upto = whole if whole - upto < 0.1 * (upto - done) else upto
-                pieces.append((begin, done, upto))
-                done = upto
+            whole, step = (end - begin) ** 0.5, (begin - before) ** 0.5
+            marks = [0.0, *(step * 2.0**k for k in range(math.ceil(math.log2(whole / step)))), whole]
+            if len(marks) > 2 and whole - marks[-2] < 0.1 * (marks[-2] - marks[-3]):
+                del marks[-2]
+            pieces += [(begin, low, high) for low, high in pairwise(marks)]
         at, low, high = (np.array([piece[k] for piece in pieces]) for k in range(3))
         load, rate = self._sums(at, low[:, None] + (high - low)[:, None] * (1 + NODES) / 2)
         loads, _ = self._sums(at, low[:, None])
@@ -204,3 +210,26 @@ class TabulatedContact(Pile):
             if np.all(np.abs(step) <= _ROOT_OF_ROUNDING * (begin + square)):
                 return begin + square
         raise NotFoundError(f"no half-width was found for the normal load {float(load[np.argmax(np.abs(step))]):.17g}")
+
+
+def tabulated_contact(modulus: float, profile: Tabulated) -> TabulatedContact:
+    """The mechanics of a profile given as rows.
+
+    Raises
+    ------
+    InputError
+        For rows under which the contact would split, with the row and what to do.
+    """
+    spline = profile.spline()
+    contact = TabulatedContact(modulus, profile.datum_length, spline.x, spline.curvature)
+    half = contact.splits_at()
+    if half is None:
+        return contact
+    row, step = profile.row_before(half), profile.step_of_heights()
+    x, h = profile.points.values[row].tolist()
+    cause, cure = "the curve through the rows bends down there", "smooth the rows until it does not"
+    if step is not None:
+        cause = f"h is written in steps of {step:.6g}, and the curve through such rows goes up by stairs"
+        cure = "write h with more digits, leave rows out until each rises by many steps, or give a formula that fits them"
+    where = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
+    raise InputError(f"{where}: the contact would split near a half-width of {half:.6g}: {cause}; {cure}")

@@ -197,3 +197,17 @@ def test_a_stiff_layer_tends_to_the_exact_law() -> None:
     ]
     ratios = np.array(errors[:-1]) / np.array(errors[1:])
     assert np.all((ratios > 5) & (ratios < 20)), errors
+
+
+def test_halving_that_never_arrives_ends_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every trial is to be halved: the same instant was tried for ever."""
+    calls = []
+
+    def stuck(*arguments: object) -> float:
+        calls.append(arguments)
+        assert len(calls) < 100_000, "a loop without end"
+        return 0.0
+
+    monkeypatch.setattr(stepping, "_attempt", stuck)
+    with pytest.raises(ConvergenceError, match="was not reached: nodes touch and let go without end"):
+        halfplane_fe.solve(load_scene("cattaneo-mindlin"), MESH)

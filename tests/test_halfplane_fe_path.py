@@ -169,7 +169,7 @@ def test_inadmissible_paths_are_named_with_instant_and_loads(name):
     found = caught.value
     assert found.time == pytest.approx(time, abs=1e-9)
     assert (found.normal_load, found.tangential_load) == pytest.approx(loads, abs=1e-9)
-    assert f"normal load {found.normal_load:.6g}, tangential load {found.tangential_load:.6g}" in str(found)
+    assert f"at time {found.time:.6g} with P = {found.normal_load:.6g}, Q = {found.tangential_load:.6g}" in str(found)
     assert "\n" not in str(found)
 
 

@@ -133,6 +133,22 @@ def test_a_large_gif_is_made_smaller_and_that_is_told(
     assert f"{found.size[0]} x {found.size[1]} pixels instead of 1280 x 720" in found.notes[-1]
 
 
+def test_a_gif_that_is_too_large_at_every_size_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At a width of two pixels three quarters of it were two again, for ever."""
+    monkeypatch.setattr(film, "LARGEST_GIF", 10)
+    monkeypatch.setitem(sys.modules, "imageio", None)
+    written, calls = film._write_gif, []
+
+    def counted(*arguments: object) -> int:
+        calls.append(arguments)
+        assert len(calls) < 100, "a loop without end"
+        return written(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(film, "_write_gif", counted)
+    with pytest.raises(InputError, match=r"cycle\.gif: 2 frames take more than 8 MB at every size"):
+        film.write_film([np.full((40, 60, 3), 255, dtype=np.uint8)] * 2, colours(), tmp_path, "cycle")
+
+
 def test_without_ffmpeg_there_is_a_gif_and_a_sentence(
     frames: list[np.ndarray], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

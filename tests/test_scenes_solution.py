@@ -159,10 +159,10 @@ def test_states_are_numbered_as_promised():
 
 
 def test_errors_carry_what_they_promise():
-    outside = InadmissibleLoadError("gross sliding", 1.5, 2.0, -3.0)
+    outside = InadmissibleLoadError("gross sliding", 1.5, 2.0, -3.0, 0.5)
     assert isinstance(outside, InputError)
     assert (outside.time, outside.normal_load, outside.tangential_load) == (1.5, 2.0, -3.0)
-    assert str(outside) == "gross sliding at time 1.5: normal load 2, tangential load -3"
+    assert str(outside).startswith("load: gross sliding at time 1.5 with P = 2, Q = -3, f = 0.5: |Q| exceeds f P, so the bodies")
     assert ConvergenceError("stopped").partial is None
     solution = small_solution()
     assert ConvergenceError("stopped", solution).partial is solution

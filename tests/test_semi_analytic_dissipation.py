@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scenes import load_scene
 from semi_analytic import solve
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.settling import SETTLED, settled
 from semi_analytic_cases import REFERENCE, ellipse, make_scene, polygon, reference_scene
 
 ONLY = ("dissipation",)
@@ -162,3 +163,28 @@ def test_second_route_is_on_record_where_it_exists():
         transient = solve(load_scene("hertz-paper"), x=[0.0], time=[start + turns * 2 * math.pi], fields=ONLY)
         assert math.isnan(transient.loop_work)
         assert "not steady" in transient.record.notes[0]
+
+
+def test_halving_ends_between_neighbouring_numbers():
+    """A range of 450 last digits: halved to one of these it stayed as long as it was, and was halved for ever."""
+    rounds = []
+
+    def rough(which, low, high):
+        rounds.append(len(which))
+        assert len(rounds) < 40, "a loop without end"
+        return np.ones(len(which))
+
+    found = settled(rough, [1.0], [1.0 + 1e-13], SETTLED)
+    assert len(rounds) == 19
+    assert found.error[0] > 0
+
+
+def test_what_is_not_finite_is_not_halved():
+    rounds = []
+
+    def lost(which, low, high):
+        rounds.append(len(which))
+        return np.full(len(which), np.nan)
+
+    assert np.isnan(settled(lost, [0.0], [1.0], SETTLED).value[0])
+    assert rounds == [1, 2]

@@ -1,9 +1,18 @@
 """Tabulated profiles: exact for the spline that they are, Hertz for rows of a parabola, in the limit right for any curve."""
 
+import contextlib
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import mpmath as mp
 import numpy as np
 import pytest
 
+from reports.cli import main
 from scenes import FlatRounded, Hertz, InputError, Tabulated
 from semi_analytic import pile, solve
 from semi_analytic.hertz import HertzContact
@@ -155,3 +164,163 @@ def test_work_across_knots_is_cut_at_those_between_alone(monkeypatch):
     solve(make_scene(load, 0.7).vary(profile=table(lambda x: np.cosh(x) - 1, 1.2, 61)), x=[0.0])
     assert len(cuts) > 9
     assert all(cuts)
+
+
+# ------------------------------------------------------------------------------------------------------------- quantised rows
+# Seconds of CPU after which a child that does the work of a few is killed: it is in a loop that never ends.
+WATCHDOG = 300
+SHAPES = {
+    "hertz": lambda x: x**2 / 2000,
+    "flat": lambda x: np.maximum(x - 1, 0) ** 2 / 2000,
+    "cosh": lambda x: (np.cosh(x) - 1) / 1000,
+    "straight flanks": lambda x: np.maximum(x - 0.3, 0) / 100,
+    "two curvatures": lambda x: (x**2 + 4 * np.maximum(x - 1, 0) ** 2) / 2000,
+    "stairs": lambda x: np.floor(7 * x) / 1000,
+}
+
+
+def rows_of(chance):
+    """Rows of a shape with 2 to 6 decimals, evenly spaced or not, a third of them with noise that is made to rise: plateaus."""
+    name = str(chance.choice(list(SHAPES)))
+    count, decimals = int(chance.choice([5, 11, 31, 101, 301])), int(chance.integers(2, 7))
+    x = np.linspace(0, 3, count)
+    if chance.random() < 0.3:
+        x = np.unique(np.round(np.append(chance.uniform(0, 3, count), 0), int(chance.integers(2, 9))))
+    h = SHAPES[name](x)
+    if chance.random() < 0.3:
+        h = np.maximum.accumulate(np.maximum(h + 10.0**-decimals * chance.standard_normal(len(x)), h[0]))
+    return x, np.round(h - h[0], decimals)
+
+
+def judged(x, h):
+    """What becomes of rows: "door", "split", "solved", or a fault in words."""
+    try:
+        profile = Tabulated(points=np.stack([x, h], axis=1))
+    except ValueError:
+        return "door"
+    if not np.allclose(profile.height(x), h, rtol=0, atol=1e-12 * h[-1]):
+        return "the curve misses the rows"
+    try:
+        contact = profile_contact(profile)
+    except InputError as refusal:
+        said = str(refusal)
+        named = "row" in said and "near a half-width of" in said and "\n" not in said
+        return "split" if named else f"refused in other words: {said}"
+    half = np.linspace(contact.least, contact.knots[-1], 3001)[1:]
+    loads = contact.load(half)
+    if np.min(np.diff(loads)) < -1e-13 * loads[-1]:
+        return "P falls"
+    load = loads[-1] * np.geomspace(1e-4, 1, 40)
+    if np.max(np.abs(contact.load(contact.half_width(load)) / load - 1)) > 1e-10:
+        return "a(P) is not the inverse of P(a)"
+    return "solved" if np.all(contact.pressure(x[:20], load[-2]) >= 0) else "no pressure"
+
+
+def in_a_child(call):
+    """What `call`, of a function of this module, gives (JSON), in a process whose CPU time is bounded."""
+    bound = f"import resource; resource.setrlimit(resource.RLIMIT_CPU, ({WATCHDOG}, {WATCHDOG + 5}))"
+    path = os.pathsep.join([str(Path(__file__).parent), str(Path(__file__).parents[1])])
+    code = f"{bound}; import json, {Path(__file__).stem} as here; print(json.dumps(here.{call}))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, f"ended with {done.returncode} (-24: it never returns): {done.stderr[-500:]}"
+    return json.loads(done.stdout)
+
+
+def fuzzed(seed, count):
+    """How often each thing becomes of `count` quantised tables."""
+    chance = np.random.default_rng(seed)
+    found = [judged(*rows_of(chance)) for _ in range(count)]
+    return {what: found.count(what) for what in sorted(set(found))}
+
+
+def parabola(count, decimals):
+    x = np.linspace(0, 3, count)
+    return np.stack([x, np.round(x * x / 2000, decimals)], axis=1)
+
+
+def refusals(cases):
+    """What is said of parabolas in steps."""
+    said = []
+    for count, decimals in cases:
+        with pytest.raises(InputError) as refusal:
+            profile_contact(Tabulated(points=parabola(count, decimals)))
+        said.append(str(refusal.value))
+    return said
+
+
+def command(*words):
+    """Exit code and stderr of the command line."""
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+        code = main(words)
+    return code, " ".join(said.getvalue().split())
+
+
+@pytest.mark.parametrize(("seed", "count"), [(14, 60), pytest.param(140, 1500, marks=pytest.mark.slow)])
+def test_quantised_rows_are_solved_or_refused_with_their_row(seed, count):
+    """Zero-width intervals, curvatures of 1e12 and a loop without end before; now rows either hold together or are refused."""
+    found = in_a_child(f"fuzzed({seed}, {count})")
+    assert set(found) <= {"door", "split", "solved"}, found
+    assert found["solved"] > count / 5
+    assert found["split"] > count / 5
+
+
+def test_a_parabola_in_steps_is_refused_with_the_step():
+    """h = x^2/2000 at 3/(count - 1) apart: a step of h is up to 200 times what the parabola bends by between two rows."""
+    cases = [(101, 5), (301, 5), (1001, 6), (1001, 5)]
+    for (_, decimals), said in zip(cases, in_a_child(f"refusals({cases})"), strict=True):
+        assert said.startswith("profile.points, row ")
+        assert f"h is written in steps of 1e-{decimals:02d}" in said
+        assert "write h with more digits" in said
+
+
+@pytest.mark.parametrize("name", ["check", "exact"])
+def test_the_commands_end_on_quantised_rows(name, tmp_path):
+    np.savetxt(tmp_path / "rows.csv", parabola(101, 5), delimiter=",", fmt="%.5f")
+    base = make_scene(ellipse()).model_dump_json(exclude={"profile", "bodies"})
+    scene = json.loads(base) | {"profile": {"kind": "tabulated", "file": "rows.csv"}}
+    (tmp_path / "mine.json").write_text(json.dumps(scene), encoding="utf-8")
+    words = (name, str(tmp_path / "mine.json"), "--quiet", *(() if name == "check" else ("--out", str(tmp_path / "out"))))
+    code, said = in_a_child(f"command{words}")
+    assert code == 2
+    assert "profile.file = 'rows.csv', row " in said
+    assert "h is written in steps of 1e-05" in said
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_that_bend_up_make_a_curve_that_does(seed):
+    """Random convex rows, half of them with stretches on a line, which had a knee bent into them: none is refused."""
+    chance = np.random.default_rng(seed)
+    for _ in range(40):
+        count = int(chance.choice([4, 11, 31]))
+        bends = chance.exponential(size=count - 1) * (chance.random(count - 1) < chance.choice([0.3, 1.0]))
+        bends[-1] += 0.1
+        x = np.append(0, np.cumsum(chance.uniform(0.2, 1, count - 1)))
+        h = np.append(0, np.cumsum(np.cumsum(bends) * np.diff(x)))
+        contact = profile_contact(Tabulated(points=np.stack([x, h], axis=1)))
+        if np.all(bends > 0):
+            assert np.min(contact.curvature[1:]) > -1e-9 * np.max(contact.curvature)
+
+
+def test_rows_on_a_line_are_followed():
+    """A chamfer: flat to 1, then straight from 1.5 on: its slope is met, without a knee, however the last digits fall."""
+    x = np.arange(31) / 10
+    h = np.where(x <= 1, 0, np.where(x <= 1.5, (x - 1) ** 2 / 10, 0.025 + (x - 1.5) / 10))
+    profile = Tabulated(points=np.stack([x, h], axis=1))
+    between = np.linspace(1.5, 3, 61)
+    np.testing.assert_allclose(profile.height(between), 0.025 + (between - 1.5) / 10, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rows", "why"),
+    [
+        ([[0, 0], [1, 1], [1 + 1e-10, 1.1], [2, 3]], r"row 3: x = 1.0000000001 is nearer to the row before than 1e-09 of itself"),
+        ([[k, k * k] for k in range(2001)], r"row 2001: the profile has 2,001 rows of x >= 0, and at most 2,000 are taken"),
+    ],
+    ids=["close", "many"],
+)
+def test_rows_that_no_engine_can_take_are_refused_at_the_door(rows, why):
+    with pytest.raises(ValueError, match=why):
+        Tabulated(points=rows)

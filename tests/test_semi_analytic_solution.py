@@ -240,13 +240,13 @@ def test_unlike_bodies_come_with_a_note():
 @pytest.mark.parametrize(
     ("load", "friction", "reason", "time", "normal", "tangential"),
     [
-        (polygon([(2.0, 0.0)], [(2.0, 1.5), (2.0, -1.5)]), 0.5, "gross sliding, Q = f P", 1 + 2 / 3, 2.0, 1.0),
-        (polygon([(2.0, 0.0), (2.0, -3.0)]), 0.5, "gross sliding, Q = -f P", 1 + 1 / 3, 2.0, -1.0),
+        (polygon([(2.0, 0.0)], [(2.0, 1.5), (2.0, -1.5)]), 0.5, "gross sliding", 1 + 2 / 3, 2.0, 1.0),
+        (polygon([(2.0, 0.0), (2.0, -3.0)]), 0.5, "gross sliding", 1 + 1 / 3, 2.0, -1.0),
         (polygon([(2.0, 0.0), (-2.0, 0.0)]), 0.5, "separation", 1.5, 0.0, 0.0),
-        (polygon([(1.0, 0.8)]), 0.5, "gross sliding, Q = f P", 0.0, 0.0, 0.0),
+        (polygon([(1.0, 0.8)]), 0.5, "gross sliding", 0.0, 0.0, 0.0),
         (ellipse(1.0, 1.5, 0.0, 0.0, 0.0), 0.5, "separation", math.pi, -0.5, 0.0),
-        (ellipse(3.0, 0.0, 0.0, 2.0, 90.0), 0.5, "gross sliding, Q = -f P", None, None, None),
-        (polygon([(2.0, 0.1)]), 0.0, "gross sliding, Q = f P", 0.0, 0.0, 0.0),
+        (ellipse(3.0, 0.0, 0.0, 2.0, 90.0), 0.5, "gross sliding", None, None, None),
+        (polygon([(2.0, 0.1)]), 0.0, "gross sliding", 0.0, 0.0, 0.0),
     ],
 )
 def test_inadmissible_paths_name_the_instant_and_the_loads(load, friction, reason, time, normal, tangential):
