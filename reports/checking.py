@@ -79,7 +79,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[Leg, str]]:
     normal, tangential = (np.stack([rows[:-1, column], rows[1:, column]], axis=1) for column in (1, 2))
     ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
     first = np.flatnonzero(ratio > 1 + _ROUNDING)[:1]
-    legs = []
+    legs: list[tuple[Leg, str]] = []
     for k in np.unique([*first, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
         (start, *before), (end, *after) = rows[k : k + 2].tolist()
         leg = StraightLeg(start, end, (before[0], before[1]), (after[0], after[1]))

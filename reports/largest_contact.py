@@ -114,6 +114,6 @@ def remarks(scene: Scene, found: LargestContact) -> list[str]:
     if found.strain > _STRAIN or found.edge_slope > _SLOPE:
         said.append(
             f"Linear elasticity and half-planes mean little here: p0/E* = {found.strain:.3g} (limit {_STRAIN:g}), slope at the "
-            f"edge {found.edge_slope:.3g} (limit {_SLOPE:g}). Is E in {stress}, and are the loads {force} per {length} of thickness?"
+            f"edge {found.edge_slope:.3g} (limit {_SLOPE:g}). Is E in {stress}? Are the loads {force} per {length} of thickness?"
         )
     return said
