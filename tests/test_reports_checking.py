@@ -279,7 +279,7 @@ REMARKED = {
     "steel": ({}, []),
     "E in psi": ({"material": steel(30e6), "units": "lbf, in, psi"}, []),
     "units of one's own": ({"material": steel(1.0), "units": "F, L, S"}, []),
-    "a small roller": ({"profile": Hertz(radius=0.01)}, ["p0/E* = 0.149", "slope at the edge 0.297", "are the loads N per mm"]),
+    "a small roller": ({"profile": Hertz(radius=0.01)}, ["p0/E* = 0.149", "slope at the edge 0.297", "Are the loads N per mm"]),
 }
 
 
