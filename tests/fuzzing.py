@@ -175,7 +175,7 @@ def _condensed(path: Path) -> object:
     from collections import Counter
 
     body, material = _body()
-    return halfplane_fe.store._read(path, body, material, Counter())
+    return halfplane_fe.store._read(path, body, material, 1000.0, Counter())
 
 
 @cache

@@ -93,7 +93,7 @@ def _row(point: Planned, result: Mapping[str, Any], figures: tuple[str, ...]) ->
         **point.coordinates,
         **values,
         **{name: result[name] for name in ("status", "seconds", "reason")},
-        "notes": "; ".join([*result["record"].get("notes", ()), *_why(result["notes"])]),
+        "notes": "; ".join([*result.get("record", {}).get("notes", ()), *_why(result.get("notes", {}))]),  # none in the first stores
         "address": point.address,
     }
 
