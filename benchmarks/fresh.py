@@ -80,12 +80,17 @@ def pip_settings(root: Path) -> tuple[dict[str, str], list[str]]:
 
 def apart(*words: str | Path) -> None:
     """A command whose mounts and processes end with it, and with this program."""
-    with subprocess.Popen([*APART, *map(str, words)], stdin=subprocess.DEVNULL) as running:
+    last, theirs = os.pipe()
+    with subprocess.Popen([*APART, *map(str, words)], stdin=subprocess.DEVNULL, pass_fds=(theirs,)) as running:
+        os.close(theirs)
         try:
             code = running.wait()
         except BaseException:
             running.kill()
             raise
+        finally:
+            os.read(last, 1)  # returns when the last process inside is gone: no file appears in the root any more
+            os.close(last)
     if code:
         raise subprocess.CalledProcessError(code, [str(word) for word in words])
 
