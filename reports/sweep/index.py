@@ -88,12 +88,13 @@ class Reader:
 
 def _row(point: Planned, result: Mapping[str, Any], figures: tuple[str, ...]) -> dict[str, Any]:
     values = {name: result["figures"].get(name) for name in figures}
+    record, notes = result.get("record", {}), result.get("notes", {})  # the first stores have neither
     return {
         "number": point.number,
         **point.coordinates,
         **values,
         **{name: result[name] for name in ("status", "seconds", "reason")},
-        "notes": "; ".join([*result.get("record", {}).get("notes", ()), *_why(result.get("notes", {}))]),  # none in the first stores
+        "notes": "; ".join([*record.get("notes", ()), *_why(notes)]),
         "address": point.address,
     }
 
