@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
 from halfplane_fe.edges import fitted_stick_edge, stick_edges
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings
-from scenes import ConvergenceError, Elastic, InputError, Materials, Scene, load_scene
+from scenes import ConvergenceError, Elastic, InputError, Materials, PolygonLoad, Scene, load_scene
 
 MESH = MeshSettings(element_size=1 / 12, edge_element_size=1 / 30)
 UNLIKE = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=Elastic(young_modulus=210e3, poisson_ratio=0.3))
@@ -108,6 +110,24 @@ def test_events_are_met_to_a_ten_thousand_millionth_of_the_leg(monkeypatch: pyte
     assert all(room(history, before) > -ROUNDING and room(history, after) < 0 for history, before, after in met)
     assert answer.work.counts.get("events not landed on", 0) == 0
     assert ("landing solves" in answer.work.counts) != scene.material.alike
+
+
+@pytest.mark.parametrize("stiffer", [0.0, 1e-5, 1e-3])
+def test_each_node_touches_at_an_instant_of_its_own(stiffer: float) -> None:
+    """A node that closes does so without a gap or without a force: 5e-12 at most. The two sides of bodies that are hardly unlike
+    touch so soon after each other that the second node, still open by 1e-8 to 1e-5, must not be taken for met with the first.
+    """
+    lower, load = Elastic(young_modulus=210e3, poisson_ratio=0.3), PolygonLoad(way_in=[(30, 0), (60, 6), (90, -9)])
+    upper = lower.model_copy(update={"young_modulus": 210e3 * (1 + stiffer)})
+    scene = load_scene("hertz-paper").model_copy(update={"material": Materials(upper=upper, lower=lower), "load": load})
+    coarse = MeshSettings(element_size=1 / 4, edge_element_size=1 / 8, far_radius=6.0, growth=0.5)
+    states = halfplane_fe.solve(scene, coarse, SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)).states
+    closing = [
+        np.minimum(before.gap, np.abs(after.pressure) + np.abs(after.gap))[~before.closed & after.closed]
+        for before, after in pairwise(states)
+    ]
+    assert sum(len(part) for part in closing) >= 25
+    assert max(float(part.max(initial=0.0)) for part in closing) < 1e-9
 
 
 NEWTON = ContactProblem._active_set

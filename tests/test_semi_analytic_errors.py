@@ -53,6 +53,22 @@ def test_true_errors_are_below_the_estimates(name):
         assert np.max(apart) <= estimates[field] < 1e-9, field
 
 
+@pytest.mark.parametrize("name", [name for name, (_, exact) in CASES.items() if exact is HERTZ])
+def test_shear_at_the_stick_edge_is_as_uncertain_as_the_edge(name):
+    """Points that the stick edge stands on at constant P, far from the edge of contact: the last digit of c, 2e-16, makes 1e-8 of
+    the shear, which goes as the root of the distance. Estimates of 3e-7 to 1.3e-5.
+    """
+    scene, (profile, exact) = load_scene("cattaneo-mindlin"), CASES[name]
+    time = 2 + np.linspace(0.1, 0.4, 4)
+    scene = scene.model_copy(update={"profile": exact})
+    x = solve(scene, x=[0.0], time=time, fields=()).stick_half_width
+    truth = solve(scene, x=[0.0, *x], time=time, fields=("pressure", "shear"))
+    found = solve(scene.model_copy(update={"profile": profile}), x=x, time=time, fields=("shear",))
+    apart = np.max(np.abs(found.shear - truth.shear[:, 1:])) / (scene.friction.coefficient * np.max(truth.pressure))
+    assert 1e-8 < found.record.errors["shear at the edge"] < 1e-4
+    assert apart <= found.record.errors["shear at the edge"]
+
+
 def test_closed_forms_claim_no_error_and_rough_tables_tell_theirs(monkeypatch):
     """Ten rows within the contact: every knot is a corner; two routes to W 1e-14 apart."""
     scene = load_scene("hertz-paper")
