@@ -137,11 +137,13 @@ def peak_place(expected: Array, found: Array, x: Array) -> Array:
 
 
 def shares(at: Array) -> Array:
-    """Weights of the trapezoidal rule on the points or instants `at`: (n,) -> (n,).
+    """Weights of the trapezoidal rule on the points or instants `at`: (n,) -> (n,); 1 each where all are one, as loads alike are.
 
-    >>> shares(np.array([0.0, 1.0, 3.0])).tolist()
-    [0.5, 1.5, 1.0]
+    >>> shares(np.array([0.0, 1.0, 3.0])).tolist(), shares(np.array([2.0])).tolist()
+    ([0.5, 1.5, 1.0], [1.0])
     """
+    if at[-1] == at[0]:
+        return np.ones(len(at))
     steps = np.diff(at)
     return np.asarray(np.concatenate([steps, [0.0]]) + np.concatenate([[0.0], steps])) / 2
 

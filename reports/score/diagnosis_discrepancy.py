@@ -132,9 +132,7 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
     known = np.isfinite(found[0]) & np.isfinite(found[1]) & np.isfinite(expected[0]) & np.isfinite(expected[1])
     if not known.any():
         return None
-    time = comparison.found.time[rows]
-    in_time = shares(time) if time[-1] > time[0] else np.ones(len(time))  # instants may be alike, and are matched to one time
-    weight = known * in_time[:, None] * shares(comparison.found.x)
+    weight = known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
     expected = np.nan_to_num(expected[0]), np.nan_to_num(expected[1])
     exact = comparison.reference.engine == "semi_analytic"
     filled = np.where(known, found[0], expected[0]), np.where(known, found[1], expected[1])
