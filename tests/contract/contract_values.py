@@ -100,7 +100,8 @@ def refusal(scene: Scene) -> list[Any] | None:
     try:
         semi_analytic.solve(scene, x=[0.0])
     except InadmissibleLoadError as reason:
-        return [str(reason).split(" at time")[0].split(":")[-1].strip(), reason.time, reason.normal_load, reason.tangential_load]
+        kind = "separation" if str(reason).startswith("separation") else "gross sliding"
+        return [kind, reason.time, reason.normal_load, reason.tangential_load]
     return None
 
 
