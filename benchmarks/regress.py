@@ -4,7 +4,9 @@
     make regress ACCEPT="hertz-paper ..."    take the new values of the named scenes for frozen ones
     make regress REFERENCES=1                evaluate the 30-digit references anew (some minutes)
 
-Dissipation has a reference in every scene, W(x) at three places of the slip zone in the Hertz scenes POINTWISE.
+Dissipation has a reference in every scene, W(x) at three places of the slip zone in the Hertz scenes POINTWISE. At one time of the
+last cycle, which is no event, all fields are frozen: the rigid shift U, the edge of stick, the shear at three points and the slip
+at one. They have references in Hertz scenes whose way in is straight.
 
 Two columns, kept apart: *accurate* is the difference from a closed form or a stored 30-digit value, of somebody else's making;
 *frozen* is the difference from our own value of last time. A change of either is shown as old, new and difference, and is accepted
@@ -22,7 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import mpmath as mp
-from regress_truth import DIGITS, PLACES, pointwise_truth, truth
+from regress_truth import DIGITS, FIELDS, PLACES, field_truth, pointwise_truth, truth
 
 import semi_analytic
 from scenes import Scene, load_scene, scene_names
@@ -30,8 +32,9 @@ from scenes import Scene, load_scene, scene_names
 FILE = Path(__file__).with_suffix(".json")
 # Relative; the frozen values were made by this very code, so only rounding may differ (another order of sums, another library).
 ACCURATE, SAME = 1e-12, 1e-13
-DENSE = 1e-11  # of the largest of W(x)
+DENSE = 1e-11  # of the largest of W(x), of f times the largest pressure, of a slip
 POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series", "tiny-slip")
+_SHARE = 0.37  # of the last cycle, from its end
 QUANTITIES = ("dissipation", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "stroke")
 
 
@@ -87,6 +90,25 @@ def measure(scene: Scene) -> dict[str, float]:
     }
 
 
+def instant_of(scene: Scene) -> dict[str, list[float] | float]:
+    """A time of the last cycle, and three points: in what sticks, and two in what slips where something does."""
+    full = semi_analytic.solve(scene, x=[0.0], fields=())
+    first, last = full.time[full.last_cycle[[0, -1]]].tolist()
+    time = last - _SHARE * (last - first)
+    edges = semi_analytic.solve(scene, x=[0.0], time=[time], fields=())
+    outer, inner = edges.contact_half_width.item(), edges.stick_half_width.item()
+    inner = inner if inner < 0.99999 * outer else 0.8 * outer
+    return {"time": time, "at": [0.6 * inner, inner + 0.4 * (outer - inner), inner + 0.9 * (outer - inner)]}
+
+
+def fields_of(scene: Scene, time: float, at: Sequence[float]) -> dict[str, tuple[float, float | None]]:
+    """The `FIELDS` there by the engine, and what their errors are relative to: None for themselves."""
+    answer = semi_analytic.solve(scene, x=at, time=[time])
+    top = scene.friction.coefficient * float(answer.pressure.max())
+    values = [answer.rigid_shift.item(), answer.stick_half_width.item(), *answer.shear[0].tolist(), float(answer.slip[0, -1])]
+    return dict(zip(FIELDS, zip(values, [None, None, top, top, top, None], strict=True), strict=True))
+
+
 def references(names: Sequence[str], stored: dict[str, dict]) -> None:
     """Evaluate the 30-digit references of the named scenes and store each."""
     mp.mp.dps = DIGITS + 10
@@ -97,6 +119,9 @@ def references(names: Sequence[str], stored: dict[str, dict]) -> None:
         kept = stored.setdefault(name, {})
         kept.update({} if value is None else {"reference": mp.nstr(value, DIGITS)})
         kept.update(pointwise_truth(scene) if name in POINTWISE else {})
+        fields = kept.setdefault("fields", instant_of(scene))
+        known = field_truth(scene, fields["time"], fields["at"])
+        fields.update({} if known is None else {"references": known})
         write(stored)
 
 
@@ -114,6 +139,13 @@ def lines(stored: dict[str, dict]) -> list[Line]:
         for quantity in QUANTITIES:
             reference = kept.get("reference") if quantity == "dissipation" else None
             found.append(Line(name, quantity, values[quantity], frozen.get(quantity), reference))
+        if "fields" in kept:
+            fields = kept["fields"]
+            known = fields.get("references", [None] * len(FIELDS))
+            for (quantity, (value, scale)), reference in zip(
+                fields_of(scene, fields["time"], fields["at"]).items(), known, strict=True
+            ):
+                found.append(Line(name, quantity, value, frozen.get(quantity), reference, scale))
         if "x" in kept:
             density = semi_analytic.solve(scene, x=kept["x"], fields=("dissipation_density",)).dissipation_density.tolist()
             largest = max(float(value) for value in kept["density"])

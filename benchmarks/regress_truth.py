@@ -1,14 +1,15 @@
-"""Dissipation of the library's scenes with 30 digits, and W(x) of Hertz scenes: what `regress` stores as references."""
+"""Dissipation of the library's scenes with 30 digits, W(x) and the fields of Hertz scenes: what `regress` stores as references."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import Any, NamedTuple
 
 import exact_history as history
 import mpmath as mp
-from exact_legs import Leg, Straight, legs_of
-from exact_memory import steady_runs
+from exact_legs import Leg, Number, Straight, legs_of, root
+from exact_memory import Curve, Run, follow, steady_runs
 from semi_analytic_reference import Case, Phase, flat_load, phases
 
 from scenes import Scene
@@ -43,6 +44,108 @@ def pointwise_truth(scene: Scene) -> dict[str, list]:
     places = [float(inner + (outer - inner) * mp.mpf(part)) for part in PLACES]
     values = [history.density(runs, contact, f, modulus(scene), mp.mpf(x)) for x in places]
     return {"x": places, "density": [mp.nstr(value, DIGITS) for value in values]}
+
+
+FIELDS = ("rigid shift", "stick half-width", "shear at 1", "shear at 2", "shear at 3", "slip at 3")
+
+
+def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | None:
+    """The `FIELDS` at one time and three points of a Hertz scene, 30 digits; None for rows, and where there is no friction.
+
+    Of the memory curve M: q = int M'/(pi sqrt(a^2 - x^2)), s = (A/pi) int M' arccosh(x/a), U = (A/pi) int M' ln(2 L/a), each over
+    the loads that count, on lines in closed form but for s, on arcs over time.
+    """
+    load, f = scene.load, mp.mpf(scene.friction.coefficient)
+    if scene.profile.kind != "hertz" or load.kind not in ("ellipse", "polygon", "harmonics") or not f:
+        return None
+    curve, front = _state(scene, time, f)
+    radius, datum, e_star = mp.mpf(scene.profile.radius), mp.mpf(scene.profile.datum_length), modulus(scene)
+    contact = history.hertz(e_star, radius)
+    half = contact.half_width
+
+    def whole(kernel: Callable, least: mp.mpf, most: mp.mpf, primitive: Callable | None = None) -> mp.mpf:
+        """int M'(eta) kernel(eta) over least < eta < most."""
+        total, bottom = mp.mpf(0), mp.mpf(0)
+        for piece in curve:
+            low, high = max(bottom, least), min(piece.top, most)
+            bottom = piece.top
+            if high <= low:
+                continue
+            if piece.arc is None:
+                part = primitive(high) - primitive(low) if primitive else mp.quad(kernel, [low, high])
+                total += piece.slope * part
+            else:
+                leg, first, last = piece.arc
+                ends = [root(leg, (1, 0), load, first, last) for load in (low, high)]
+                total += mp.quad(lambda t, leg=leg: leg.rates(t)[1] * kernel(leg.loads(t)[0]), mp.linspace(*ends, 5))
+        return total
+
+    def shear(x: mp.mpf) -> mp.mpf:
+        def kernel(p: mp.mpf) -> mp.mpf:
+            return 1 / (mp.pi * mp.sqrt(half(p) ** 2 - x * x)) if half(p) > x else mp.mpf(0)
+
+        return whole(kernel, contact.load(x), mp.inf, lambda p: contact.pressure(x, half(p)))
+
+    def slip(x: mp.mpf) -> mp.mpf:
+        return whole(lambda p: mp.acosh(max(x / half(p), 1)) if p else mp.mpf(0), mp.mpf(0), contact.load(x))
+
+    def distance(p: mp.mpf) -> mp.mpf:
+        return p * (mp.log(2 * datum / half(p)) + mp.mpf(1) / 2) if p else mp.mpf(0)
+
+    scale = 2 / (mp.pi * e_star)
+    shift = whole(lambda p: mp.log(2 * datum / half(p)), mp.mpf(0), mp.inf, distance)
+    points = [mp.mpf(place) for place in x]
+    found = [scale * shift, half(front), *(shear(place) for place in points), scale * slip(points[-1])]
+    return [mp.nstr(value, DIGITS) for value in found]
+
+
+class Parabola(NamedTuple):
+    """A way in Q = alpha P + beta P^2 to (p, q), where its slope is known; P grows with time from 0 to 1."""
+
+    p: mp.mpf
+    q: mp.mpf
+    slope: mp.mpf
+    begin: mp.mpf = mp.mpf(0)
+    end: mp.mpf = mp.mpf(1)
+
+    def loads(self, t: Number, lib: Any = mp) -> tuple[Number, Number]:
+        p, q, slope = self[:3] if lib is mp else map(float, self[:3])
+        return p * t, (2 * q - slope * p) * t + (slope * p - q) * t * t
+
+    def rates(self, t: Number, lib: Any = mp) -> tuple[Number, Number]:
+        p, q, slope = self[:3] if lib is mp else map(float, self[:3])
+        return p, 2 * q - slope * p + 2 * (slope * p - q) * t
+
+    def turns(self, normal: mp.mpf, tangential: mp.mpf) -> list[mp.mpf]:
+        """None: all of it is in full stick."""
+        return []
+
+
+def _state(scene: Scene, time: float, f: mp.mpf) -> tuple[Curve, mp.mpf]:
+    """The memory curve at a time, and the load at the edge of stick."""
+    path, (way_in, cycle) = scene.load.path(), LEGS[scene.load.kind](scene.load)
+    if scene.load.kind == "ellipse":  # it starts where Q is least
+        begin = mp.mpf(path.cycle_start)
+        cycle = [cycle[0]._replace(begin=begin, end=begin + 2 * mp.pi)]
+        first = cycle[0].loads(begin)
+        way_in = [Straight((mp.mpf(0), mp.mpf(0)), first)]
+        if scene.load.way_in == "parabola":
+            p_rate, q_rate = cycle[0].rates(begin)
+            way_in = [Parabola(*first, q_rate / p_rate)]
+    whole, rest = (0, mp.mpf(time) - path.start) if path.period is None else divmod(mp.mpf(time) - path.cycle_start, path.period)
+    legs = [*way_in, *cycle * min(int(whole), 2)] if cycle else []
+    for leg in cycle or way_in:
+        length = leg.end - leg.begin
+        legs.append(leg._replace(end=leg.begin + min(rest, length)))
+        rest -= length
+        if rest <= 0:
+            break
+    curve: Curve = ()
+    runs: list[Run] = []
+    for leg in legs:
+        curve, runs = follow(curve, leg, f)
+    slips = runs and runs[-1].end == legs[-1].end
+    return curve, runs[-1].front(f, legs[-1].end) if slips else legs[-1].loads(legs[-1].end)[0]
 
 
 def _straight(points: list[tuple[float, float]], closed: bool = False) -> list[Straight]:
