@@ -182,8 +182,8 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
     case, scene = NASTY["square wave"], nasty_scene("square wave")
     spans = own_route(scene.load.path(), scene.friction.coefficient, 6, None).history.cycles[-1]
     contact, exact = contact_of(scene.profile, scene.material), np.array([float(value) for value in case["density"]])
-    for shortest, most, least in ((1.0, 1e-6, 1e-9), (1e-5, 1e-11, 0.0)):
-        monkeypatch.setattr(settling, "_SHORTEST", shortest)
+    for halvings, most, least in ((0, 1e-6, 1e-9), (17, 1e-11, 0.0)):
+        monkeypatch.setattr(settling, "_HALVINGS", halvings)
         found = pointwise_dissipation(contact, 1.0, spans, np.array(case["x"]))
         assert np.all(np.abs(found.total - exact) <= found.error + 2e-15 * np.max(exact))
         assert least < np.max(found.error) / np.max(exact) < most
@@ -192,7 +192,7 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
 def test_work_that_does_not_settle_is_noted(monkeypatch):
     scene = nasty_scene("square wave")
     assert solve(scene, x=[0.7, 0.9], fields=("dissipation_density",)).record.notes == ()
-    monkeypatch.setattr(settling, "_SHORTEST", 1.0)
+    monkeypatch.setattr(settling, "_HALVINGS", 0)
     (note,) = solve(scene, x=[0.7, 0.9], fields=("dissipation_density",)).record.notes
     assert note.startswith("dissipation_density: quadratures and rounding may have left an error of")
 
