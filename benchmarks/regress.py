@@ -6,7 +6,7 @@
 
 Dissipation has a reference in every scene, W(x) at three places of the slip zone in the Hertz scenes POINTWISE. At one time of the
 last cycle, which is no event, all fields are frozen: the rigid shift U, the edge of stick, the shear at three points and the slip
-at one. They have references in Hertz scenes whose way in is straight.
+at one. They have references in Hertz scenes with friction, but for rows.
 
 Two columns, kept apart: *accurate* is the difference from a closed form or a stored 30-digit value, of somebody else's making;
 *frozen* is the difference from our own value of last time. A change of either is shown as old, new and difference, and is accepted
@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import mpmath as mp
+import numpy as np
 from regress_truth import DIGITS, FIELDS, PLACES, field_truth, pointwise_truth, truth
 
 import semi_analytic
@@ -34,7 +35,7 @@ FILE = Path(__file__).with_suffix(".json")
 ACCURATE, SAME = 1e-12, 1e-13
 DENSE = 1e-11  # of the largest of W(x), of f times the largest pressure, of a slip
 POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series", "tiny-slip")
-_SHARE = 0.37  # of the last cycle, from its end
+_TIMES, _PART = 20, 0.37  # equal parts of the last cycle, and where in each: at no event
 QUANTITIES = ("dissipation", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "stroke")
 
 
@@ -91,14 +92,16 @@ def measure(scene: Scene) -> dict[str, float]:
 
 
 def instant_of(scene: Scene) -> dict[str, list[float] | float]:
-    """A time of the last cycle, and three points: in what sticks, and two in what slips where something does."""
+    """The time out of `_TIMES` in the last cycle at which c is least, and three points: one that always sticks, two that slip."""
     full = semi_analytic.solve(scene, x=[0.0], fields=())
     first, last = full.time[full.last_cycle[[0, -1]]].tolist()
-    time = last - _SHARE * (last - first)
-    edges = semi_analytic.solve(scene, x=[0.0], time=[time], fields=())
-    outer, inner = edges.contact_half_width.item(), edges.stick_half_width.item()
+    times = [first + (k + _PART) / _TIMES * (last - first) for k in range(_TIMES)]
+    edges = semi_analytic.solve(scene, x=[0.0], time=times, fields=())
+    which = int(np.argmin(np.nan_to_num(edges.stick_half_width, nan=math.inf)))
+    outer, inner = float(edges.contact_half_width[which]), float(edges.stick_half_width[which])
     inner = inner if inner < 0.99999 * outer else 0.8 * outer
-    return {"time": time, "at": [0.6 * inner, inner + 0.4 * (outer - inner), inner + 0.9 * (outer - inner)]}
+    always = 0.3 * min(np.nan_to_num(full.permanent_stick_half_width, nan=inner), inner)
+    return {"time": times[which], "at": [float(always), inner + 0.4 * (outer - inner), inner + 0.9 * (outer - inner)]}
 
 
 def fields_of(scene: Scene, time: float, at: Sequence[float]) -> dict[str, tuple[float, float | None]]:

@@ -9,7 +9,10 @@ from types import ModuleType
 
 import pytest
 
-from scenes import TimeSeriesLoad, load_scene, scene_names
+from scenes import Scene, TimeSeriesLoad, load_scene, scene_names
+from semi_analytic import history
+from semi_analytic.hertz import HertzContact
+from semi_analytic.memory import slipped_load
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 
@@ -30,8 +33,50 @@ def test_every_scene_of_the_library_is_in_the_table_and_good(regress: ModuleType
     # Each scene's dissipation has a 30-digit reference, of somebody else's making; W(x) where the table says so.
     assert {line.scene for line in lines if line.quantity == "dissipation" and line.reference is not None} == set(scene_names())
     assert {line.scene for line in lines if line.quantity.startswith("density")} == set(regress.POINTWISE)
+    # Each field is frozen in each scene, and has a reference in the Hertz scenes with friction that are no rows.
+    known = {scene.name for scene in map(load_scene, scene_names()) if has_field_references(scene)}
+    for field in regress.FIELDS:
+        assert {line.scene for line in lines if line.quantity == field} == set(scene_names())
+        assert {line.scene for line in lines if line.quantity == field and line.reference is not None} == known
+    assert len(known) >= 20
     # Other processors round otherwise: the table itself asks for less than this test.
     assert not [line for line in lines if line.drift is None or line.drift > 1e-11 or (line.error or 0.0) > 1e-12]
+
+
+def has_field_references(scene: Scene) -> bool:
+    return scene.profile.kind == "hertz" and scene.friction.coefficient > 0 and scene.load.kind != "time_series"
+
+
+@pytest.mark.parametrize(
+    ("method", "scene", "quantity"),
+    [
+        ("spread_moment", "hertz-paper", "slip at 3"),
+        ("spread", "cattaneo-mindlin", "slip at 3"),
+        ("pressure_moment", "hertz-paper", "shear at 1"),
+        ("log_moment", "hertz-paper", "rigid shift"),
+        ("log_distance", "unload-reload", "rigid shift"),
+    ],
+)
+def test_a_field_of_hertz_that_is_wrong_by_a_hundredth_is_seen(
+    regress: ModuleType, monkeypatch: pytest.MonkeyPatch, method: str, scene: str, quantity: str
+) -> None:
+    """In both columns; the dissipation moves with none of these."""
+    right = getattr(HertzContact, method)
+    monkeypatch.setattr(HertzContact, method, lambda *asked: 1.01 * right(*asked))
+    monkeypatch.setattr(regress, "scene_names", lambda: (scene,))
+    lines = {line.quantity: line for line in regress.lines(stored())}
+    assert lines["dissipation"].good
+    assert lines[quantity].drift > 1e-6
+    assert lines[quantity].error > 1e-6
+
+
+def test_an_edge_of_stick_that_is_wrong_is_seen(regress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    """P - P_c by a thousandth too large: the edge itself is frozen, not its least value only."""
+    monkeypatch.setattr(history, "slipped_load", lambda *asked: 1.001 * slipped_load(*asked))
+    monkeypatch.setattr(regress, "scene_names", lambda: ("unload-reload",))
+    edge = {line.quantity: line for line in regress.lines(stored())}["stick half-width"]
+    assert edge.drift > 1e-5
+    assert edge.error > 1e-5
 
 
 def test_the_page_of_scenes_shows_every_scene_with_its_purpose_source_and_number() -> None:
