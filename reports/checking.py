@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 # |Q| = f P is allowed (the stick zone has just closed): rounding of the loads must not forbid it.
 _ROUNDING = 1e-12
 _SAMPLES = 513
+# Rows of a record that are looked at together.
+_BLOCK = 100_000
 
 
 @dataclass(frozen=True)
@@ -68,22 +70,24 @@ def check_path(scene: Scene) -> PathCheck:
 def _deciding_legs(scene: Scene) -> list[tuple[Leg, str]]:
     """The legs of the way in and of one cycle, and which of the two each is part of.
 
-    Of the rows of a record, which may be millions, those steps alone that decide: the first to leave the admissible region, that
-    with the worst ratio and that with the largest P, all of which are at rows.
+    Of the rows of a record, which may be millions, those steps alone that decide, block by block: the first to leave the
+    admissible region, that with the worst ratio and that with the largest P, all of which are at rows.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
         return [(leg, "way in") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
     rows = load.series()
-    normal, tangential = (np.stack([rows[:-1, column], rows[1:, column]], axis=1) for column in (1, 2))
-    ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
-    first = np.flatnonzero(ratio > 1 + _ROUNDING)[:1]
     legs: list[tuple[Leg, str]] = []
-    for k in np.unique([*first, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
-        (start, *before), (end, *after) = rows[k : k + 2].tolist()
-        leg = StraightLeg(start, end, (before[0], before[1]), (after[0], after[1]))
-        legs.append((leg, "cycle" if load.repeats and k > 0 else "way in"))
+    for begin in range(0, len(rows) - 1, _BLOCK):
+        block = rows[begin : begin + _BLOCK + 1]
+        normal, tangential = (np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2))
+        ratio = np.max(_ratio(normal, tangential, scene.friction.coefficient), axis=1)
+        outside = np.flatnonzero(ratio > 1 + _ROUNDING)[:1]
+        for k in np.unique([*outside, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
+            (start, *before), (end, *after) = block[k : k + 2].tolist()
+            leg = StraightLeg(start, end, (before[0], before[1]), (after[0], after[1]))
+            legs.append((leg, "cycle" if load.repeats and begin + k > 0 else "way in"))
     return legs
 
 
