@@ -57,6 +57,14 @@ class TestAdvice:
         assert code == OUTSIDE
         assert found["within_limit"] is found["passed"] is False
 
+    def test_an_uncertainty_across_the_limit_is_undecided(self, said: Any) -> None:
+        """At a limit of the error itself; it was a plain no."""
+        error = said("advise", "blocks")[1]["sum_of_known"]["dissipation"]["error"]
+        code, found = said("advise", "blocks", "--limit", f"{abs(error):.4g}")
+        assert (code, found["verdict"], found["within_limit"]) == (OUTSIDE, "undecided", False)
+        assert found["sentence"].startswith("Not sure: ")
+        assert "the uncertainty reaches across the limit" in found["sentence"]
+
     def test_what_no_map_knows_is_null_and_outside(self, said: Any) -> None:
         code, found = said("advise", "pad-on-block")
         assert code == OUTSIDE

@@ -182,7 +182,7 @@ class TestHeader:
         numbers = (0, -0.0, 0.5, 1, 1.2, 2.5, -1, 14.978, 1e300, -1e300, 5e-324, 1e-9, 1e-3, 1e6, 1e308, "nan", "inf")
         times = (0, 1, 1.5, 2, 2.5, 3, 13, 1e3, -1)
         table = written(rows(exact("cattaneo-mindlin", 3, 15)), tmp_path / "mine.csv")
-        for _ in range(8):
+        for _ in range(5):
             keys = ["thickness", "x_offset", "y_offset", *(f"factors.{key}" for key in ("length", "stress", "load", "time"))]
             lines = [f"{key} = {chance.choice(numbers)}" for key in chance.sample(keys, chance.randrange(1, 4))]
             if chance.random() < 0.2:
