@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import ValidationError
 
-from scenes import Compound, EvenPolynomial, InputError, Materials, Profile, Wedge
+from scenes import Compound, EvenPolynomial, FlatRounded, InputError, Materials, PowerLaw, Profile, Wedge
 from semi_analytic.batch_compound import CompoundContacts
 from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
@@ -132,6 +132,11 @@ def profiles_of(profile: Profile | Mapping[str, Any], material: Materials, array
             return Profiles.of_one(CompoundContacts(modulus, profile.inner_radius, profile.outer_radius, profile.inner_half_length))
         case Wedge():
             return Profiles.of_one(CompoundContacts(modulus, profile.tip_radius, math.inf, profile.tip_half_length))
+        case FlatRounded():
+            return Profiles.of_one(FlatRoundedContact(modulus, profile.radius, profile.flat_half_length, profile.datum_length))
+        case PowerLaw():
+            contact = PowerLawContact(modulus, profile.exponent, profile.length, profile.rise, profile.datum_length)
+            return Profiles.of_one(contact)
     if not isinstance(profile, Mapping):
         return Profiles.of_one(contact_of(profile, material))
     match profile["kind"]:
@@ -200,7 +205,5 @@ def _polynomial(modulus: float, length: float, **rises: float) -> BatchContact:
 
 def largest_load(contact: BatchContact) -> float:
     """What a profile that ends somewhere can carry, a table or a function; infinite for the others."""
-    end = getattr(contact, "extent", None)
-    knots = getattr(contact, "knots", None)
-    end = knots[-1] if knots is not None else end
-    return math.inf if end is None else float(contact.load(end))
+    end = getattr(contact, "extent", math.inf)
+    return math.inf if math.isinf(end) else float(contact.load(end))

@@ -30,7 +30,6 @@ from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
 from semi_analytic.legs import level, rate
 from semi_analytic.memory import Piece, front_time, pieces
-from semi_analytic.pile import Pile
 from semi_analytic.rounding import PROMISED
 from semi_analytic.snapshot import Snapshot
 
@@ -63,7 +62,7 @@ def field_errors(
     contact, friction, arcs = asked.contact, snapshot.friction, {"shear": 0.0, "slip": 0.0}
     if asked.fields.isdisjoint(("pressure", *arcs)):
         return {}
-    instants, points = (_INSTANTS, _POINTS) if isinstance(contact, Pile) else (_FEW_INSTANTS, _FEW_POINTS)
+    instants, points = (_INSTANTS, _POINTS) if not contact.closed_form else (_FEW_INSTANTS, _FEW_POINTS)
     chosen = np.unique(np.linspace(0, len(snapshot.load) - 1, instants).astype(int))
     loads = np.unique(np.append(snapshot.load[chosen], np.max(snapshot.load)))[:, None]
     x = asked.distance[np.unique(np.linspace(0, len(asked.distance) - 1, points).astype(int))]
@@ -75,7 +74,7 @@ def field_errors(
     if "slip" in asked.fields:
         size = max(float(np.max(np.abs(grids["slip"]))) * math.pi * asked.modulus / 2, _TINY)
         arcs["slip"] = _arcs(contact, snapshot, chosen, x, "slip") / size
-    if not isinstance(contact, Pile):
+    if contact.closed_form:
         return {name: value for name, value in arcs.items() if value > PROMISED}
     knots = 2 * max((sum(1 for _ in pieces(snapshot.actives[k])) for k in snapshot.which[chosen]), default=0) + 2
     found: dict[str, float] = {}
@@ -87,7 +86,7 @@ def field_errors(
 
 
 def _of_tractions(
-    contact: Pile, points: Array, x: Array, loads: Array, top: float, lines: dict[str, Array], knots: int, arcs: float
+    contact: Contact, points: Array, x: Array, loads: Array, top: float, lines: dict[str, Array], knots: int, arcs: float
 ) -> dict[str, float]:
     """Errors of pressure and shear over `top` and f times it, away from the edges and at those next to `points`."""
     away = np.abs(x - contact.half_width(loads)) > _NEAR * contact.half_width(loads)
@@ -108,7 +107,7 @@ def _largest(values: ArrayLike) -> float:
     return largest
 
 
-def _at_edges(contact: Pile, x: Array, half: Array, least: float) -> float:
+def _at_edges(contact: Contact, x: Array, half: Array, least: float) -> float:
     """What the error of a half-width does to a pressure (g/pi) sqrt(2 d/a) at the small distance d of the nearest point."""
     inside = half[np.isfinite(half) & (half > 0)]
     if not len(inside):
@@ -149,7 +148,7 @@ def _apart(contact: Contact, piece: Piece, upper: Array, x: Array, kernel: Liter
 
 def dissipation_error(contact: Contact, spans: Sequence[Span], modulus: float, first: float, second: float) -> float:
     """Error of the dissipation `first` over itself, `second` being that of the closed integral; NaN where it has none."""
-    if not isinstance(contact, Pile) or not first > 0:
+    if contact.closed_form or not first > 0:
         return 0.0
     left = 0.0
     for span in spans:

@@ -123,7 +123,7 @@ class Integrals:
             return np.broadcast_to(function(column), (len(load), len(self.x)))
         if self.kernel == "shear":
             # All moments are taken as differences between two loads.
-            return (getattr(contact, "pressure_rise", contact.pressure), contact.pressure_moment)[order](self.x, column)
+            return (contact.pressure_rise, contact.pressure_moment)[order](self.x, column)
         return (contact.spread, contact.spread_moment)[order](self.x, column)
 
 

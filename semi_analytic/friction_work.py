@@ -212,7 +212,7 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
     is nothing where the contact is largest. That keeps the digits where it hardly varies, as for a face that is nearly all flat.
     """
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
-    contact = replace(contact, datum_length=float(contact.half_width(largest)) / 2)  # type: ignore[type-var]
+    contact = replace(contact, datum_length=float(contact.half_width(largest)) / 2)
     integrals = Integrals(contact, np.zeros(1), "shift")
     offset = float(contact.log_ratio(largest))
     spans = smooth_spans(contact, spans)

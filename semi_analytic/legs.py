@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 _SAMPLES = 257
 _ROUNDING = 1e-14
-_IDLE = 3
+_IDLE, _SHORT = 3, 1e-9
 _ROUNDING_OF_TIME = 4.5e-16
 # Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the step between two of these.
 _MOST_STEPS = 4000
@@ -194,7 +194,9 @@ def _time_by_newton(leg: Leg, what: Combination, wanted: Array, total: float, be
         fault, slope = rising * (change(leg, what, time, begin) - wanted), rising * rate(leg, what, time)
         better = np.abs(fault) < least
         best, least, idle = np.where(better, time, best), np.where(better, np.abs(fault), least), np.where(better, 0, idle + 1)
-        if np.all((least == 0) | (idle >= _IDLE) | (last <= _ROUNDING_OF_TIME * np.abs(best))):
+        # Steps that gain no more are round-off where they are short: a long one is half a bracket, and others follow.
+        no_gain = (idle >= _IDLE) & (last <= _SHORT * np.abs(best - begin))
+        if np.all((least == 0) | no_gain | (last <= _ROUNDING_OF_TIME * np.abs(best))):
             return best
         low, high = np.where(fault < 0, time, low), np.where(fault > 0, time, high)
         steep = slope > 0

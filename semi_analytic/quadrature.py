@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
 from typing import NamedTuple
 
@@ -70,3 +71,29 @@ def gauss(count: int) -> tuple[Array, Array]:
     for part in rule:
         part.flags.writeable = False
     return rule
+
+
+CHUNK = 4_000_000
+"""Nodes that are held at a time."""
+
+
+class Nodes(NamedTuple):
+    """Nodes of panels between `begin` and `end`, distances from both without cancellation, weights: (..., panels, nodes)."""
+
+    at: Array
+    above: Array
+    below: Array
+    weight: Array
+
+
+def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -> Nodes:
+    """A rule for singular ends on [begin, end], cut at those of `breaks` (ascending, arrays like `end`) that lie inside."""
+    first, last = np.broadcast_arrays(np.asarray(begin, dtype=float), np.asarray(end, dtype=float))
+    inside = [b for b in breaks if np.any((first < b) & (b < last))]
+    marks = [first, *(np.clip(b, first, last) for b in inside), last]
+    low, high = np.stack(marks[:-1], axis=-1)[..., None], np.stack(marks[1:], axis=-1)[..., None]
+    length = high - low
+    up, down = length * ROOTS.up, length * ROOTS.down
+    above = (low - first[..., None, None]) + up
+    below = (last[..., None, None] - high) + down
+    return Nodes(np.where(ROOTS.up < 0.5, low + up, high - down), above, below, length * ROOTS.share)

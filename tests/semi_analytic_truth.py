@@ -9,8 +9,8 @@ import numpy as np
 from scenes import Elastic, EllipseLeg, Materials
 from semi_analytic.arcs import arc_slip
 from semi_analytic.contact import contact_of
-from semi_analytic.pile import Pile
-from semi_analytic.power_law import PowerLawContact
+from semi_analytic.profiles import power_law
+from semi_analytic.punch_superposition import PunchSuperposition
 
 STEP, RANGE = mp.mpf("0.2"), 225
 with mp.workdps(40):
@@ -151,7 +151,7 @@ def check_errors_are_honest(contact, truth, widths, limit, relative_x=(0.3, 0.99
             elif x > truth.least:
                 cases.append(("spread", (x, load), truth.spread(x, a)))
         for name, arguments, exact in cases:
-            value = float(getattr(Pile, name)(contact, *arguments))
+            value = float(getattr(contact, name)(*arguments))
             estimate = float(contact.quadrature_error(name, *arguments))
             assert abs(value - exact) <= estimate, (name, a, arguments)
             assert estimate <= limit * abs(exact) * (1 + abs(np.log(a))), (name, a, arguments)
@@ -159,13 +159,14 @@ def check_errors_are_honest(contact, truth, widths, limit, relative_x=(0.3, 0.99
 
 def slip_of_an_arc(n, place):
     """int dQ arccosh(x/a) of the sine part of one arc on |x|^n, x being `place` half-widths out: found, and at thirty digits."""
-    contact = PowerLawContact(1.0, n, 1.0, 1.0, 3.0)
+    contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
+    whole = float(contact.load(1.0))
     leg, first, last = EllipseLeg(0.0, 10.0, (1.0, 0.0), (0.3, 0.3), 1.0), math.pi + 1.5, math.pi + 2.3
     x = place * contact.half_width(leg.loads(np.array([last]))[0])
     with mp.workdps(30):
 
         def moved(t):
-            half = ((1 + mp.mpf(0.3) * mp.cos(t)) / contact.factor) ** (1 / mp.mpf(n))
+            half = ((1 + mp.mpf(0.3) * mp.cos(t)) / whole) ** (1 / mp.mpf(n))
             return mp.mpf(0.3) * mp.sin(1) * mp.cos(t) * mp.acosh(mp.mpf(x.item()) / half)
 
         exact = float(mp.quad(moved, [first, last]))

@@ -8,8 +8,8 @@ import pytest
 from scenes import SurfaceState, load_scene
 from semi_analytic import solve
 from semi_analytic.contact import contact_of
-from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.friction_work import global_dissipation, slip_times
+from semi_analytic.profiles import flat_and_rounded
 from semi_analytic.route import own_route
 from semi_analytic_cases import ellipse, make_scene
 
@@ -150,6 +150,6 @@ def test_global_dissipation_is_largest_just_before_sliding_confirmed():
 
 def test_flat_and_rounded_permanent_stick_reaches_to_0_844():
     """b/a(P0) = 0.505, loads in the paper's proportion: E* and R = 1 in units that make a(P0) = 1."""
-    unit = float(FlatRoundedContact(1.0, 1.0, 0.505, 1.0).load(1.0)) / 3
+    unit = float(flat_and_rounded(1.0, 1.0, 0.505).load(1.0 - 0.505)) / 3
     scene = make_scene(ellipse(3 * unit, unit, 1.1 * unit, unit), 1.0, flat=0.505)
     assert solve(scene, x=[0.0], fields=()).permanent_stick_half_width == pytest.approx(0.844, abs=5e-4)

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from scenes import Compound
-from semi_analytic.compound import CompoundContact
-from semi_analytic.flat_rounded import FlatRoundedContact
 from semi_analytic.hertz import HertzContact
+from semi_analytic.profiles import flat_and_rounded, two_curvatures
+from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic_truth import Truth, check_close_pairs, check_errors_are_honest, profile_contact, worst
 
 METHODS = ("pressure", "pressure_moment", "spread", "spread_moment")
@@ -71,8 +71,8 @@ def test_equal_radii_are_hertz():
 
 
 def test_a_flat_middle_is_flat_and_rounded():
-    nearly = CompoundContact(1.0, 1.0, inner_radius=1e14, outer_radius=1.0, inner_half_length=1.0)
-    flat = FlatRoundedContact(1.0, 1.0, 1.0, 1.0)
+    nearly = PunchSuperposition(two_curvatures(1.0, inner_radius=1e14, outer_radius=1.0, inner_half_length=1.0), 1.0)
+    flat = PunchSuperposition(flat_and_rounded(1.0, 1.0, 1.0), 1.0)
     x = np.array([0.0, 0.5, 0.999, 1.0, 1.2, 2.5])
     for load in (1e-3, 0.3, 20.0):
         for name in METHODS:

@@ -31,7 +31,7 @@ def test_kernels_against_quadrature(rises):
     """Measured: 8e-16, the slip area 6e-12 where a last digit of a counts a thousand times."""
     contact, truth = contact_and_truth(rises)
     for name, error in worst(contact, truth, (1e-8, 0.7, 40.0)).items():
-        assert error < (3e-11 if name == "log_area" else 1e-14), name
+        assert error < (3e-11 if name == "log_area" else 4e-14), name
     check_close_pairs(contact, (1e-8, 0.7, 2.0, 40.0), 1e-13)
     check_errors_are_honest(contact, truth, (0.7, 40.0), 1e-10)
 

@@ -14,9 +14,9 @@ import pytest
 
 from reports.cli import main
 from scenes import FlatRounded, Hertz, InputError, Tabulated
-from semi_analytic import pile, solve
+from semi_analytic import punch_superposition, solve
 from semi_analytic.hertz import HertzContact
-from semi_analytic.panels import panels
+from semi_analytic.quadrature import panels
 from semi_analytic_cases import ellipse, make_scene, polygon
 from semi_analytic_truth import Truth, profile_contact, worst
 
@@ -28,14 +28,15 @@ def table(height, extent, count, sides=1):
 
 def test_kernels_of_the_spline_against_quadrature():
     """Measured: 4e-16, the slip area 3e-13."""
-    contact = profile_contact(table(lambda x: np.cosh(x) - 1, 1.0, 5))
-    knots, bends = ([mp.mpf(float(v)) for v in values] for values in (contact.knots, contact.curvature))
+    profile = table(lambda x: np.cosh(x) - 1, 1.0, 5)
+    contact, spline = profile_contact(profile), profile.spline()
+    knots, bends = ([mp.mpf(float(v)) for v in values] for values in (spline.x, spline.curvature))
     pieces = list(zip(bends, knots[:-1], knots[1:], strict=True))
 
     def rate(a):
         return a * sum(k * (mp.asin(min(end / a, 1)) - mp.asin(begin / a)) for k, begin, end in pieces if begin < a)
 
-    truth = Truth(1, lambda x: sum(k * (min(max(x, a), b) - a) for k, a, b in pieces), rate, tuple(contact.knots[1:-1]))
+    truth = Truth(1, lambda x: sum(k * (min(max(x, a), b) - a) for k, a, b in pieces), rate, contact.breaks)
     found = worst(contact, truth, (1e-6, 0.4, 0.9), relative_x=(0.0, 0.9, 1.05))
     for name, error in found.items():
         assert error < {"log_area": 1e-11, "pressure": 1e-12, "pressure_moment": 1e-12}.get(name, 1e-13), name
@@ -44,11 +45,11 @@ def test_kernels_of_the_spline_against_quadrature():
 def test_moments_of_many_rows():
     """P p - int p dP by Gauss' rule between the knots, p being a sum of tips: measured 3e-9, the roots being its limit."""
     contact = profile_contact(table(lambda x: np.cosh(x) - 1, 1.0, 41))
-    half, x = 0.9, np.array([0.1, 0.5, 0.85, 0.95])
+    half, x, knots = 0.9, np.array([0.1, 0.5, 0.85, 0.95]), np.array(contact.breaks)
     load = float(contact.load(half))
     node, weight = np.polynomial.legendre.leggauss(40)
     for at in x:
-        marks = np.unique(np.concatenate([[min(at, half), half], contact.knots[(contact.knots > at) & (contact.knots < half)]]))
+        marks = np.unique(np.concatenate([[min(at, half), half], knots[(knots > at) & (knots < half)]]))
         # a = mark + step^2: behind each knot everything is smooth in the root.
         step = np.sqrt(np.diff(marks))[:, None]
         inner = marks[:-1, None] + np.square(step * (1 + node) / 2)
@@ -140,7 +141,8 @@ def test_beside_a_flat_small_loads_keep_their_digits(load):
     """Rows with a flat middle: the exact P(a) of a rounded flat up to the second knot."""
     profile = Tabulated(points=[[0, 0], [0.5, 0], [0.75, 0.03], [1, 0.12], [1.5, 0.5]])
     contact = profile_contact(profile)
-    bend = float(contact.curvature[np.flatnonzero(contact.curvature)[0]])
+    curvature = profile.spline().curvature
+    bend = float(curvature[np.flatnonzero(curvature)[0]])
     flat = profile_contact(FlatRounded(radius=1 / bend, flat_half_length=contact.least))
     small = load * float(contact.load(contact.breaks[0]))
     x = np.array([0.0, 0.4, 0.499])
@@ -159,7 +161,7 @@ def test_work_across_knots_is_cut_at_those_between_alone(monkeypatch):
         cuts.extend(np.all((begin <= at) & (at <= end)) for at in breaks)
         return panels(begin, end, breaks)
 
-    monkeypatch.setattr(pile, "panels", seen)
+    monkeypatch.setattr(punch_superposition, "panels", seen)
     load = polygon([(1.0, 0.0)], [(0.4, 0.1), (0.8, -0.15), (1.0, 0.1)])
     solve(make_scene(load, 0.7).vary(profile=table(lambda x: np.cosh(x) - 1, 1.2, 61)), x=[0.0])
     assert len(cuts) > 9
@@ -206,7 +208,7 @@ def judged(x, h):
         said = str(refusal)
         named = "row" in said and "near a half-width of" in said and "\n" not in said
         return "split" if named else f"refused in other words: {said}"
-    half = np.linspace(contact.least, contact.knots[-1], 3001)[1:]
+    half = np.linspace(contact.least, contact.extent, 3001)[1:]
     loads = contact.load(half)
     if np.min(np.diff(loads)) < -1e-13 * loads[-1]:
         return "P falls"
@@ -299,9 +301,11 @@ def test_rows_that_bend_up_make_a_curve_that_does(seed):
         bends[-1] += 0.1
         x = np.append(0, np.cumsum(chance.uniform(0.2, 1, count - 1)))
         h = np.append(0, np.cumsum(np.cumsum(bends) * np.diff(x)))
-        contact = profile_contact(Tabulated(points=np.stack([x, h], axis=1)))
+        profile = Tabulated(points=np.stack([x, h], axis=1))
+        profile_contact(profile)
+        curvature = profile.spline().curvature
         if np.all(bends > 0):
-            assert np.min(contact.curvature[1:]) > -1e-9 * np.max(contact.curvature)
+            assert np.min(curvature[1:]) > -1e-9 * np.max(curvature)
 
 
 def test_rows_on_a_line_are_followed():

@@ -2,24 +2,24 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from scenes import EvenPolynomial, Tabulated
 from scenes.callable_loads import CallableLoad
 from scenes.harmonics import HarmonicLoad
 from scenes.time_series import TimeSeriesLoad
-from semi_analytic import friction_work, settling, solve
+from semi_analytic import friction_work, profiles, settling, solve
 from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.quadrature import graded
 from semi_analytic.route import own_route
-from semi_analytic.tabulated import TabulatedContact
 from semi_analytic_cases import ellipse, make_scene, polygon
 from semi_analytic_truth import slip_of_an_arc
 
@@ -92,6 +92,8 @@ def test_an_ellipse_in_other_clothes_is_the_same(load, phase, flat):
 WAVES = st.tuples(st.floats(0.0, 1.0), st.floats(-180, 180))
 
 
+# Newton's method gave up after three bisections that gained nothing: a crossing of the memory curve 0.02 late, W 3.3e-4 off.
+@example([(0.5, 0.0), (0.609375, -109.875), (0.34765625, 31.75)], [(1.0, -29.0)], 0.5, 0.125)
 @settings(max_examples=4)
 @given(st.lists(WAVES, min_size=1, max_size=3), st.lists(WAVES, min_size=1, max_size=3), st.floats(0.1, 0.9), st.floats(0.1, 0.9))
 def test_harmonics_balance_their_energy(normal, tangential, squeeze, use):
@@ -240,13 +242,18 @@ def test_rounding_ends_the_halving(monkeypatch):
 def test_what_instants_share_of_an_arc_is_integrated_once(monkeypatch):
     """Closed-int Q dU of harmonics on a table of 13 rows: each instant integrated its arc from the start, over every knot."""
     inverted = []
-    invert = TabulatedContact.half_width
+    law = profiles.tabulated
 
-    def counted(self, load):
-        inverted.append(np.size(load))
-        return invert(self, load)
+    def counted(modulus, profile):
+        found = law(modulus, profile)
 
-    monkeypatch.setattr(TabulatedContact, "half_width", counted)
+        def advance(load):
+            inverted.append(np.size(load))
+            return found.advance(load)
+
+        return replace(found, advance=advance)
+
+    monkeypatch.setattr(profiles, "tabulated", counted)
     x = np.linspace(0.0, 6.0, 13)
     profile = Tabulated(points=np.column_stack([x, np.cosh(x / 3) - 1]).tolist())
     load = HarmonicLoad(

@@ -1,0 +1,631 @@
+"""The law P(a) of every profile: load, its inverse and its slope as functions of the advance of the edge, with the corners.
+
+# notation: a half-width, a_0 that of no load, d = a - a_0, P normal load per unit thickness, E* composite modulus, h(x) profile
+
+Of any symmetric profile (Abel transform of the slope h'):
+
+    P = E* a int cos(angle) h'(x) d angle,    dP/da = E* int cos(angle) (x h')' d angle,    x = a cos(angle), 0 < angle < pi/2
+
+All else follows from these in `punch_superposition`; the parabola alone has closed forms throughout, in `hertz`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial import Polynomial, polynomial
+from numpy.polynomial.polynomial import polyval
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import beta
+
+from scenes import (
+    CallableProfile,
+    Compound,
+    EvenPolynomial,
+    FlatRounded,
+    Hertz,
+    InputError,
+    Materials,
+    NotFoundError,
+    PowerLaw,
+    Profile,
+    Tabulated,
+    Wedge,
+)
+from scenes.chebyshev import NODES, Pieces, clenshaw, halved, series
+from scenes.profiles import first_fall
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.hertz import HertzContact
+from semi_analytic.punch_superposition import ContactLaw, PunchSuperposition
+from semi_analytic.quadrature import CHUNK, panels
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Contact = HertzContact | PunchSuperposition
+
+
+def contact_of(profile: Profile, materials: Materials) -> Contact:
+    """The normal contact of a scene's profile.
+
+    Raises
+    ------
+    InputError
+        For a kind of profile that this engine does not know, and for one under which the contact would split.
+    """
+    modulus, datum = composite_modulus(materials), getattr(profile, "datum_length", 0.0)
+    match profile:
+        case Hertz():
+            return HertzContact(modulus, profile.radius, datum)
+        case FlatRounded():
+            law = flat_and_rounded(modulus, profile.radius, profile.flat_half_length)
+        case PowerLaw():
+            law = power_law(modulus, profile.exponent, profile.length, profile.rise)
+        case Compound():
+            law = two_curvatures(modulus, profile.inner_radius, profile.outer_radius, profile.inner_half_length)
+        case Wedge():
+            law = two_curvatures(modulus, profile.tip_radius, math.inf, profile.tip_half_length)
+        case EvenPolynomial():
+            law = even_polynomial(modulus, profile.length, profile.rises)
+        case Tabulated():
+            law = tabulated(modulus, profile)
+        case CallableProfile():
+            law = slope_function(modulus, profile)
+        case _:
+            raise InputError(f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile")
+    return PunchSuperposition(law, datum)
+
+
+def rising_root(function: Callable[[Array], Array], slope: Callable[[Array], Array], value: Array, guess: Array) -> Array:
+    """The x > 0 at which a rising function has a `value` >= 0, to round-off: Newton's method between logarithms.
+
+    Arrays of one shape; 0 for a value of 0, NaN where 60 steps do not find it.
+
+    >>> float(rising_root(lambda x: x**3, lambda x: 3 * x**2, np.array(8.0), np.array(1.0)))
+    2.0
+    """
+    wanted = np.where(value > 0, value, 1.0)
+    x = np.where(value > 0, guess, 1.0)
+    for _ in range(60):
+        now = function(x)
+        steepness = x * slope(x) / np.where(now > 0, now, 1.0)
+        step = np.log(wanted / np.where(now > 0, now, wanted)) / np.where(steepness > 0, steepness, 1.0)
+        x = x * np.exp(np.clip(step, -3.0, 3.0))
+        # The next step would be about the square of this one: less than round-off.
+        if np.all(np.abs(step) < 3e-9):
+            break
+    else:
+        x = np.where(np.abs(step) < 3e-9, x, np.nan)
+    return np.where(value > 0, x, 0.0)
+
+
+# --- power laws and their sums
+
+
+def load_factor(exponent: float) -> float:
+    """int_0^(pi/2) sin(theta)^n d theta = (sqrt(pi)/2) Gamma((n+1)/2)/Gamma(n/2+1): the Abel transform of x^n.
+
+    >>> round(load_factor(1.0), 15), round(load_factor(2.0), 15)  # 1 and pi/4
+    (1.0, 0.785398163397448)
+    """
+    return float(beta((exponent + 1) / 2, 0.5)) / 2
+
+
+def power_law(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
+    """Of h = rise (|x|/length)^n, n >= 1 real: P = K (a/length)^n, K = E* n rise load_factor(n).
+
+    >>> law = power_law(modulus=100.0, exponent=2.0, length=1.0, rise=0.5)  # Hertz with R = 1
+    >>> round(float(law.advance(np.array(25 * np.pi))), 12)
+    1.0
+    """
+    whole = modulus * exponent * rise * load_factor(exponent)
+    return ContactLaw(
+        load=lambda a: whole * np.power(a / length, exponent),
+        advance=lambda load: length * np.power(load / whole, 1 / exponent),
+        stiffness=lambda a: exponent * whole / length * np.power(a / length, exponent - 1),
+        power=exponent,
+    )
+
+
+def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> ContactLaw:
+    """Of h = sum c_k (x/length)^(2 k): a sum of the loads of its powers.
+
+    Raises
+    ------
+    InputError
+        Where dP/da < 0 somewhere: the contact would split.
+
+    >>> law = even_polynomial(modulus=100.0, length=1.0, rises=(0.5,))  # Hertz with R = 1
+    >>> round(float(law.advance(np.array(25 * np.pi))), 12)
+    1.0
+    """
+    k = np.arange(1.0, len(rises) + 1)
+    loads = modulus * 2 * k * np.array(rises) * np.array([load_factor(2 * each) for each in k])
+    # dP/da over a is a polynomial in a^2.
+    square = first_fall(loads * k)
+    if square is not None:
+        where = length * float(np.sqrt(square))
+        raise InputError(
+            f"profile: the contact would split near a half-width of {where:.6g}; half-plane theory here needs one contact"
+        )
+    powers = np.flatnonzero(loads > 0)
+
+    def load(a: Array) -> Array:
+        square = np.square(a / length)
+        return np.asarray(square * polynomial.polyval(square, loads))
+
+    def stiffness(a: Array) -> Array:
+        t = a / length
+        return np.asarray(2 * t / length * polynomial.polyval(t * t, loads * k))
+
+    def advance(p: Array) -> Array:
+        # From the nearest single power.
+        guess = np.minimum.reduce([length * np.power(p / loads[j], 1 / (2 * j + 2)) for j in powers])
+        return rising_root(load, stiffness, p, np.maximum(guess, np.finfo(float).tiny))
+
+    several = sum(rise != 0 for rise in rises) > 1
+    return ContactLaw(load, advance, stiffness, power=2.0 * (powers[0] + 1), bends_anywhere=several)
+
+
+# --- flat and rounded
+
+
+# Below this tau the closed form of F cancels.
+_SHALLOW = 0.3
+_K = np.arange(1.0, 17.0)
+_F_SERIES = -((-1.0) ** _K) * 2 / (4 * _K**2 - 1)
+
+
+def load_function(tau: ArrayLike) -> Array:
+    """F(tau) = (1 + tau^2) arctan tau - tau = 2 tau^3/3 - 2 tau^5/15 + ... to full relative accuracy.
+
+    >>> round(float(load_function(1.0)), 12)  # pi/2 - 1
+    0.570796326795
+    """
+    t = np.asarray(tau, dtype=float)
+    closed = (1 + t * t) * np.arctan(t) - t
+    shallow = t < _SHALLOW
+    if not np.any(shallow):
+        return closed
+    small = np.minimum(t, _SHALLOW)
+    square, total = small * small, np.full(np.shape(t), _F_SERIES[-1])
+    for coefficient in _F_SERIES[-2::-1].tolist():
+        total = total * square + coefficient
+    return np.where(shallow, total * small * square, closed)
+
+
+def inverse_load_function(value: ArrayLike) -> Array:
+    """Tau of F(tau) = value >= 0, to round-off: a fit good to 5e-7, then one step of Halley's method, which cubes that.
+
+    >>> round(float(inverse_load_function(np.pi / 2 - 1)), 12)
+    1.0
+    """
+    y = np.asarray(value, dtype=float)
+    small, wide = np.cbrt(1.5 * y), np.sqrt(y * (2 / np.pi))
+    part = np.minimum(small, _SMALL_END)
+    inverse = 1 / np.maximum(wide, 1 / _WIDE_END)
+    tau = np.where(y < _SPLIT, small * polyval(part * part, _SMALL_FIT), wide * polyval(inverse, _WIDE_FIT))
+    fault = load_function(tau) - y
+    angle = np.arctan(tau)
+    slope, bend = 2 * tau * angle, 2 * (angle + tau / (1 + tau * tau))
+    below = 2 * slope * slope - fault * bend
+    return tau - 2 * fault * slope / np.where(below > 0, below, 1.0)
+
+
+def _fits() -> tuple[Array, Array]:
+    """Polynomials of tau/(1.5 y)^(1/3) in (1.5 y)^(2/3) below the split, of tau/sqrt(2 y/pi) in the inverse of that root above."""
+    place = (1 - np.cos(np.pi * np.arange(401) / 400)) / 2
+    inner = 1e-3 + place * (_SMALL_TAU - 1e-3)
+    square = np.cbrt(1.5 * load_function(inner)) ** 2
+    outer = _SMALL_TAU / (1e-6 + (1 - 1e-6) * place)
+    wide = np.sqrt(load_function(outer) * (2 / np.pi))
+    fits = (Polynomial.fit(square, inner / np.sqrt(square), 7), Polynomial.fit(1 / wide, outer / wide, 9))
+    return tuple(fit.convert().coef for fit in fits)  # type: ignore[return-value]
+
+
+_SMALL_TAU = 1.4
+_SPLIT = float(load_function(_SMALL_TAU))
+_SMALL_END, _WIDE_END = float(np.cbrt(1.5 * _SPLIT)), float(np.sqrt(np.pi / (2 * _SPLIT)))
+_SMALL_FIT, _WIDE_FIT = _fits()
+
+
+def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
+    """Of a flat face of half-length b with parabolic edges of radius R (Ciavarella, Hills and Monno 1998; phi_0 is arccot tau):
+
+        P = (E* b^2/(2 R)) F(tau),  dP/da = (E*/R) a arctan(tau),  tau = sqrt(a^2 - b^2)/b
+
+    >>> law = flat_and_rounded(modulus=2.0, radius=1.0, flat_half_length=1.0)
+    >>> round(float(law.load(np.sqrt(2.0) - 1)), 12)  # tau = 1
+    0.570796326795
+    """
+    b, unit = flat_half_length, modulus * flat_half_length**2 / (2 * radius)
+
+    def tau(d: Array) -> Array:
+        return np.sqrt(d / b * (2 + d / b))
+
+    def advance(p: Array) -> Array:
+        square = np.square(inverse_load_function(p / unit))
+        return b * square / (1 + np.sqrt(1 + square))
+
+    return ContactLaw(
+        load=lambda d: unit * load_function(tau(d)),
+        advance=advance,
+        stiffness=lambda d: modulus / radius * (b + d) * np.arctan(tau(d)),
+        least=b,
+    )
+
+
+# --- two curvatures
+
+
+def two_curvatures(modulus: float, inner_radius: float, outer_radius: float, inner_half_length: float) -> ContactLaw:
+    """Of h'' = 1/R1 up to x = b and 1/R2 beyond; R2 infinite makes a wedge with a rounded tip. Hertz up to a = b, then
+
+        P = (E*/(2 R1)) [b t + a^2 arcsin(b/a)] + (E* b^2/(2 R2)) F(t/b),  dP/da = E* a [arcsin(b/a)/R1 + arccos(b/a)/R2]
+
+    with t = sqrt(a^2 - b^2). Both terms grow: all digits are kept from R2/R1 = 0 to infinity.
+
+    >>> law = two_curvatures(modulus=100.0, inner_radius=1.0, outer_radius=1.0, inner_half_length=0.3)
+    >>> round(float(law.advance(np.array(25 * np.pi))), 12)  # Hertz
+    1.0
+    """
+    b, tip = inner_half_length, modulus / inner_radius
+    inner, outer = tip * b * b / 2, modulus / outer_radius * b * b / 2
+    corner = inner * np.pi / 2
+
+    def load(a: Array) -> Array:
+        end = np.minimum(a, b)
+        t = np.sqrt((a - end) * (a + end))
+        return tip / 2 * (end * t + a * a * np.arctan2(end, t)) + outer * load_function(t / b)
+
+    def stiffness(a: Array) -> Array:
+        end = np.minimum(a, b)
+        t = np.sqrt((a - end) * (a + end))
+        return a * (tip * np.arctan2(end, t) + modulus / outer_radius * np.arctan2(t, end))
+
+    def beyond(square: Array) -> Array:
+        """P - P(b) from (t/b)^2: the tip's part is pi/2 t^2 - F(t) where t is small, with its own digits where it is large."""
+        t = np.sqrt(square)
+        flat = load_function(t)
+        return inner * np.where(t < 1, np.pi / 2 * square - flat, (1 + square) * np.arctan2(1, t) + t - np.pi / 2) + outer * flat
+
+    def rate(square: Array) -> Array:
+        angle = np.arctan(np.sqrt(square))
+        return inner * (np.pi / 2 - angle) + outer * angle
+
+    def rough(share: Array) -> Array:
+        """(t/b)^2 for small and for large loads."""
+        return share if math.isfinite(outer_radius) else share + np.square(share / 2)
+
+    def quotient(root: Array) -> Array:
+        share = root**2
+        return rising_root(beyond, rate, (inner + outer) * share, rough(share)) / rough(share)
+
+    ends = 2.0 ** np.arange(-2, 12)
+    table = halved(quotient, np.concatenate([[0.0], ends]), 1e6)
+
+    def advance(p: Array) -> Array:
+        rest = np.maximum(p - corner, 0.0)
+        share = rest / (inner + outer)
+        root = np.sqrt(share)
+        guess = rough(share) * np.where(root < ends[-1], table(np.minimum(root, ends[-1])), 1.0)
+        square = rising_root(beyond, rate, rest, guess)
+        return np.where(p <= corner, np.minimum(np.sqrt(4 * p / (np.pi * tip)), b), b * np.sqrt(1 + square))
+
+    return ContactLaw(load, advance, stiffness, breaks=(b,))
+
+
+# --- measured rows
+
+
+@dataclass(frozen=True, eq=False)
+class _Series:
+    """P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin): coefficients (DEGREE + 1, n).
+
+    `edges` (n,) are the half-widths and `loads` (n,) the normal loads at which the pieces begin.
+    """
+
+    begin: Array
+    low: Array
+    high: Array
+    edges: Array
+    loads: Array
+    load: Array
+    rate: Array
+
+    def on(self, number: Indices, u: Array, coefficients: Array) -> Array:
+        """Value of one of the two at u on pieces of these numbers."""
+        low, high = self.low[number], self.high[number]
+        return clenshaw(coefficients, number, np.minimum((2 * u - low - high) / (high - low), 1.0))
+
+
+def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
+    """Of rows: the curvature kappa is constant between knots b_j, so that P and dP/da are sums of flats with rounded edges.
+
+        dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
+
+    The sums (the Abel transform of the table) are taken once, at the nodes of Chebyshev series in sqrt(a - b_j) behind each knot;
+    up to the second knot all is in closed form.
+
+    Raises
+    ------
+    InputError
+        For rows under which the contact would split, with the row and what to do; later for a load that needs a wider table.
+    """
+    spline = profile.spline()
+    first = int(np.flatnonzero(spline.curvature > 0)[0])
+    knots, bend = spline.x[first:], modulus * spline.curvature[first:]
+    least, extent = float(knots[0]), float(knots[-1])
+    # The first piece is Hertz, or flat and rounded with 1/R the first curvature.
+    head = flat_and_rounded(bend[0], 1.0, least) if least > 0 else power_law(bend[0], 2.0, 1.0, 0.5)
+    rows = _series_of_rows(knots, bend)
+
+    def series_or_head(a: Array, coefficients: Array, head_function: Callable[[Array], Array]) -> Array:
+        first_part = head_function(a - least)
+        if not len(rows.begin):
+            return first_part
+        number = np.maximum(np.searchsorted(rows.edges, a, side="right") - 1, 0)
+        u = np.sqrt(np.maximum(a - rows.begin[number], 0.0))
+        return np.where(a < rows.edges[0], first_part, rows.on(number, u, coefficients))
+
+    def load(d: Array) -> Array:
+        return series_or_head(d + least, rows.load, head.load)
+
+    def stiffness(d: Array) -> Array:
+        return series_or_head(d + least, rows.rate, head.stiffness)
+
+    largest = float(load(np.array(extent - least)))
+
+    def advance(p: Array) -> Array:
+        most = float(np.max(p, initial=0.0))
+        if most > largest:
+            raise InputError(
+                f"profile: the normal load {most:.6g} needs a contact wider than the table, whose last x = {extent:.6g} "
+                f"carries {largest:.6g}"
+            )
+        if not len(rows.loads):
+            return head.advance(p)
+        d = np.array(head.advance(np.minimum(p, rows.loads[0])))
+        later = p >= rows.loads[0]
+        d[later] = _later_half_width(rows, largest, p[later]) - least
+        return d
+
+    law = ContactLaw(load, advance, stiffness, least, tuple(knots[1:-1].tolist()), extent=extent)
+    if len(rows.begin):
+        # Of every piece the ends too: where dP/da falls behind a knot it is least at the next one.
+        t = np.concatenate([[-1.0], NODES, [1.0]])
+        half = rows.begin[:, None] + np.square(rows.low[:, None] + (rows.high - rows.low)[:, None] * (1 + t) / 2)
+        rate = stiffness(half - least)
+        # Round-off may leave that much below 0 where the profile is straight.
+        falls = rate < -1e-12 * np.max(rate)
+        if np.any(falls):
+            raise InputError(_splits(profile, float(np.min(half[falls]))))
+    return law
+
+
+def _series_of_rows(knots: Array, bend: Array) -> _Series:
+    """Series behind every knot from the second on; none where there are no more than two."""
+    pieces: list[tuple[float, float, float]] = []
+    for before, begin, end in zip(knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True):
+        # Behind a short interval the series is in octaves: what the knot before leaves is singular at u^2 = before - begin.
+        whole, step = (end - begin) ** 0.5, (begin - before) ** 0.5
+        marks = [0.0, *(step * 2.0**k for k in range(math.ceil(math.log2(whole / step)))), whole]
+        if len(marks) > 2 and whole - marks[-2] < 0.1 * (marks[-2] - marks[-3]):
+            del marks[-2]
+        pieces += [(begin, low, high) for low, high in pairwise(marks)]
+    begin, low, high = (np.array([piece[k] for piece in pieces]) for k in range(3))
+    jumps = np.diff(bend, prepend=0.0)
+    u = np.column_stack([low, low[:, None] + (high - low)[:, None] * (1 + NODES) / 2]) if pieces else np.empty((0, len(NODES) + 1))
+    half = begin[:, None] + u * u
+    load, rate = np.zeros(half.shape), np.zeros(half.shape)
+    size = max(CHUNK // (half.shape[1] * len(jumps)), 1)
+    for k in range(0, len(begin), size):
+        here = slice(k, k + size)
+        reached = int(np.searchsorted(knots[:-1], half[here].max()))
+        a, b = half[here, :, None], knots[:reached]
+        # a - b is known without cancellation.
+        above = np.maximum((begin[here, None, None] - b) + np.square(u[here, :, None]), 0.0)
+        tau = np.sqrt(above * (a + b))
+        angle = np.where(above > 0, np.arctan2(tau, b), 0.0)
+        # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
+        rate[here] = (angle @ jumps[:reached]) * half[here]
+        load[here] = np.where(above > 0, a * a * angle - b * tau, 0.0) @ jumps[:reached] / 2
+    return _Series(begin, low, high, begin + low * low, load[:, 0], series(load[:, 1:]).T.copy(), series(rate[:, 1:]).T.copy())
+
+
+def _later_half_width(rows: _Series, largest: float, load: Array) -> Array:
+    """a(P) behind the second knot, by Newton's method: there P is nearly linear in a - b = u^2, whose last digit counts from a."""
+    number = np.searchsorted(rows.loads, load, side="right") - 1
+    low, high = rows.low[number] ** 2, rows.high[number] ** 2
+    square = low + (high - low) * (load - rows.loads[number]) / (np.append(rows.loads[1:], largest) - rows.loads)[number]
+    begin, step = rows.begin[number], np.zeros(load.shape)
+    for _ in range(50):
+        root = np.sqrt(square)
+        step = (load - rows.on(number, root, rows.load)) / rows.on(number, root, rows.rate)
+        square = np.clip(square + step, low, high)
+        # The next step would be the square of this one.
+        if np.all(np.abs(step) <= 1e-9 * (begin + square)):
+            return begin + square
+    raise NotFoundError(f"no half-width was found for the normal load {float(load.flat[np.argmax(np.abs(step))]):.17g}")
+
+
+def _splits(profile: Tabulated, half: float) -> str:
+    """Why a contact would split, with the row and what to do."""
+    row, step = profile.row_before(half), profile.step_of_heights()
+    x, h = profile.points.values[row].tolist()
+    cause, cure = "the curve through the rows bends down there", "smooth the rows until it does not"
+    if step is not None:
+        cause = f"h is written in steps of {step:.6g}, and the curve through such rows goes up by stairs"
+        cure = "write h with more digits, leave rows out until each rises by many steps, or give a formula that fits them"
+    where = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
+    return f"{where}: the contact would split near a half-width of {half:.6g}: {cause}; {cure}"
+
+
+# --- Python functions
+
+
+# Octaves of a half-width that have series; below them P is a power of a.
+_OCTAVES = 54
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """P and dP/da between two corners as functions of a distance u: u = a - begin from the middle, else u^2 = a - begin.
+
+    Behind a corner of the profile, and beside a flat, both are smooth functions of the root only.
+    """
+
+    begin: float
+    rooted: bool
+    loads: Pieces
+    rates: Pieces
+
+    @property
+    def power(self) -> float:
+        """Power of u that P follows below the least octave."""
+        first = np.array(self.loads.edges[0])
+        return float(first * self.rates(first) / self.loads(first) * (2 * first if self.rooted else 1.0))
+
+    def at(self, u: Array, order: int) -> Array:
+        """P (order 0) or dP/da (1); below the least octave as a power."""
+        values = (self.loads, self.rates)[order]
+        first = float(values.edges[0])
+        inside = values(np.maximum(u, first))
+        if first == 0:
+            return inside
+        part = np.minimum(u / first, 1.0)
+        return inside * np.where(part < 1, part ** (self.power - order * (2 if self.rooted else 1)), 1.0)
+
+    def distance(self, load: Array) -> Array:
+        """u of a load."""
+        edges = self.loads.edges
+        marks = self.loads(edges)
+        low = edges[0] * (load / marks[0]) ** (1 / self.power) if edges[0] else np.zeros(load.shape)
+        guess = np.where(load < marks[0], low, np.maximum(np.interp(load, marks, edges), edges[1] / 4))
+        # Counted from where the stretch begins, so that the root of the difference keeps its digits.
+        bottom = float(marks[0]) if edges[0] == 0 else 0.0
+
+        def rate(u: Array) -> Array:
+            return self.at(u, 1) * (2 * u if self.rooted else 1.0)
+
+        return rising_root(lambda u: self.at(u, 0) - bottom, rate, np.maximum(load - bottom, 0.0), guess)
+
+
+def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
+    """Of a slope h'(x) given by a Python function: P and dP/da by quadrature, kept as piecewise Chebyshev series.
+
+    Raises
+    ------
+    InputError
+        For a profile under which the contact would split; later for a load that needs a wider contact than `extent`.
+
+    >>> law = slope_function(100.0, CallableProfile(slope_function=lambda x: x, extent=2.0))  # Hertz with R = 1
+    >>> round(float(law.advance(np.array(25 * np.pi))), 12)
+    1.0
+    """
+    corners = _corners(profile)
+    least = _flat_half_length(profile, corners)
+    cuts = [least, *(b for b in corners if least < b < profile.extent)]
+    ranges = list(pairwise([*cuts, profile.extent]))
+    behind = tuple(reversed(cuts if least else cuts[1:]))
+    stretches = [_stretch(modulus, profile, begin, end, behind) for begin, end in ranges]
+    carried = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
+
+    def at(d: Array, order: int) -> Array:
+        half, result = least + d, np.zeros(d.shape)
+        number = np.maximum(np.searchsorted([stretch.begin for stretch in stretches], half, side="right") - 1, 0)
+        for k, stretch in enumerate(stretches):
+            here = number == k
+            if np.any(here):
+                above = (d if k == 0 else half - stretch.begin)[here]
+                result[here] = stretch.at(np.sqrt(above) if stretch.rooted else above, order)
+        return result
+
+    def advance(p: Array) -> Array:
+        most = float(np.max(p, initial=0.0))
+        if most > carried * (1 + 1e-12):
+            raise InputError(
+                f"profile.extent = {profile.extent:.6g}: the normal load {most:.6g} needs a wider contact, the extent carries "
+                f"{carried:.6g}"
+            )
+        different, fold = np.unique(p.ravel(), return_inverse=True)
+        ends = [float(stretch.loads(stretch.loads.edges[-1])) for stretch in stretches]
+        number = np.minimum(np.searchsorted(ends, different), len(ends) - 1)
+        d = np.empty(different.shape)
+        for k, stretch in enumerate(stretches):
+            here = number == k
+            if np.any(here):
+                u = stretch.distance(different[here])
+                d[here] = (stretch.begin - least) + (u**2 if stretch.rooted else u)
+        return d[fold].reshape(p.shape)
+
+    sample = np.unique(np.concatenate([np.linspace(begin, end, 200) for begin, end in ranges]))
+    rates = at(sample - least, 1)
+    falls = rates < -1e-10 * np.max(rates)
+    if np.any(falls):
+        raise InputError(f"profile: the contact would split near a half-width of {sample[falls][0]:.6g}")
+    return ContactLaw(
+        load=partial(at, order=0),
+        advance=advance,
+        stiffness=partial(at, order=1),
+        least=least,
+        breaks=tuple(cuts[1:]),
+        power=stretches[0].power if not least else 2.0,
+        extent=profile.extent,
+        bends_anywhere=True,
+        # A derivative was taken of h, two of it in dP/da.
+        noise=1e-11,
+    )
+
+
+def _stretch(modulus: float, profile: CallableProfile, begin: float, end: float, cuts: tuple[float, ...]) -> _Stretch:
+    """P and dP/da for begin < a < end; `cuts`, descending, is where the slope has corners."""
+    rooted = begin > 0
+    whole = np.sqrt(end - begin) if rooted else end - begin
+    edges = whole * 0.5 ** np.arange(_OCTAVES - 1, -1.0, -1.0)
+    if rooted and profile.slope(np.array(begin)) > 0:
+        edges = np.concatenate([[0.0], edges[-4:]])
+    elif rooted:
+        edges = edges[edges > 1e-5 * np.sqrt(begin)]
+
+    def integral(distance: Array, order: int) -> Array:
+        # x = a cos(angle); the angle at a corner from the distance to it, which is known.
+        above = distance**2 if rooted else distance
+        half = begin + above
+        gaps = [np.maximum(above + (begin - b), 0.0) for b in cuts]
+        angles = [np.arctan2(np.sqrt(gap * (half + b)), b) for gap, b in zip(gaps, cuts, strict=True)]
+        node = panels(np.zeros(half.shape), np.pi / 2, angles)
+        cosine = np.sin(np.where(node.at < 0.7, np.pi / 2 - node.at, node.below))
+        x = half[..., None, None] * cosine
+        inner = profile.slope(x) + profile.bend(x) if order else profile.slope(x) * half[..., None, None]
+        return np.asarray(modulus * np.sum(node.weight * cosine * inner, axis=(-2, -1)))
+
+    # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and its bend jumps within round-off
+    # of the corner: 4e-15 of the scale can be had for the load, 1e-12 for its derivative.
+    scales = [float(integral(edges[-1:], order).item()) * (1.0, 250.0)[order] if rooted else None for order in (0, 1)]
+    loads, rates = (halved(partial(integral, order=order), edges, scales[order]) for order in (0, 1))
+    return _Stretch(begin, rooted, loads, rates)
+
+
+def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> float:
+    """Half-length of the flat in the middle; 0 if there is none."""
+    marks = np.array([*profile.corners, profile.extent])
+    flat = profile.slope(marks * 0.999) <= 1e-15 * float(np.max(profile.slope(marks)))
+    inner = marks[flat]
+    # Slopes fall towards 0 without being flat: a flat is one whose edge is a corner of the profile.
+    sharp = [b for b in corners if len(inner) and b <= inner[-1] * (1 + 1e-9)]
+    return float(sharp[-1]) if sharp and profile.slope(sharp[-1] * 0.9) <= 1e-13 * np.max(profile.slope(marks)) else 0.0
+
+
+def _corners(profile: CallableProfile) -> tuple[float, ...]:
+    """Where the curvature jumps."""
+    found = []
+    for b in profile.corners:
+        left, right = profile.bend(np.array([b * (1 - 1e-9), b * (1 + 1e-9)]))
+        if abs(left - right) > 1e-6 * (abs(left) + abs(right) + float(profile.slope(np.array(b)))) + 1e-300:
+            found.append(b)
+    return tuple(found)
