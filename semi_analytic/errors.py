@@ -3,9 +3,8 @@
 # notation: M' slope of the memory curve, |M'| <= f; W dissipation, Lam slip area of the normal problem
 
 A field is a sum of M' times differences of a kernel at the knots of the memory: its error is that of the kernel, f times, twice a
-knot. Arcs are integrated twice: those of ellipses by two rules that share nothing but the kernel, others in other parts; the
-dissipation of a steady cycle as f int Lam dw and as closed-int Q dU. What two ways differ by counts as error. Long series are
-integrated once, their sample of slip areas counts.
+knot. Integrals over arcs come with their error. The dissipation of a steady cycle is found as f int Lam dw and as closed-int Q dU:
+what the two differ by counts as error. Long series are integrated once, their sample of slip areas counts.
 
 The kernels of closed forms (Hertz, flat and rounded, power laws) have no entry: their special functions and one quadrature keep
 1e-13 of their own value against forty digits (1.4e-13 for n = 20). Of them only what arcs may have lost beyond 1e-12 is told, by a
@@ -16,20 +15,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import EllipseLeg, NotFoundError
-from semi_analytic.arcs import arc_shear, arc_slip
+from scenes import NotFoundError
 from semi_analytic.contact import Contact
-from semi_analytic.curved import curved_shear, curved_slip
 from semi_analytic.evaluation import Asked
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
 from semi_analytic.legs import level, rate
-from semi_analytic.memory import Piece, front_time, pieces
+from semi_analytic.memory import pieces
 from semi_analytic.rounding import PROMISED
 from semi_analytic.snapshot import Snapshot
 
@@ -121,29 +119,12 @@ def _at_edges(contact: Contact, x: Array, half: Array, least: float) -> float:
 
 
 def _arcs(contact: Contact, snapshot: Snapshot, chosen: NDArray[np.intp], x: Array, kernel: Literal["shear", "slip"]) -> float:
-    """Largest difference of two ways to integrate the arcs on the memory curves of some instants, each arc once."""
-    found: dict[int, tuple[Piece, set[float]]] = {}
-    for k in chosen:
-        for number, piece in enumerate(pieces(snapshot.actives[snapshot.which[k]])):
-            if piece.arc is not None:
-                upper = snapshot.load[k] - snapshot.slipped[k] if number == 0 else piece.top
-                found.setdefault(id(piece), (piece, set()))[1].add(float(upper))
-    return max((_apart(contact, piece, np.array(sorted(upper)), x, kernel) for piece, upper in found.values()), default=0.0)
-
-
-def _apart(contact: Contact, piece: Piece, upper: Array, x: Array, kernel: Literal["shear", "slip"]) -> float:
-    """The same for one arc up to the loads `upper` (n,)."""
-    assert piece.arc is not None  # for the type checker: only called for arcs
-    leg, last = piece.anchor.leg, front_time(piece, upper)
-    curved, own = (curved_shear, arc_shear) if kernel == "shear" else (curved_slip, arc_slip)
-    if not isinstance(leg, EllipseLeg):
-        cut = (piece.arc[0] + piece.anchor.time) / 2
-        return _largest(np.abs(curved(contact, piece, last, x) - curved(contact, piece, last, x, cut)))
-    moments = Integrals(contact, x, kernel)
-    straight = moments.moment(0, upper) - moments.moment(0, np.array([piece.bottom]))
-    slope = leg.amplitude[1] * math.cos(leg.phase) / leg.amplitude[0]
-    whole = own(contact, leg, piece.arc[0], last, x) + slope * straight
-    return _largest(np.abs(whole - curved(contact, piece, last, x)))
+    """Largest error of an integral over the arcs in the memory curves of some instants."""
+    columns = ("time", "load", "force", "slipped", "direction", "which")
+    some = replace(snapshot, **{name: getattr(snapshot, name)[chosen] for name in columns})
+    integrals = Integrals(contact, x, kernel)
+    integrals.over(some)
+    return _largest(integrals.arc_errors)
 
 
 def dissipation_error(contact: Contact, spans: Sequence[Span], modulus: float, first: float, second: float) -> float:

@@ -9,20 +9,16 @@ of the curve with three kernels. What instants have in common, the pieces under 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import EllipseLeg
-from semi_analytic.arcs import arc_log, arc_shear, arc_slip
+from semi_analytic.arcs import Kernel, arc_integrals
 from semi_analytic.contact import Contact
-from semi_analytic.curved import curved_log, curved_shear, curved_slip
 from semi_analytic.memory import Curve, Piece, front_time, pieces
 from semi_analytic.snapshot import Snapshot
 
 Array = NDArray[np.float64]
-Kernel = Literal["shear", "slip", "shift"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +30,13 @@ class Integrals:
     contact : normal contact of the profile
     x : (k,) distances from the centre >= 0
     kernel : "shear" (K = dp/d eta), "slip" (K = arccosh(|x|/a) outside, 0 inside) or "shift" (K = ln(2 L/a); x plays no part)
+    arc_errors : estimated error of each arc that was integrated
     """
 
     contact: Contact
     x: Array
     kernel: Kernel
+    arc_errors: list[float] = field(default_factory=list)
     _known: dict[int, tuple[Piece, Array]] = field(default_factory=dict)
 
     def whole(self, curve: Curve) -> Array:
@@ -98,22 +96,9 @@ class Integrals:
         """What a piece from its lower end to the loads `front` (n,) has beyond its straight part: shape (n, k)."""
         if piece.arc is None:
             return 2 * piece.bend * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
-        leg, first = piece.anchor.leg, piece.arc[0]
-        last = front_time(piece, front)
-        if not isinstance(leg, EllipseLeg):
-            return self._arc_of_any_leg(piece, last)
-        if self.kernel == "shear":
-            return arc_shear(self.contact, leg, first, last, self.x)
-        if self.kernel == "slip":
-            return arc_slip(self.contact, leg, first, last, self.x)
-        return np.broadcast_to(arc_log(self.contact, leg, first, last)[:, None], (len(front), len(self.x)))
-
-    def _arc_of_any_leg(self, piece: Piece, last: Array) -> Array:
-        if self.kernel == "shear":
-            return curved_shear(self.contact, piece, last, self.x)
-        if self.kernel == "slip":
-            return curved_slip(self.contact, piece, last, self.x)
-        return np.broadcast_to(curved_log(self.contact, piece, last)[:, None], (len(last), len(self.x)))
+        value, error = arc_integrals(self.contact, self.kernel, piece, front_time(piece, front), self.x)
+        self.arc_errors.append(error)
+        return value
 
     def moment(self, order: int, load: Array) -> Array:
         """int_0^load eta^order K d eta: shape (n, k) from (n,)."""
@@ -134,10 +119,5 @@ def _rise(slope: float | Array, top: Array, bottom: Array) -> Array:
 
 
 def _slope(piece: Piece) -> float:
-    """Slope of the straight part: of a parabola at eta = 0, of an ellipse that of its cosine part, of other arcs 0."""
-    if piece.arc is None:
-        return piece.slope - 2 * piece.bend * piece.anchor.normal
-    leg = piece.anchor.leg
-    if not isinstance(leg, EllipseLeg):
-        return 0.0
-    return leg.amplitude[1] * float(np.cos(leg.phase)) / leg.amplitude[0]
+    """Slope of the straight part: of a parabola at eta = 0; an arc has none."""
+    return piece.slope - 2 * piece.bend * piece.anchor.normal if piece.arc is None else 0.0

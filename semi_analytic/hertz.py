@@ -124,6 +124,22 @@ class HertzContact:
         del x
         return _arc(np.asarray(excess, dtype=float), np.asarray(load, dtype=float))
 
+    def advance(self, load: ArrayLike) -> Array:
+        """How far the edge is beyond that of no load: a itself [length]."""
+        return self.half_width(load)
+
+    def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
+        """arccosh(|x|/a(eta)) from P_x - eta >= 0 and a(eta)."""
+        del x
+        half = np.asarray(advance, dtype=float)
+        return np.arcsinh(np.sqrt(self.stretch * np.asarray(excess, dtype=float)) / np.where(half > 0, half, np.inf))
+
+    def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
+        """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0."""
+        del x, advance
+        square = self.stretch * np.asarray(excess, dtype=float)
+        return 1 / np.sqrt(np.where(square > 0, square, np.inf))
+
     def root_quotient(self, x: ArrayLike, excess: ArrayLike, load: ArrayLike) -> Array:
         """sqrt((eta - P_x)/(a(eta)^2 - x^2)), given the excess eta - P_x > 0: what the inverse root of a traction leaves behind."""
         del x, load

@@ -148,6 +148,10 @@ class PunchSuperposition:
         """a(P) [length]. InputError for a load that needs a contact wider than the profile."""
         return self.least + self.law.advance(as_is(load))
 
+    def advance(self, load: ArrayLike) -> Array:
+        """a(P) - a(0), with all its digits beside a flat too [length]."""
+        return self.law.advance(as_is(load))
+
     def stiffness(self, half_width: ArrayLike) -> Array:
         """dP/da >= 0 [stress]."""
         return self.law.stiffness(self._beyond(half_width))

@@ -7,8 +7,10 @@ import mpmath as mp
 import numpy as np
 
 from scenes import Elastic, EllipseLeg, Materials
-from semi_analytic.arcs import arc_slip
+from semi_analytic.arcs import arc_integrals
 from semi_analytic.contact import contact_of
+from semi_analytic.legs import instant
+from semi_analytic.memory import Piece
 from semi_analytic.profiles import power_law
 from semi_analytic.punch_superposition import PunchSuperposition
 
@@ -158,7 +160,7 @@ def check_errors_are_honest(contact, truth, widths, limit, relative_x=(0.3, 0.99
 
 
 def slip_of_an_arc(n, place):
-    """int dQ arccosh(x/a) of the sine part of one arc on |x|^n, x being `place` half-widths out: found, and at thirty digits."""
+    """int dQ arccosh(x/a) over one arc on |x|^n, x being `place` half-widths out: found, and at thirty digits."""
     contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
     whole = float(contact.load(1.0))
     leg, first, last = EllipseLeg(0.0, 10.0, (1.0, 0.0), (0.3, 0.3), 1.0), math.pi + 1.5, math.pi + 2.3
@@ -167,7 +169,10 @@ def slip_of_an_arc(n, place):
 
         def moved(t):
             half = ((1 + mp.mpf(0.3) * mp.cos(t)) / whole) ** (1 / mp.mpf(n))
-            return mp.mpf(0.3) * mp.sin(1) * mp.cos(t) * mp.acosh(mp.mpf(x.item()) / half)
+            return -mp.mpf(0.3) * mp.sin(t - 1) * mp.acosh(mp.mpf(x.item()) / half)
 
         exact = float(mp.quad(moved, [first, last]))
-    return arc_slip(contact, leg, first, np.array([last]), x).item(), exact
+    end = instant(leg, last)
+    below = Piece(None, instant(leg, first).normal, instant(leg, first), 0.0)
+    piece = Piece(below, end.normal, end, 0.0, 0.0, (first, last))
+    return arc_integrals(contact, "slip", piece, np.array([last]), x)[0].item(), exact
