@@ -39,22 +39,17 @@ Long measured series, row by row::
 
 Arrays of ellipses in one call::
 
-    sweeps.py                              `dissipation` and `peak_dissipation`
-    batch_members.py, batch_profiles.py    arguments in blocks, profiles with arrays for parameters
-    batch_compound.py                      two curvatures of them
-    batch_ellipses.py                      angles and loads of steady ellipses
-    batch.py, batch_kernel.py              W by one Gauss rule, which batch_rules.py chooses
-    batch_flat.py                          slip area of the flat and rounded face in few passes
-    batch_cuts.py                          W in pieces, for profiles with corners
-    batch_density.py                       W(x) and its peak
+    batches.py                             `dissipation` and `peak_dissipation`: arguments in blocks, profiles in units of their own
+    steady_ellipse.py                      angles and loads of steady ellipses; W and W(x) of each, however small the slip
+    slip_work.py                           W of many: over the contact (slip moment), or by Lam and one Gauss rule for each phase
+    density_peaks.py                       the maxima of W(x)
 """
 
-from semi_analytic.batch import Reason
+from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipation, peak_dissipation
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.letters import Event, event, events
 from semi_analytic.question import FIELDS
 from semi_analytic.solution import solve
-from semi_analytic.sweeps import DissipationBatch, PeakBatch, dissipation, peak_dissipation
 
 __all__ = [
     "FIELDS",

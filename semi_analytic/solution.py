@@ -12,9 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, Scene, freeze
 from scenes.frozen import validated
-from semi_analytic.batch import dissipation_of
-from semi_analytic.batch_density import density_of
-from semi_analytic.batch_ellipses import Ellipses, ellipses_of
 from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
 from semi_analytic.contact import bends_anywhere
 from semi_analytic.corners import has_corners
@@ -26,6 +23,7 @@ from semi_analytic.question import FIELDS, Question, arrays_of, ask, checked
 from semi_analytic.rounding import PROMISED, rounding_of_shift, rounding_of_slip, rounding_of_work, slipped_share
 from semi_analytic.route import Cycles
 from semi_analytic.row_solution import solve_rows
+from semi_analytic.steady_ellipse import Ellipses, density_of, dissipation_of, ellipses_of
 from semi_analytic.time_series import is_long
 
 Array = NDArray[np.float64]
@@ -164,7 +162,7 @@ def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
     the slip.
     """
     if _is_smooth_loop(question, number):
-        forward, reverse = dissipation_of(_loop(question), question.contact, careful=True)
+        forward, reverse = dissipation_of(_loop(question), question.contact)
         return _unit_of_work(question) * float(forward[0] + reverse[0]), 0.0
     spans = question.route.history.cycles[number]
     split = global_dissipation(question.contact, question.modulus, spans)
@@ -185,7 +183,7 @@ def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
 
 
 def _is_smooth_loop(question: Question, number: int) -> bool:
-    """Whether a cycle is the steady state of an ellipse whose work the formulas of `batch_ellipses` give."""
+    """Whether a cycle is the steady state of an ellipse whose work the formulas of `steady_ellipse` give."""
     return question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact)
 
 

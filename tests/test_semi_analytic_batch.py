@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from scenes import FlatRounded, Hertz, InputError, Materials
 from semi_analytic import Reason, dissipation, peak_dissipation, solve
-from semi_analytic.batch_density import density_of
-from semi_analytic.batch_members import batch_of
 from semi_analytic.contact import contact_of
+from semi_analytic.steady_ellipse import density_of, ellipses_of
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
 
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
@@ -124,10 +123,10 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     floor = 1e-15 * friction**2
     assert float(batch.forward) == pytest.approx(float(marched.forward), rel=1e-9, abs=floor)
     assert float(batch.reverse) == pytest.approx(float(marched.reverse), rel=1e-9, abs=floor)
-    members = next(batch_of(scene.profile, scene.material, (1.0, ratio, 0.0, q1, angle, friction)).blocks())
-    inner, outer = (float(contact.half_width(load)) for load in (members.ellipses.permanent[0], 1 + ratio))
+    loop = ellipses_of(*(np.array([value]) for value in (1.0, ratio, q1, angle, friction)))
+    inner, outer = (float(contact.half_width(load)) for load in (loop.permanent[0], 1 + ratio))
     x = np.array([inner + part * (outer - inner)])
-    here = sum(density_of(members.ellipses, members.profiles, x)) * members.scale
+    here = sum(density_of(loop, contact, x)) * 2 * friction**2 / math.pi
     assert float(here[0]) == pytest.approx(
         float(pointwise_dissipation(contact, 1.0, spans, x).total[0]), rel=1e-8, abs=1e-13 * friction**2
     )

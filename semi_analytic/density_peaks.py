@@ -1,9 +1,4 @@
-"""Pointwise dissipation of steady ellipses, and its maxima: the letters and angles of `batch_ellipses`.
-
-# notation: P_x load at which a = |x|; h half-angle about the least load within which x is open, 2 P1 sin^2(h/2) = P_x - P_min
-
-While c < |x| < a(P), W(x) gathers (f A/pi) p(x, P) |rate| arccosh(|x|/c). The point is in contact for pi + h < t < 3 pi - h, and
-the front passes it in E-G where sin^2((D - s)/2) = (P_x - P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x - P_T)/u.
+"""The maxima of the pointwise dissipation W(x) of steady ellipses; letters and angles of `steady_ellipse`.
 
 Where slip goes on at the least load, W has a kink at a(P_min). With d the distance from it, W goes as d ln|d|: the slope is minus
 infinity on both sides. A first maximum, the shoulder, may therefore lie just inside a(P_min) and a second one further out. At the
@@ -21,16 +16,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from semi_analytic.batch_cuts import angles, corner_loads, quadrature_error
-from semi_analytic.batch_ellipses import Ellipses, phase_of
-from semi_analytic.batch_profiles import BatchContact, Profiles
-from semi_analytic.quadrature import graded
 from semi_analytic.rounding import LAST_DIGITS, PROMISED
+from semi_analytic.steady_ellipse import Ellipses, ScaledContact, density_of, quadrature_error
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_CHUNK = 500
 _MEMBERS = 256
 # Samples between two kinks or events, closer together at both, and what is left of them where a profile has many corners; samples
 # beside the kinks, as shares of the smaller part of the slip zone.
@@ -49,65 +40,6 @@ _EVENLY = np.array([0.21, 0.47, 0.73])
 _THREE = np.array([[-1], [0], [1]])
 # A second maximum counts where W falls between the two by this share of the larger; samples are good to 1e-6.
 _DISTINCT = 1e-3
-
-
-def density_of(e: Ellipses, contact: BatchContact | Profiles, x: Array, every: int = 1) -> tuple[Array, Array]:
-    """Forward and reverse part of W(x) pi E*/(2 f^2), arrays (m,): member k at |x| = x[k], in chunks.
-
-    With `every` = 2 by every second node of the rule, to some 1e-6.
-    """
-    profiles = contact if isinstance(contact, Profiles) else Profiles.of_one(contact)
-    forward, reverse = np.zeros(len(x)), np.zeros(len(x))
-    for first in range(0, len(x), _CHUNK):
-        here = np.arange(first, min(first + _CHUNK, len(x)))
-        forward[here], reverse[here] = _densities(e.take(here[:, None]), profiles.take(here), x[here, None], every)
-    return forward, reverse
-
-
-def _densities(e: Ellipses, profiles: Profiles, x: Array, every: int) -> tuple[Array, Array]:
-    """The same for x (m, 1), all at once."""
-    contact = profiles.of((slice(None), None))
-    edge = contact.load(x)
-    share = (edge - e.mean + e.amplitude) / np.where(e.moving, 2 * e.amplitude, 1.0)
-    risen = np.where(e.moving, share, np.where(edge > e.mean, 1.0, 0.0))
-    away = 2 * np.arcsin(np.sqrt(np.clip(risen, 0.0, 1.0)))
-    above, start, turn = np.maximum(edge - e.permanent, 0.0), e.start, e.turn
-    passed = [2 * np.arcsin(np.sqrt(np.minimum(above / np.where(size > 0, size, np.inf), 1.0))) for size in (e.v, e.u)]
-    first = np.maximum(turn - passed[0], 0.0)
-    ranges = {
-        "E-G": [(first, np.minimum(turn, math.pi - away - start)), (np.maximum(first, math.pi + away - start), turn)],
-        "I-J": [(np.abs(start - away), np.minimum(math.pi - turn, 2 * math.pi - away - start))],
-        "J-M": [(np.maximum(0.0, start - math.pi + away), np.minimum(np.minimum(turn, passed[1]), start + math.pi - away))],
-    }
-    marks = _marks(e, profiles)
-    total = {name: np.zeros(len(x)) for name in ranges}
-    for name, parts in ranges.items():
-        for begin, end in parts:
-            cuts = np.concatenate([begin, np.clip(marks[name].T, begin, np.maximum(begin, end)), end], axis=1)
-            member, number = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
-            if len(member):
-                some, low, high = profiles.of(member[:, None]), cuts[member, number], cuts[member, number + 1]
-                nodes = graded(low, high, every)
-                parts_of_work = _integral(name, e.take(member), some, x[member], edge[member], nodes)
-                np.add.at(total[name], member, parts_of_work)
-    return total["I-J"] + total["J-M"], total["E-G"]
-
-
-def _marks(e: Ellipses, profiles: Profiles) -> dict[str, Array]:
-    """Where a corner of the profile cuts the phases, (marks, m)."""
-    corners = corner_loads(profiles.of(slice(None)))
-    if not len(corners):
-        return dict.fromkeys(("E-G", "I-J", "J-M"), np.empty((0, len(e.mean))))
-    return angles(e.take((slice(None), 0)), np.broadcast_to(corners, (len(corners), len(e.mean))))
-
-
-def _integral(name: str, e: Ellipses, contact: BatchContact, x: Array, edge: Array, nodes: tuple[Array, Array]) -> Array:
-    """int p |rate| arccosh(|x|/c) ds over one range of one phase by the nodes and weights (m, n): (m,)."""
-    s, weight = nodes
-    growth, slipped, load = phase_of(name, e, s)
-    front = np.maximum(load - slipped, 0.0)
-    reach = contact.reach(x, np.maximum(edge - front, 0.0), front)
-    return np.sum(weight * growth * contact.pressure(x, load) * reach, axis=1)
 
 
 class Maxima(NamedTuple):
@@ -129,25 +61,23 @@ class Maxima(NamedTuple):
     error: Array
 
 
-def maxima_of(e: Ellipses, contact: BatchContact | Profiles) -> Maxima:
+def maxima_of(e: Ellipses, contact: ScaledContact) -> Maxima:
     """The maxima of W(x) of each member."""
-    profiles = contact if isinstance(contact, Profiles) else Profiles.of_one(contact)
     found = np.empty((len(Maxima._fields), len(e.mean)))
-    for members, some in profiles.groups(len(e.mean), (*profiles.alike, "exponent")):
-        for first in range(0, len(members), _MEMBERS):
-            part = np.arange(first, min(first + _MEMBERS, len(members)))
-            found[:, members[part]] = _maxima(e.take(members[part]), some.take(part))
+    for first in range(0, len(e.mean), _MEMBERS):
+        members = np.arange(first, min(first + _MEMBERS, len(e.mean)))
+        found[:, members] = _maxima(e.take(members), contact.take(members))
     return Maxima(*found)
 
 
-def _maxima(e: Ellipses, profiles: Profiles) -> Maxima:
+def _maxima(e: Ellipses, contact: ScaledContact) -> Maxima:
     """Samples in each piece between kinks and events; the maximum is looked for about every sample above its neighbours."""
 
     def density(member: Indices, x: Array, every: int = 1) -> Array:
-        forward, reverse = density_of(e.take(member), profiles.take(member), x, every)
+        forward, reverse = density_of(e.take(member), contact.take(member), x, every)
         return forward + reverse
 
-    points, count = _samples(e, profiles.of(slice(None))), len(e.mean)
+    points, count = _samples(e, contact), len(e.mean)
     inner, outer = points[:, 0], points[:, -1]
     new = np.diff(points, axis=1, prepend=-np.inf) > _ALIKE * (outer - inner)[:, None]
     member, x = np.nonzero(new)[0], points[new]
@@ -193,18 +123,17 @@ def _rounding(e: Ellipses, inner: Array, outer: Array) -> tuple[Array, Array]:
     """Relative error of W(x) by the last digits of P_x, which count for more where P - P_c is small; and a bound of W(x) itself for
     where it is lost in them, the product of p, 2 (u + v) and arccosh(|x|/c) for small d = P - P_c: 2 (u + v) d/(pi a). (m,) each.
     """
-    ends, middle = np.maximum(e.u, e.v) * np.sin(e.turn / 2) ** 2, np.sin(np.minimum(math.pi - e.turn, math.pi / 2))
-    deepest = np.maximum(ends, 2 * e.amplitude * e.sine * middle)
+    deepest = e.deepest
     slips = deepest > 0
     relative = PROMISED + 3 * LAST_DIGITS * (e.mean + e.amplitude) / np.where(slips, deepest, np.inf)
     return relative, np.where(slips, 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer), 0.0)
 
 
-def _samples(e: Ellipses, contact: BatchContact) -> Array:
+def _samples(e: Ellipses, contact: ScaledContact) -> Array:
     """Points from the permanent stick edge to the largest contact, ascending, some of them equal: (m, n)."""
     least, most = e.mean - e.amplitude, e.mean + e.amplitude
     events = [e.load(cosine) for cosine in (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))]
-    corners = np.clip(np.broadcast_to(loads := corner_loads(contact), (len(loads), len(least))), e.permanent, most)
+    corners = np.clip(contact.corner_loads(len(least)), e.permanent, most)
     loads = np.clip(np.stack([e.permanent, least, *events, *corners, most]), e.permanent, most)
     ends = contact.half_width(np.sort(loads, axis=0))
     few = len(corners) <= _FEW
