@@ -2,7 +2,7 @@
 
 Arguments are broadcast and taken block by block, so that memory beyond arguments and results is that of one block. Bad members get
 a reason. The others are sorted by profile: those that differ by units only share one contact, that of the same profile in units of
-its own (`ScaledContact`); a profile of b, R1 and R2, say, is that of 1, 1 and R2/R1 in the units b and E* b^2/R1.
+its own; a profile of b, R1 and R2, say, is that of 1, 1 and R2/R1 in the units b and E* b^2/R1.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from semi_analytic.contact import Contact, contact_of
 from semi_analytic.density_peaks import maxima_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.slip_work import LamTable, careful_bracket, quick_bracket, works_by_lam, works_over_contact
-from semi_analytic.steady_ellipse import Ellipses, ScaledContact, ellipses_of
+from semi_analytic.steady_ellipse import Ellipses, ellipses_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -167,8 +167,8 @@ def dissipation(
         elif block.kind == "flat_rounded":
             found[1:3] = _works_on_table(block.ellipses, block.modulus * _UNITS[block.kind](*block.parameters)[1])
         else:
-            for members, contact in block.groups():
-                found[1:3, members] = works_over_contact(block.ellipses.take(members), contact)
+            for members, contact, loops, unit, _ in block.groups():
+                found[1:3, members] = np.array(works_over_contact(loops, contact)) * unit * unit
         found[1:3] *= block.scale
         found[0], found[3] = found[1] + found[2], block.ellipses.permanent
         found[1:3] = np.where(block.mirrored, found[2:0:-1], found[1:3])
@@ -213,25 +213,27 @@ def peak_dissipation(
 
     def maxima(block: Block) -> Array:
         found = np.empty((6, len(block.scale)))
-        for members, contact in block.groups():
-            found[:, members] = maxima_of(block.ellipses.take(members), contact)
-        found[[0, 3, 5]] *= block.scale
+        for members, contact, loops, unit, length in block.groups():
+            maxima = maxima_of(loops, contact)
+            maxima[:3] *= unit / length * unit
+            maxima[3:5] *= length
+            found[:, members] = maxima
+        found[:3] *= block.scale
         return found
 
-    (value, place, fraction, second, second_place, error), reason = _columns(profile, material, loads, maxima, 6)
+    (value, second, error, place, second_place, fraction), reason = _columns(profile, material, loads, maxima, 6)
     notes = tuple(neglected_coupling(material))
     return PeakBatch(value, place, fraction, reason, second, second_place, error, notes=notes)
 
 
-def _works_on_table(e: Ellipses, unit: Array) -> tuple[Array, Array]:
-    """Forward and reverse part of W pi E*/(2 f^2), (m,), on flat and rounded faces whose unit of load is E* b^2/R, (m,)."""
+def _works_on_table(e: Ellipses, unit: Array) -> Array:
+    """Forward and reverse part of W pi E*/(2 f^2), (2, m), on flat and rounded faces whose unit of load is E* b^2/R, (m,)."""
     e = e.over(unit)
     # Whole eights of octaves, so that the next block or call finds its table; what is 2^-40 of the largest load counts for nothing.
     most = float(np.max(e.mean + e.amplitude))
     first, last = (math.frexp(load)[1] - 1 for load in (max(float(np.min(e.permanent)), 2.0**-40 * most), most))
     table = _table(first // 8 * 8, last // 8 * 8 + 7)
-    forward, reverse = works_by_lam(e, table.quick, table.careful)
-    return forward * unit**2, reverse * unit**2
+    return np.array(works_by_lam(e, table.quick, table.careful)) * unit * unit
 
 
 @lru_cache(maxsize=8)
@@ -257,19 +259,20 @@ class Block:
 
     kind: str
     parameters: list[Array]
-    whole: ScaledContact | None
+    whole: Contact | None
     modulus: float
     ellipses: Ellipses
     scale: Array
     mirrored: NDArray[np.bool_]
 
-    def groups(self) -> Iterator[tuple[Indices, ScaledContact]]:
-        """Members whose profiles differ by units only, and their contact."""
+    def groups(self) -> Iterator[tuple[Indices, Contact, Ellipses, Array | float, Array | float]]:
+        """Members whose profiles differ by units only: their contact and loops in these; the units of load and of length."""
         if self.whole is not None:
-            yield np.arange(len(self.scale)), self.whole
+            yield np.arange(len(self.scale)), self.whole, self.ellipses, 1.0, 1.0
             return
         for members, shape, length, height in _alike(self.kind, self.parameters):
-            yield members, ScaledContact(_contact(self.kind, shape), length, self.modulus * height)
+            unit = self.modulus * height
+            yield members, _contact(self.kind, shape), self.ellipses.take(members).over(unit), unit, length
 
 
 def _columns(
@@ -299,7 +302,7 @@ def _columns(
         raise InputError(f"the arrays of a batch must broadcast, and be of numbers: {reason}") from reason
     modulus, most, whole = composite_modulus(material), math.inf, None
     if not isinstance(profile, Mapping):
-        whole = ScaledContact(contact_of(profile, material))
+        whole = contact_of(profile, material)
         if kind in ("tabulated", "callable"):
             end = profile.extent if kind == "callable" else profile.spline().x[-1]  # type: ignore[union-attr]
             most = float(whole.load(end)) * (1 - 1e-12)

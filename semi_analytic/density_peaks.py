@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semi_analytic.contact import Contact
 from semi_analytic.rounding import LAST_DIGITS, PROMISED
-from semi_analytic.steady_ellipse import Ellipses, ScaledContact, density_of, quadrature_error
+from semi_analytic.steady_ellipse import Ellipses, corner_loads, density_of, quadrature_error
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -42,39 +42,21 @@ _THREE = np.array([[-1], [0], [1]])
 _DISTINCT = 1e-3
 
 
-class Maxima(NamedTuple):
-    """The two largest maxima of W(x) pi E*/(2 f^2), arrays (m,).
+def maxima_of(e: Ellipses, contact: Contact) -> Array:
+    """The two largest maxima of W(x) of each member, (6, m).
 
-    Attributes
-    ----------
-    value, place : the largest, and its |x|; 0 and NaN where nothing slips
-    fraction : the same place from the permanent stick edge (0) to the largest contact (1)
-    second_value, second_place : the next one; NaN where there is one maximum only
-    error : of `value`
+    Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|, and that of the largest as a
+    fraction, 0 at the permanent stick edge, 1 at the largest contact. The largest is 0 and the rest NaN where nothing slips; the
+    second one is NaN where there is one maximum only.
+
+    In each piece between kinks and events W is sampled; the maximum is looked for about every sample above its neighbours.
     """
-
-    value: Array
-    place: Array
-    fraction: Array
-    second_value: Array
-    second_place: Array
-    error: Array
-
-
-def maxima_of(e: Ellipses, contact: ScaledContact) -> Maxima:
-    """The maxima of W(x) of each member."""
-    found = np.empty((len(Maxima._fields), len(e.mean)))
-    for first in range(0, len(e.mean), _MEMBERS):
-        members = np.arange(first, min(first + _MEMBERS, len(e.mean)))
-        found[:, members] = _maxima(e.take(members), contact.take(members))
-    return Maxima(*found)
-
-
-def _maxima(e: Ellipses, contact: ScaledContact) -> Maxima:
-    """Samples in each piece between kinks and events; the maximum is looked for about every sample above its neighbours."""
+    if len(e.mean) > _MEMBERS:
+        parts = [e.take(slice(first, first + _MEMBERS)) for first in range(0, len(e.mean), _MEMBERS)]
+        return np.concatenate([maxima_of(part, contact) for part in parts], axis=1)
 
     def density(member: Indices, x: Array, every: int = 1) -> Array:
-        forward, reverse = density_of(e.take(member), contact.take(member), x, every)
+        forward, reverse = density_of(e.take(member), contact, x, every)
         return forward + reverse
 
     points, count = _samples(e, contact), len(e.mean)
@@ -99,10 +81,14 @@ def _maxima(e: Ellipses, contact: ScaledContact) -> Maxima:
     owner = member[number]
     near = _closer(partial(density, every=2), owner, x[number + _THREE], sample[number + _THREE], _NEARLY)[0]
     near, works = _closer(density, owner, near, np.stack([density(owner, row) for row in near]), _KNOWN)
-    (top, at), rise = _parabola(near, works), _rise(near, works)
+    top, at, rise = _parabola(near, works)
     order, best = np.argsort(top, kind="stable"), np.full(count, -1)
     best[owner[order]] = order
-    relative, least = _rounding(e, inner, outer)
+    # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is at most the product of p,
+    # 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
+    deepest, safe = e.deepest, np.where(e.deepest > 0, e.deepest, np.inf)
+    relative = PROMISED + 3 * LAST_DIGITS * (e.mean + e.amplitude) / safe
+    least = 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer)
     value, error = (np.where(spoilt, np.nan, known) for known in (0.0, least))
     place, second_value, second_place = (np.full(count, np.nan) for _ in range(3))
     some = np.flatnonzero((best >= 0) & ~spoilt)
@@ -116,24 +102,15 @@ def _maxima(e: Ellipses, contact: ScaledContact) -> Maxima:
     fall = np.maximum(_DISTINCT * value, 2 * error)
     others = order[(order != best[owner[order]]) & (dip[order] < top[order] - fall[owner[order]])]
     second_value[owner[others]], second_place[owner[others]] = top[others], at[others]
-    return Maxima(value, place, (place - inner) / np.where(outer > inner, outer - inner, 1.0), second_value, second_place, error)
+    fraction = (place - inner) / np.where(outer > inner, outer - inner, 1.0)
+    return np.stack([value, second_value, error, place, second_place, fraction])
 
 
-def _rounding(e: Ellipses, inner: Array, outer: Array) -> tuple[Array, Array]:
-    """Relative error of W(x) by the last digits of P_x, which count for more where P - P_c is small; and a bound of W(x) itself for
-    where it is lost in them, the product of p, 2 (u + v) and arccosh(|x|/c) for small d = P - P_c: 2 (u + v) d/(pi a). (m,) each.
-    """
-    deepest = e.deepest
-    slips = deepest > 0
-    relative = PROMISED + 3 * LAST_DIGITS * (e.mean + e.amplitude) / np.where(slips, deepest, np.inf)
-    return relative, np.where(slips, 2 / math.pi * (e.u + e.v) * deepest / np.where(inner > 0, inner, outer), 0.0)
-
-
-def _samples(e: Ellipses, contact: ScaledContact) -> Array:
+def _samples(e: Ellipses, contact: Contact) -> Array:
     """Points from the permanent stick edge to the largest contact, ascending, some of them equal: (m, n)."""
     least, most = e.mean - e.amplitude, e.mean + e.amplitude
     events = [e.load(cosine) for cosine in (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))]
-    corners = np.clip(contact.corner_loads(len(least)), e.permanent, most)
+    corners = np.clip(corner_loads(contact), e.permanent, most)
     loads = np.clip(np.stack([e.permanent, least, *events, *corners, most]), e.permanent, most)
     ends = contact.half_width(np.sort(loads, axis=0))
     few = len(corners) <= _FEW
@@ -153,7 +130,7 @@ def _closer(density: Callable[[Indices, Array], Array], member: Indices, x: Arra
     x, w = x.copy(), w.copy()
     left, poor = np.arange(len(member)), np.zeros(len(member), dtype=bool)
     for _ in range(_ROUNDS):
-        left = left[_rise(x[:, left], w[:, left]) > known * np.abs(w[1, left])]
+        left = left[_parabola(x[:, left], w[:, left])[2] > known * np.abs(w[1, left])]
         if not len(left):
             break
         low, middle, high = x[:, left]
@@ -176,24 +153,13 @@ def _closer(density: Callable[[Indices, Array], Array], member: Indices, x: Arra
     return x, w
 
 
-def _parabola(x: Array, w: Array) -> tuple[Array, Array]:
-    """Value and place of the vertex of the parabola through three points, (3, n); the middle one where it bends up."""
-    before, after = np.diff(x, axis=0)
-    first, second = _slopes(x, w)
-    bend = np.where(before + after > 0, second - first, 0.0) / np.where(before + after > 0, before + after, 1.0)
-    slope = (first * after + second * before) / np.where(before + after > 0, before + after, 1.0)
+def _parabola(x: Array, w: Array) -> tuple[Array, Array, Array]:
+    """Of three points, (3, n): value and place of the vertex of the parabola through them, the middle one where it bends up; how
+    far a concave W may rise above w[1] between them, which is up to the chord of the other two, drawn on.
+    """
+    before, after = length = np.diff(x, axis=0)
+    first, second = np.diff(w, axis=0) / np.where(length > 0, length, np.inf)
+    whole = np.where(before + after > 0, before + after, np.inf)
+    bend, slope = (second - first) / whole, (first * after + second * before) / whole
     shift = np.where(bend < 0, slope / np.where(bend < 0, -2 * bend, 1.0), 0.0)
-    return w[1] + slope * shift / 2, x[1] + shift
-
-
-def _rise(x: Array, w: Array) -> Array:
-    """How far a concave W may rise above w[1] between three points, (3, n): up to the chord of the other two, drawn on."""
-    before, after = np.diff(x, axis=0)
-    first, second = np.abs(_slopes(x, w))
-    return np.maximum(first * after, second * before)
-
-
-def _slopes(x: Array, w: Array) -> Array:
-    """Slopes of the two chords of three points, (2, n); 0 for points that are one."""
-    length = np.diff(x, axis=0)
-    return np.diff(w, axis=0) / np.where(length > 0, length, np.inf)
+    return w[1] + slope * shift / 2, x[1] + shift, np.maximum(np.abs(first) * after, np.abs(second) * before)

@@ -12,15 +12,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from semi_analytic.contact import Contact
 from semi_analytic.hertz import log_excess
 from semi_analytic.quadrature import gauss, graded
-from semi_analytic.steady_ellipse import Ellipses, ScaledContact, dissipation_of, half_angle
+from semi_analytic.steady_ellipse import Ellipses, corner_loads, dissipation_of, half_angle
 
 Array = NDArray[np.float64]
 Area = Callable[[Array, Array, Array], Array]
@@ -30,25 +30,25 @@ _TINY, _FLOOR = 1e-100, 1e-200
 
 # ------------------------------------------------------------------------------------------- any profile, over the contact
 # Nodes and pieces at once, in arrays that fit into the cache.
-_ELEMENTS = 16384
+_ELEMENTS = 32768
 # A piece has converged at this share of W; its nodes are doubled from 16 up to so many.
 _CONVERGED, _MOST_NODES = 1e-11, 4096
 # Share of P0 below which P - P_c would not keep ten digits as a difference of loads.
 _SHALLOW = 1e-5
 
 
-def works_over_contact(e: Ellipses, contact: ScaledContact) -> tuple[Array, Array]:
+def works_over_contact(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     """Forward and reverse part of W pi E*/(2 f^2), arrays (m,); NaN where the quadrature does not converge."""
     works, deep = np.zeros((2, len(e.mean))), e.deepest > _SHALLOW * e.mean
     shallow, members = np.flatnonzero(~deep), np.flatnonzero(deep)
-    works[:, shallow] = dissipation_of(e.take(shallow), contact.take(shallow))
-    size = max(_ELEMENTS // (16 * (5 + len(contact.corners(len(deep))))), 8)
+    works[:, shallow] = dissipation_of(e.take(shallow), contact)
+    size = max(_ELEMENTS // (16 * (5 + len(corner_loads(contact)))), 8)
     for here in (members[k : k + size] for k in range(0, len(members), size)):
-        works[:, here] = _works_over_contact(e.take(here), contact.take(here))
+        works[:, here] = _works_over_contact(e.take(here), contact)
     return works[0], works[1]
 
 
-def _works_over_contact(e: Ellipses, contact: ScaledContact) -> Array:
+def _works_over_contact(e: Ellipses, contact: Contact) -> Array:
     """The same for slip that is not shallow, all at once: (2, m).
 
     Between two of the loads at which M or P(a) is not smooth by the trapezoidal rule in s, a being a smooth step of s that is flat
@@ -56,10 +56,11 @@ def _works_over_contact(e: Ellipses, contact: ScaledContact) -> Array:
     """
     loads = [e.permanent, *(e.load(cosine) for cosine in (-1.0, e.cosine, -e.cosine, np.cos(e.start + e.turn), 1.0))]
     events = contact.half_width(np.clip(loads, loads[0], loads[-1]))
-    ends = np.sort(np.concatenate([events, np.clip(contact.corners(len(e.mean)), events[0], events[-1])]), axis=0)
+    corners = np.array(getattr(contact, "breaks", ()), dtype=float)[:, None]
+    ends = np.sort(np.concatenate([events, np.clip(corners, events[0], events[-1])]), axis=0)
     row, member = np.nonzero(np.diff(ends, axis=0) > 1e-15 * ends[-1])
     low, high = ends[row, member], ends[row + 1, member]
-    e, contact, total, size = e.take(member), contact.take(member), np.zeros((2, len(e.mean))), np.ones(len(e.mean))
+    e, total, size = e.take(member), np.zeros((2, len(e.mean))), np.ones(len(e.mean))
     left, sums, count = np.arange(len(member)), np.zeros((2, len(member))), 16
     while len(left):
         step = 1 if count == 16 else 2
@@ -86,7 +87,7 @@ def _works_over_contact(e: Ellipses, contact: ScaledContact) -> Array:
         if count == _MOST_NODES:
             total[:, member[left]] = np.nan
             break
-        e, contact, member, low, high = e.take(left), contact.take(left), member[left], low[left], high[left]
+        e, member, low, high = e.take(left), member[left], low[left], high[left]
         sums, count = sums[:, left], 2 * count
     return total
 
@@ -292,7 +293,7 @@ class LamTable:
     The number of a cell is that of the leading bits of the load, so that there is no search. To 1e-13.
     """
 
-    def __init__(self, contact: Any, first: int, last: int) -> None:
+    def __init__(self, contact: Contact, first: int, last: int) -> None:
         """From 2^first to 2^(last + 1)."""
         self._first = (1023 + first) << _CELL_BITS
         octave, cell = (grid.ravel() for grid in np.mgrid[first : last + 2, :_CELLS])

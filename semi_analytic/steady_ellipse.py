@@ -32,16 +32,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from semi_analytic.contact import Contact
 from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 PHASES = ("E-G", "I-J", "J-M")
-# Members, pieces of phases and points at once: arrays of some megabytes.
-_MEMBERS, _PIECES, _POINTS = 64, 1024, 500
+# Pieces of phases and points at once: arrays of some megabytes.
+_PIECES, _POINTS = 1024, 500
 # A piece has converged at this share of W, or after a few halvings at this share of P0^2; it is halved so often at most.
 _CONVERGED, _FEW, _NOTHING, _HALVINGS = 1e-10, 3, 1e-14, 15
 
@@ -115,58 +116,10 @@ def ellipses_of(mean: Array, amplitude: Array, tangential: Array, phase: Array, 
     return Ellipses(mean, p1, u, v, (along - p1) / size, across / size, turn, np.maximum(mean - (u + v) / 2, 0.0))
 
 
-@dataclass(frozen=True, eq=False)
-class ScaledContact:
-    """Contacts of members whose profiles differ by units only: h(x) = height h1(x/length).
-
-    Attributes
-    ----------
-    contact : of the profile h1 (see `Contact`)
-    length, force : units of length and of load, numbers or one for each member (m,); force = E* height over the E* of `contact`
-    """
-
-    contact: Any
-    length: Array | float = 1.0
-    force: Array | float = 1.0
-
-    def take(self, members: Any) -> ScaledContact:
-        """Those of some members, in the shape of `members`."""
-        units = (np.asarray(unit) for unit in (self.length, self.force))
-        return ScaledContact(self.contact, *(unit[members] if unit.ndim else unit for unit in units))
-
-    def half_width(self, load: ArrayLike) -> Array:
-        """a(P) [length]."""
-        return self.length * self.contact.half_width(np.asarray(load) / self.force)
-
-    def load(self, half_width: ArrayLike) -> Array:
-        """P(a)."""
-        return self.force * self.contact.load(np.asarray(half_width) / self.length)
-
-    def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) >= 0 [stress]."""
-        return self.force / self.length * self.contact.pressure(np.asarray(x) / self.length, np.asarray(load) / self.force)
-
-    def reach(self, x: Array, excess: Array, load: Array) -> Array:
-        """arccosh(|x|/a(eta)) from eta and P_x - eta >= 0."""
-        return np.asarray(self.contact.reach(x / self.length, excess / self.force, load / self.force))
-
-    def log_area(self, load: Array, slipped: Array) -> Array:
-        """Lam(P, P_c) from P and P - P_c."""
-        return self.force * self.contact.log_area(load / self.force, slipped / self.force)
-
-    def corners(self, count: int) -> Array:
-        """Half-widths at which dP/da is not smooth, for `count` members: (corners, count)."""
-        breaks = np.array(getattr(self.contact, "breaks", ()), dtype=float)
-        return np.broadcast_to(self.length * breaks[:, None], (len(breaks), count))
-
-    def corner_loads(self, count: int) -> Array:
-        """P_b of the corners, (corners, count)."""
-        corners = self.corners(count)
-        return self.load(corners) if len(corners) else corners
-
-
-def _scaled(contact: Any) -> ScaledContact:
-    return contact if isinstance(contact, ScaledContact) else ScaledContact(contact)
+def corner_loads(contact: Contact) -> Array:
+    """Loads of the corners of a profile, (c, 1)."""
+    breaks = np.array(getattr(contact, "breaks", ()), dtype=float)[:, None]
+    return contact.load(breaks) if len(breaks) else breaks
 
 
 def phase_of(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
@@ -185,7 +138,7 @@ def half_angle(part: Array) -> Array:
 
 
 def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
-    """Ends of the pieces of each phase, ascending, (marks, m), for corners (c, m)."""
+    """Ends of the pieces of each phase, ascending, (marks, m), for the loads of corners (c, 1)."""
     cosine = (corners - e.mean) / np.where(e.moving, e.amplitude, np.inf)
     above = np.maximum(corners - e.permanent, 0.0)
     # Corners that are not met, but nearly: a cut at the greatest or least load.
@@ -214,70 +167,60 @@ def quadrature_error(values: Array, size: Array) -> Array:
     return np.where(near <= far**1.5, near**1.5, near)
 
 
-def dissipation_of(e: Ellipses, contact: Any) -> tuple[Array, Array]:
+def dissipation_of(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     """Forward and reverse part of W pi E*/(2 f^2), (m,) each, with all digits even where next to nothing slips: 1 ms and more each.
 
     The phases are cut at the corners; next to singular ends the rule is graded; pieces that have not converged are halved. NaN
-    where that does not help. `contact` is a `Contact` or a `ScaledContact` of m members.
+    where that does not help.
     """
-    contact, works = _scaled(contact), np.zeros((len(PHASES), len(e.mean)))
-    for first in range(0, len(e.mean), _MEMBERS):
-        members = np.arange(first, min(first + _MEMBERS, len(e.mean)))
-        works[:, members] = _works_of_phases(e.take(members), contact.take(members))
-    return works[1] + works[2], works[0]
-
-
-def _works_of_phases(e: Ellipses, contact: ScaledContact) -> Array:
-    """The work of each phase, (3, m)."""
-    marks, pieces = corner_angles(e, contact.corner_loads(len(e.mean))), []
-    for number, ends in enumerate(marks.values()):
+    pieces = []
+    for number, ends in enumerate(corner_angles(e, corner_loads(contact)).values()):
         row, owner = np.nonzero(np.diff(ends, axis=0) > 1e-14 * ends[-1])
         pieces.append((np.full(len(row), number), owner, ends[row, owner], ends[row + 1, owner]))
     phase, member, begin, end = (np.concatenate(part) for part in zip(*pieces, strict=True))
-    total, size = np.zeros((len(PHASES), len(e.mean))), np.zeros(len(e.mean))
+    works, size = np.zeros((len(PHASES), len(e.mean))), np.zeros(len(e.mean))
     for level in range(_HALVINGS + 1):
         values = np.empty((3, len(member)))
         for number, name in enumerate(PHASES):
             those = np.flatnonzero(phase == number)
             for here in (those[k : k + _PIECES] for k in range(0, len(those), _PIECES)):
                 s, weight = graded(begin[here], end[here])
-                owner = member[here, None]
-                rate, slipped, load = phase_of(name, e.take(owner), s)
-                terms = weight * rate * contact.take(owner).log_area(load, np.minimum(slipped, load))
+                rate, slipped, load = phase_of(name, e.take(member[here, None]), s)
+                terms = weight * rate * contact.log_area(load, np.minimum(slipped, load))
                 values[:, here] = [2**k * np.sum(terms[:, :: 2**k], axis=1) for k in range(3)]
         size = size if level else np.asarray(np.bincount(member, values[0], len(size)), dtype=float)
         error = quadrature_error(values, size[member])
         done = ~(error > _CONVERGED) | ((level >= _FEW) & (error * size[member] <= _NOTHING * np.square(e.mean[member])))
-        np.add.at(total, (phase[done], member[done]), values[0, done])
+        np.add.at(works, (phase[done], member[done]), values[0, done])
         phase, member, begin, end = (part[~done] for part in (phase, member, begin, end))
-        if not len(member):
-            return total
         middle = (begin + end) / 2
         phase, member, begin, end = np.tile(phase, 2), np.tile(member, 2), np.r_[begin, middle], np.r_[middle, end]
-    total[phase, member] = np.nan
-    return total
-
-
-def density_of(e: Ellipses, contact: Any, x: Array, every: int = 1) -> tuple[Array, Array]:
-    """Forward and reverse part of W(x) pi E*/(2 f^2), arrays (m,): member k at |x| = x[k]; `contact` as in `dissipation_of`.
-
-    With `every` = 2 by every second node of the rule, to some 1e-6.
-    """
-    contact, works = _scaled(contact), np.zeros((len(PHASES), len(x)))
-    for first in range(0, len(x), _POINTS):
-        here = np.arange(first, min(first + _POINTS, len(x)))
-        works[:, here] = _densities(e.take(here[:, None]), contact.take(here), x[here, None], every)
+        if not len(member):
+            break
+    works[phase, member] = np.nan
     return works[1] + works[2], works[0]
 
 
-def _densities(e: Ellipses, contact: ScaledContact, x: Array, every: int) -> Array:
+def density_of(e: Ellipses, contact: Contact, x: Array, every: int = 1) -> tuple[Array, Array]:
+    """Forward and reverse part of W(x) pi E*/(2 f^2), arrays (m,): member k at |x| = x[k].
+
+    With `every` = 2 by every second node of the rule, to some 1e-6.
+    """
+    works = np.zeros((len(PHASES), len(x)))
+    for first in range(0, len(x), _POINTS):
+        here = np.arange(first, min(first + _POINTS, len(x)))
+        works[:, here] = _densities(e.take(here[:, None]), contact, x[here, None], every)
+    return works[1] + works[2], works[0]
+
+
+def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
     """W(x) of each phase, (3, m), for x (m, 1), all at once.
 
     The point is in contact for pi + h < t < 3 pi - h, h being half the angle about the least load within which it is open,
     2 P1 sin^2(h/2) = P_x - P_min. The front passes it in E-G where sin^2((D - s)/2) = (P_x - P_T)/v, in I-J at s = t_E - h, in J-M
     where sin^2(s/2) = (P_x - P_T)/u.
     """
-    edge = contact.take((slice(None), None)).load(x)
+    edge = contact.load(x)
     share = (edge - e.mean + e.amplitude) / np.where(e.moving, 2 * e.amplitude, 1.0)
     away = half_angle(np.where(e.moving, share, np.where(edge > e.mean, 1.0, 0.0)))
     above, start, turn = np.maximum(edge - e.permanent, 0.0), e.start, e.turn
@@ -289,17 +232,15 @@ def _densities(e: Ellipses, contact: ScaledContact, x: Array, every: int) -> Arr
         (1, np.abs(start - away), np.minimum(math.pi - turn, 2 * math.pi - away - start)),
         (2, np.maximum(0.0, start - math.pi + away), np.minimum(np.minimum(turn, by_u), start + math.pi - away)),
     )
-    corners = contact.corner_loads(len(x))
-    marks = list(corner_angles(e.take((slice(None), 0)), corners).values()) if len(corners) else [np.empty((0, len(x)))] * 3
+    marks = list(corner_angles(e.take((slice(None), 0)), corner_loads(contact)).values())
     total = np.zeros((len(PHASES), len(x)))
     for number, begin, end in ranges:
         cuts = np.concatenate([begin, np.clip(marks[number].T, begin, np.maximum(begin, end)), end], axis=1)
         member, piece = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
         if len(member):
-            some = contact.take(member[:, None])
             s, weight = graded(cuts[member, piece], cuts[member, piece + 1], every)
             growth, slipped, load = phase_of(PHASES[number], e.take(member), s)
             front = np.maximum(load - slipped, 0.0)
-            reach = some.reach(x[member], np.maximum(edge[member] - front, 0.0), front)
-            np.add.at(total[number], member, np.sum(weight * growth * some.pressure(x[member], load) * reach, axis=1))
+            reach = contact.reach(x[member], np.maximum(edge[member] - front, 0.0), front)
+            np.add.at(total[number], member, np.sum(weight * growth * contact.pressure(x[member], load) * reach, axis=1))
     return total

@@ -22,7 +22,7 @@ from scenes import (
 from semi_analytic import Reason, dissipation, peak_dissipation, solve
 from semi_analytic.contact import contact_of
 from semi_analytic.slip_work import LamTable, slip_moment, works_over_contact
-from semi_analytic.steady_ellipse import ScaledContact, corner_angles, dissipation_of, ellipses_of, phase_of
+from semi_analytic.steady_ellipse import corner_angles, dissipation_of, ellipses_of, phase_of
 from semi_analytic_cases import UNIT, ellipse, make_scene
 
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
@@ -135,7 +135,7 @@ def random_loops(count, seed, largest=1.0):
 def test_work_over_the_contact_is_that_over_time(profile):
     """int M da/a against int w' Lam dt, forward and reverse; worst measured 4e-12 of A f^2 P0^2, the error of the latter."""
     loops = random_loops(6 if profile.kind in ("tabulated", "callable") else 150, 3)
-    contact = ScaledContact(contact_of(profile, MATERIAL))
+    contact = contact_of(profile, MATERIAL)
     for one, other in zip(works_over_contact(loops, contact), dissipation_of(loops, contact), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-10, atol=3e-11)
 
