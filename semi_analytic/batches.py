@@ -40,13 +40,10 @@ from semi_analytic.steady_ellipse import Ellipses, ellipses_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-Parameters = Mapping[str, Array]
 
 _BLOCK = 16384
 _LEAST = float(np.finfo(float).tiny)
-_UNIT = Materials(
-    upper=Elastic(young_modulus=2.0, poisson_ratio=0.0), lower=Elastic(young_modulus=2.0, poisson_ratio=0.0)
-)  # E* = 1
+_HALF = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # against itself E* = 1
 
 
 class Reason(IntEnum):
@@ -134,9 +131,9 @@ def dissipation(
     -------
     DissipationBatch. A member that is inadmissible gets NaN and a reason; the others get their values. Each is exact to 1e-11 of
     A f^2 P0^2 or 1e-10 relative, from slips of 1e-9 to gross sliding itself. Q0 decides on gross sliding only. Hertz and power laws
-    take some 0.4 us a member, flat and rounded 2 us; the other profiles are integrated over the contact, from corner to corner:
-    20 us for polynomials, wedges and compound curvatures, 60 us for functions, 300 us for tables of 31 rows; where parameters are
-    arrays, 1 ms for each different shape of a polynomial or of two curvatures. On these slip below 1e-5 of P0 takes 1 ms and more.
+    take some 0.4 us a member, flat and rounded 1.5 us. The other profiles are integrated over the contact, from corner to corner:
+    20 to 40 us for polynomials, wedges, compound curvatures and functions, 0.2 ms for tables of 31 rows, and 1 ms and more where
+    P - P_c stays below 1e-5 of P0. Where the parameters are arrays each different polynomial or R2/R1 costs 1 to 3 ms.
 
     Raises
     ------
@@ -168,7 +165,7 @@ def dissipation(
             found[1:3] = _works_on_table(block.ellipses, block.modulus * _UNITS[block.kind](*block.parameters)[1])
         else:
             for members, contact, loops, unit, _ in block.groups():
-                found[1:3, members] = np.array(works_over_contact(loops, contact)) * unit * unit
+                found[1:3, members] = works_over_contact(loops, contact) * unit * unit
         found[1:3] *= block.scale
         found[0], found[3] = found[1] + found[2], block.ellipses.permanent
         found[1:3] = np.where(block.mirrored, found[2:0:-1], found[1:3])
@@ -443,7 +440,7 @@ def _alike(kind: str, parameters: list[Array]) -> Iterator[tuple[Indices, tuple[
 @lru_cache(maxsize=64)
 def _contact(kind: str, shape: tuple[float, ...]) -> Contact:
     """The contact of a profile in units of its own, with E* = 1."""
-    return contact_of(_PROFILES[kind](*shape), _UNIT)
+    return contact_of(_PROFILES[kind](*shape), Materials(upper=_HALF, lower=_HALF))
 
 
 def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from semi_analytic.contact import Contact
 from semi_analytic.hertz import log_excess
 from semi_analytic.quadrature import gauss, graded
-from semi_analytic.steady_ellipse import Ellipses, corner_loads, dissipation_of, half_angle
+from semi_analytic.steady_ellipse import Ellipses, dissipation_of, half_angle, quadrature_error
 
 Array = NDArray[np.float64]
 Area = Callable[[Array, Array, Array], Array]
@@ -31,65 +31,55 @@ _TINY, _FLOOR = 1e-100, 1e-200
 # ------------------------------------------------------------------------------------------- any profile, over the contact
 # Nodes and pieces at once, in arrays that fit into the cache.
 _ELEMENTS = 32768
-# A piece has converged at this share of W; its nodes are doubled from 16 up to so many.
-_CONVERGED, _MOST_NODES = 1e-11, 4096
+# A piece has converged at this share of W, or where W is less of this share of P0^2; its nodes are doubled up to so many.
+_CONVERGED, _NOTHING, _MOST_NODES = 1e-11, 1e-3, 4096
 # Share of P0 below which P - P_c would not keep ten digits as a difference of loads.
 _SHALLOW = 1e-5
 
 
-def works_over_contact(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
-    """Forward and reverse part of W pi E*/(2 f^2), arrays (m,); NaN where the quadrature does not converge."""
-    works, deep = np.zeros((2, len(e.mean))), e.deepest > _SHALLOW * e.mean
-    shallow, members = np.flatnonzero(~deep), np.flatnonzero(deep)
-    works[:, shallow] = dissipation_of(e.take(shallow), contact)
-    size = max(_ELEMENTS // (16 * (5 + len(corner_loads(contact)))), 8)
-    for here in (members[k : k + size] for k in range(0, len(members), size)):
-        works[:, here] = _works_over_contact(e.take(here), contact)
-    return works[0], works[1]
+def works_over_contact(e: Ellipses, contact: Contact) -> Array:
+    """Forward and reverse part of W pi E*/(2 f^2), (2, m); NaN where the quadrature does not converge.
 
-
-def _works_over_contact(e: Ellipses, contact: Contact) -> Array:
-    """The same for slip that is not shallow, all at once: (2, m).
-
-    Between two of the loads at which M or P(a) is not smooth by the trapezoidal rule in s, a being a smooth step of s that is flat
-    at both ends, with 16 nodes, 32, 64, ...; the sum over every second node shows the error.
+    Between two of the half-widths at which M or P(a) is not smooth by the trapezoidal rule in s, a being a smooth step of s that is
+    flat at both ends, with 16 nodes, 32, 64, ...; the sums over every second node show the error.
     """
+    corners = np.array(getattr(contact, "breaks", ()), dtype=float)[:, None]
+    if len(e.mean) > (size := max(_ELEMENTS // (16 * (5 + len(corners))), 8)):
+        parts = [e.take(slice(first, first + size)) for first in range(0, len(e.mean), size)]
+        return np.concatenate([works_over_contact(part, contact) for part in parts], axis=1)
+    shallow, all_of_them = np.flatnonzero(e.deepest <= _SHALLOW * e.mean), e
     loads = [e.permanent, *(e.load(cosine) for cosine in (-1.0, e.cosine, -e.cosine, np.cos(e.start + e.turn), 1.0))]
     events = contact.half_width(np.clip(loads, loads[0], loads[-1]))
-    corners = np.array(getattr(contact, "breaks", ()), dtype=float)[:, None]
     ends = np.sort(np.concatenate([events, np.clip(corners, events[0], events[-1])]), axis=0)
     row, member = np.nonzero(np.diff(ends, axis=0) > 1e-15 * ends[-1])
-    low, high = ends[row, member], ends[row + 1, member]
-    e, total, size = e.take(member), np.zeros((2, len(e.mean))), np.ones(len(e.mean))
-    left, sums, count = np.arange(len(member)), np.zeros((2, len(member))), 16
-    while len(left):
-        step = 1 if count == 16 else 2
-        place = np.arange(1, count, step)[:, None] / count
+    low, high, e = ends[row, member], ends[row + 1, member], e.take(member)
+    # A half-width that was not found spoils the whole.
+    works, whole = 0.0 * events[:2] + 0.0 * np.sum(events, axis=0), np.zeros(len(shallow))
+    sums, trail, count = np.zeros((2, len(member))), np.zeros((3, len(member))), 16
+    while len(member):
+        place = np.arange(1, count, 1 if count == 16 else 2)[:, None] / count
         turns = 2 * math.pi * np.minimum(place, 1 - place)
         share = turns / (2 * math.pi) - (45 * np.sin(turns) - 9 * np.sin(2 * turns) + np.sin(3 * turns)) / (60 * math.pi)
-        length = high - low
-        half = np.where(place < 0.5, low + length * share, high - length * share)
-        load = contact.load(half)
-        terms = slip_moment(e, np.maximum(load - e.permanent, 0.0))
-        terms *= length / half
         weights = 16 / 5 * np.sin(math.pi * place[:, 0]) ** 6 / count
-        new = weights @ terms
-        coarse = 2 * weights[1::2] @ terms[:, 1::2] if step == 1 else sums
-        sums = new if step == 1 else sums / 2 + new
-        if step == 1:
-            size = np.asarray(np.bincount(member, np.sum(sums, axis=0), len(size)), dtype=float)
-        error = np.sum(np.abs(sums - coarse), axis=0) / np.maximum(size[member], 1e-3 * np.square(e.mean))
-        # The error falls like an exponential: that of the finer rule is about the square of what both differ by.
-        done = ~(error**1.5 > _CONVERGED)
+        half = np.where(place < 0.5, low + (high - low) * share, high - (high - low) * share)
+        terms = slip_moment(e, np.maximum(contact.load(half) - e.permanent, 0.0))
+        terms *= (high - low) / half
+        sums = sums / 2 + weights @ terms
+        if count == 16:
+            trail = np.stack([k * weights[k - 1 :: k] @ np.sum(terms[:, k - 1 :: k], axis=0) for k in (1, 2, 4)])
+            whole = np.maximum(np.bincount(member, trail[0], len(all_of_them.mean)), _NOTHING * np.square(all_of_them.mean))
+        else:
+            trail = np.stack([np.sum(sums, axis=0), *trail[:2]])
+        left = quadrature_error(trail, whole[member]) > _CONVERGED
         for direction in range(2):
-            np.add.at(total[direction], member[done], sums[direction, done])
-        left = np.flatnonzero(~done)
+            np.add.at(works[direction], member[~left], sums[direction, ~left])
+        member, low, high, e, sums, trail = member[left], low[left], high[left], e.take(left), sums[:, left], trail[:, left]
         if count == _MOST_NODES:
-            total[:, member[left]] = np.nan
+            works[:, member] = np.nan
             break
-        e, member, low, high = e.take(left), member[left], low[left], high[left]
-        sums, count = sums[:, left], 2 * count
-    return total
+        count *= 2
+    works[:, shallow] = dissipation_of(all_of_them.take(shallow), contact)
+    return works
 
 
 def slip_moment(e: Ellipses, above: Array) -> Array:
