@@ -19,7 +19,7 @@ from scenes import (
     Tabulated,
     Wedge,
 )
-from semi_analytic import Reason, dissipation, peak_dissipation, solve
+from semi_analytic import Reason, dissipation, peak_dissipation, slip_work, solve
 from semi_analytic.contact import contact_of
 from semi_analytic.slip_work import LamTable, slip_moment, works_over_contact
 from semi_analytic.steady_ellipse import corner_angles, dissipation_of, ellipses_of, phase_of
@@ -120,6 +120,45 @@ def test_compound_of_one_curvature_is_hertz_and_of_a_blunt_tip_flat():
         flat = dissipation(profile=FlatRounded(radius=1.0, flat_half_length=0.7), **loads).value[0]
         blunt = dissipation(profile=Compound(inner_radius=1e14, outer_radius=1.0, inner_half_length=0.7), **loads).value[0]
         assert (same, blunt) == pytest.approx((hertz, flat), rel=1e-11)
+
+
+# Forward and reverse work for P0 = f = E* = 1 and (P1, Q1, phase), by int w' Lam dt in 25 digits, cut at the corners.
+IN_DIGITS = {
+    ("compound, outside blunter", 0.4, 0.35, 1.0): ("0.041398701088727516913", "0.00033343828903031071335"),
+    ("compound, outside blunter", 0.75, 0.3, 2.2): ("0.037838382192384116972", "0.000061655928659698238722"),
+    ("compound, outside sharper", 0.4, 0.35, 1.0): ("0.029191134879658040231", "0.00033343828810855715002"),
+    ("wedge", 0.4, 0.35, 1.0): ("0.057673357622352524098", "0.00033393588535772295947"),
+    ("wedge", 0.75, 0.3, 2.2): ("0.04919078848683133439", "0.000061655928659698238722"),
+    ("polynomial", 0.4, 0.35, 1.0): ("0.044330880266846783043", "0.00036178788163388404561"),
+    ("polynomial", 0.75, 0.3, 2.2): ("0.03900022605318732545", "0.000064305974208750242427"),
+    ("function", 0.4, 0.35, 1.0): ("0.036844292700648033458", "0.00030906513202821172791"),
+    ("function", 0.75, 0.3, 2.2): ("0.0331223052286074161", "0.000059541063769364606937"),
+}
+
+
+@pytest.mark.parametrize("case", IN_DIGITS, ids=str)
+def test_work_is_that_of_twenty_five_digits(case):
+    """Worst measured 6e-14 of the forward part, 2e-15 absolute of the reverse one."""
+    name, *row = case
+    amplitude, force, phase = (np.array([value]) for value in row)
+    batch = dissipation(
+        profile=PROFILES[name],
+        material=MATERIAL,
+        friction_coefficient=1.0,
+        mean_normal_load=1.0,
+        normal_amplitude=amplitude,
+        tangential_amplitude=force,
+        phase=phase,
+    )
+    found = [batch.forward[0], batch.reverse[0]]
+    np.testing.assert_allclose(found, [float(value) for value in IN_DIGITS[case]], rtol=1e-12, atol=1e-14)
+
+
+def test_work_that_has_not_converged_is_told(monkeypatch):
+    monkeypatch.setattr(slip_work, "_CONVERGED", -1.0)
+    batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
+    assert batch.reason.tolist() == [Reason.UNSETTLED]
+    assert np.isnan(batch.value[0])
 
 
 def random_loops(count, seed, largest=1.0):
