@@ -149,7 +149,9 @@ def _turn(leg: Leg, end: float, other: float) -> Turn:
     z = near * np.abs(place)
     across = time - 2 * (float(time_of(leg, NORMAL_LOAD, sign * near**2, time, other)) - time)
     sides = _force_over_root(leg, turn, z), _force_over_root(leg, turn._replace(farthest=across), z)
-    return turn._replace(near=near, force=chebyshev.chebfit(place, np.where(place > 0, *sides), len(place) - 1))
+    return turn._replace(
+        near=near, force=np.asarray(chebyshev.chebfit(place, np.where(place > 0, *sides), len(place) - 1), dtype=float)
+    )
 
 
 def _force_over_root(leg: Leg, turn: Turn, z: Array) -> Array:
