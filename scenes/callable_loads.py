@@ -3,58 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal, Self
 
 import numpy as np
-from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from scenes.callables import PythonFunction, values_of
-from scenes.chebyshev import NODES, Unresolved, difference, fit, series
+from scenes.chebyshev import NODES, Unresolved, fit, series
 from scenes.frozen import Frozen
-from scenes.loads import Array, LoadPath, Loads, WayIn, straight_way_in
+from scenes.loads import LoadPath, WayIn, straight_way_in
 from scenes.materials import Positive
+from scenes.segments import Array, ChebyshevSegment
 
-Series = tuple[float, ...]
 _ROUNDING = 1e-12
-
-
-@dataclass(frozen=True)
-class ChebyshevLeg:
-    """P and Q as Chebyshev series of time on [start, end]."""
-
-    start: float
-    end: float
-    normal: Series
-    tangential: Series
-
-    @property
-    def most_turns(self) -> int:
-        return max(len(self.normal), len(self.tangential), 2) - 2
-
-    def _unit(self, time: ArrayLike) -> Array:
-        t = np.asarray(time, dtype=float)
-        return ((t - self.start) - (self.end - t)) / (self.end - self.start)
-
-    def loads(self, time: ArrayLike) -> Loads:
-        u = self._unit(time)
-        return np.asarray(chebyshev.chebval(u, self.normal)), np.asarray(chebyshev.chebval(u, self.tangential))
-
-    def rates(self, time: ArrayLike) -> Loads:
-        u, scale = self._unit(time), 2 / (self.end - self.start)
-        normal, tangential = (chebyshev.chebval(u, chebyshev.chebder(part)) for part in (self.normal, self.tangential))
-        return np.asarray(normal * scale), np.asarray(tangential * scale)
-
-    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
-        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
-        u, u0, step = self._unit(t), self._unit(t0), 2 * (t - t0) / (self.end - self.start)
-        return difference(np.array(self.normal), u, u0) * step, difference(np.array(self.tangential), u, u0) * step
-
-    def shifted(self, delay: float) -> ChebyshevLeg:
-        return replace(self, start=self.start + delay, end=self.end + delay)
 
 
 class CallableLoad(Frozen):
@@ -82,13 +44,13 @@ class CallableLoad(Frozen):
             self._meet(legs[-1], legs[0].shifted(self.duration), self.duration)
         return self
 
-    def _meet(self, before: ChebyshevLeg, after: ChebyshevLeg, time: float) -> None:
+    def _meet(self, before: ChebyshevSegment, after: ChebyshevSegment, time: float) -> None:
         left, right = before.loads(before.end), after.loads(after.start)
         for name, one, two in zip(("normal_load", "tangential_load"), left, right, strict=True):
             if abs(float(one - two)) > 1e3 * _ROUNDING * max(abs(float(left[0])), abs(float(right[0]))):
                 raise ValueError(f"{name} jumps from {float(one):.6g} to {float(two):.6g} at time {time:.6g}")
 
-    def _legs(self) -> tuple[ChebyshevLeg, ...]:
+    def _legs(self) -> tuple[ChebyshevSegment, ...]:
         functions = [values_of(function) for function in (self.normal_load, self.tangential_load)]
         # Not in halves: a function of few turns is met between its corners, not on them.
         edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
@@ -105,7 +67,7 @@ class CallableLoad(Frozen):
         for low, high in pairwise(edges.tolist()):
             at = low + (high - low) * (1 + NODES) / 2
             normal, tangential = (_trimmed(series(function(at)), scale) for function in functions)
-            found.append(ChebyshevLeg(low, high, normal, tangential))
+            found.append(ChebyshevSegment(low, high, normal, tangential))
         return tuple(found)
 
     def path(self) -> LoadPath:
@@ -132,7 +94,7 @@ def _edges(name: str, function: Callable[[Array], Any], edges: Array, scale: flo
         ) from fault
 
 
-def _trimmed(coefficients: Array, scale: float) -> Series:
+def _trimmed(coefficients: Array, scale: float) -> tuple[float, ...]:
     """The series without what is rounding at its end."""
     kept = np.flatnonzero(np.abs(coefficients) > 1e-16 * scale)
     return tuple(coefficients[: kept[-1] + 1 if len(kept) else 1].tolist())

@@ -1,160 +1,28 @@
-"""Load histories P(t), Q(t) as a sequence of smooth legs.
-
-Geometry of the path only: what it does to the contact is the engines' affair.
-"""
+"""Load histories P(t), Q(t) as a sequence of load segments: the initial loading, then a cycle that repeats."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Annotated, ClassVar, Literal, Protocol, Self
+from dataclasses import dataclass
+from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from scenes.frozen import Frozen
 from scenes.materials import Positive
-
-Array = NDArray[np.float64]
-Loads = tuple[Array, Array]
-Point = tuple[Annotated[float, Field(description="normal load P")], Annotated[float, Field(description="tangential load Q")]]
-
-
-class Leg(Protocol):
-    """A smooth piece of a load path on start <= t <= end; every method takes any shape and returns (P part, Q part)."""
-
-    @property
-    def start(self) -> float: ...
-    @property
-    def end(self) -> float: ...
-    @property
-    def most_turns(self) -> int:
-        """How often P, Q or a sum of both may turn round inside, at most."""
-
-    def loads(self, time: ArrayLike) -> Loads:
-        """(P, Q) [force per thickness] at `time`."""
-
-    def rates(self, time: ArrayLike) -> Loads:
-        """(dP/dt, dQ/dt) at `time`."""
-
-    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
-        """(P, Q) at `time` less (P, Q) at `since`, free of cancellation however close the two are."""
-
-    def shifted(self, delay: float) -> Leg:
-        """The same leg, `delay` later."""
-
-
-@dataclass(frozen=True)
-class StraightLeg:
-    """P and Q linear in time between two points of the P-Q plane."""
-
-    start: float
-    end: float
-    first: Point
-    last: Point
-    most_turns: ClassVar[int] = 0
-
-    def loads(self, time: ArrayLike) -> Loads:
-        # From the nearer end, so that both ends are met to the last digit.
-        t = np.asarray(time, dtype=float)
-        near_start = t - self.start <= self.end - t
-        dp, dq = self.change(t, np.where(near_start, self.start, self.end))
-        return (
-            np.where(near_start, self.first[0], self.last[0]) + dp,
-            np.where(near_start, self.first[1], self.last[1]) + dq,
-        )
-
-    def rates(self, time: ArrayLike) -> Loads:
-        ones = np.ones_like(np.asarray(time, dtype=float)) / (self.end - self.start)
-        return (self.last[0] - self.first[0]) * ones, (self.last[1] - self.first[1]) * ones
-
-    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
-        fraction = (np.asarray(time, dtype=float) - np.asarray(since, dtype=float)) / (self.end - self.start)
-        return (self.last[0] - self.first[0]) * fraction, (self.last[1] - self.first[1]) * fraction
-
-    def shifted(self, delay: float) -> StraightLeg:
-        return replace(self, start=self.start + delay, end=self.end + delay)
-
-
-@dataclass(frozen=True)
-class ParabolaLeg:
-    """P linear in time from 0 to `last`, Q = alpha P + beta P^2, with slope dQ/dP = `end_slope` at the end."""
-
-    start: float
-    end: float
-    last: Point
-    end_slope: float
-    most_turns: ClassVar[int] = 1
-
-    @property
-    def coefficients(self) -> tuple[float, float]:
-        """(alpha, beta) of Q = alpha P + beta P^2."""
-        p, q = self.last
-        return 2 * q / p - self.end_slope, (self.end_slope - q / p) / p
-
-    def loads(self, time: ArrayLike) -> Loads:
-        return self.change(time, self.start)
-
-    def rates(self, time: ArrayLike) -> Loads:
-        alpha, beta = self.coefficients
-        p, _ = self.loads(time)
-        p_rate = np.full_like(p, self.last[0] / (self.end - self.start))
-        return p_rate, (alpha + 2 * beta * p) * p_rate
-
-    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
-        alpha, beta = self.coefficients
-        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
-        scale = self.last[0] / (self.end - self.start)
-        dp, p_sum = scale * (t - t0), scale * (t + t0 - 2 * self.start)
-        return dp, (alpha + beta * p_sum) * dp
-
-    def shifted(self, delay: float) -> ParabolaLeg:
-        return replace(self, start=self.start + delay, end=self.end + delay)
-
-
-@dataclass(frozen=True)
-class EllipseLeg:
-    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), equations (3) and (4) of the paper with omega = 1."""
-
-    start: float
-    end: float
-    mean: Point
-    amplitude: Point
-    phase: float
-
-    @property
-    def most_turns(self) -> int:
-        return 2 * math.ceil((self.end - self.start) / (2 * math.pi))
-
-    def loads(self, time: ArrayLike) -> Loads:
-        t = np.asarray(time, dtype=float)
-        return (
-            self.mean[0] + self.amplitude[0] * np.cos(t),
-            self.mean[1] + self.amplitude[1] * np.cos(t - self.phase),
-        )
-
-    def rates(self, time: ArrayLike) -> Loads:
-        t = np.asarray(time, dtype=float)
-        return -self.amplitude[0] * np.sin(t), -self.amplitude[1] * np.sin(t - self.phase)
-
-    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
-        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
-        middle, chord = (t + t0) / 2, -2 * np.sin((t - t0) / 2)
-        return self.amplitude[0] * np.sin(middle) * chord, self.amplitude[1] * np.sin(middle - self.phase) * chord
-
-    def shifted(self, delay: float) -> EllipseLeg:
-        return replace(self, start=self.start + delay, end=self.end + delay)
+from scenes.segments import Loads, LoadSegment, Point, StraightSegment, ellipse_segment, parabola_segment
 
 
 @dataclass(frozen=True)
 class LoadPath:
     """The way in from (0, 0), then a cycle that repeats for ever (or nothing more, where `cycle` is empty)."""
 
-    way_in: tuple[Leg, ...]
-    cycle: tuple[Leg, ...]
+    way_in: tuple[LoadSegment, ...]
+    cycle: tuple[LoadSegment, ...]
 
     @property
     def start(self) -> float:
@@ -171,13 +39,13 @@ class LoadPath:
         """Duration of a cycle; None for a path that is not periodic."""
         return self.cycle[-1].end - self.cycle[0].start if self.cycle else None
 
-    def legs(self, cycles: int) -> Iterator[Leg]:
+    def legs(self, cycles: int) -> Iterator[LoadSegment]:
         """The way in, then `cycles` revolutions."""
         yield from self.way_in
         for number in range(cycles):
             yield from self.cycle_legs(number)
 
-    def cycle_legs(self, number: int) -> tuple[Leg, ...]:
+    def cycle_legs(self, number: int) -> tuple[LoadSegment, ...]:
         """The legs of revolution `number`, counted from 0."""
         return tuple(leg.shifted(number * (self.period or 0.0)) for leg in self.cycle)
 
@@ -201,30 +69,17 @@ class LoadPath:
         return p.reshape(shape), q.reshape(shape)
 
 
-def straight_legs(points: list[Point], start: float, duration: float) -> tuple[StraightLeg, ...]:
+def straight_legs(points: list[Point], start: float, duration: float) -> tuple[StraightSegment, ...]:
     """Legs through `points`, `duration` each."""
     return tuple(
-        StraightLeg(start + k * duration, start + (k + 1) * duration, points[k], points[k + 1]) for k in range(len(points) - 1)
+        StraightSegment(start + k * duration, start + (k + 1) * duration, points[k], points[k + 1]) for k in range(len(points) - 1)
     )
-
-
-def sampled(leg: Leg, least: int) -> Array:
-    """Times along a leg, ascending: the ends alone of a straight one, else `least` or eight from turn to turn, whichever is more.
-
-    >>> (
-    ...     len(sampled(StraightLeg(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
-    ...     len(sampled(EllipseLeg(0.0, 6.28, (3, 1), (1, 1), 0.5), 25)),
-    ... )
-    (2, 25)
-    """
-    count = max(least, 8 * leg.most_turns + 1) if leg.most_turns else 2
-    return np.linspace(leg.start, leg.end, count)
 
 
 WayIn = Literal["straight"] | tuple[Point, ...]
 
 
-def straight_way_in(way_in: WayIn, first: Leg, duration: float) -> tuple[StraightLeg, ...]:
+def straight_way_in(way_in: WayIn, first: LoadSegment, duration: float) -> tuple[StraightSegment, ...]:
     """From (0, 0) through the points of `way_in` to the start of the leg `first`, `duration` a line."""
     normal, tangential = first.loads(first.start)
     points = [(0.0, 0.0), *(() if way_in == "straight" else way_in), (float(normal), float(tangential))]
@@ -262,7 +117,7 @@ class EllipseLoad(Frozen):
     def path(self) -> LoadPath:
         """The legs of this history."""
         begin = self.phase + math.pi if self.phase >= 0 else self.phase + 2 * math.pi
-        turn = EllipseLeg(
+        turn = ellipse_segment(
             begin,
             begin + 2 * math.pi,
             (self.mean_normal_load, self.mean_tangential_load),
@@ -271,7 +126,7 @@ class EllipseLoad(Frozen):
         )
         first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
         if self.way_in == "parabola":
-            return LoadPath((ParabolaLeg(begin - math.pi, begin, first, 0.0),), (turn,))
+            return LoadPath((parabola_segment(begin - math.pi, begin, first, 0.0),), (turn,))
         return LoadPath(straight_way_in(self.way_in, turn, math.pi), (turn,))
 
 

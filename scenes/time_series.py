@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo, model_validator
 
-from scenes.loads import LoadPath, StraightLeg
+from scenes.loads import LoadPath
+from scenes.segments import StraightSegment
 from scenes.tables import FromFile, RowError, Table
 
 
@@ -50,7 +51,7 @@ class TimeSeriesLoad(FromFile):
         """The legs of this history, one a row: for long series the engines have a way of their own."""
         rows = self.series().tolist()
         legs = tuple(
-            StraightLeg(before[0], after[0], (before[1], before[2]), (after[1], after[2])) for before, after in pairwise(rows)
+            StraightSegment(before[0], after[0], (before[1], before[2]), (after[1], after[2])) for before, after in pairwise(rows)
         )
         if not self.repeats:
             return LoadPath(legs, ())

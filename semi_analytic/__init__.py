@@ -12,7 +12,7 @@ Normal contact, one profile a file, `Contact` being what the rest asks of each::
 
 The history of P and Q::
 
-    legs.py, turning.py                    P, Q and Q -+ f P along a leg: changes, turning points, inverses
+    legs.py                                P, Q and Q -+ f P along a load segment: changes, turning points, inverses
     memory.py                              the memory curve M(eta), and what a load does to it
     history.py, sides.py                   the march: stick, slip, unloading, the steady cycle, gross sliding
     route.py                               the scene's path or straight steps, its cycles and instants

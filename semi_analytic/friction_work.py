@@ -28,13 +28,12 @@ from semi_analytic.contact import Contact, bends_anywhere
 from semi_analytic.corners import smooth_spans
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
-from semi_analytic.legs import NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
+from semi_analytic.legs import LEAST, NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
 from semi_analytic.memory import level_on
 from semi_analytic.quadrature import graded
 from semi_analytic.rounding import LAST_DIGITS
 from semi_analytic.settling import SETTLED, Settled, settled
 from semi_analytic.snapshot import take
-from semi_analytic.turning import LEAST
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from scenes import ChebyshevLeg, EllipseLeg, HarmonicLeg, ParabolaLeg, StraightLeg
+from scenes import ChebyshevSegment, HarmonicSegment, StraightSegment
 
 LONG = np.longdouble
 TURN = LONG("6.28318530717958647692528676655900577")
@@ -62,28 +62,19 @@ class Phase:
     def loads(self, time):
         """P, Q, dP/dt, dQ/dt."""
         t, leg = np.asarray(time, dtype=LONG), self.leg
-        if isinstance(leg, StraightLeg | ParabolaLeg):
+        if isinstance(leg, StraightSegment):
             length = LONG(leg.end) - LONG(leg.start)
             share = (t - LONG(leg.start)) / length
-            if isinstance(leg, StraightLeg):
-                steps = [last - first for first, last in zip(self.first, self.last, strict=True)]
-                values = [first + step * share for first, step in zip(self.first, steps, strict=True)]
-                return (*values, *(step / length + 0 * t for step in steps))
-            p, q = self.last
-            alpha, beta = 2 * q / p - LONG(leg.end_slope), (LONG(leg.end_slope) - q / p) / p
-            load = p * share
-            return load, (alpha + beta * load) * load, p / length + 0 * t, (alpha + 2 * beta * load) * p / length
-        if isinstance(leg, ChebyshevLeg):
+            steps = [last - first for first, last in zip(self.first, self.last, strict=True)]
+            values = [first + step * share for first, step in zip(self.first, steps, strict=True)]
+            return (*values, *(step / length + 0 * t for step in steps))
+        if isinstance(leg, ChebyshevSegment):
             scale = 2 / (LONG(leg.end) - LONG(leg.start))
             u = (t - LONG(leg.start)) * scale - 1
             series = [np.array(part, dtype=LONG) for part in (leg.normal, leg.tangential)]
             rates = [chebyshev.chebval(u, chebyshev.chebder(part)) * scale for part in series]
             return (*(chebyshev.chebval(u, part) for part in series), *rates)
-        if isinstance(leg, EllipseLeg):
-            waves = [((size, phase),) for size, phase in zip(leg.amplitude, (0.0, leg.phase), strict=True)]
-        else:
-            assert isinstance(leg, HarmonicLeg)
-            waves = [leg.normal, leg.tangential]
+        waves = [leg.normal, leg.tangential]
         (p, p_rate), (q, q_rate) = (_wave(wave, mean, t) for wave, mean in zip(waves, leg.mean, strict=True))
         return p, q, p_rate, q_rate
 
@@ -132,7 +123,7 @@ def phases_of(path, friction, cycles):
     for leg in (*path.way_in, *path.cycle):
         begin, end = LONG(leg.start), LONG(leg.end)
         # A revolution ends where it began, to all digits.
-        end = begin + TURN if isinstance(leg, EllipseLeg | HarmonicLeg) else end
+        end = begin + TURN if isinstance(leg, HarmonicSegment) else end
         ends = [tuple(LONG(v) for v in getattr(leg, name, ())) for name in ("first", "last")]
         wholes[id(leg)] = Phase(leg, begin, end, *ends)
     if path.cycle:

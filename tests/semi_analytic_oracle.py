@@ -13,7 +13,7 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 
-from scenes import CallableProfile, EllipseLeg, PowerLaw
+from scenes import CallableProfile, PowerLaw
 from semi_analytic.memory import pieces
 from semi_analytic.question import FIELDS, ask
 
@@ -176,9 +176,9 @@ def _slope_on(piece):
     leg, anchor = piece.anchor.leg, LONG(piece.anchor.normal)
     if piece.arc is None:
         return lambda eta: LONG(piece.slope) + 2 * LONG(piece.bend) * (eta - anchor)
-    if isinstance(leg, EllipseLeg):
-        p0, p1, q1 = (LONG(v) for v in (leg.mean[0], *leg.amplitude))
-        sine, cosine = np.sin(LONG(leg.phase)), np.cos(LONG(leg.phase))
+    if leg.ellipse:
+        p0, p1, q1 = (LONG(v) for v in (leg.mean[0], *leg.ellipse.amplitude))
+        sine, cosine = np.sin(LONG(leg.ellipse.phase)), np.cos(LONG(leg.ellipse.phase))
 
         def slope(eta):
             up, down = (eta - (p0 - p1)) / (2 * p1), ((p0 + p1) - eta) / (2 * p1)
@@ -197,9 +197,7 @@ def _wave(waves, t, derivative=False):
 
 
 def _load_at(leg, t):
-    """P of an ellipse or of harmonics."""
-    if isinstance(leg, EllipseLeg):
-        return LONG(leg.mean[0]) + LONG(leg.amplitude[0]) * np.cos(t)
+    """P of harmonics."""
     return LONG(leg.mean[0]) + _wave(leg.normal, t)
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 
-from scenes import Elastic, EllipseLeg, Materials
+from scenes import Elastic, Materials, ellipse_segment
 from semi_analytic.arcs import arc_integrals
 from semi_analytic.contact import contact_of
 from semi_analytic.legs import instant
@@ -163,7 +163,7 @@ def slip_of_an_arc(n, place):
     """int dQ arccosh(x/a) over one arc on |x|^n, x being `place` half-widths out: found, and at thirty digits."""
     contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
     whole = float(contact.load(1.0))
-    leg, first, last = EllipseLeg(0.0, 10.0, (1.0, 0.0), (0.3, 0.3), 1.0), math.pi + 1.5, math.pi + 2.3
+    leg, first, last = ellipse_segment(0.0, 10.0, (1.0, 0.0), (0.3, 0.3), 1.0), math.pi + 1.5, math.pi + 2.3
     x = place * contact.half_width(leg.loads(np.array([last]))[0])
     with mp.workdps(30):
 

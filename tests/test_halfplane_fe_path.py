@@ -18,19 +18,19 @@ from problems import fe_run
 from reports.checking import check_path
 from scenes import (
     Elastic,
-    EllipseLeg,
     EllipseLoad,
     Friction,
     HarmonicLoad,
     Hertz,
     InadmissibleLoadError,
     Materials,
-    ParabolaLeg,
     PolygonLoad,
     Scene,
-    StraightLeg,
+    StraightSegment,
     TimeSeriesLoad,
+    ellipse_segment,
     load_scene,
+    parabola_segment,
 )
 
 TURN = 2 * math.pi
@@ -45,7 +45,7 @@ def ellipse(phase=90.0, **changed):
 @given(phase=st.floats(10, 170), friction=st.floats(0.3, 2), start=st.floats(0, TURN))
 def test_turning_points_of_an_ellipse(phase, friction, start):
     """P turns at 0 and pi; Q -+ f P, sinusoids too, where their rates vanish: six in a revolution, two half a turn apart each."""
-    leg = EllipseLeg(start, start + TURN, (3, 0.2), (1, 0.7), math.radians(phase))
+    leg = ellipse_segment(start, start + TURN, (3, 0.2), (1, 0.7), math.radians(phase))
     tangential = 0.7 * np.exp(-1j * math.radians(phase))
     phases = [-np.angle(tangential - sign * friction) for sign in (1, -1)] + [0.0]
     expected = np.sort(start + (np.array([p + half for p in phases for half in (0, math.pi)]) - start) % TURN)
@@ -59,13 +59,13 @@ def test_turning_points_of_an_ellipse(phase, friction, start):
 
 
 def test_straight_legs_do_not_turn():
-    assert turning_points(StraightLeg(0, 1, (1, 0), (3, -2)), 0.5) == []
-    assert turning_points(StraightLeg(0, 1, (2, 0), (2, 1)), 0.5) == []  # P does not change at all
-    assert turning_points(StraightLeg(0, 1, (1, 0), (3, 1)), 0.5) == []  # Q - f P does not
+    assert turning_points(StraightSegment(0, 1, (1, 0), (3, -2)), 0.5) == []
+    assert turning_points(StraightSegment(0, 1, (2, 0), (2, 1)), 0.5) == []  # P does not change at all
+    assert turning_points(StraightSegment(0, 1, (1, 0), (3, 1)), 0.5) == []  # Q - f P does not
 
 
 def test_parabola_turns_where_its_slope_is_f():
-    leg = ParabolaLeg(0.0, 1.0, (2.0, 1.0), 0.0)  # Q = P - P^2/4: slope 1/2 at P = 1
+    leg = parabola_segment(0.0, 1.0, (2.0, 1.0), 0.0)  # Q = P - P^2/4: slope 1/2 at P = 1
     assert turning_points(leg, 0.5) == pytest.approx([0.5], abs=1e-12)
     assert turning_points(leg, 2.0) == []
 
@@ -92,7 +92,7 @@ def test_sliding_between_the_samples_of_a_slow_path_is_refused(order):
 
 @given(phase=st.floats(10, 170), increments=st.floats(4, 200))
 def test_stretches_cut_at_the_turning_points_and_leave_nothing_out(phase, increments):
-    leg = EllipseLeg(1.0, 1.0 + TURN, (3, 0.2), (1, 0.7), math.radians(phase))
+    leg = ellipse_segment(1.0, 1.0 + TURN, (3, 0.2), (1, 0.7), math.radians(phase))
     pieces = stretches(leg, 0.8, increments)
     ends = [end for piece in pieces for end in piece.ends]
     assert np.all(np.diff(ends) > 0)

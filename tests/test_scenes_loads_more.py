@@ -9,13 +9,13 @@ from pydantic import ValidationError
 
 from scenes import (
     CallableLoad,
-    ChebyshevLeg,
-    EllipseLeg,
-    HarmonicLeg,
+    ChebyshevSegment,
     HarmonicLoad,
+    HarmonicSegment,
     InputError,
     Scene,
     TimeSeriesLoad,
+    ellipse_segment,
     load_scene,
     sampled,
 )
@@ -70,7 +70,7 @@ def test_harmonics_are_what_they_say():
     p, q = HARMONICS.path().at(0.7)
     assert p == pytest.approx(3 + math.cos(0.7 - math.radians(10)) + 0.5 * math.cos(1.4 + math.radians(40)))
     assert q == pytest.approx(0.2 + 0.3 * math.cos(0.7 - math.radians(80)) + 0.2 * math.cos(2.1 - math.radians(5)))
-    assert isinstance(HARMONICS.path().cycle[0], HarmonicLeg)
+    assert isinstance(HARMONICS.path().cycle[0], HarmonicSegment)
     assert HARMONICS.path().period == pytest.approx(2 * math.pi)
 
 
@@ -101,7 +101,7 @@ def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order
 
 
 @pytest.mark.parametrize(
-    "leg", [*LEGS, high(300).path().cycle[0], EllipseLeg(0.3, 7.0, (3, 1), (1, 1), 0.4)], ids=lambda leg: type(leg).__name__
+    "leg", [*LEGS, high(300).path().cycle[0], ellipse_segment(0.3, 7.0, (3, 1), (1, 1), 0.4)], ids=lambda leg: type(leg).__name__
 )
 def test_a_leg_turns_round_no_more_often_than_it_says_and_samples_show_it(leg):
     for normal, tangential in ((1, 0), (0, 1), (-0.5, 1), (0.5, 1)):
@@ -119,7 +119,7 @@ def test_functions_are_followed_to_rounding():
     p, q = path.at(t)
     np.testing.assert_allclose(p, 3 + np.cos(t) ** 3, atol=1e-13)
     np.testing.assert_allclose(q, np.sin(np.sin(t)), atol=1e-13)
-    assert all(isinstance(leg, ChebyshevLeg) for leg in path.cycle)
+    assert all(isinstance(leg, ChebyshevSegment) for leg in path.cycle)
     np.testing.assert_allclose(path.at(7.0), path.at(7.0 - 2 * math.pi), atol=1e-13)
 
 

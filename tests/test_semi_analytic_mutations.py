@@ -7,7 +7,7 @@ import pytest
 
 import semi_analytic.fields
 import semi_analytic.history
-from scenes import StraightLeg, SurfaceState, load_scene
+from scenes import StraightSegment, SurfaceState, load_scene
 from semi_analytic import solve
 from semi_analytic.fields import Integrals
 from semi_analytic.memory import Piece
@@ -54,7 +54,7 @@ def drop_history(monkeypatch):
     def forgetful(curve, legs, friction, delay):
         if curve is not None:
             end = curve.anchor
-            leg = StraightLeg(-1.0, 0.0, (0.0, 0.0), (end.normal, end.tangential))
+            leg = StraightSegment(-1.0, 0.0, (0.0, 0.0), (end.normal, end.tangential))
             curve = Piece(None, end.normal, end._replace(leg=leg, time=0.0), end.tangential / end.normal)
         return march(curve, legs, friction, delay)
 

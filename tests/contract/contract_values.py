@@ -180,8 +180,8 @@ def plain(values: Any) -> Any:
     return None if isinstance(values, float) and math.isnan(values) else values
 
 
-def differences(kept: Any, now: Any, allowed: Callable[[str], float]) -> Iterator[str]:
-    """A line for each value that is further from the frozen one than `allowed(name)` of the largest of its field."""
+def differences(kept: Any, now: Any, allowed: Callable[[str], float], rounding: float = 0.0) -> Iterator[str]:
+    """A line for each value that is further from the frozen one than `allowed(name)` of the largest of its field, or `rounding`."""
     if missing := set(kept) - set(now):
         yield f"missing: {', '.join(sorted(missing))}"
     for name in sorted(set(kept) & set(now)):
@@ -204,7 +204,7 @@ def differences(kept: Any, now: Any, allowed: Callable[[str], float]) -> Iterato
             size = float(np.max(np.abs(old)))
             worst = int(np.argmax(np.abs(new - old)))
             apart = abs(new[worst] - old[worst])
-            if apart > allowed(name) * size:
+            if apart > max(allowed(name) * size, rounding):
                 share = apart / size if size else apart
                 values = f"{new[worst]!r}, frozen is {old[worst]!r}"
                 yield f"{name}: {values}; apart by {share:.1e} of the largest, allowed {allowed(name):.1e}"

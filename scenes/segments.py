@@ -1,0 +1,504 @@
+"""Load segments: the smooth pieces of a load history P(t), Q(t), by straight lines, harmonics or Chebyshev series of time.
+
+# notation: c_P P + c_Q Q a linear combination of the two loads, given as the pair (c_P, c_Q)
+
+The ellipse of the paper is a `HarmonicSegment` of one wave, its parabola a `ChebyshevSegment` of degree 2. Every segment gives the
+change of a combination between two times free of cancellation, its rate, its turning points, and the time at which it has changed
+by an amount. Geometry of the path only: what the path does to the contact is computed by the engines.
+"""
+
+from __future__ import annotations
+
+import abc
+import cmath
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Annotated, NamedTuple, Self
+
+import numpy as np
+from numpy.polynomial import chebyshev, polynomial
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
+
+from scenes.chebyshev import difference
+from scenes.errors import NotFoundError
+
+Array = NDArray[np.float64]
+Loads = tuple[Array, Array]
+Point = tuple[Annotated[float, Field(description="normal load P")], Annotated[float, Field(description="tangential load Q")]]
+Waves = tuple[tuple[float, float], ...]
+
+LEAST = 1e-290
+"""Changes of load below it are none: their inverse, and soon the numbers themselves, are not known to rounding any more."""
+
+_ROUNDING = 1e-14
+_ROUNDING_OF_TIME = 4.5e-16
+# Of the largest sum of a series: what rounding of its coefficients leaves of a load that starts from 0.
+_ROUNDING_OF_SUM = 1e-15
+# A double root is known to the root of a rounding only. Taking too many does no harm: a segment is cut in two.
+_DOUBLE = 1e-5
+# Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the step between two of these.
+_MOST_STEPS = 4000
+# Steps without gain after which rounding is reached.
+_IDLE = 3
+
+
+class Combination(NamedTuple):
+    """c_P P + c_Q Q of the two loads."""
+
+    normal: float
+    tangential: float
+
+
+NORMAL_LOAD = Combination(1.0, 0.0)
+TANGENTIAL_LOAD = Combination(0.0, 1.0)
+
+
+class Ellipse(NamedTuple):
+    """P = P0 + P1 cos(t - origin), Q = Q0 + Q1 cos(t - origin - phase): equations (3) and (4) of the paper with omega = 1."""
+
+    mean: Point
+    amplitude: Point
+    phase: float
+    origin: float
+
+
+@dataclass(frozen=True)
+class LoadSegment(abc.ABC):
+    """A smooth piece of a load path on start <= t <= end; times may have any shape, and results have the shape of the times."""
+
+    start: float
+    end: float
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether P and Q are linear in time."""
+        return False
+
+    @property
+    def most_turns(self) -> int:
+        """Upper bound of the number of turning points of P, Q or a sum of both inside the segment."""
+        return 0
+
+    @property
+    def ellipse(self) -> Ellipse | None:
+        """The ellipse that the segment follows; None if it follows none."""
+        return None
+
+    @abc.abstractmethod
+    def loads(self, time: ArrayLike) -> Loads:
+        """(P, Q) [force per thickness] at `time`."""
+
+    def rates(self, time: ArrayLike) -> Loads:
+        """(dP/dt, dQ/dt) at `time`."""
+        return self.rate_of(NORMAL_LOAD, time), self.rate_of(TANGENTIAL_LOAD, time)
+
+    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
+        """(P, Q) at `time` minus (P, Q) at `since`, free of cancellation however close the two are."""
+        return self.change_of(NORMAL_LOAD, time, since), self.change_of(TANGENTIAL_LOAD, time, since)
+
+    @abc.abstractmethod
+    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
+        """Time derivative of a combination."""
+
+    @abc.abstractmethod
+    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+        """Change of a combination between two times, free of cancellation; that of one wave near its extrema too.
+
+        >>> float(ellipse_segment(0.0, 7.0, (3.0, 1.0), (1.0, 1.0), math.pi / 2).change_of(NORMAL_LOAD, math.pi, 0.0))
+        -2.0
+        """
+
+    @abc.abstractmethod
+    def turning_points(self, what: Combination) -> list[float]:
+        """Times inside the segment at which a combination stops growing or falling, ascending."""
+
+    def time_of(self, what: Combination, amount: ArrayLike, begin: float, end: float) -> Array:
+        """The time between `begin` and `end` at which a combination that does not turn there has changed by `amount` since `begin`.
+
+        Amounts outside the range give the nearer end. `begin` may be the later one: the time is best known near it.
+
+        Raises
+        ------
+        NotFoundError
+            Where Newton's method finds none, of loads that are not finite for example.
+        """
+        wanted = np.asarray(amount, dtype=float)
+        total = float(self.change_of(what, end, begin))
+        if abs(total) < LEAST:
+            return np.full(wanted.shape, begin)
+        inside = np.clip(self._time_inside(what, wanted, total, begin, end), min(begin, end), max(begin, end))
+        sign = math.copysign(1.0, total)
+        return np.where(sign * wanted <= 0, begin, np.where(sign * wanted >= abs(total), end, inside))
+
+    def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:
+        """Newton's steps, or half the bracket where one leaves it or is no shorter; ends where rounding stops them from gaining."""
+        wanted = np.clip(wanted / total, 0, 1) * total
+        rising = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
+        low, high = np.full(wanted.shape, min(begin, end)), np.full(wanted.shape, max(begin, end))
+        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted / total)  # exact for a cosine that turns at both ends
+        best, least, idle, last = time, np.full(wanted.shape, math.inf), np.zeros(wanted.shape, int), high - low
+        for _ in range(_MOST_STEPS):
+            fault, slope = rising * (self.change_of(what, time, begin) - wanted), rising * self.rate_of(what, time)
+            better = np.abs(fault) < least
+            best, least, idle = np.where(better, time, best), np.where(better, np.abs(fault), least), np.where(better, 0, idle + 1)
+            if np.all((least == 0) | (idle >= _IDLE) | (last <= _ROUNDING_OF_TIME * np.abs(best))):
+                return best
+            low, high = np.where(fault < 0, time, low), np.where(fault > 0, time, high)
+            steep = slope > 0
+            newton = time - np.where(steep, fault / np.where(steep, slope, 1.0), math.inf)
+            inside = (low <= newton) & (newton <= high) & (2 * np.abs(newton - time) <= last)
+            following = np.where(inside, newton, (low + high) / 2)
+            last, time = np.abs(following - time), following
+        raise NotFoundError(f"no time was found at which the loads have changed as wanted, between {begin:.17g} and {end:.17g}")
+
+    def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 most segments have none
+        """Slope dQ/dP and half of d2Q/dP2 at `time` where P is linear in time and Q(P) a line or a parabola; None elsewhere."""
+        return None
+
+    def mirrored(self, what: Combination, time: ArrayLike, near: float) -> Array | None:  # noqa: ARG002 most segments have none
+        """The other time, next to `near`, at which a combination of one wave has the value that it has at `time`; else None."""
+        return None
+
+    def shifted(self, delay: float) -> Self:
+        """The same segment, `delay` later."""
+        return replace(self, start=self.start + delay, end=self.end + delay)
+
+
+@dataclass(frozen=True)
+class StraightSegment(LoadSegment):
+    """P and Q linear in time between two points of the P-Q plane."""
+
+    first: Point
+    last: Point
+
+    @property
+    def is_straight(self) -> bool:
+        return True
+
+    def loads(self, time: ArrayLike) -> Loads:
+        # From the nearer end, so that both ends are met to the last digit.
+        t = np.asarray(time, dtype=float)[()]
+        near_start = t - self.start <= self.end - t
+        one_of = np.where if np.ndim(t) else lambda near, first, last: first if near else last  # five times as fast for one time
+        part = (t - one_of(near_start, self.start, self.end)) / (self.end - self.start)
+        p, q = (one_of(near_start, a, b) + (b - a) * part for a, b in zip(self.first, self.last, strict=True))
+        return p, q
+
+    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
+        return self._rise(what, np.ones(np.shape(time)))
+
+    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+        return self._rise(what, np.asarray(time, dtype=float) - np.asarray(since, dtype=float))
+
+    def _rise(self, what: Combination, duration: Array) -> Array:
+        part = duration / (self.end - self.start)
+        return what[0] * ((self.last[0] - self.first[0]) * part) + what[1] * ((self.last[1] - self.first[1]) * part)
+
+    def turning_points(self, what: Combination) -> list[float]:  # noqa: ARG002 whatever the combination is
+        return []
+
+    def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:  # noqa: ARG002
+        return begin + (end - begin) * (wanted / total)
+
+    def slope_and_bend(self, time: float) -> tuple[float, float] | None:  # noqa: ARG002 the same all along
+        rise = self.last[0] - self.first[0]
+        return ((self.last[1] - self.first[1]) / rise, 0.0) if rise else None
+
+
+@dataclass(frozen=True)
+class HarmonicSegment(LoadSegment):
+    """P = P0 + sum of P_k cos(k t - phi_k), Q likewise; `normal`, `tangential` hold (amplitude, phase in radians) of k = 1, 2, ...
+
+    Sums over k are polynomials in z = exp(i t). One wave, an ellipse, has closed forms with the phasor of the combination.
+    """
+
+    mean: Point
+    normal: Waves
+    tangential: Waves
+
+    @cached_property
+    def _coefficients(self) -> NDArray[np.complex128]:
+        """(2, m + 1) c_k such that P - P0 and Q - Q0 are Re[sum c_k z^k]; m is the highest k with an amplitude."""
+        order = max((k for waves in (self.normal, self.tangential) for k, (size, _) in enumerate(waves, 1) if size), default=1)
+        found = np.zeros((2, order + 1), dtype=complex)
+        for row, waves in zip(found, (self.normal, self.tangential), strict=True):
+            row[1 : len(waves) + 1] = [size * cmath.exp(-1j * phase) for size, phase in waves[:order]]
+        return found
+
+    @cached_property
+    def ellipse(self) -> Ellipse | None:
+        if self._coefficients.shape[1] > 2:
+            return None
+        (p, origin), (q, lag) = self._first
+        return Ellipse(self.mean, (p, q), lag - origin, origin)
+
+    @cached_property
+    def _first(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """(amplitude, phase) of the first wave of P and of Q."""
+        return self.normal[0] if self.normal else (0.0, 0.0), self.tangential[0] if self.tangential else (0.0, 0.0)
+
+    def wave(self, what: Combination) -> tuple[float, float]:
+        """(size, lead) of one wave: the combination is a constant + size cos(t + lead)."""
+        # notation: Z = size exp(i lead), the phasor; one load alone keeps the last digit of its own phase
+        (p, origin), (q, lag) = self._first
+        if what[0] == 0 or what[1] == 0:
+            return (what[0] * p, -origin) if what[1] == 0 else (what[1] * q, -lag)
+        return cmath.polar(what[0] * cmath.rect(p, -origin) + what[1] * cmath.rect(q, -lag))
+
+    @property
+    def amplitude(self) -> Point:
+        """Those of an ellipse; for callers of the old name `EllipseLeg` only."""
+        assert self.ellipse is not None
+        return self.ellipse.amplitude
+
+    @property
+    def phase(self) -> float:
+        """That of an ellipse; for callers of the old name `EllipseLeg` only."""
+        assert self.ellipse is not None
+        return self.ellipse.phase
+
+    @property
+    def most_turns(self) -> int:
+        order = self._coefficients.shape[1] - 1 if np.any(self._coefficients) else 0
+        return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
+
+    def loads(self, time: ArrayLike) -> Loads:
+        t = np.asarray(time, dtype=float)
+        if self.ellipse:
+            p, q = (mean + size * np.cos(t - lag) for mean, (size, lag) in zip(self.mean, self._first, strict=True))
+        else:
+            p, q = (mean + _wave_sum(row, t) for mean, row in zip(self.mean, self._coefficients, strict=True))
+        return p, q
+
+    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
+        t = np.asarray(time, dtype=float)
+        if self.ellipse:
+            size, lead = self.wave(what)
+            return -size * np.sin(t + lead)
+        return _wave_sum(self._rate(what), t)
+
+    def _rate(self, what: Combination) -> NDArray[np.complex128]:
+        """(m + 1,) coefficients of the rate."""
+        return 1j * np.arange(self._coefficients.shape[1]) * (np.array(what) @ self._coefficients)
+
+    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
+        middle, half = (t + t0) / 2, (t - t0) / 2
+        if self.ellipse:
+            size, lead = self.wave(what)
+            return -2 * size * np.sin(middle + lead) * np.sin(half)
+        # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t + t_0)/2).
+        centre, side = np.exp(1j * np.atleast_1d(middle)), np.exp(1j * np.atleast_1d(half))
+        z, z_0 = centre * side, centre * side.conjugate()
+        *others, value = (np.array(what) @ self._coefficients).tolist()
+        quotient = 0j
+        for coefficient in reversed(others):
+            quotient, value = quotient * z + value, value * z_0 + coefficient
+        return np.reshape((quotient * centre * (2j * side.imag)).real, middle.shape)
+
+    def turning_points(self, what: Combination) -> list[float]:
+        """Times inside the segment at which a combination stops growing or falling, ascending.
+
+        One wave: where its argument is a multiple of pi. Several: roots of the rate, a polynomial in z, as eigenvalues, and steps
+        of Newton's method.
+
+        >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
+        >>> [round(time / math.pi, 4) for time in segment.turning_points(NORMAL_LOAD)]  # sin t (1 + 4 cos t) = 0
+        [0.5804, 1.0, 1.4196]
+        """
+        size = np.abs(what) @ np.abs(self._coefficients)
+        if self.ellipse:
+            height, lead = self.wave(what)
+            if abs(height) <= _ROUNDING * size[1]:
+                return []
+            first = -lead
+            number = range(math.ceil((self.start - first) / math.pi), math.floor((self.end - first) / math.pi) + 1)
+            return [time for time in (first + k * math.pi for k in number) if self.start < time < self.end]
+        rates, whole = self._rate(what), float(np.arange(len(size)) @ size)
+        rates[np.abs(rates) <= _ROUNDING * whole] = 0
+        if whole < LEAST or not np.any(rates):
+            return []
+        order = int(np.flatnonzero(rates)[-1])
+        roots = polynomial.polyroots(np.concatenate([np.conj(rates[order:0:-1]), rates[: order + 1]]))
+        angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DOUBLE])
+        first = 2 * math.pi * np.floor((self.start - angles) / (2 * math.pi))
+        turns = np.arange(math.ceil((self.end - self.start) / (2 * math.pi)) + 2)
+        times = ((angles + first)[:, None] + 2 * math.pi * turns).ravel()
+        k = np.arange(order + 1)
+
+        def rate(time: Array, derivative: int) -> Array:
+            return _wave_sum(rates[: order + 1] * (1j * k) ** derivative, time)
+
+        return _sharpened(self, times, rate, lambda time: time)
+
+    def _time_inside(self, what: Combination, wanted: Array, total: float, begin: float, end: float) -> Array:
+        if not self.ellipse:
+            return super()._time_inside(what, wanted, total, begin, end)
+        # The arc cosine, then one Newton step with the change, which does not cancel.
+        size, lead = self.wave(what)
+        half_turn = math.floor(((begin + end) / 2 + lead) / math.pi)
+        sign = -1.0 if half_turn % 2 else 1.0
+        cosine = math.cos(begin + lead) + wanted / size
+        time = half_turn * math.pi - lead + np.arccos(np.clip(sign * cosine, -1, 1))
+        slope = self.rate_of(what, time)
+        steep = np.abs(slope) > 1e-6 * abs(size)
+        return time + np.where(steep, (wanted - self.change_of(what, time, begin)) / np.where(steep, slope, 1.0), 0.0)
+
+    def mirrored(self, what: Combination, time: ArrayLike, near: float) -> Array | None:
+        if not self.ellipse:
+            return None
+        twin = -2 * self.wave(what)[1] - np.asarray(time, dtype=float)
+        return twin + 2 * math.pi * np.round((near - twin) / (2 * math.pi))
+
+    def shifted(self, delay: float) -> Self:
+        late = math.remainder(delay, 2 * math.pi)
+        if abs(late) <= 1e-15 * abs(delay):  # whole turns, to their rounding: the waves stay
+            return super().shifted(delay)
+        normal, tangential = (
+            tuple((size, phase + math.remainder(k * late, 2 * math.pi)) for k, (size, phase) in enumerate(waves, 1))
+            for waves in (self.normal, self.tangential)
+        )
+        return replace(super().shifted(delay), normal=normal, tangential=tangential)
+
+
+@dataclass(frozen=True)
+class ChebyshevSegment(LoadSegment):
+    """P and Q as Chebyshev series of u in [-1, 1], u growing with time from start to end."""
+
+    normal: tuple[float, ...]
+    tangential: tuple[float, ...]
+
+    @property
+    def most_turns(self) -> int:
+        return max(len(self.normal), len(self.tangential), 2) - 2
+
+    def _unit(self, time: ArrayLike) -> Array:
+        t = np.asarray(time, dtype=float)
+        return ((t - self.start) - (self.end - t)) / (self.end - self.start)
+
+    @cached_property
+    def _series(self) -> Array:
+        """(2, m) coefficients of both loads."""
+        found = np.zeros((2, max(len(self.normal), len(self.tangential), 2)))
+        found[0, : len(self.normal)], found[1, : len(self.tangential)] = self.normal, self.tangential
+        return found
+
+    @cached_property
+    def _from_zero(self) -> tuple[bool, bool]:
+        """Whether P, and Q, start from 0."""
+        p, q = np.abs(chebyshev.chebval(-1.0, self._series.T)) <= _ROUNDING_OF_SUM * np.sum(np.abs(self._series), axis=1)
+        return bool(p), bool(q)
+
+    def loads(self, time: ArrayLike) -> Loads:
+        # A load that starts from 0 is its change since then, which keeps its digits near there.
+        p, q = (
+            self.change_of(what, time, self.start) if from_zero else np.asarray(chebyshev.chebval(self._unit(time), series))
+            for what, series, from_zero in zip((NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._from_zero, strict=True)
+        )
+        return p, q
+
+    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
+        return np.asarray(chebyshev.chebval(self._unit(time), self._slope(what)) * (2 / (self.end - self.start)))
+
+    def _slope(self, what: Combination) -> Array:
+        """Series of the derivative by u."""
+        return np.asarray(chebyshev.chebder(np.array(what) @ self._series))
+
+    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+        t, t0 = np.asarray(time, dtype=float), np.asarray(since, dtype=float)
+        step = 2 * (t - t0) / (self.end - self.start)
+        return difference(np.array(what) @ self._series, self._unit(t), self._unit(t0)) * step
+
+    def turning_points(self, what: Combination) -> list[float]:
+        """Times inside the segment at which a combination stops growing or falling, ascending: roots of the rate.
+
+        >>> segment = ChebyshevSegment(0.0, 4.0, (3.0, 0.0, 1.0), (0.0, 1.0))  # P = 2 + 2 (t/2 - 1)^2
+        >>> segment.turning_points(NORMAL_LOAD)
+        [2.0]
+        """
+        slope = self._slope(what)
+        size = float(np.abs(what) @ np.max(np.abs(self._series), axis=1))
+        known = np.flatnonzero(np.abs(slope) > _ROUNDING * size)
+        if not len(known) or known[-1] == 0:
+            return []
+        slope = slope[: known[-1] + 1]
+        roots = chebyshev.chebroots(slope)
+        unit = np.clip(roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1)
+
+        def rate(u: Array, derivative: int) -> Array:
+            return np.asarray(chebyshev.chebval(u, chebyshev.chebder(slope, derivative) if derivative else slope))
+
+        return _sharpened(self, unit, rate, lambda u: (self.start + self.end) / 2 + (self.end - self.start) / 2 * u)
+
+    @property
+    def is_straight(self) -> bool:
+        return not np.any(self._series[:, 2:])
+
+    @property
+    def coefficients(self) -> tuple[float, float]:
+        """(alpha, beta) of Q = constant + alpha P + beta P^2; for callers of the old name `ParabolaLeg` only."""
+        form = self.slope_and_bend(self.start)
+        assert form is not None
+        return form[0] - 2 * form[1] * float(self.loads(self.start)[0]), form[1]
+
+    def slope_and_bend(self, time: float) -> tuple[float, float] | None:
+        (_, rise, *curving), (_, first, *higher) = self._series.tolist()
+        if not rise or any(curving) or any(higher[1:]):
+            return None
+        second = higher[0] if higher else 0.0
+        return (first + 4 * second * float(self._unit(time))) / rise, 2 * second / rise**2
+
+
+def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:
+    """Re[sum c_k exp(i k t)] by Horner's scheme, shape of t."""
+    # Never a number without a shape: the last digit of its products is another one.
+    z = np.exp(1j * np.atleast_1d(time))
+    *others, value = coefficients.tolist()
+    for coefficient in reversed(others):
+        value = value * z + coefficient
+    return np.reshape(value.real, np.shape(time))
+
+
+def _sharpened(
+    segment: LoadSegment, guess: Array, rate: Callable[[Array, int], Array], time_at: Callable[[Array], Array]
+) -> list[float]:
+    """Times of the segment, ascending, after two of Newton's steps, as long as they are small."""
+    found = guess
+    for _ in range(2):
+        slope = rate(found, 1)
+        step = rate(found, 0) / np.where(slope != 0, slope, 1.0)
+        found = found - np.where((slope != 0) & (np.abs(step) < _DOUBLE), step, 0.0)
+    return sorted(time for time in time_at(found).tolist() if segment.start < time < segment.end)
+
+
+def ellipse_segment(start: float, end: float, mean: Point, amplitude: Point, phase: float) -> HarmonicSegment:
+    """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase)."""
+    return HarmonicSegment(start, end, mean, ((amplitude[0], 0.0),), ((amplitude[1], phase),))
+
+
+def parabola_segment(start: float, end: float, last: Point, end_slope: float) -> ChebyshevSegment:
+    """P linear in time from 0 to `last`, Q = alpha P + beta P^2, with slope dQ/dP = `end_slope` at the end.
+
+    >>> segment = parabola_segment(0.0, 2.0, (1.0, 0.5), 0.0)
+    >>> [float(load) for load in segment.loads(1.0)], segment.slope_and_bend(2.0)
+    ([0.5, 0.375], (0.0, -0.5))
+    """
+    p, q = last
+    line, square = 2 * q - end_slope * p, end_slope * p - q  # Q = line w + square w^2, w = (1 + u)/2
+    return ChebyshevSegment(start, end, (p / 2, p / 2), (line / 2 + 3 * square / 8, (line + square) / 2, square / 8))
+
+
+def sampled(segment: LoadSegment, least: int) -> Array:
+    """Times along a segment, ascending: the two ends of a straight one, else `least` or eight from turn to turn if that is more.
+
+    >>> (
+    ...     len(sampled(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
+    ...     len(sampled(ellipse_segment(0.0, 6.28, (3, 1), (1, 1), 0.5), 25)),
+    ... )
+    (2, 25)
+    """
+    count = max(least, 8 * segment.most_turns + 1) if segment.most_turns else 2
+    return np.linspace(segment.start, segment.end, count)
