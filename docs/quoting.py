@@ -20,7 +20,8 @@ from meshes import foreign, limits
 from reports.paper.cases import Paper
 from reports.paper.page import misprints, statements, tally
 from reports.score import calculix_frd, reading_csv
-from scenes import bounded
+from scenes import files
+from scenes.errors import in_words
 
 Entry = dict[str, str]
 _QUOTE = re.compile(r"(?<!`)\{number\}`([^`]+)`")
@@ -92,15 +93,15 @@ def claim_values(kept: Mapping[str, Any]) -> dict[str, Entry]:
 def limit_values() -> dict[str, Entry]:
     """Key -> how large a file, how many rows or nodes are taken at most."""
     sizes = {
-        "TOML": bounded.TOML,
-        "text": bounded.TEXT,
-        "NetCDF": bounded.SOLUTION,
+        "TOML": files.TOML,
+        "text": files.TEXT,
+        "NetCDF": files.SOLUTION,
         "fields": foreign.LARGEST,
         "unpacked": foreign.UNPACKED,
         ".frd and .dat": calculix_frd.LARGEST,
     }
     counts = {"rows": reading_csv.MOST_ROWS, "contact nodes": limits.MOST_CONTACT_NODES, "nodes": limits.MOST_NODES}
-    shown = {key: bounded.in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
+    shown = {key: in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
     return {f"limit: {key}": _entry(text, "the code") for key, text in shown.items()}
 
 

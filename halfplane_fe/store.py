@@ -32,7 +32,7 @@ from halfplane_fe.assembly import assemble
 from halfplane_fe.elasticity import LARGEST_ERROR, CondensedBody, arc_loads, condensation_error, condense, condensed_body
 from meshes import BodyMesh
 from scenes import Elastic
-from scenes.sources import source_digest
+from scenes.files import source_digest
 
 _BOUND_BYTES = 1_000_000_000
 _LEFT_BEHIND = 3600.0  # seconds: no write takes an hour

@@ -7,6 +7,7 @@ Where to find what::
     grading.py, limits.py                  sizes of elements, and how many there may be
     mirrored.py                            half a body by gmsh, reflected
     quality.py                             whether a mesh is fit for use
+    interrupts.py                          Ctrl-C that waits until what must not be cut in two is done
     files.py, foreign.py                   field files written, and those of other programs read
 """
 

@@ -14,7 +14,8 @@ import numpy as np
 from meshio._exceptions import CorruptionError
 from numpy.typing import NDArray
 
-from scenes import InputError, bounded
+from scenes import InputError
+from scenes.files import check_size, parsed_json, within_memory
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -85,7 +86,7 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
     _check_size(path)
     kind = path.suffix.lower()
     try:
-        with bounded.within_memory(path, UNPACKED):
+        with within_memory(path, UNPACKED):
             if kind == ".pvd":
                 return _collected(path, list(_pvd_entries(path)))
             if kind == ".series":
@@ -118,7 +119,7 @@ def _broken(path: Path, reason: Exception) -> InputError:
 
 def _check_size(path: Path) -> None:
     try:
-        bounded.check_size(path, "the result", LARGEST, "write the contact surface alone")
+        check_size(path, "the result", LARGEST, "write the contact surface alone")
     except OSError as reason:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 
@@ -132,7 +133,7 @@ def _pvd_entries(path: Path) -> Iterator[tuple[float, Path]]:
 
 
 def _series_entries(path: Path) -> Iterator[tuple[float, Path]]:
-    for entry in bounded.parsed_json(path.read_text(encoding="utf-8"))["files"]:
+    for entry in parsed_json(path.read_text(encoding="utf-8"))["files"]:
         yield float(entry["time"]), path.parent / str(entry["name"])
 
 

@@ -12,7 +12,7 @@ import skfem
 from numpy.typing import NDArray
 
 from meshes.bodies import Cells
-from scenes.interrupts import interrupts_wait
+from meshes.interrupts import interrupts_wait
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

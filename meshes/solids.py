@@ -14,7 +14,7 @@ from meshes.grading import rounded, scaled_grading, size_field, surface_points
 from meshes.mirrored import mirrored_mesh
 from meshes.quality import mesh_quality
 from scenes import Block, Cylinder, InputError, Pad, Profile
-from scenes.faces import Face, face_of
+from scenes.bodies import Face, face_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

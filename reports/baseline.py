@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from reports.staging import made, remove_left_behind, replace_file
 from scenes import ContactSolution, InputError, Scene
-from scenes.bounded import parsed_json, text_of
+from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
-from scenes.staging import made, remove_left_behind, replace_file
 
 BASELINE, COMPARISON, SOLUTION = "halfplane baseline 1", "halfplane comparison 1", "halfplane solution 1"
 # The work that a change of the code moves; what a store of condensed bodies spares would differ from one run to the next.

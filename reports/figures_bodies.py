@@ -12,7 +12,7 @@ from reports.charts.scale import Scale
 from reports.drawing import Table
 from reports.units import load_unit, number, units
 from scenes import Cylinder, HalfPlane, Scene, Shape, sampled
-from scenes.faces import face_of
+from scenes.bodies import face_of
 
 Array = NDArray[np.float64]
 

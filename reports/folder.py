@@ -11,11 +11,11 @@ from collections.abc import Generator, Iterable
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
+from meshes.interrupts import interrupts_wait
 from reports.application import output_folder
+from reports.staging import CannotLock, hidden_folder, lock, made, remove, remove_left_behind
 from scenes import InputError
-from scenes.bounded import parsed_json, text_of
-from scenes.interrupts import interrupts_wait
-from scenes.staging import CannotLock, hidden_folder, lock, made, remove, remove_left_behind
+from scenes.files import parsed_json, text_of
 
 MANIFEST = "manifest.json"
 _PAGE = "report.html"

@@ -10,12 +10,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from meshes.interrupts import interrupts_wait
 from reports.checking import require_admissible
 from reports.console import Stages
 from reports.folder import FilledBefore
 from reports.options import FiniteElementOptions
 from scenes import ContactSolution, InputError, Interrupted, Scene, load_scene
-from scenes.interrupts import interrupts_wait
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison

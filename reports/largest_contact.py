@@ -9,7 +9,7 @@ import numpy as np
 from reports.checking import largest_normal_load
 from reports.units import load_unit, number, units
 from scenes import Block, Cylinder, InputError, Pad, Scene
-from scenes.consistent import stress_in_pascal
+from scenes.scene import stress_in_pascal
 
 # Beyond these shares linear elasticity and half-planes mean little: hardened steel yields long before p0 = E*/10, and at a slope of
 # 0.3 the parabola is 2 % off the circle that it stands for.

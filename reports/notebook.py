@@ -1,14 +1,23 @@
-"""What a notebook shows of a comparison: the verdict and its table."""
+"""What a notebook shows of a scene, a solution and a comparison: tables and small pictures as HTML with every word escaped."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
 
 from reports.budget_words import honest_of
 from reports.comparison import Comparison
 from reports.wording import accuracy_of, how_judged, lead, open_value_of, tolerance_of, unit_of, verdict
+from scenes import ContactSolution, Scene
+
+Array = NDArray[np.float64]
 
 _HEADS = ("metric", "value ± u", "as a share", "tolerance", "accurate", "honest")
+# Pixels.
+_WIDTH, _HEIGHT, _MARGIN = 220.0, 150.0, 22.0
 
 
 def comparison_html(comparison: Comparison) -> str:
@@ -31,3 +40,79 @@ def comparison_html(comparison: Comparison) -> str:
         f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(lead(comparison))}</b> {escape(verdict(comparison))}</p>"
         f"<table><tr>{heads}</tr>{cells}</table><p>{escape(how_judged(comparison))}</p></div>"
     )
+
+
+def table_html(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str:
+    """Two columns beside a picture, which is HTML already; everything else is escaped.
+
+    >>> "<tr><td>f &lt; 1</td><td>0.5</td></tr>" in table_html("title", [("f < 1", "0.5")])
+    True
+    """
+    cells = "".join(f"<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>" for name, value in rows)
+    beside = "display:flex;gap:1.5em;align-items:center"
+    return f'<div><b>{escape(title)}</b><div style="{beside}"><table>{cells}</table>{picture}</div></div>'
+
+
+def scene_html(scene: Scene) -> str:
+    """Name, bodies, material, profile, friction and loads of a scene, and its path in the plane of P and Q."""
+    upper, lower = scene.material.upper, scene.material.lower
+    path = scene.load.path()
+    loads = [path.at(np.linspace(leg.start, leg.end, 65)) for leg in path.legs(1)]
+    normal, tangential = (np.concatenate([np.atleast_1d(pair[k]) for pair in loads]) for k in (0, 1))
+    rows = [
+        ("name", scene.name or "–"),
+        ("bodies", f"upper {scene.bodies.upper.kind}, lower {scene.bodies.lower.kind}".replace("_", "-")),
+        ("E, ν upper", f"{upper.young_modulus:.6g}, {upper.poisson_ratio:.4g}"),
+        ("E, ν lower", f"{lower.young_modulus:.6g}, {lower.poisson_ratio:.4g}"),
+        ("profile", scene.profile.kind.replace("_", " ")),
+        ("friction coefficient", f"{scene.friction.coefficient:.4g}"),
+        ("load", scene.load.kind.replace("_", " ")),
+        ("P", f"{normal.min():.6g} to {normal.max():.6g}"),
+        ("Q", f"{tangential.min():.6g} to {tangential.max():.6g}"),
+        ("units", scene.units),
+    ]
+    return table_html(scene.title or scene.name or "Scene", rows, loop_svg(normal, tangential, "P", "Q"))
+
+
+def solution_html(solution: ContactSolution) -> str:
+    """How a solution ended, its size and its figures, and the loop of Q over the shift in the last cycle."""
+    steps = solution.last_cycle
+    rows = [
+        ("engine", solution.engine),
+        ("ended", solution.record.message),
+        ("instants, points", f"{len(solution.time)}, {len(solution.x)}"),
+        ("largest pressure", _figure(float(np.max(solution.pressure)))),
+        ("largest contact half-width", _figure(float(np.nanmax(solution.contact_half_width)))),
+        ("permanent stick half-width", _figure(solution.permanent_stick_half_width)),
+        ("dissipation of the last cycle", _figure(solution.dissipation)),
+    ]
+    picture = loop_svg(solution.rigid_shift[steps], solution.tangential_load[steps], "U", "Q")
+    return table_html(solution.scene.title or solution.scene.name or "Solution", rows, picture)
+
+
+def _figure(value: float) -> str:
+    return "none" if np.isnan(value) else f"{value:.6g}"
+
+
+def loop_svg(across: Array, up: Array, across_name: str, up_name: str) -> str:
+    """A line through points as a small SVG; nothing where a point is no number."""
+    if not (np.isfinite(across).all() and np.isfinite(up).all()):
+        return ""
+    x = _MARGIN + _share(across) * (_WIDTH - 2 * _MARGIN)
+    y = _HEIGHT - _MARGIN - _share(up) * (_HEIGHT - 2 * _MARGIN)
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    style = 'fill="none" stroke="currentColor"'
+    text = 'fill="currentColor" font-size="12" font-family="sans-serif"'
+    return (
+        f'<svg width="{_WIDTH:g}" height="{_HEIGHT:g}" role="img" aria-label="{escape(up_name)} over {escape(across_name)}">'
+        f'<path d="M{_MARGIN:g} 6V{_HEIGHT - _MARGIN:g}H{_WIDTH - 6:g}" {style} opacity="0.5"/>'
+        f'<polyline points="{points}" {style} stroke-width="1.5"/>'
+        f'<text x="4" y="16" {text}>{escape(up_name)}</text>'
+        f'<text x="{_WIDTH - 16:g}" y="{_HEIGHT - 6:g}" {text}>{escape(across_name)}</text></svg>'
+    )
+
+
+def _share(values: Array) -> Array:
+    """Values as shares of their range, one half where they do not change."""
+    spread = float(np.ptp(values))
+    return (values - values.min()) / spread if spread else np.full(len(values), 0.5)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Cylinder, HalfPlane, Leg, Scene, Shape, sampled
-from scenes.faces import face_of
+from scenes.bodies import face_of
 
 Array = NDArray[np.float64]
 

@@ -2,41 +2,31 @@
 
 The question::
 
-    scene.py                               all of it, with friction and tolerances
-    materials.py, bodies.py, faces.py      elastic constants, shapes, faces as they are made
-    profiles.py, measured.py, callables.py h(x): formulas, tables, Python functions
-    segments.py, old_segments.py           load segments: smooth pieces of P(t) and Q(t); their old names
-    loads.py, harmonics.py                 load paths: ellipse, polygon; several harmonics
-    time_series.py, callable_loads.py      measured rows, Python functions
-    expected.py, tags.py                   numbers that a scene expects, words to find it by
-    consistent.py                          whether units can be one set
-    frozen.py                              what all of these have in common: checked at every door, changed by `vary`
-    chebyshev.py                           series that stand for functions
+    scene.py        all of it: friction, tolerances, units, tags, expected numbers
+    bodies.py       materials, shapes, faces as they are made
+    profiles.py     h(x) by formulas and Python functions
+    measured.py     tables of numbers, from files; h(x) through the rows of one
+    loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions
+    segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series; old_segments.py: old names
+    chebyshev.py    piecewise Chebyshev series that stand for functions
+    frozen.py       what every table of keys has in common: checked at every door, changed by `vary`, refused in one sentence
 
 Its files and the answer::
 
-    reading.py, tables.py, bounded.py      scene files, columns of numbers, both only up to a stated size
-    writing.py                             a scene to its file
-    refusals.py, errors.py                 why something was refused, as a sentence
-    interrupts.py, staging.py              Ctrl-C that waits until what must not be cut in two is done; files whole or not at all
-    solution.py, netcdf.py                 the form of every answer, and its file
-    sources.py                             the source files that an answer was computed by, as a digest
-    notebook.py                            scenes and answers in a notebook
+    reading.py      scene files and the library to scenes
+    files.py        files up to a stated size, whole or not at all: text, keys, NetCDF, source files
+    errors.py       what can go wrong, as sentences
+    solution.py     the form of every answer
 """
 
-from scenes.bodies import Block, Bodies, Cylinder, HalfPlane, Pad, Shape
-from scenes.callable_loads import CallableLoad
-from scenes.callables import CallableProfile
+from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError
-from scenes.expected import Expected
-from scenes.harmonics import HarmonicLoad
-from scenes.loads import EllipseLoad, LoadPath, PolygonLoad
-from scenes.materials import Elastic, Materials
+from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LoadPath, PolygonLoad, TimeSeriesLoad
 from scenes.measured import Tabulated
 from scenes.old_segments import ChebyshevLeg, EllipseLeg, HarmonicLeg, Leg, ParabolaLeg, StraightLeg
-from scenes.profiles import Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
+from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
 from scenes.reading import load_scene, scene_companions, scene_names, scene_schema, scene_text
-from scenes.scene import Friction, Scene, Tolerances
+from scenes.scene import Expected, Friction, Scene, Tolerances, tags
 from scenes.segments import (
     NORMAL_LOAD,
     TANGENTIAL_LOAD,
@@ -51,8 +41,6 @@ from scenes.segments import (
     sampled,
 )
 from scenes.solution import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, Record, SurfaceState, Work, freeze
-from scenes.tags import tags
-from scenes.time_series import TimeSeriesLoad
 
 __all__ = [
     "NORMAL_LOAD",

@@ -1,13 +1,58 @@
-"""The two bodies: half-planes, as the theory has them, or blocks, pads and cylinders, as engineers have them."""
+"""The two bodies: materials, shapes (half-planes, blocks, pads, cylinders), and their faces as they are made."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from scenes.frozen import Frozen
-from scenes.materials import Positive
+from scenes.frozen import Frozen, Positive
+from scenes.profiles import FlatRounded, Hertz, Profile
+
+Array = NDArray[np.float64]
+
+
+class Elastic(Frozen):
+    """One isotropic linear elastic material in plane strain.
+
+    >>> Elastic(young_modulus=210e3, poisson_ratio=0.3).poisson_ratio
+    0.3
+    """
+
+    young_modulus: Positive = Field(description="Young's modulus, stress units (library: MPa)")
+    poisson_ratio: float = Field(gt=-1, lt=0.5, description="Poisson's ratio, in (-1, 0.5)")
+
+
+class Materials(Frozen):
+    """The materials of the two bodies; one table without `upper` and `lower` stands for both.
+
+    >>> Materials.model_validate({"young_modulus": 70e3, "poisson_ratio": 0.33}).alike
+    True
+    """
+
+    upper: Elastic
+    lower: Elastic
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_for_both(cls, data: Any) -> Any:
+        if isinstance(data, dict) and not {"upper", "lower"} & data.keys():
+            return {"upper": data, "lower": data}
+        return data
+
+    def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """As for every table; keys of a material without `upper` and `lower` change both bodies."""
+        return super().merged(changes if {"upper", "lower"} & changes.keys() else {"upper": changes, "lower": changes})
+
+    @property
+    def alike(self) -> bool:
+        """Whether both bodies are of one material."""
+        return self.upper == self.lower
+
 
 Base = Literal["fixed", "rollers"]
 Sides = Literal["free", "guided"]
@@ -107,3 +152,44 @@ class Bodies(Frozen):
         """R of the gap x^2/(2 R) that cylinders make with what they face; None where there is no cylinder."""
         curvature = sum(1 / body.radius for body in (self.lower, self.upper) if isinstance(body, Cylinder))
         return 1 / curvature if curvature else None
+
+
+@dataclass(frozen=True)
+class Face:
+    """One side of the contact, mirror-symmetric in x = 0, in the body's own frame (y out of the body).
+
+    Attributes
+    ----------
+    depth : how far the face at x lies below its point of first contact [length]; any shape
+    arc : centre (x > 0 half) and radius of the arc that the face is from some place outwards, or None
+    flat : whether the whole face is y = 0
+    """
+
+    depth: Callable[[Array], Array]
+    arc: tuple[float, float] | None = None
+    flat: bool = False
+
+
+def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
+    """Depth d = s^2/(R + sqrt(R^2 - s^2)) of an arc of radius R that starts at the end of a flat, s = |x| - b; |s| <= R.
+
+    >>> arc_depth(np.array([0.0, 3.0, 5.0]), 5.0).tolist()
+    [0.0, 1.0, 5.0]
+    """
+    beyond = np.maximum(np.abs(x) - flat_half_length, 0.0)
+    rest = np.maximum(radius - beyond, 0.0)  # negative by rounding at the very end of the arc
+    return np.asarray(beyond**2 / (radius + np.sqrt(rest * (radius + beyond))))
+
+
+def face_of(shape: Shape, profile: Profile) -> Face:
+    """The face of a body: flat, an arc, a flat with arcs, or the profile itself."""
+    if isinstance(shape, Cylinder):
+        return Face(lambda x: arc_depth(x, shape.radius), (0.0, shape.radius))
+    if not isinstance(shape, Pad):
+        return Face(np.zeros_like, flat=True)
+    if isinstance(profile, Hertz):
+        return Face(lambda x: arc_depth(x, profile.radius), (0.0, profile.radius))
+    if isinstance(profile, FlatRounded):
+        b = profile.flat_half_length
+        return Face(lambda x: arc_depth(x, profile.radius, b), (b, profile.radius))
+    return Face(profile.height)

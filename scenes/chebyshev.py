@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -179,3 +180,18 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
             break
         found -= step
     return found
+
+
+def values_of(function: Callable[[Any], Any]) -> Callable[[Array], Array]:
+    """The function over arrays, called point by point if it can't take them."""
+
+    def over(x: Array) -> Array:
+        try:
+            values = np.asarray(function(x), dtype=float)
+        except (TypeError, ValueError):
+            values = np.empty(0)
+        if values.shape != x.shape:
+            values = np.array([float(function(float(at))) for at in x.ravel()]).reshape(x.shape)
+        return values
+
+    return over

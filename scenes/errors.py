@@ -1,14 +1,11 @@
-"""What can go wrong, as exceptions whose text is the one sentence that the user reads."""
+"""What can go wrong, as exceptions whose text is the one sentence that the user reads; and values in sentences."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
-if TYPE_CHECKING:
-    from scenes.solution import ContactSolution
-
-
-_LONGEST = 2000
+# Characters of a sentence, of a value in it.
+_LONGEST, _SHOWN = 2000, 120
 
 
 class InputError(ValueError):
@@ -81,7 +78,7 @@ class ConvergenceError(RuntimeError):
         The solution up to the last accepted step.
     """
 
-    def __init__(self, message: str, partial: ContactSolution | None = None) -> None:
+    def __init__(self, message: str, partial: Any = None) -> None:
         self.partial = partial
         super().__init__(message)
 
@@ -99,6 +96,37 @@ class Interrupted(KeyboardInterrupt):
         The solution up to the last accepted step, or the whole of one that later work was interrupted on.
     """
 
-    def __init__(self, message: str = "", partial: ContactSolution | None = None) -> None:
+    def __init__(self, message: str = "", partial: Any = None) -> None:
         self.partial = partial
         super().__init__(message)
+
+
+def in_words(size: int) -> str:
+    """Bytes for a reader.
+
+    >>> in_words(2**28), in_words(2_000), in_words(7)
+    ('268 MB', '2 kB', '7 bytes')
+    """
+    for name, unit in (("GB", 10**9), ("MB", 10**6), ("kB", 10**3)):
+        if size >= unit:
+            return f"{size / unit:.3g} {name}"
+    return f"{size} bytes"
+
+
+def shown(value: object) -> str:
+    """A value of a file in a sentence: as Python writes it, its beginning where it is long.
+
+    >>> shown([0.5]), len(shown("x" * 10**6))
+    ('[0.5]', 124)
+    """
+    try:
+        text = repr(value)
+    except RecursionError:
+        return "something nested too deeply"
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
+
+
+def first_line(reason: BaseException) -> str:
+    """The first line of an error's text, its beginning; its kind where it says nothing."""
+    lines = str(reason).splitlines()
+    return shown(lines[0])[1:-1] if lines and lines[0] else type(reason).__name__

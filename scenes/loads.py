@@ -1,20 +1,32 @@
-"""Load histories P(t), Q(t) as a sequence of load segments: the initial loading, then a cycle that repeats."""
+"""Load histories P(t), Q(t) as load segments: the initial loading, then a cycle that repeats."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Literal, Self
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, ValidationInfo, model_validator
 
-from scenes.frozen import Frozen
-from scenes.materials import Positive
-from scenes.segments import Loads, LoadSegment, Point, StraightSegment, ellipse_segment, parabola_segment
+from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
+from scenes.frozen import Frozen, Positive, PythonFunction
+from scenes.measured import FromFile, RowError, Table
+from scenes.segments import (
+    Array,
+    ChebyshevSegment,
+    HarmonicSegment,
+    Loads,
+    LoadSegment,
+    Point,
+    StraightSegment,
+    ellipse_segment,
+    parabola_segment,
+)
 
 
 @dataclass(frozen=True)
@@ -157,3 +169,193 @@ class PolygonLoad(Frozen):
         way_in = straight_legs([(0.0, 0.0), *self.way_in], 0.0, 1.0)
         corners = [self.way_in[-1], *self.cycle, self.way_in[-1]]
         return LoadPath(way_in, straight_legs(corners, float(len(way_in)), 1.0) if self.cycle else ())
+
+
+Harmonic = tuple[Annotated[float, Field(ge=0, description="amplitude")], Annotated[float, Field(description="lag, degrees")]]
+
+
+class HarmonicLoad(Frozen):
+    """P = P0 + sum over k of P_k cos(k t - phi_k), Q likewise; a revolution takes 2 pi and starts at t = 0.
+
+    >>> load = HarmonicLoad(mean_normal_load=3, normal_harmonics=[(1, 0)], tangential_harmonics=[(0.5, 90), (0.25, 0)])
+    >>> p, q = load.path().at(0.0)
+    >>> float(p), round(float(q), 12)
+    (4.0, 0.25)
+    """
+
+    kind: Literal["harmonics"] = "harmonics"
+    mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
+    mean_tangential_load: float = Field(0.0, description="Q0")
+    normal_harmonics: tuple[Harmonic, ...] = Field((), description="[P_k, phi_k in degrees] of k = 1, 2, ...")
+    tangential_harmonics: tuple[Harmonic, ...] = Field((), description="[Q_k, phi_k in degrees] of k = 1, 2, ...")
+    way_in: WayIn = Field("straight", description="from (0, 0) to the first point of the cycle: straight, or by the [P, Q] points")
+
+    def path(self) -> LoadPath:
+        """The legs of this history."""
+        waves = (
+            tuple((amplitude, math.radians(phase)) for amplitude, phase in harmonics)
+            for harmonics in (self.normal_harmonics, self.tangential_harmonics)
+        )
+        turn = HarmonicSegment(0.0, 2 * math.pi, (self.mean_normal_load, self.mean_tangential_load), *waves)
+        return LoadPath(straight_way_in(self.way_in, turn, math.pi), (turn,))
+
+    def in_words(self, unit: str) -> str:
+        """The loads as the end of a sentence."""
+        return (
+            f"the loads hold {len(self.normal_harmonics)} and {len(self.tangential_harmonics)} harmonics about "
+            f"P = {self.mean_normal_load:.6g}, Q = {self.mean_tangential_load:.6g} {unit}"
+        )
+
+
+class TimeSeriesLoad(FromFile):
+    """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0, 0), unless it is (0, 0) itself.
+
+    With `repeats` the rows are one cycle, which must end with the loads that it starts with.
+
+    >>> load = TimeSeriesLoad(rows=[[0, 2, 0], [1, 2, 1], [3, 2, 0]])
+    >>> [float(v) for v in load.path().at(2.0)], load.path().start
+    ([2.0, 0.5], -1.5)
+    """
+
+    table, columns = "rows", ("time", "P", "Q")
+
+    kind: Literal["time_series"] = "time_series"
+    file: str | None = Field(None, description="CSV file of the columns time, P, Q; path relative to the scene file")
+    rows: Table = Field(description="the rows themselves, [time, P, Q] each, in place of a file")
+    repeats: bool = Field(False, description="whether the rows are one cycle that repeats for ever")
+
+    @model_validator(mode="after")
+    def _check(self, info: ValidationInfo) -> Self:
+        try:
+            _check_rows(self.rows.values, self.repeats)
+        except RowError as fault:
+            raise ValueError(f"{self.place_of(fault, info)}: {fault.rule}") from fault
+        return self
+
+    def series(self) -> NDArray[np.float64]:
+        """The rows (n, 3), from (0, 0) on: the way in is the first step."""
+        rows = self.rows.values
+        if not np.any(rows[0, 1:]):
+            return rows
+        duration = (rows[-1, 0] - rows[0, 0]) / (len(rows) - 1)
+        return np.concatenate([[[rows[0, 0] - duration, 0.0, 0.0]], rows])
+
+    def path(self) -> LoadPath:
+        """The legs of this history, one a row: for long series the engines have a way of their own."""
+        rows = self.series().tolist()
+        legs = tuple(
+            StraightSegment(before[0], after[0], (before[1], before[2]), (after[1], after[2])) for before, after in pairwise(rows)
+        )
+        if not self.repeats:
+            return LoadPath(legs, ())
+        return LoadPath(legs[:1], legs[1:])
+
+    def in_words(self, unit: str) -> str:
+        """The loads as the end of a sentence."""
+        low, high = np.min(self.rows.values, axis=0), np.max(self.rows.values, axis=0)
+        again = ", again and again" if self.repeats else ""
+        return (
+            f"the loads follow {len(self.rows)} rows of a record, P from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to "
+            f"{high[2]:.6g} {unit}{again}"
+        )
+
+
+def _check_rows(rows: NDArray[np.float64], repeats: bool) -> None:
+    if rows.shape[1] != 3:
+        raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
+    if len(rows) < 2:
+        raise RowError(0, "one row is no history: two at least are needed")
+    step = np.diff(rows[:, 0])
+    back = np.flatnonzero(step <= 0)
+    if len(back):
+        row = int(back[0]) + 1
+        rule = "stands there twice" if step[row - 1] == 0 else "comes after a later one"
+        raise RowError(row, f"time = {rows[row, 0]:.12g} {rule}: the times must ascend")
+    if repeats and not np.any(rows[0, 1:]):
+        raise RowError(0, "a cycle that repeats can't start unloaded: its first row is where the way in ends")
+    if repeats and np.any(rows[0, 1:] != rows[-1, 1:]):
+        raise RowError(len(rows) - 1, "a cycle that repeats must end with the loads of its first row")
+
+
+_ROUNDING = 1e-12
+
+
+class CallableLoad(Frozen):
+    """P and Q given by Python functions of time on 0 <= time <= duration; corners are found, jumps refused.
+
+    >>> import math
+    >>> load = CallableLoad(normal_load=lambda t: 2 + math.cos(t), tangential_load=math.sin, duration=2 * math.pi, repeats=True)
+    >>> [round(float(v), 12) for v in load.path().at(math.pi / 2)]
+    [2.0, 1.0]
+    """
+
+    kind: Literal["callable"] = "callable"
+    normal_load: PythonFunction = Field(description="P(time), force per unit thickness")
+    tangential_load: PythonFunction = Field(description="Q(time)")
+    duration: Positive = Field(description="time that the functions cover: of one cycle if it repeats")
+    repeats: bool = Field(False, description="whether the functions are one cycle that repeats for ever")
+    way_in: WayIn = Field("straight", description="from (0, 0) to the loads at time 0: straight, or by the [P, Q] points")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        legs = self._legs()
+        for before, after in pairwise(legs):
+            self._meet(before, after, before.end)
+        if self.repeats:
+            self._meet(legs[-1], legs[0].shifted(self.duration), self.duration)
+        return self
+
+    def _meet(self, before: ChebyshevSegment, after: ChebyshevSegment, time: float) -> None:
+        left, right = before.loads(before.end), after.loads(after.start)
+        for name, one, two in zip(("normal_load", "tangential_load"), left, right, strict=True):
+            if abs(float(one - two)) > 1e3 * _ROUNDING * max(abs(float(left[0])), abs(float(right[0]))):
+                raise ValueError(f"{name} jumps from {float(one):.6g} to {float(two):.6g} at time {time:.6g}")
+
+    def _legs(self) -> tuple[ChebyshevSegment, ...]:
+        functions = [values_of(function) for function in (self.normal_load, self.tangential_load)]
+        # Not in halves: a function of few turns is met between its corners, not on them.
+        edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
+        times = np.linspace(0, self.duration, 65)
+        for name, function in zip(("normal_load", "tangential_load"), functions, strict=True):
+            bad = ~np.isfinite(function(times))
+            if np.any(bad):
+                raise ValueError(f"{name} is not finite at time {times[bad][0]:.6g}")
+        scale = float(np.max(np.abs(functions[0](times))))
+        for _ in range(2):
+            for name, function in zip(("normal_load", "tangential_load"), functions, strict=True):
+                edges = _edges(name, function, edges, scale)
+        found = []
+        for low, high in pairwise(edges.tolist()):
+            at = low + (high - low) * (1 + NODES) / 2
+            normal, tangential = (_trimmed(series(function(at)), scale) for function in functions)
+            found.append(ChebyshevSegment(low, high, normal, tangential))
+        return tuple(found)
+
+    def path(self) -> LoadPath:
+        """The legs of this history."""
+        legs = self._legs()
+        first, last = (np.abs(leg.loads(time)) for leg, time in ((legs[0], 0.0), (legs[-1], self.duration)))
+        unloaded = np.max(first) <= _ROUNDING * np.max(last) and self.way_in == "straight"
+        if unloaded and not self.repeats:
+            return LoadPath(legs, ())
+        way_in = straight_way_in(self.way_in, legs[0], self.duration / 2)
+        return LoadPath(way_in, legs) if self.repeats else LoadPath((*way_in, *legs), ())
+
+    def in_words(self, unit: str) -> str:
+        """The loads as the end of a sentence."""
+        return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"
+
+
+def _edges(name: str, function: Callable[[Array], Any], edges: Array, scale: float) -> Array:
+    try:
+        return fit(function, edges, scale).edges
+    except Unresolved as fault:
+        raise ValueError(
+            f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: not finite, or it jumps or swings too fast"
+        ) from fault
+
+
+def _trimmed(coefficients: Array, scale: float) -> tuple[float, ...]:
+    """The series without what is rounding at its end."""
+    kept = np.flatnonzero(np.abs(coefficients) > 1e-16 * scale)
+    return tuple(coefficients[: kept[-1] + 1 if len(kept) else 1].tolist())

@@ -9,9 +9,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from scenes.bounded import keys_of, parsed_toml
 from scenes.errors import InputError
-from scenes.refusals import did_you_mean, refusal
+from scenes.files import keys_of, parsed_toml
+from scenes.frozen import did_you_mean, refusal
 from scenes.scene import Scene
 
 _LIBRARY = resources.files("scenes") / "library"

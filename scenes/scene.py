@@ -3,29 +3,144 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
+from importlib import import_module
 from numbers import Real
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
-from scenes.bodies import Bodies, Pad
-from scenes.bounded import shown
-from scenes.callable_loads import CallableLoad
-from scenes.consistent import inconsistent
-from scenes.errors import InputError
-from scenes.expected import Expected
-from scenes.frozen import Frozen, ShortForm
-from scenes.harmonics import HarmonicLoad
-from scenes.loads import EllipseLoad, PolygonLoad
-from scenes.materials import Elastic, Materials, Positive
-from scenes.notebook import scene_html
+from scenes.bodies import Bodies, Elastic, Materials, Pad
+from scenes.errors import InputError, shown
+from scenes.files import write_keys
+from scenes.frozen import Frozen, Positive, ShortForm
+from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
 from scenes.profiles import FlatRounded, Hertz, Profile
-from scenes.tags import Tag
-from scenes.time_series import TimeSeriesLoad
-from scenes.writing import write_keys
+
+Tag = Literal[
+    # where it comes from
+    "paper",
+    "benchmark",
+    "made-up-record",
+    # profile
+    "hertz",
+    "flat",
+    "compound",
+    "wedge",
+    "profile",
+    # bodies and materials
+    "half-planes",
+    "bodies",
+    "block",
+    "pad",
+    "cylinder",
+    "unlike",
+    # loads
+    "ellipse",
+    "polygon",
+    "harmonics",
+    "time-series",
+    "line",
+    "constant-load",
+    "normal-only",
+    "other-sense",
+    "unloading",
+    # what happens
+    "partial-slip",
+    "full-stick",
+    "near-sliding",
+    "frictionless",
+    # what its expected numbers rest on
+    "closed-form",
+]
+
+
+def tags() -> tuple[str, ...]:
+    """Every tag, in groups: origin, profile, bodies and materials, loads, what happens, proof.
+
+    >>> "paper" in tags()
+    True
+    """
+    return get_args(Tag)
+
+
+Quantity = Literal[
+    "dissipation",
+    "loop_work",
+    "largest_half_width",
+    "least_half_width",
+    "largest_pressure",
+    "permanent_stick_half_width",
+    "stick_share",
+    "lower_face_displacement",
+]
+
+
+class Expected(Frozen):
+    """One number with its tolerance and its source.
+
+    >>> Expected(quantity="dissipation", value=0.0, tolerance=1e-9, source="nothing slips").engine
+    'half-plane theory'
+    """
+
+    quantity: Quantity = Field(
+        description="of the last cycle (the whole path where nothing repeats): dissipation, loop_work (closed integral of Q dU), "
+        "largest_half_width, least_half_width of the contact, largest_pressure, permanent_stick_half_width, "
+        "stick_share (the latter over largest_half_width), lower_face_displacement (along y, of the lower face's middle at the "
+        "largest load: finite elements of a real body)"
+    )
+    value: float = Field(description="in the scene's units; energies and loads per unit thickness")
+    tolerance: Positive = Field(
+        description="largest difference over the value; where the value is 0, over A f^2 P^2 (energies; f = 1 if frictionless, "
+        "P the largest load), the largest half-width or the largest pressure"
+    )
+    engine: Literal["half-plane theory", "finite elements"] = Field("half-plane theory", description="which must meet it")
+    source: str = Field(min_length=1, description="where the number comes from")
+
+
+# Of each word: its size in N, m and Pa.
+_FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kip": 4448.2216152605}
+_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6, "in": 0.0254}
+_STRESSES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168, "ksi": 6894757.293168}
+_ROUNDING = 1e-6
+
+
+def stress_in_pascal(word: str) -> float:
+    """What a unit of stress is in Pa; 0 for a word that nobody here knows.
+
+    >>> stress_in_pascal("MPa"), stress_in_pascal("stress")
+    (1000000.0, 0.0)
+    """
+    return _STRESSES.get(word, 0.0)
+
+
+def inconsistent(units: str) -> str:
+    """Why `units` can't be right, with what to do; empty for a consistent set, and for words that nobody here knows.
+
+    >>> inconsistent("N, mm, MPa"), inconsistent("kN, mm, GPa"), inconsistent("SI"), inconsistent("lbf, in, psi")
+    ('', '', '', '')
+    >>> inconsistent("N, mm, GPa")
+    "N/mm^2 is MPa, not GPa: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
+    >>> inconsistent("mm, N, MPa")
+    "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
+    """
+    words = [word for word in re.split(r"[,\s]+", units) if word]
+    known = _FORCES.keys() | _LENGTHS.keys() | _STRESSES.keys()
+    if len(words) != 3 or not known.issuperset(words):
+        return ""
+    force, length, stress = words
+    if units.count(",") != 2 or force not in _FORCES or length not in _LENGTHS or stress not in _STRESSES:
+        return "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
+    wanted = _FORCES[force] / _LENGTHS[length] ** 2
+    if abs(_STRESSES[stress] / wanted - 1) < _ROUNDING:
+        return ""
+    name = next((f" is {word}," for word, size in _STRESSES.items() if abs(size / wanted - 1) < _ROUNDING), " is")
+    fault = f"{force}/{length}^2{name} not {stress}"
+    return f"{fault}: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
+
 
 Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad, Field(discriminator="kind")]
 
@@ -112,7 +227,7 @@ class Scene(Frozen):
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        return scene_html(self)
+        return str(import_module("reports.notebook").scene_html(self))  # words and pictures are those of the reports
 
     def save(self, path: str | Path) -> None:
         """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; rows of a CSV file stand in it.

@@ -6,17 +6,16 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes.errors import InputError
-from scenes.netcdf import first_line, netcdf_of, stored_dataset
-from scenes.notebook import solution_html
+from scenes.errors import InputError, first_line
+from scenes.files import netcdf_of, replace_file, stored_dataset
 from scenes.scene import Scene
-from scenes.staging import replace_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -242,7 +241,7 @@ class ContactSolution:
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        return solution_html(self)
+        return str(import_module("reports.notebook").solution_html(self))  # words and pictures are those of the reports
 
     @property
     def last_cycle(self) -> NDArray[np.intp]:

@@ -23,7 +23,7 @@ from meshes.limits import body_nodes, check_count, contact_nodes
 from reports import baseline
 from reports.score.scoring import own_solution
 from scenes import InputError, load_scene, scene_text
-from scenes.bounded import parsed_toml
+from scenes.files import parsed_toml
 from score_results import exact
 from test_cli_commands import environment
 
@@ -271,7 +271,7 @@ def test_the_finest_of_the_project_are_not_refused() -> None:
 
 
 def test_the_limit_on_memory_is_lifted_again(tmp_path: Path) -> None:
-    from scenes.bounded import within_memory
+    from scenes.files import within_memory
 
     before = resource.getrlimit(resource.RLIMIT_AS)
     with pytest.raises(InputError, match="takes more than 1 MB"), within_memory(tmp_path, 10**6):

@@ -19,13 +19,13 @@ from reports.comparison import Comparison
 from reports.console import say, show_table
 from reports.drawing import table_text
 from reports.folder import claim, default_folder, filled
+from reports.notebook import scene_html, solution_html
 from reports.sweep.page import write_page
 from reports.sweep.points import expand
 from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
 from reports.sweep.study import study_of
 from scenes import InputError, Scene, load_scene
-from scenes.notebook import scene_html, solution_html
 from test_reports_synthetic import cattaneo_mindlin
 
 SCRIPT = "<script>document.title='run'</script>"

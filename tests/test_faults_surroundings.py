@@ -17,8 +17,8 @@ import pytest
 
 from reports import folder as folders
 from reports.folder import MANIFEST, FilledBefore, claim, filled
+from reports.staging import lock
 from scenes import ContactSolution, InputError
-from scenes.staging import lock
 from test_cli_commands import environment, everything
 from test_faults_processes import interrupted
 

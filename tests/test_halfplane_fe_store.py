@@ -28,7 +28,7 @@ from halfplane_fe.scales import Scales
 from halfplane_fe.solve import surface_grading
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build, half_disc
 from scenes import Block, Cylinder, Elastic, Hertz, Pad, load_scene
-from scenes.sources import source_digest
+from scenes.files import source_digest
 
 Array = NDArray[np.float64]
 ROOT = Path(__file__).parents[1]

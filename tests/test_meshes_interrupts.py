@@ -7,7 +7,7 @@ import gmsh
 import pytest
 
 from meshes import SurfaceGrading, half_disc
-from scenes.interrupts import interrupts_wait
+from meshes.interrupts import interrupts_wait
 
 
 def test_an_interrupt_waits_until_the_end():

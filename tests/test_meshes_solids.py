@@ -10,7 +10,7 @@ import skfem
 
 from meshes import MeshSettings, SurfaceGrading, build, solid
 from scenes import Block, Cylinder, FlatRounded, HalfPlane, Hertz, InputError, Pad, Tabulated, Wedge
-from scenes.faces import face_of
+from scenes.bodies import face_of
 
 GRADING = SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05)
 PAD = Pad(width=6.0, height=4.0)

@@ -27,7 +27,7 @@ from reports.sweep.store import Store
 from reports.sweep.study import Study, study_of
 from reports.sweep.versions import code_versions, task_modules
 from scenes import ConvergenceError, InputError, load_scene
-from scenes.sources import source_digest
+from scenes.files import source_digest
 from test_reports_sweep_study import study
 
 ROOT = Path(__file__).parents[1]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from scenes import Block, Compound, Cylinder, FlatRounded, HalfPlane, Hertz, Pad, PowerLaw, Tabulated, Wedge
-from scenes.faces import arc_depth, face_of
+from scenes.bodies import arc_depth, face_of
 
 PAD = Pad(width=6.0, height=4.0)
 

@@ -39,7 +39,7 @@ from scenes import (
     scene_schema,
     scene_text,
 )
-from scenes.tables import Table
+from scenes.measured import Table
 
 PAPER = load_scene("hertz-paper")
 WIDE = Bodies(lower=Block(width=40.0, height=20.0))

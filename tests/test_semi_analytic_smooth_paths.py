@@ -11,9 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from scenes import EvenPolynomial, Tabulated
-from scenes.callable_loads import CallableLoad
-from scenes.harmonics import HarmonicLoad
-from scenes.time_series import TimeSeriesLoad
+from scenes.loads import CallableLoad, HarmonicLoad, TimeSeriesLoad
 from semi_analytic import friction_work, profiles, settling, solve
 from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reports.score.calculix_records import Array, Integers, Lines, expect_count, integer_in, number_in, shown, table
-from scenes import InputError, bounded
+from scenes import InputError, files
 
 LARGEST = 2**29  # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside the engines
 FARTHEST = 1e100  # the square of a larger coordinate would be none
@@ -124,7 +124,7 @@ def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",), instead: C
 def check_size(path: Path) -> None:
     """InputError where the file is too large to be read whole."""
     try:
-        bounded.check_size(path, "the result", LARGEST, "write fewer sets or frames into it")
+        files.check_size(path, "the result", LARGEST, "write fewer sets or frames into it")
     except OSError as reason:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 

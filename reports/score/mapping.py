@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 
 from scenes import InputError
-from scenes.bounded import keys_of
-from scenes.frozen import Frozen
-from scenes.refusals import refusal
+from scenes.files import keys_of
+from scenes.frozen import Frozen, refusal
 
 Array = NDArray[np.float64]
 Quantity = Literal["time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"]

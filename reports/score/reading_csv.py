@@ -14,8 +14,9 @@ from reports.score.surface import SurfaceResult
 from reports.score.tidying import surface_result
 from reports.score.wide import frames_of, has_frames
 from scenes import InputError, Scene
-from scenes.bounded import shown, text_of
-from scenes.tables import LARGEST
+from scenes.errors import shown
+from scenes.files import text_of
+from scenes.measured import LARGEST
 
 Array = NDArray[np.float64]
 # Lines of a table of text; a cycle of a thousand instants at a thousand points has half as many.

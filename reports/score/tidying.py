@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reports.score.surface import SurfaceResult
 from scenes import InputError, freeze
-from scenes.tables import LARGEST
+from scenes.measured import LARGEST
 
 Array = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from enum import Enum
 from multiprocessing import get_context, resource_tracker
 from typing import Any, Protocol
 
+from meshes.interrupts import interrupts_wait
 from reports.sweep.solving import solve_task
 from scenes import InputError
-from scenes.interrupts import interrupts_wait
 
 # For BLAS and OpenMP: on matrices of a few hundred rows more threads gain nothing, and fight for the cores of other workers.
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")

@@ -16,7 +16,7 @@ from reports.sweep.expressions import evaluate
 from reports.sweep.study import Study
 from reports.sweep.versions import code_versions
 from scenes import InputError, Scene
-from scenes.refusals import neglected, refusal
+from scenes.frozen import neglected, refusal
 from scenes.scene import WORDS
 
 if TYPE_CHECKING:

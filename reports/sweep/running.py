@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from meshes.interrupts import interrupts_wait
 from reports.sweep.claims import Claims
 from reports.sweep.crews import Crew, crew_of
 from reports.sweep.executing import Sweep, Tally, is_final
@@ -20,7 +21,6 @@ from reports.sweep.study import Study, load_study
 from reports.sweep.versions import code_versions
 from scenes import InputError
 from scenes.frozen import validated
-from scenes.interrupts import interrupts_wait
 
 _INDEX_EVERY = 15.0
 

@@ -20,9 +20,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reports.staging import remove_left_behind, replace_file
 from scenes import InputError
-from scenes.bounded import parsed_json, shown
-from scenes.staging import remove_left_behind, replace_file
+from scenes.errors import shown
+from scenes.files import parsed_json
 
 _FORMAT = "halfplane sweep 1"
 _ADDRESS = re.compile("[0-9a-f]{64}")

@@ -11,9 +11,8 @@ from pydantic import Field, ValidationError, model_validator
 from reports.sweep.axes import Axis, Value
 from reports.sweep.figures import check_figures
 from scenes import InputError, Scene, load_scene
-from scenes.bounded import keys_of
-from scenes.frozen import Frozen
-from scenes.refusals import refusal
+from scenes.files import keys_of
+from scenes.frozen import Frozen, refusal
 
 Engine = Literal["fe", "exact"]
 Preset = Literal["default", "swift", "fine"]

@@ -7,7 +7,7 @@ import platform
 from functools import cache
 from importlib.metadata import version
 
-from scenes.sources import source_digest, source_files
+from scenes.files import source_digest, source_files
 
 # What numbers depend on: the engines and what they stand on, all of it; of `reports` what a worker's task imports.
 _PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe")

@@ -18,7 +18,8 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
-from scenes.interrupts import interrupts_wait
+from meshes.interrupts import interrupts_wait
+from scenes import files
 
 # None on Windows, which locks no folders.
 fcntl = import_module("fcntl") if find_spec("fcntl") else None
@@ -99,17 +100,9 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
     OSError
         Where it can't be written; the old one stays.
     """
-    target = Path(os.path.realpath(path))  # a link stays one
-    new, held = _locked(lambda: _new_file(target.parent))
+    new, held = _locked(lambda: _new_file(Path(os.path.realpath(path)).parent))
     try:
-        with new.open("r+b") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())  # some disks say only now that they are full
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(new, 0o666 & ~mask)
-        os.replace(new, target)
+        files.replace_file(path, content, new)
     finally:
         remove(new, held)  # after an error; else it has its other name
 

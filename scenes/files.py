@@ -1,28 +1,39 @@
-"""Files from outside, taken whole only up to a stated size: a huge file, a device or a pipe is refused before memory is taken."""
+"""Files: read only up to a stated size, written whole or not at all. Text, tables of keys (TOML, JSON), NetCDF, source files."""
 
 from __future__ import annotations
 
+import hashlib
+import io
 import json
+import os
 import re
 import stat
 import sys
+import tempfile
 import tomllib
-from collections.abc import Generator
+import traceback
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from scenes.errors import InputError
+import numpy as np
+
+from scenes.errors import InputError, first_line, in_words, shown
+
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 # None where the system has no such thing; the sizes that files state are checked all the same.
 resource = import_module("resource") if find_spec("resource") else None
 
 # Bytes. A TOML file is written by hand, and its parser is slow; tables of numbers go to CSV, answers to NetCDF.
 TOML, TEXT, SOLUTION = 2**20, 2**28, 2**31
-_SHOWN = 120
 # Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes up to 1 kB for each of its
 # parts. A number of so many hexadecimal digits is still a float.
 _DEEPEST, _MOST_KEYS, _LONGEST = 8, 10_000, 250
@@ -159,31 +170,6 @@ def _whole_number(digits: str) -> int:
     return number
 
 
-def in_words(size: int) -> str:
-    """Bytes for a reader.
-
-    >>> in_words(2**28), in_words(2_000), in_words(7)
-    ('268 MB', '2 kB', '7 bytes')
-    """
-    for name, unit in (("GB", 10**9), ("MB", 10**6), ("kB", 10**3)):
-        if size >= unit:
-            return f"{size / unit:.3g} {name}"
-    return f"{size} bytes"
-
-
-def shown(value: object) -> str:
-    """A value of a file in a sentence: as Python writes it, its beginning where it is long.
-
-    >>> shown([0.5]), len(shown("x" * 10**6))
-    ('[0.5]', 124)
-    """
-    try:
-        text = repr(value)
-    except RecursionError:
-        return "something nested too deeply"
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
-
-
 @contextmanager
 def within_memory(path: Path, most: int) -> Generator[None, None, None]:
     """While a foreign file is unpacked by a library, the process may grow by `most` bytes and no more (POSIX only).
@@ -219,3 +205,192 @@ def _taken(resource: ModuleType) -> int:
     except OSError:
         return int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
     return pages * int(resource.getpagesize())
+
+
+# What the libraries raise on files that are broken off, spoilt or something else.
+_FAULTS = (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RuntimeError, OverflowError)
+WHAT = "the solution"
+
+
+def netcdf_of(data: xr.Dataset) -> memoryview:
+    """The bytes of a NetCDF file.
+
+    HDF5 writes to memory: a disk that is full under it leaves it in a state that ends the process once the file is closed.
+    """
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    content = io.BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        data.dump_to_store(H5NetCDFStore(file))
+    return content.getbuffer()
+
+
+def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
+    """The dataset in a NetCDF file, in memory, with every variable of `form` (name -> dimensions) there and made of numbers.
+
+    Raises
+    ------
+    InputError
+        One sentence: it can't be read, is larger than the limit once unpacked, or is of another form.
+    """
+    with _closing_in_silence():
+        try:
+            check_size(path, WHAT, SOLUTION)
+            with within_memory(path, 2 * SOLUTION), _opened(path) as data:
+                _check_form(path, data, form)
+                return data.load()
+        except InputError:
+            raise
+        except _FAULTS as reason:
+            traceback.clear_frames(reason.__traceback__)
+            raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
+
+
+def _opened(path: Path) -> xr.Dataset:
+    """Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered, and refused by their names."""
+    import xarray as xr
+
+    return xr.open_dataset(path, engine="h5netcdf", phony_dims="access")
+
+
+@contextmanager
+def _closing_in_silence() -> Generator[None, None, None]:
+    """h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal says all there is to say."""
+    before, sys.unraisablehook = sys.unraisablehook, lambda _fault: None
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+
+
+def _check_form(path: Path, data: xr.Dataset, form: Mapping[str, tuple[str, ...]]) -> None:
+    unpacked = sum(int(np.prod(variable.shape, dtype=object)) * variable.dtype.itemsize for variable in data.variables.values())
+    if unpacked > SOLUTION:
+        raise InputError(f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {in_words(SOLUTION)} are read")
+    for name, dimensions in form.items():
+        if name not in data.variables:
+            raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
+        variable = data.variables[name]
+        if variable.dims != dimensions or variable.dtype.kind not in "fiu":
+            raise InputError(
+                f"{path}: {WHAT} can't be read: {name} should be numbers over {' and '.join(dimensions)}, and is "
+                f"{variable.dtype} over {' and '.join(map(str, variable.dims)) or 'nothing'}"
+            )
+
+
+def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
+    """Write a table of keys as .toml or .json, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        One sentence: for another suffix, for more than the reader would take back, for what can't be written.
+    """
+    if path.suffix not in (".toml", ".json"):
+        raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
+    is_json = path.suffix == ".json"
+    content = (json.dumps(keys, ensure_ascii=False, indent=1) if is_json else toml_text(keys)).encode()
+    most = TEXT if is_json else TOML
+    if len(content) > most:
+        more = "" if is_json else "; save it as .json"
+        raise InputError(f"{path}: the scene takes {in_words(len(content))}, and at most {in_words(most)} would be read{more}")
+    try:
+        replace_file(path, content)
+    except OSError as reason:
+        raise InputError(f"{path}: the scene can't be written: {reason.strerror or reason}") from reason
+
+
+def replace_file(path: str | Path, content: bytes | memoryview, part: Path | None = None) -> None:
+    """Write a file in one go: a reader sees the old one or the new one, whole; `part` is the file beside it that is written first.
+
+    Raises
+    ------
+    OSError
+        Where it can't be written; the old one stays.
+    """
+    target = Path(os.path.realpath(path))  # a link stays one
+    if part is None:  # of no machine: what a killed process leaves is taken away by its age
+        handle, name = tempfile.mkstemp(prefix=".halfplane-000000-", dir=target.parent)
+        os.close(handle)
+        part = Path(name)
+    try:
+        with part.open("r+b") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())  # some disks say only now that they are full
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(part, 0o666 & ~mask)
+        os.replace(part, target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def toml_text(keys: Mapping[str, Any]) -> str:
+    """Keys as TOML: numbers, words and lists first, then tables and lists of tables.
+
+    >>> print(toml_text({"load": {"way_in": [[1.0, 0.0]], "kind": "polygon"}, "cycles": 6}))
+    cycles = 6
+    <BLANKLINE>
+    [load]
+    way_in = [[1.0, 0.0]]
+    kind = "polygon"
+    <BLANKLINE>
+    """
+    return "\n".join(_lines(keys, "")).lstrip("\n") + "\n"
+
+
+def _lines(keys: Mapping[str, Any], inside: str) -> Iterator[str]:
+    tables = {key: value if isinstance(value, list) else [value] for key, value in keys.items() if _is_table(value)}
+    for key in keys:
+        if key not in tables:
+            # Words, numbers and lists of JSON are those of TOML, but for one control character.
+            yield f"{key} = {json.dumps(keys[key], ensure_ascii=False)}".replace("\x7f", "\\u007f")
+    for key, each in tables.items():
+        for table in each:
+            if isinstance(keys[key], list):
+                yield from ("", f"[[{inside}{key}]]")
+            elif not table or not all(map(_is_table, table.values())):
+                yield from ("", f"[{inside}{key}]")
+            yield from _lines(table, f"{inside}{key}.")
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
+
+
+def source_files(*names: str) -> tuple[Path, ...]:
+    """Source files of modules, and of packages with all that is in them.
+
+    Raises
+    ------
+    InputError
+        Where a module is missing, or is there without its source.
+
+    >>> [path.name for path in source_files("scenes.files")]
+    ['files.py']
+    """
+    found: list[Path] = []
+    for name in names:
+        try:
+            spec = find_spec(name)
+        except ModuleNotFoundError:
+            spec = None
+        files = [] if spec is None or spec.origin is None else [Path(spec.origin)]
+        for folder in (spec and spec.submodule_search_locations) or ():
+            files = sorted(Path(folder).rglob("*.py"))
+        if not files or any(file.suffix != ".py" or not file.is_file() for file in files):
+            raise InputError(f"{name}: this installation lacks the module's source file; install halfplane again")
+        found += files
+    return tuple(found)
+
+
+@cache
+def source_digest(*names: str) -> str:
+    """SHA-256 of these files, names and contents, as this process found them when it first asked."""
+    digest = hashlib.sha256()
+    for path in source_files(*names):
+        content = path.read_bytes()
+        digest.update(f"{path.name}\0{len(content)}\0".encode() + content)
+    return digest.hexdigest()
