@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import Field, model_validator
 
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.frozen import Frozen, Positive, PythonFunction
 from scenes.measured import FromFile, RowError, Table
 from scenes.segments import (
-    Array,
     ChebyshevSegment,
     HarmonicSegment,
     Loads,
@@ -26,7 +24,11 @@ from scenes.segments import (
     StraightSegment,
     ellipse_segment,
     parabola_segment,
+    straight_segments,
 )
+
+# Of the loads: difference within which two are one.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -63,39 +65,30 @@ class LoadPath:
 
     def at(self, time: ArrayLike) -> Loads:
         """(P, Q) at `time`, shape of `time`; ValueError outside the path."""
-        t = np.atleast_1d(np.asarray(time, dtype=float))
-        inside = t
+        inside = np.atleast_1d(np.asarray(time, dtype=float))
         if self.period is not None:
-            late = t > self.cycle_start + self.period
-            inside = np.where(late, self.cycle_start + np.mod(t - self.cycle_start, self.period), t)
+            late = inside > self.cycle_start + self.period
+            inside = np.where(late, self.cycle_start + np.mod(inside - self.cycle_start, self.period), inside)
         legs = (*self.way_in, *self.cycle)
         if np.any(inside < legs[0].start) or np.any(inside > legs[-1].end):
             raise ValueError(f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}")
         ends = np.array([leg.end for leg in legs])
         number = np.minimum(np.searchsorted(ends, inside, side="left"), len(legs) - 1)
-        p, q = np.empty_like(inside), np.empty_like(inside)
+        found = np.empty((2, *inside.shape))
         for k in np.unique(number):
-            here = number == k
-            p[here], q[here] = legs[k].loads(inside[here])
-        shape = np.shape(time)
-        return p.reshape(shape), q.reshape(shape)
-
-
-def straight_legs(points: list[Point], start: float, duration: float) -> tuple[StraightSegment, ...]:
-    """Legs through `points`, `duration` each."""
-    return tuple(
-        StraightSegment(start + k * duration, start + (k + 1) * duration, points[k], points[k + 1]) for k in range(len(points) - 1)
-    )
+            found[:, number == k] = legs[k].loads(inside[number == k])
+        p, q = found.reshape(2, *np.shape(time))
+        return p, q
 
 
 WayIn = Literal["straight"] | tuple[Point, ...]
 
 
 def straight_way_in(way_in: WayIn, first: LoadSegment, duration: float) -> tuple[StraightSegment, ...]:
-    """From (0, 0) through the points of `way_in` to the start of the leg `first`, `duration` a line."""
-    normal, tangential = first.loads(first.start)
-    points = [(0.0, 0.0), *(() if way_in == "straight" else way_in), (float(normal), float(tangential))]
-    return straight_legs(points, first.start - (len(points) - 1) * duration, duration)
+    """From (0, 0) through the points of `way_in` to the start of the segment `first`, `duration` a line."""
+    points = [(0.0, 0.0), *(() if way_in == "straight" else way_in), tuple(float(load) for load in first.loads(first.start))]
+    start = first.start - (len(points) - 1) * duration
+    return straight_segments([(start + k * duration, *point) for k, point in enumerate(points)])
 
 
 class EllipseLoad(Frozen):
@@ -127,7 +120,6 @@ class EllipseLoad(Frozen):
         return math.radians(self.phase_degrees)
 
     def path(self) -> LoadPath:
-        """The legs of this history."""
         begin = self.phase + math.pi if self.phase >= 0 else self.phase + 2 * math.pi
         turn = ellipse_segment(
             begin,
@@ -156,19 +148,20 @@ class PolygonLoad(Frozen):
     way_in: tuple[Point, ...] = Field(min_length=1, description="[P, Q] points after (0, 0)")
     cycle: tuple[Point, ...] = Field((), description="[P, Q] points after the last one of the way in")
 
+    @property
+    def _corners(self) -> list[Point]:
+        return [(0.0, 0.0), *self.way_in, *self.cycle, *(self.way_in[-1:] if self.cycle else ())]
+
     @model_validator(mode="after")
     def _moves(self) -> Self:
-        corners = [(0.0, 0.0), *self.way_in, *self.cycle, *(self.way_in[-1:] if self.cycle else ())]
-        for first, last in itertools.pairwise(corners):
+        for first, last in pairwise(self._corners):
             if first == last:
                 raise ValueError(f"the point {list(last)} stands twice in a row: leave one out")
         return self
 
     def path(self) -> LoadPath:
-        """The legs of this history."""
-        way_in = straight_legs([(0.0, 0.0), *self.way_in], 0.0, 1.0)
-        corners = [self.way_in[-1], *self.cycle, self.way_in[-1]]
-        return LoadPath(way_in, straight_legs(corners, float(len(way_in)), 1.0) if self.cycle else ())
+        segments, first = straight_segments([(float(k), *point) for k, point in enumerate(self._corners)]), len(self.way_in)
+        return LoadPath(segments[:first], segments[first:])
 
 
 Harmonic = tuple[Annotated[float, Field(ge=0, description="amplitude")], Annotated[float, Field(description="lag, degrees")]]
@@ -191,7 +184,6 @@ class HarmonicLoad(Frozen):
     way_in: WayIn = Field("straight", description="from (0, 0) to the first point of the cycle: straight, or by the [P, Q] points")
 
     def path(self) -> LoadPath:
-        """The legs of this history."""
         waves = (
             tuple((amplitude, math.radians(phase)) for amplitude, phase in harmonics)
             for harmonics in (self.normal_harmonics, self.tangential_harmonics)
@@ -200,7 +192,6 @@ class HarmonicLoad(Frozen):
         return LoadPath(straight_way_in(self.way_in, turn, math.pi), (turn,))
 
     def in_words(self, unit: str) -> str:
-        """The loads as the end of a sentence."""
         return (
             f"the loads hold {len(self.normal_harmonics)} and {len(self.tangential_harmonics)} harmonics about "
             f"P = {self.mean_normal_load:.6g}, Q = {self.mean_tangential_load:.6g} {unit}"
@@ -224,13 +215,22 @@ class TimeSeriesLoad(FromFile):
     rows: Table = Field(description="the rows themselves, [time, P, Q] each, in place of a file")
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats for ever")
 
-    @model_validator(mode="after")
-    def _check(self, info: ValidationInfo) -> Self:
-        try:
-            _check_rows(self.rows.values, self.repeats)
-        except RowError as fault:
-            raise ValueError(f"{self.place_of(fault, info)}: {fault.rule}") from fault
-        return self
+    def check_rows(self) -> None:
+        rows = self.rows.values
+        if rows.shape[1] != 3:
+            raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
+        if len(rows) < 2:
+            raise RowError(0, "one row is no history: two at least are needed")
+        step = np.diff(rows[:, 0])
+        back = np.flatnonzero(step <= 0)
+        if len(back):
+            row = int(back[0]) + 1
+            rule = "stands there twice" if step[row - 1] == 0 else "comes after a later one"
+            raise RowError(row, f"time = {rows[row, 0]:.12g} {rule}: the times must ascend")
+        if self.repeats and not np.any(rows[0, 1:]):
+            raise RowError(0, "a cycle that repeats can't start unloaded: its first row is where the way in ends")
+        if self.repeats and np.any(rows[0, 1:] != rows[-1, 1:]):
+            raise RowError(len(rows) - 1, "a cycle that repeats must end with the loads of its first row")
 
     def series(self) -> NDArray[np.float64]:
         """The rows (n, 3), from (0, 0) on: the way in is the first step."""
@@ -241,43 +241,16 @@ class TimeSeriesLoad(FromFile):
         return np.concatenate([[[rows[0, 0] - duration, 0.0, 0.0]], rows])
 
     def path(self) -> LoadPath:
-        """The legs of this history, one a row: for long series the engines have a way of their own."""
-        rows = self.series().tolist()
-        legs = tuple(
-            StraightSegment(before[0], after[0], (before[1], before[2]), (after[1], after[2])) for before, after in pairwise(rows)
-        )
-        if not self.repeats:
-            return LoadPath(legs, ())
-        return LoadPath(legs[:1], legs[1:])
+        segments = straight_segments(self.series().tolist())
+        return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
 
     def in_words(self, unit: str) -> str:
-        """The loads as the end of a sentence."""
         low, high = np.min(self.rows.values, axis=0), np.max(self.rows.values, axis=0)
         again = ", again and again" if self.repeats else ""
         return (
             f"the loads follow {len(self.rows)} rows of a record, P from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to "
             f"{high[2]:.6g} {unit}{again}"
         )
-
-
-def _check_rows(rows: NDArray[np.float64], repeats: bool) -> None:
-    if rows.shape[1] != 3:
-        raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
-    if len(rows) < 2:
-        raise RowError(0, "one row is no history: two at least are needed")
-    step = np.diff(rows[:, 0])
-    back = np.flatnonzero(step <= 0)
-    if len(back):
-        row = int(back[0]) + 1
-        rule = "stands there twice" if step[row - 1] == 0 else "comes after a later one"
-        raise RowError(row, f"time = {rows[row, 0]:.12g} {rule}: the times must ascend")
-    if repeats and not np.any(rows[0, 1:]):
-        raise RowError(0, "a cycle that repeats can't start unloaded: its first row is where the way in ends")
-    if repeats and np.any(rows[0, 1:] != rows[-1, 1:]):
-        raise RowError(len(rows) - 1, "a cycle that repeats must end with the loads of its first row")
-
-
-_ROUNDING = 1e-12
 
 
 class CallableLoad(Frozen):
@@ -298,64 +271,46 @@ class CallableLoad(Frozen):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        legs = self._legs()
-        for before, after in pairwise(legs):
-            self._meet(before, after, before.end)
-        if self.repeats:
-            self._meet(legs[-1], legs[0].shifted(self.duration), self.duration)
+        segments = self._segments()
+        after = [*segments[1:], *([segments[0].shifted(self.duration)] if self.repeats else [])]
+        for before, following in zip(segments, after, strict=False):
+            left, right = before.loads(before.end), following.loads(following.start)
+            for name, one, two in zip(("normal_load", "tangential_load"), left, right, strict=True):
+                if abs(float(one - two)) > 1e3 * _ROUNDING * max(abs(float(left[0])), abs(float(right[0]))):
+                    raise ValueError(f"{name} jumps from {float(one):.6g} to {float(two):.6g} at time {before.end:.6g}")
         return self
 
-    def _meet(self, before: ChebyshevSegment, after: ChebyshevSegment, time: float) -> None:
-        left, right = before.loads(before.end), after.loads(after.start)
-        for name, one, two in zip(("normal_load", "tangential_load"), left, right, strict=True):
-            if abs(float(one - two)) > 1e3 * _ROUNDING * max(abs(float(left[0])), abs(float(right[0]))):
-                raise ValueError(f"{name} jumps from {float(one):.6g} to {float(two):.6g} at time {time:.6g}")
-
-    def _legs(self) -> tuple[ChebyshevSegment, ...]:
-        functions = [values_of(function) for function in (self.normal_load, self.tangential_load)]
+    def _segments(self) -> list[ChebyshevSegment]:
+        functions = {"normal_load": values_of(self.normal_load), "tangential_load": values_of(self.tangential_load)}
         # Not in halves: a function of few turns is met between its corners, not on them.
         edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
         times = np.linspace(0, self.duration, 65)
-        for name, function in zip(("normal_load", "tangential_load"), functions, strict=True):
+        for name, function in functions.items():
             bad = ~np.isfinite(function(times))
             if np.any(bad):
                 raise ValueError(f"{name} is not finite at time {times[bad][0]:.6g}")
-        scale = float(np.max(np.abs(functions[0](times))))
-        for _ in range(2):
-            for name, function in zip(("normal_load", "tangential_load"), functions, strict=True):
-                edges = _edges(name, function, edges, scale)
+        scale = float(np.max(np.abs(functions["normal_load"](times))))
+        for name, function in [*functions.items()] * 2:  # the edges of one are cuts of the other
+            try:
+                edges = fit(function, edges, scale).edges
+            except Unresolved as fault:
+                why = "not finite, or it jumps or swings too fast"
+                raise ValueError(f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: {why}") from fault
         found = []
         for low, high in pairwise(edges.tolist()):
-            at = low + (high - low) * (1 + NODES) / 2
-            normal, tangential = (_trimmed(series(function(at)), scale) for function in functions)
-            found.append(ChebyshevSegment(low, high, normal, tangential))
-        return tuple(found)
+            both = [series(function(low + (high - low) * (1 + NODES) / 2)) for function in functions.values()]
+            # Without what is rounding at their ends.
+            degrees = [int(np.max(np.flatnonzero(np.abs(one) > 1e-16 * scale), initial=0)) for one in both]
+            found.append(ChebyshevSegment(low, high, *(tuple(one[: n + 1].tolist()) for one, n in zip(both, degrees, strict=True))))
+        return found
 
     def path(self) -> LoadPath:
-        """The legs of this history."""
-        legs = self._legs()
-        first, last = (np.abs(leg.loads(time)) for leg, time in ((legs[0], 0.0), (legs[-1], self.duration)))
-        unloaded = np.max(first) <= _ROUNDING * np.max(last) and self.way_in == "straight"
-        if unloaded and not self.repeats:
-            return LoadPath(legs, ())
-        way_in = straight_way_in(self.way_in, legs[0], self.duration / 2)
-        return LoadPath(way_in, legs) if self.repeats else LoadPath((*way_in, *legs), ())
+        segments = tuple(self._segments())
+        first, last = np.abs(segments[0].loads(0.0)), np.abs(segments[-1].loads(self.duration))
+        if not self.repeats and self.way_in == "straight" and np.max(first) <= _ROUNDING * np.max(last):  # unloaded at first
+            return LoadPath(segments, ())
+        way_in = straight_way_in(self.way_in, segments[0], self.duration / 2)
+        return LoadPath(way_in, segments) if self.repeats else LoadPath((*way_in, *segments), ())
 
     def in_words(self, unit: str) -> str:
-        """The loads as the end of a sentence."""
         return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"
-
-
-def _edges(name: str, function: Callable[[Array], Any], edges: Array, scale: float) -> Array:
-    try:
-        return fit(function, edges, scale).edges
-    except Unresolved as fault:
-        raise ValueError(
-            f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: not finite, or it jumps or swings too fast"
-        ) from fault
-
-
-def _trimmed(coefficients: Array, scale: float) -> tuple[float, ...]:
-    """The series without what is rounding at its end."""
-    kept = np.flatnonzero(np.abs(coefficients) > 1e-16 * scale)
-    return tuple(coefficients[: kept[-1] + 1 if len(kept) else 1].tolist())

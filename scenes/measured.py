@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import abc
 import itertools
 import warnings
 from collections.abc import Iterator, Mapping
@@ -117,12 +118,20 @@ class FromFile(Frozen):
             data["file"] = None
         return data
 
-    def place_of(self, fault: RowError, info: ValidationInfo) -> str:
-        """Where the user finds a bad row: line of the `file` that the table was read from, else row of the table."""
-        path = _folder(info) / (self.file or "")
-        if self.file is not None and path.is_file():
-            return f"{path}, line {_line_of(path, fault.row, self.columns)}"
-        return f"{self.table}, row {fault.row + 1}"
+    @abc.abstractmethod
+    def check_rows(self) -> None:
+        """RowError for the first row that is at fault."""
+
+    @model_validator(mode="after")
+    def _check(self, info: ValidationInfo) -> Self:
+        try:
+            self.check_rows()
+        except RowError as fault:
+            path, place = _folder(info) / (self.file or ""), f"{self.table}, row {fault.row + 1}"
+            if self.file is not None and path.is_file():  # where the rows came from
+                place = f"{path}, line {next(itertools.islice(_rows_of(path, self.columns), fault.row, None))[0]}"
+            raise ValueError(f"{place}: {fault.rule}") from fault
+        return self
 
 
 def _folder(info: ValidationInfo) -> Path:
@@ -140,68 +149,44 @@ def read_table(path: Path, names: tuple[str, ...]) -> Table:
     """
     try:
         check_size(path, "the table", TEXT, "thin it out")
-        _check_rows(path)
-        with path.open(encoding=_ENCODING) as file:
-            head = list(itertools.islice(_numbered(file), 1))
+        with path.open("rb") as lines:  # counted before anything of it is kept
+            number = 0
+            while line := lines.readline(_LONGEST + 1):
+                number += 1
+                if len(line) > _LONGEST:
+                    raise ValueError(f"{path}, line {number}: more than {_LONGEST:,} characters are no row of a table")
+                if number > MOST_ROWS:
+                    raise ValueError(f"{path}: the table has more than {MOST_ROWS:,} lines, the most that are read; thin it out")
+        first, _ = next(_rows_of(path, names), (1, ""))
     except (OSError, UnicodeDecodeError) as reason:
         why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
         raise ValueError(f"{path}: the file can't be read: {why}") from reason
-    if not head:
-        raise ValueError(f"{path}: the file is empty; {len(names)} columns {', '.join(names)} are needed")
-    skip = _header_lines(path, head[0], names)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # numpy's remark on a file without rows: refused below
-            values = np.loadtxt(path, delimiter=",", comments="#", skiprows=skip, ndmin=2, encoding=_ENCODING)
-    except ValueError as reason:
-        raise ValueError(_first_fault(path, skip, names)) from reason
-    if values.shape[0] == 0 or values.shape[1] != len(names):
-        raise ValueError(_first_fault(path, skip, names))
-    try:
+            values = np.loadtxt(path, delimiter=",", comments="#", skiprows=first - 1, ndmin=2, encoding=_ENCODING)
+        if values.shape[1] != len(names):
+            raise ValueError("other columns")
         return Table.of(values)
     except ValueError as reason:
-        raise ValueError(_first_fault(path, skip, names)) from reason
+        raise ValueError(_first_fault(path, names)) from reason
 
 
-def _line_of(path: Path, row: int, names: tuple[str, ...]) -> int:
-    """The line of the file, counted from 1, on which the row of numbers `row`, counted from 0, stands."""
+def _rows_of(path: Path, names: tuple[str, ...]) -> Iterator[tuple[int, str]]:
+    """(line number, text) of the rows of a CSV file, without a first line of `names`; ValueError for other names, an empty file."""
     with path.open(encoding=_ENCODING) as file:
-        lines = _numbered(file)
-        first = next(lines)
-        skip = _header_lines(path, first, names)
-        every = itertools.chain([] if skip else [first], lines)
-        return next(itertools.islice(every, row, None))[0]
-
-
-def _check_rows(path: Path) -> None:
-    """ValueError for more lines than are read, or one too long to be a row; counted before anything of it is kept."""
-    number = 0
-    with path.open("rb") as file:
-        while line := file.readline(_LONGEST + 1):
-            number += 1
-            if len(line) > _LONGEST:
-                raise ValueError(f"{path}, line {number}: more than {_LONGEST:,} characters are no row of a table")
-            if number > MOST_ROWS:
-                raise ValueError(f"{path}: the table has more than {MOST_ROWS:,} lines, the most that are read; thin it out")
-
-
-def _numbered(lines: Iterator[str] | Any) -> Iterator[tuple[int, str]]:
-    """(line number, text) of the lines that hold anything."""
-    for number, line in enumerate(lines, start=1):
-        text = line.split("#", 1)[0].strip()
-        if text:
+        texts = ((number, line.split("#", 1)[0].strip()) for number, line in enumerate(file, start=1))
+        rows = (row for row in texts if row[1])
+        number, text = next(rows, (0, ""))
+        if not number:
+            raise ValueError(f"{path}: the file is empty; {len(names)} columns {', '.join(names)} are needed")
+        cells = [cell.strip().strip('"') for cell in text.split(",")]
+        if any(_is_number(cell) for cell in cells):
             yield number, text
-
-
-def _header_lines(path: Path, first: tuple[int, str], names: tuple[str, ...]) -> int:
-    number, text = first
-    cells = [cell.strip().strip('"') for cell in text.split(",")]
-    if any(_is_number(cell) for cell in cells):
-        return 0
-    if [cell.lower() for cell in cells] != [name.lower() for name in names]:
-        cure = _CURE if ";" in text or "\t" in text else ""
-        raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {shown(text)}{cure}")
-    return number
+        elif [cell.lower() for cell in cells] != [name.lower() for name in names]:
+            cure = _CURE if ";" in text or "\t" in text else ""
+            raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {shown(text)}{cure}")
+        yield from rows
 
 
 def _is_number(text: str) -> bool:
@@ -212,19 +197,16 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _first_fault(path: Path, skip: int, names: tuple[str, ...]) -> str:
+def _first_fault(path: Path, names: tuple[str, ...]) -> str:
     """What is wrong with the first bad line, found by going through them one by one."""
-    with path.open(encoding=_ENCODING) as file:
-        for number, text in _numbered(file):
-            if number <= skip:
-                continue
-            cells = text.split(",")
-            if len(cells) != len(names):
-                cure = _CURE if len(cells) == 2 * len(names) else ""  # as many as decimal commas would make
-                return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {shown(text)}{cure}"
-            for name, cell in zip(names, cells, strict=True):
-                if not _is_number(cell) or not abs(float(cell)) <= LARGEST:
-                    return f"{path}, line {number}: {name} = {shown(cell.strip())} is not a finite number of at most {LARGEST:g}"
+    for number, text in _rows_of(path, names):
+        cells = text.split(",")
+        if len(cells) != len(names):
+            cure = _CURE if len(cells) == 2 * len(names) else ""  # as many as decimal commas would make
+            return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {shown(text)}{cure}"
+        for name, cell in zip(names, cells, strict=True):
+            if not _is_number(cell) or not abs(float(cell)) <= LARGEST:
+                return f"{path}, line {number}: {name} = {shown(cell.strip())} is not a finite number of at most {LARGEST:g}"
     return f"{path}: no row of numbers; {len(names)} columns {', '.join(names)} are needed"
 
 
@@ -269,13 +251,8 @@ class Tabulated(FromFile):
     points: Table = Field(description="the rows themselves, [x, h] each, in place of a file")
     asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides, as a share of the largest gap")
 
-    @model_validator(mode="after")
-    def _rises(self, info: ValidationInfo) -> Self:
-        try:
-            one_sided(self.points.values, self.asymmetry)
-        except RowError as fault:
-            raise ValueError(f"{self.place_of(fault, info)}: {fault.rule}") from fault
-        return self
+    def check_rows(self) -> None:
+        one_sided(self.points.values, self.asymmetry)
 
     @property
     def kinks(self) -> tuple[float, ...]:

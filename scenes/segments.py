@@ -12,9 +12,10 @@ from __future__ import annotations
 import abc
 import cmath
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
@@ -472,6 +473,15 @@ def _sharpened(
         step = rate(found, 0) / np.where(slope != 0, slope, 1.0)
         found = found - np.where((slope != 0) & (np.abs(step) < _DOUBLE), step, 0.0)
     return sorted(time for time in time_at(found).tolist() if segment.start < time < segment.end)
+
+
+def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment, ...]:
+    """The lines between `rows` of (time, P, Q).
+
+    >>> [segment.last for segment in straight_segments([(0.0, 0.0, 0.0), (1.0, 2.0, 0.5), (3.0, 2.0, 0.0)])]
+    [(2.0, 0.5), (2.0, 0.0)]
+    """
+    return tuple(StraightSegment(start, end, (p, q), (p_end, q_end)) for (start, p, q), (end, p_end, q_end) in pairwise(rows))
 
 
 def ellipse_segment(start: float, end: float, mean: Point, amplitude: Point, phase: float) -> HarmonicSegment:
