@@ -157,42 +157,24 @@ class ContactSolution:
         """Everything but the meshes as an xarray.Dataset; the inverse is `from_dataset`."""
         import xarray as xr
 
-        per_step = {name: ("step", getattr(self, name)) for name in _PER_STEP}
-        edges = {name: (("step", "side"), getattr(self, name)) for name in _EDGES}
-        on_grid = {name: (("step", "point"), getattr(self, name)) for name in _ON_GRID}
-        certificates = {f"certificate_{k}": ("step", v) for k, v in self.record.certificates.items()}
-        energies = {f"energy_{k}": ("step", v) for k, v in self.record.energy.items()}
-        return xr.Dataset(
-            per_step
-            | edges
-            | on_grid
-            | certificates
-            | energies
-            | {
-                "iterations": ("step", self.record.iterations),
-                "dissipation_density": ("point", self.dissipation_density),
-                "cycle_dissipation": ("cycle", self.cycle_dissipation),
-            },
-            coords={"time": ("step", self.time), "x": ("point", self.x), "side": ["left", "right"]},
-            attrs=self._attributes(),
-        )
-
-    def _attributes(self) -> dict[str, Any]:
+        arrays = {name: (dims, getattr(self, name)) for name, dims in _FORM.items() if name not in ("time", "x", "iterations")}
         record = {name: getattr(self.record, name) for name in ("converged", "termination", "message", "notes")}
-        record["errors"] = dict(self.record.errors)
-        return {
-            "engine": self.engine,
+        kinds = {"certificate": self.record.certificates, "energy": self.record.energy}
+        each = {f"{kind}_{name}": values for kind, these in kinds.items() for name, values in these.items()}
+        texts = {
             "scene": self.scene.model_dump_json(),
-            "dissipation": self.dissipation,
-            "loop_work": self.loop_work,
-            "dissipation_uncertainty": self.dissipation_uncertainty,
-            "permanent_stick_half_width": self.permanent_stick_half_width,
-            "steady_from": -1 if self.steady_from is None else self.steady_from,
-            "record": json.dumps(record),
+            "record": json.dumps(record | {"errors": dict(self.record.errors)}),
             "work": json.dumps({name: dict(getattr(self.work, name)) for name in ("counts", "skipped", "seconds")}),
             "settings": json.dumps(dict(self.settings)),
             "versions": json.dumps(dict(self.versions)),
         }
+        return xr.Dataset(
+            arrays | {name: ("step", values) for name, values in [("iterations", self.record.iterations), *each.items()]},
+            coords={"time": ("step", self.time), "x": ("point", self.x), "side": ["left", "right"]},
+            attrs={name: getattr(self, name) for name in ("engine", *_NUMBERS)}
+            | {"steady_from": -1 if self.steady_from is None else self.steady_from}
+            | texts,
+        )
 
     @classmethod
     def from_dataset(cls, data: xr.Dataset) -> ContactSolution:
@@ -204,15 +186,12 @@ class ContactSolution:
         def starting_with(prefix: str) -> dict[str, Array]:
             return {str(k).removeprefix(prefix): freeze(v.values) for k, v in data.items() if str(k).startswith(prefix)}
 
-        names = (*_PER_STEP, *_EDGES, *_ON_GRID, "time", "x", "dissipation_density", "cycle_dissipation")
-        arrays = {name: freeze(data[name].values, data[name].dtype) for name in names}
+        values: dict[str, Any] = {name: freeze(data[name].values, data[name].dtype) for name in _FORM if name != "iterations"}
+        for name in _NUMBERS:  # the uncertainty is not in files of earlier versions
+            values[name] = float(stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name])
         return cls(
             engine=stored["engine"],
             scene=Scene.model_validate_json(stored["scene"]),
-            dissipation=float(stored["dissipation"]),
-            loop_work=float(stored["loop_work"]),
-            dissipation_uncertainty=float(stored.get("dissipation_uncertainty", "nan")),
-            permanent_stick_half_width=float(stored["permanent_stick_half_width"]),
             steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
             record=Record(
                 iterations=freeze(data["iterations"].values, np.int64),
@@ -223,7 +202,7 @@ class ContactSolution:
             work=Work(work["counts"], {k: (int(n), str(why)) for k, (n, why) in work["skipped"].items()}, work["seconds"]),
             settings=json.loads(stored["settings"]),
             versions=json.loads(stored["versions"]),
-            **arrays,
+            **values,
         )
 
     def save(self, path: str | Path) -> None:
@@ -233,7 +212,7 @@ class ContactSolution:
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
         """Read what `save` wrote; InputError for a file that can't be read, is too large or of another form."""
-        data = stored_dataset(Path(path), _form())
+        data = stored_dataset(Path(path), _FORM)
         try:
             return cls.from_dataset(data)
         except (ArithmeticError, AttributeError, KeyError, RecursionError, TypeError, ValueError) as reason:
@@ -258,22 +237,13 @@ class ContactSolution:
         return np.flatnonzero(inside)
 
 
-_PER_STEP = (
-    "normal_load",
-    "tangential_load",
-    "contact_half_width",
-    "stick_half_width",
-    "rigid_shift",
-    "rigid_approach",
-)
-_EDGES = ("contact_edges", "stick_edges")
-
-
-def _form() -> Mapping[str, tuple[str, ...]]:
-    """Dimensions of every array of a stored answer."""
-    points: dict[str, tuple[str, ...]] = {"x": ("point",), "dissipation_density": ("point",), "cycle_dissipation": ("cycle",)}
-    steps = dict.fromkeys((*_PER_STEP, "time", "iterations"), ("step",))
-    return {**points, **steps, **dict.fromkeys(_EDGES, ("step", "side")), **dict.fromkeys(_ON_GRID, ("step", "point"))}
-
-
-_ON_GRID = ("pressure", "shear", "slip", "state")
+# Dimensions of every array of a stored answer, and its numbers.
+_FORM: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"), ("step",)),
+    **dict.fromkeys(("rigid_shift", "rigid_approach", "iterations"), ("step",)),
+    **dict.fromkeys(("contact_edges", "stick_edges"), ("step", "side")),
+    **dict.fromkeys(("pressure", "shear", "slip", "state"), ("step", "point")),
+    **dict.fromkeys(("x", "dissipation_density"), ("point",)),
+    "cycle_dissipation": ("cycle",),
+}
+_NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")
