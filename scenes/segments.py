@@ -42,8 +42,8 @@ _ROUNDING_OF_SUM = 1e-15
 _DOUBLE = 1e-5
 # Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the step between two of these.
 _MOST_STEPS = 4000
-# Steps without gain after which rounding is reached.
-_IDLE = 3
+# Steps without gain after which rounding is reached, where they are shorter than this share of the way.
+_IDLE, _SHORT = 3, 1e-9
 
 
 class Combination(NamedTuple):
@@ -145,7 +145,9 @@ class LoadSegment(abc.ABC):
             fault, slope = rising * (self.change_of(what, time, begin) - wanted), rising * self.rate_of(what, time)
             better = np.abs(fault) < least
             best, least, idle = np.where(better, time, best), np.where(better, np.abs(fault), least), np.where(better, 0, idle + 1)
-            if np.all((least == 0) | (idle >= _IDLE) | (last <= _ROUNDING_OF_TIME * np.abs(best))):
+            # Steps that gain no more are round-off where they are short: a long one is half a bracket, and others follow.
+            no_gain = (idle >= _IDLE) & (last <= _SHORT * np.abs(best - begin))
+            if np.all((least == 0) | no_gain | (last <= _ROUNDING_OF_TIME * np.abs(best))):
                 return best
             low, high = np.where(fault < 0, time, low), np.where(fault > 0, time, high)
             steep = slope > 0
