@@ -18,7 +18,6 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -185,7 +184,11 @@ def within_memory(path: Path, most: int) -> Generator[None, None, None]:
         yield
         return
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    room = _taken(resource) + most
+    try:  # the address space of this process
+        taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * int(resource.getpagesize())
+    except OSError:
+        taken = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
+    room = taken + most
     allowed = [limit for limit in (soft, hard, room) if limit != resource.RLIM_INFINITY]
     resource.setrlimit(resource.RLIMIT_AS, (min(allowed), hard))
     try:
@@ -196,15 +199,6 @@ def within_memory(path: Path, most: int) -> Generator[None, None, None]:
         ) from reason
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
-
-
-def _taken(resource: ModuleType) -> int:
-    """Address space of this process [bytes]."""
-    try:
-        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    except OSError:
-        return int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
-    return pages * int(resource.getpagesize())
 
 
 # What the libraries raise on files that are broken off, spoilt or something else.
@@ -234,49 +228,35 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Datase
     InputError
         One sentence: it can't be read, is larger than the limit once unpacked, or is of another form.
     """
-    with _closing_in_silence():
-        try:
-            check_size(path, WHAT, SOLUTION)
-            with within_memory(path, 2 * SOLUTION), _opened(path) as data:
-                _check_form(path, data, form)
-                return data.load()
-        except InputError:
-            raise
-        except _FAULTS as reason:
-            traceback.clear_frames(reason.__traceback__)
-            raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
-
-
-def _opened(path: Path) -> xr.Dataset:
-    """Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered, and refused by their names."""
     import xarray as xr
 
-    return xr.open_dataset(path, engine="h5netcdf", phony_dims="access")
-
-
-@contextmanager
-def _closing_in_silence() -> Generator[None, None, None]:
-    """h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal says all there is to say."""
+    # h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal says all there is to say.
     before, sys.unraisablehook = sys.unraisablehook, lambda _fault: None
     try:
-        yield
+        check_size(path, WHAT, SOLUTION)
+        # Nothing of it is unpacked yet; dimensions that an HDF5 file does not name are numbered, and refused by their names.
+        with within_memory(path, 2 * SOLUTION), xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as data:
+            unpacked = sum(int(np.prod(each.shape, dtype=object)) * each.dtype.itemsize for each in data.variables.values())
+            if unpacked > SOLUTION:
+                most = in_words(SOLUTION)
+                raise InputError(f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {most} are read")
+            for name, dimensions in form.items():
+                if name not in data.variables:
+                    raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
+                variable = data.variables[name]
+                if variable.dims != dimensions or variable.dtype.kind not in "fiu":
+                    raise InputError(
+                        f"{path}: {WHAT} can't be read: {name} should be numbers over {' and '.join(dimensions)}, and is "
+                        f"{variable.dtype} over {' and '.join(map(str, variable.dims)) or 'nothing'}"
+                    )
+            return data.load()
+    except InputError:
+        raise
+    except _FAULTS as reason:
+        traceback.clear_frames(reason.__traceback__)
+        raise InputError(f"{path}: {WHAT} can't be read: {first_line(reason)}") from reason
     finally:
         sys.unraisablehook = before
-
-
-def _check_form(path: Path, data: xr.Dataset, form: Mapping[str, tuple[str, ...]]) -> None:
-    unpacked = sum(int(np.prod(variable.shape, dtype=object)) * variable.dtype.itemsize for variable in data.variables.values())
-    if unpacked > SOLUTION:
-        raise InputError(f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {in_words(SOLUTION)} are read")
-    for name, dimensions in form.items():
-        if name not in data.variables:
-            raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
-        variable = data.variables[name]
-        if variable.dims != dimensions or variable.dtype.kind not in "fiu":
-            raise InputError(
-                f"{path}: {WHAT} can't be read: {name} should be numbers over {' and '.join(dimensions)}, and is "
-                f"{variable.dtype} over {' and '.join(map(str, variable.dims)) or 'nothing'}"
-            )
 
 
 def write_keys(path: Path, keys: Mapping[str, Any]) -> None:

@@ -59,7 +59,9 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
         case "extra_forbidden":
             word = str(fault["loc"][-1])
             # What is unknown here may be known in another table.
-            hint = neglected(word) or f"{did_you_mean(word, _keys(model) - {word})} {listed} lists the keys"
+            schema = model.model_json_schema()
+            known = {name for table in (schema, *schema.get("$defs", {}).values()) for name in table.get("properties", {})}
+            hint = neglected(word) or f"{did_you_mean(word, known - {word})} {listed} lists the keys"
             return f"unknown key {key} = {shown(value)};{hint}{more}"
         case "missing" if isinstance(value, dict):
             return f"the key {key} is missing; {listed} lists the keys{more}"
@@ -113,12 +115,6 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     begun = [key for key in words if min(len(key), len(word)) > 2 and (key.startswith(word) or word.startswith(key))]
     near = begun or difflib.get_close_matches(word, words, n=1)
     return f" did you mean {near[0]}?" if near else ""
-
-
-def _keys(model: type[Frozen]) -> set[str]:
-    """Every key of a model, of whatever table."""
-    schema = model.model_json_schema()
-    return {key for table in (schema, *schema.get("$defs", {}).values()) for key in table.get("properties", {})}
 
 
 def _key(fault: ErrorDetails, data: Any) -> str:

@@ -1,5 +1,6 @@
 """Each package says in its docstring which file holds what: every file is there, and nothing that is not."""
 
+import ast
 import re
 from collections import Counter
 from importlib import import_module
@@ -29,3 +30,26 @@ def test_no_module_of_the_benchmarks_has_the_name_of_one_of_the_tests() -> None:
     """Some of either import some of the other, all by plain names: whoever comes second would get the wrong one."""
     one, other = ({path.name for path in (Path(__file__).parents[1] / folder).glob("*.py")} for folder in ("benchmarks", "tests"))
     assert one & other == set()
+
+
+def imported(file, package):
+    """Modules of the package that a file imports, wherever in it, for types alone too."""
+    nodes = [node for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom)]
+    names = {f"{node.module}.{name.name}" for node in nodes for name in node.names} | {node.module for node in nodes}
+    return {name.split(".")[1] for name in names if name and name.startswith(f"{package}.")}
+
+
+@pytest.mark.parametrize("package", ["scenes", "meshes", "halfplane_fe"])
+def test_imports_go_round_in_no_circle(package):
+    """Taking away, again and again, the modules that import none of those left leaves nothing."""
+    folder = Path(import_module(package).__file__).parent
+    left = {path.stem: imported(path, package) for path in folder.glob("*.py") if path.stem != "__init__"}
+    while last := {name for name, needs in left.items() if not needs & left.keys() - {name}}:
+        left = {name: needs for name, needs in left.items() if name not in last}
+    assert not left
+
+
+@pytest.mark.parametrize("package", ["scenes", "semi_analytic"])
+def test_no_module_has_the_name_of_a_public_function(package):
+    module = import_module(package)
+    assert not {path.stem for path in Path(module.__file__).parent.glob("*.py")} & set(module.__all__)

@@ -1,4 +1,4 @@
-"""Load paths: legs against 50-digit arithmetic and finite differences, the path as a whole, profiles."""
+"""Load paths: segments against 50-digit arithmetic, the path as a whole, profiles."""
 
 import itertools
 import math
@@ -83,24 +83,6 @@ def test_plain_difference_would_fail_that_test():
         exact = exact_loads(ELLIPSE, time)[0] - exact_loads(ELLIPSE, since)[0]
         assert abs(plain - exact) > 1e-6 * abs(exact)
         assert abs(float(ELLIPSE.change(time, since)[0]) - exact) < 1e-14 * abs(exact)
-
-
-@EVERY_LEG
-@given(part=st.floats(0.01, 0.99))
-def test_rates_are_the_derivative(leg, part):
-    time, step = at_part(leg, part), 1e-5
-    ahead, behind = leg.loads(time + step), leg.loads(time - step)
-    central = [(float(b) - float(a)) / (2 * step) for a, b in zip(behind, ahead, strict=True)]
-    np.testing.assert_allclose([float(v) for v in leg.rates(time)], central, rtol=0, atol=1e-9)
-
-
-@EVERY_LEG
-@given(part=inside, delay=st.floats(-50, 50))
-def test_shifted_leg_does_the_same_later(leg, part, delay):
-    later = leg.shifted(delay)
-    assert (later.start, later.end) == (leg.start + delay, leg.end + delay)
-    time = at_part(leg, part)
-    np.testing.assert_allclose(later.loads(time + delay), leg.loads(time), rtol=0, atol=1e-12)
 
 
 @EVERY_LEG

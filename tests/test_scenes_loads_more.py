@@ -49,23 +49,6 @@ def scene_file(folder, load):
     return path
 
 
-@pytest.mark.parametrize("leg", LEGS, ids=lambda leg: type(leg).__name__)
-def test_legs_are_consistent(leg):
-    """Rates are derivatives, changes are differences, and keep their digits however short."""
-    t = np.linspace(leg.start, leg.end, 23)[1:-1]
-    step = 1e-5
-    for rate, after, before in zip(leg.rates(t), leg.loads(t + step), leg.loads(t - step), strict=True):
-        np.testing.assert_allclose(rate, (after - before) / (2 * step), atol=1e-8)
-    for change, after, before in zip(leg.change(t, leg.start), leg.loads(t), leg.loads(leg.start), strict=True):
-        np.testing.assert_allclose(change, after - before, atol=1e-14)
-    tiny = 2.0**-40
-    for change, rate in zip(leg.change(t + tiny, t), leg.rates(t + tiny / 2), strict=True):
-        np.testing.assert_allclose(change, rate * ((t + tiny) - t), rtol=1e-9, atol=1e-14 * tiny)
-    moved = leg.shifted(2.0)
-    np.testing.assert_allclose(moved.loads(t + 2.0), leg.loads(t), atol=1e-14)
-    assert (moved.start, moved.end) == (leg.start + 2.0, leg.end + 2.0)
-
-
 def test_harmonics_are_what_they_say():
     p, q = HARMONICS.path().at(0.7)
     assert p == pytest.approx(3 + math.cos(0.7 - math.radians(10)) + 0.5 * math.cos(1.4 + math.radians(40)))
