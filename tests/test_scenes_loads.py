@@ -24,7 +24,9 @@ from scenes import (
 STRAIGHT = StraightSegment(1.0, 3.0, (2.0, -1.0), (2.5, 4.0))
 PARABOLA = parabola_segment(-1.0, 2.0, (3.0, 0.1), 0.25)
 ELLIPSE = ellipse_segment(4.0, 4.0 + 2 * math.pi, (3.0, 1.1), (1.0, 0.7), 1.3)
-LEGS = {"straight": STRAIGHT, "parabola": PARABOLA, "ellipse": ELLIPSE}
+HARMONICS = HarmonicSegment(0.0, 6.0, (3.0, 0.2), ((1.0, 0.2), (0.5, -0.7)), ((0.3, 1.4), (0.0, 0.0), (0.2, 0.1)))
+SERIES = ChebyshevSegment(0.5, 2.0, (3.0, 0.4, -0.3, 0.05, 0.1), (0.1, 0.5, 0.02, 0.3))
+LEGS = {"straight": STRAIGHT, "parabola": PARABOLA, "ellipse": ELLIPSE, "harmonics": HARMONICS, "series": SERIES}
 EVERY_LEG = pytest.mark.parametrize("leg", LEGS.values(), ids=LEGS.keys())
 
 inside = st.floats(0, 1)
