@@ -85,10 +85,10 @@ class Straight(NamedTuple):
         return []
 
 
-Leg = Waves | Straight
+LoadSegment = Waves | Straight
 
 
-def root(leg: Leg, what: tuple[Number, Number], wanted: mp.mpf, first: mp.mpf, last: mp.mpf) -> mp.mpf:
+def root(leg: LoadSegment, what: tuple[Number, Number], wanted: mp.mpf, first: mp.mpf, last: mp.mpf) -> mp.mpf:
     """The time in [first, last] at which a combination of loads, monotone there, has a value: in doubles, then by Newton."""
 
     def off(t: Number, lib: Any = mp) -> Number:
@@ -117,7 +117,7 @@ def root(leg: Leg, what: tuple[Number, Number], wanted: mp.mpf, first: mp.mpf, l
     return t
 
 
-def legs_of(mean: Sequence[float], normal: Sequence[Any], tangential: Sequence[Any]) -> tuple[list[Leg], list[Leg]]:
+def legs_of(mean: Sequence[float], normal: Sequence[Any], tangential: Sequence[Any]) -> tuple[list[LoadSegment], list[LoadSegment]]:
     """Straight way in (the steady cycle forgets it) and revolution."""
     pairs = (tuple((mp.mpf(size), mp.pi * mp.mpf(degrees) / 180) for size, degrees in waves) for waves in (normal, tangential))
     turn = Waves(mp.mpf(0), 2 * mp.pi, (mp.mpf(mean[0]), mp.mpf(mean[1])), *pairs)

@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import mpmath as mp
-from exact_legs import Leg, Straight, root, same
+from exact_legs import LoadSegment, Straight, root, same
 
 _SAMPLES = 200
 
@@ -23,7 +23,7 @@ class Piece(NamedTuple):
     p: mp.mpf
     q: mp.mpf
     slope: mp.mpf = mp.mpf(0)
-    arc: tuple[Leg, mp.mpf, mp.mpf] | None = None
+    arc: tuple[LoadSegment, mp.mpf, mp.mpf] | None = None
 
     def value(self, eta: mp.mpf) -> mp.mpf:
         """M(eta)."""
@@ -46,7 +46,7 @@ class Run(NamedTuple):
     begin: mp.mpf
     end: mp.mpf
     direction: int
-    leg: Leg
+    leg: LoadSegment
     piece: Piece | None
 
     def level(self, f: mp.mpf, t: mp.mpf) -> mp.mpf:
@@ -78,7 +78,7 @@ def cut(curve: Curve, load: mp.mpf) -> Curve:
     return tuple(kept)
 
 
-def follow(curve: Curve, leg: Leg, f: mp.mpf) -> tuple[Curve, list[Run]]:
+def follow(curve: Curve, leg: LoadSegment, f: mp.mpf) -> tuple[Curve, list[Run]]:
     """The memory curve after a leg, and its runs of slip."""
     turns = sorted(t for what in ((1, 0), (-f, 1), (-f, -1)) for t in leg.turns(*map(mp.mpf, what)))
     runs: list[Run] = []
@@ -89,7 +89,7 @@ def follow(curve: Curve, leg: Leg, f: mp.mpf) -> tuple[Curve, list[Run]]:
     return curve, runs
 
 
-def _stretch(curve: Curve, leg: Leg, begin: mp.mpf, end: mp.mpf, f: mp.mpf) -> tuple[Curve, list[Run]]:
+def _stretch(curve: Curve, leg: LoadSegment, begin: mp.mpf, end: mp.mpf, f: mp.mpf) -> tuple[Curve, list[Run]]:
     """The same for a stretch on which neither P, Q - fP nor Q + fP turns round."""
     p_rate, q_rate = leg.rates((begin + end) / 2)
     noise = same() * (abs(q_rate) + f * abs(p_rate))
@@ -114,7 +114,7 @@ def _stretch(curve: Curve, leg: Leg, begin: mp.mpf, end: mp.mpf, f: mp.mpf) -> t
     return (*cut(curve, runs[-1].front(f, end)), Piece(p_last, p_last, q_last, d * f)), runs
 
 
-def _sides(curve: Curve, leg: Leg, begin: mp.mpf, end: mp.mpf) -> list[tuple[mp.mpf, mp.mpf, int]]:
+def _sides(curve: Curve, leg: LoadSegment, begin: mp.mpf, end: mp.mpf) -> list[tuple[mp.mpf, mp.mpf, int]]:
     """(begin, end, direction) of the stretches of an unloading on which the path runs above, below, or along the curve."""
 
     def above(t: mp.mpf) -> mp.mpf:
@@ -132,7 +132,7 @@ def _sides(curve: Curve, leg: Leg, begin: mp.mpf, end: mp.mpf) -> list[tuple[mp.
     return list(zip(marks, [*marks[1:], end], directions, strict=True))
 
 
-def _passed(curve: Curve, leg: Leg, begin: mp.mpf, end: mp.mpf, d: int, f: mp.mpf) -> list[Run]:
+def _passed(curve: Curve, leg: LoadSegment, begin: mp.mpf, end: mp.mpf, d: int, f: mp.mpf) -> list[Run]:
     """Runs of slip from `begin` to `end`, one for each piece that the front is in."""
     runs, first = [], begin
     bottoms = [mp.mpf(0), *(piece.top for piece in curve)]
@@ -150,7 +150,7 @@ def _passed(curve: Curve, leg: Leg, begin: mp.mpf, end: mp.mpf, d: int, f: mp.mp
     return runs
 
 
-def steady_runs(way_in: Sequence[Leg], cycle: Sequence[Leg], f: mp.mpf) -> list[Run]:
+def steady_runs(way_in: Sequence[LoadSegment], cycle: Sequence[LoadSegment], f: mp.mpf) -> list[Run]:
     """The runs of slip of the second cycle; of the way in where there is no cycle."""
     curve: Curve = ()
     runs: list[Run] = []

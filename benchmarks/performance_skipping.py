@@ -161,7 +161,7 @@ def every_point() -> contextlib.AbstractContextManager[Any]:
         order = np.argsort(np.abs(x), kind="stable")
         return np.abs(x)[order], np.argsort(order)
 
-    return mock.patch.object(import_module("semi_analytic.question"), "folded", apart)
+    return mock.patch.object(import_module("semi_analytic.solution"), "folded", apart)
 
 
 def every_cycle() -> contextlib.AbstractContextManager[Any]:

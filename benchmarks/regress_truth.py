@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import exact_history as history
 import mpmath as mp
-from exact_legs import Leg, Number, Straight, legs_of, root
+from exact_legs import LoadSegment, Number, Straight, legs_of, root
 from exact_memory import Curve, Run, follow, steady_runs
 from semi_analytic_reference import Case, Phase, flat_load, phases
 
@@ -153,7 +153,7 @@ def _straight(points: list[tuple[float, float]], closed: bool = False) -> list[S
     return [Straight(a, b) for a, b in pairwise([*exact, *exact[:closed]]) if a != b]
 
 
-def _waves(load: object, normal: list, tangential: list) -> tuple[list[Leg], list[Leg]]:
+def _waves(load: object, normal: list, tangential: list) -> tuple[list[LoadSegment], list[LoadSegment]]:
     return legs_of((load.mean_normal_load, load.mean_tangential_load), normal, tangential)
 
 

@@ -36,10 +36,9 @@ from scenes import (
 )
 from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.friction_work import closed_integral, global_dissipation
+from semi_analytic.friction_work import closed_integral, global_dissipation, work_over_points
 from semi_analytic.hertz import HertzContact
-from semi_analytic.over_points import work_over_points
-from semi_analytic.route import own_route
+from semi_analytic.history import history_of
 
 TABLE = Path(__file__).with_name("semi_analytic_reference.json")
 
@@ -148,7 +147,7 @@ def route_rows() -> Iterator[Row]:
 def routes(scene: Scene) -> dict[str, float]:
     """W of the last cycle by every way that there is."""
     contact, modulus = contact_of(scene.profile, scene.material), composite_modulus(scene.material)
-    history = own_route(scene.load.path(), scene.friction.coefficient, scene.cycles, None).history
+    history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
     spans = history.cycles[-1]
     work = float(global_dissipation(contact, modulus, spans).total)
     found = {

@@ -27,7 +27,6 @@ from semi_analytic_reference import DIGITS, Case, dissipation, half_width_of
 import semi_analytic
 from scenes import Elastic, EllipseLoad, FlatRounded, Friction, Hertz, Materials, Scene, TimeSeriesLoad
 from semi_analytic.contact import Contact, contact_of
-from semi_analytic.row_solution import solve_rows
 
 FILE = Path(__file__).with_suffix(".json")
 OUT = Path(__file__).parent.parent / "out"
@@ -121,7 +120,7 @@ def straight_steps(case: Case, scene: Scene, steps: int) -> float:
     cycle = loads(case, steps)
     rows = [(float(k), *pair) for k, pair in enumerate([cycle[-1], *cycle])]
     series = scene.vary(load=TimeSeriesLoad(rows=rows, repeats=True))
-    return solve_rows(series, np.zeros(1), None, "steady", frozenset({"dissipation"})).dissipation
+    return semi_analytic.solve(series, x=[0.0], cycles="steady", fields=("dissipation",)).dissipation
 
 
 def discretised(case: Case, elements: int) -> float:

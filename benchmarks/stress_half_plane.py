@@ -29,7 +29,7 @@ from scenes import (
 )
 from semi_analytic.contact import contact_of
 from semi_analytic.friction_work import global_dissipation
-from semi_analytic.route import own_route
+from semi_analytic.history import history_of
 
 ENGINE = "Half-plane engine"
 _X = np.linspace(0, 4, 61)
@@ -149,7 +149,7 @@ def flat_face(part: float) -> Found:
     load = float(contact.load(1.0))
     scene = scene_of(ellipse(0.75 * load, 0.25 * load, 0, 0.2 * load, 70), 0.5, profile)
     answer = semi_analytic.solve(scene, x=[0.0])
-    spans = own_route(scene.load.path(), 0.5, scene.cycles, None).history.cycles[-1]
+    spans = history_of(scene.load.path(), 0.5, scene.cycles).cycles[-1]
     exact, areas = digits(scene), float(global_dissipation(contact, 1.0, spans).total)
     works = {"W": answer.dissipation, "slip areas": areas, "∮Q dU": answer.loop_work}
     off = {name: abs(work / exact - 1) for name, work in works.items()}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from scenes import InadmissibleLoadError, Leg, LoadPath, sampled
+from scenes import InadmissibleLoadError, LoadPath, LoadSegment, sampled
 
 Array = NDArray[np.float64]
 
@@ -31,12 +31,12 @@ _SLIDING = (
 class Stretch:
     """A piece of a leg between turning points, with the instants at which regular increments end."""
 
-    leg: Leg
+    leg: LoadSegment
     start: float
     ends: tuple[float, ...]
 
 
-def turns(leg: Leg, normal: float, tangential: float) -> set[float]:
+def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
     """Instants inside a leg at which normal P + tangential Q turns round."""
     times = sampled(leg, _SAMPLES)
 
@@ -52,7 +52,7 @@ def turns(leg: Leg, normal: float, tangential: float) -> set[float]:
     return found | {float(times[k]) for k in touches}
 
 
-def turning_points(leg: Leg, friction: float) -> list[float]:
+def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     """Instants inside a leg at which P, Q - f P or Q + f P turn round, ascending."""
     found = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
     span = leg.end - leg.start
@@ -64,7 +64,7 @@ def turning_points(leg: Leg, friction: float) -> list[float]:
     return ordered
 
 
-def stretches(leg: Leg, friction: float, increments: float) -> list[Stretch]:
+def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stretch]:
     """A leg cut at its turning points, each piece into equal increments, `increments` of them in all (rounded up)."""
     corners = [leg.start, *turning_points(leg, friction), leg.end]
     pieces = []

@@ -12,7 +12,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.energy import certificates
 from halfplane_fe.path import stretches
 from halfplane_fe.stepping import Increment, follow
-from scenes import ConvergenceError, Interrupted, Leg, LoadPath
+from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int | None, str], None]
@@ -107,7 +107,7 @@ def _density(problem: ContactProblem, increments: list[Increment]) -> Array:
 
 
 def _follow_legs(
-    problem: ContactProblem, run: PathRun, legs: tuple[Leg, ...], steps: float, pace: Pace, progress: Progress, text: str
+    problem: ContactProblem, run: PathRun, legs: tuple[LoadSegment, ...], steps: float, pace: Pace, progress: Progress, text: str
 ) -> None:
     longest = max(leg.end - leg.start for leg in legs)
     pieces = [piece for leg in legs for piece in stretches(leg, problem.friction, steps * (leg.end - leg.start) / longest)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import EllipseLoad, InadmissibleLoadError, InputError, Leg, Scene, StraightLeg, TimeSeriesLoad, sampled
+from scenes import EllipseLoad, InadmissibleLoadError, InputError, LoadSegment, Scene, StraightSegment, TimeSeriesLoad, sampled
 
 Array = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def check_path(scene: Scene) -> PathCheck:
     )
 
 
-def _deciding_legs(scene: Scene) -> list[tuple[Leg, str]]:
+def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     """The legs of the way in and of one cycle, and which of the two each is part of.
 
     Of the rows of a record, which may be millions, those steps alone that decide, block by block: the first to leave the
@@ -78,7 +78,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[Leg, str]]:
         path = load.path()
         return [(leg, "way in") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
     rows = load.series()
-    legs: list[tuple[Leg, str]] = []
+    legs: list[tuple[LoadSegment, str]] = []
     for begin in range(0, len(rows) - 1, _BLOCK):
         block = rows[begin : begin + _BLOCK + 1]
         normal, tangential = (np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2))
@@ -86,7 +86,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[Leg, str]]:
         outside = np.flatnonzero(ratio > 1 + _ROUNDING)[:1]
         for k in np.unique([*outside, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
             (start, *before), (end, *after) = block[k : k + 2].tolist()
-            leg = StraightLeg(start, end, (before[0], before[1]), (after[0], after[1]))
+            leg = StraightSegment(start, end, (before[0], before[1]), (after[0], after[1]))
             legs.append((leg, "cycle" if load.repeats and begin + k > 0 else "way in"))
     return legs
 
@@ -137,16 +137,16 @@ def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 
 
-def _worst_of(leg: Leg, friction: float) -> tuple[float, float]:
+def _worst_of(leg: LoadSegment, friction: float) -> tuple[float, float]:
     """(largest ratio, its time) on one leg."""
     return _highest(leg, lambda time: _ratio(*leg.loads(time), friction))
 
 
-def _largest_normal_load(leg: Leg) -> float:
+def _largest_normal_load(leg: LoadSegment) -> float:
     return _highest(leg, lambda time: leg.loads(time)[0])[0]
 
 
-def _highest(leg: Leg, of: Callable[[Array], Array]) -> tuple[float, float]:
+def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, float]:
     """(largest value, its time) on one leg: the best sample, then the golden section around it."""
     time = sampled(leg, _SAMPLES)
     value = of(time)
@@ -163,7 +163,7 @@ def _highest(leg: Leg, of: Callable[[Array], Array]) -> tuple[float, float]:
     return (found, middle) if found > value[place] else (float(value[place]), float(time[place]))
 
 
-def _first_of(leg: Leg, friction: float) -> float:
+def _first_of(leg: LoadSegment, friction: float) -> float:
     """When a leg that leaves the admissible region first does so, by bisection."""
     time = np.union1d(sampled(leg, _SAMPLES), [_worst_of(leg, friction)[1]])
     outside = int(np.flatnonzero(_ratio(*leg.loads(time), friction) > 1 + _ROUNDING)[0])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Cylinder, HalfPlane, Leg, Scene, Shape, sampled
+from scenes import Cylinder, HalfPlane, LoadSegment, Scene, Shape, sampled
 from scenes.bodies import face_of
 
 Array = NDArray[np.float64]
@@ -87,6 +87,6 @@ def loop(scene: Scene) -> Loop:
     return Loop(first, rest if len(rest) else first[-1:])
 
 
-def _points(legs: Sequence[Leg]) -> Array:
+def _points(legs: Sequence[LoadSegment]) -> Array:
     parts = [np.column_stack(leg.loads(sampled(leg, 121))) for leg in legs]
     return np.vstack(parts) if parts else np.empty((0, 2))

@@ -7,7 +7,7 @@ The question::
     profiles.py     h(x) by formulas and Python functions
     measured.py     tables of numbers, from files; h(x) through the rows of one
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions
-    segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series; old_segments.py: old names
+    segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
     chebyshev.py    piecewise Chebyshev series that stand for functions
     frozen.py       what every table of keys has in common: checked at every door, changed by `vary`, refused in one sentence
 
@@ -23,7 +23,6 @@ from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LoadPath, PolygonLoad, TimeSeriesLoad
 from scenes.measured import Tabulated
-from scenes.old_segments import ChebyshevLeg, EllipseLeg, HarmonicLeg, Leg, ParabolaLeg, StraightLeg
 from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
 from scenes.reading import load_scene, scene_companions, scene_names, scene_schema, scene_text
 from scenes.scene import Expected, Friction, Scene, Tolerances, tags
@@ -53,7 +52,6 @@ __all__ = [
     "Bodies",
     "CallableLoad",
     "CallableProfile",
-    "ChebyshevLeg",
     "ChebyshevSegment",
     "Combination",
     "Compound",
@@ -62,34 +60,29 @@ __all__ = [
     "Elastic",
     "Cylinder",
     "Ellipse",
-    "EllipseLeg",
     "EllipseLoad",
     "EvenPolynomial",
     "Expected",
     "FlatRounded",
     "Friction",
     "HalfPlane",
-    "HarmonicLeg",
-    "HarmonicLoad",
     "HarmonicSegment",
+    "HarmonicLoad",
     "Hertz",
     "InadmissibleLoadError",
     "InputError",
     "Interrupted",
-    "Leg",
-    "LoadPath",
     "LoadSegment",
+    "LoadPath",
     "Materials",
     "NotFoundError",
     "Pad",
-    "ParabolaLeg",
     "PolygonLoad",
     "PowerLaw",
     "Profile",
     "Record",
     "Scene",
     "Shape",
-    "StraightLeg",
     "StraightSegment",
     "SurfaceState",
     "Tabulated",

@@ -252,18 +252,6 @@ class HarmonicSegment(LoadSegment):
         return cmath.polar(what[0] * cmath.rect(p, -origin) + what[1] * cmath.rect(q, -lag))
 
     @property
-    def amplitude(self) -> Point:
-        """Those of an ellipse; for callers of the old name `EllipseLeg` only."""
-        assert self.ellipse is not None
-        return self.ellipse.amplitude
-
-    @property
-    def phase(self) -> float:
-        """That of an ellipse; for callers of the old name `EllipseLeg` only."""
-        assert self.ellipse is not None
-        return self.ellipse.phase
-
-    @property
     def most_turns(self) -> int:
         order = self._coefficients.shape[1] - 1 if np.any(self._coefficients) else 0
         return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
@@ -439,13 +427,6 @@ class ChebyshevSegment(LoadSegment):
     @property
     def is_straight(self) -> bool:
         return not np.any(self._series[:, 2:])
-
-    @property
-    def coefficients(self) -> tuple[float, float]:
-        """(alpha, beta) of Q = constant + alpha P + beta P^2; for callers of the old name `ParabolaLeg` only."""
-        form = self.slope_and_bend(self.start)
-        assert form is not None
-        return form[0] - 2 * form[1] * float(self.loads(self.start)[0]), form[1]
 
     def slope_and_bend(self, time: float) -> tuple[float, float] | None:
         (_, rise, *curving), (_, first, *higher) = self._series.tolist()

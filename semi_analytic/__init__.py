@@ -12,30 +12,23 @@ Normal contact, one profile a file, `Contact` being what the rest asks of each::
 
 The history of P and Q::
 
-    legs.py                                P, Q and Q -+ f P along a load segment: changes, turning points, inverses
-    memory.py                              the memory curve M(eta), and what a load does to it
-    history.py, sides.py                   the march: stick, slip, unloading, the steady cycle, gross sliding
-    route.py                               the scene's path or straight steps, its cycles and instants
-    rounding.py                            what the last digits of P cost
-    letters.py                             the instants A to M
+    legs.py, turning.py                    P, Q and Q -+ f P along a leg: changes, turning points, inverses
+    memory.py                              the memory curve M(eta), Masing's rule: what a load does to it
+    load_series.py                         straight paths of any length: knots of the curve, W and W(x) of each step
+    history.py                             curved paths: spans of stick, slip and unloading, the steady cycle, gross sliding
+    event_times.py                         the instants A to M
+    roundoff.py                            what the last digits of P cost
 
-From a question to an answer::
+From a request to an answer::
 
-    question.py, snapshot.py               what is asked; the memory curves of many instants as arrays
-    evaluation.py, fields.py               half-widths, p, q, s and the rigid shift U
+    request.py                             points, instants and fields that are asked for
+    fields.py                              q, s and the relative tangential displacement U: Ciavarella-Jaeger superposition
     arcs.py, curved.py                     q, s and U of arcs of ellipses, of other legs
-    friction_work.py                       W, W(x), the closed integral of Q dU
-    over_points.py                         W as the integral of W(x)
-    corners.py, settling.py                where integrals are cut, and when they are done
+    friction_work.py                       W, W(x), the closed integral of Q dU, W as the integral of W(x); convergence by halving
     quadrature.py, panels.py               the rules of quadrature
-    solution.py                            all of it together: `solve`
-    bookkeeping.py, proofs.py, errors.py   what a solution says of itself
+    solution.py                            all of it together: `solve`, and what a solution says of itself
+    errors.py                              estimated errors
     damping.py                             stiffness and damping of the loop
-
-Long measured series, row by row::
-
-    time_series.py, rows.py, stack.py      rows through a stack of knots
-    row_work.py, row_solution.py           their W and W(x), and the answer
 
 Arrays of ellipses in one call::
 
@@ -47,8 +40,8 @@ Arrays of ellipses in one call::
 
 from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipation, peak_dissipation
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
-from semi_analytic.letters import Event, event, events
-from semi_analytic.question import FIELDS
+from semi_analytic.event_times import Event, event, events
+from semi_analytic.request import FIELDS
 from semi_analytic.solution import solve
 
 __all__ = [

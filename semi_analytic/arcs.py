@@ -27,7 +27,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from scenes import Leg
+from scenes import LoadSegment
 from scenes.chebyshev import DEGREE, NODES, series, tail
 from semi_analytic.legs import NORMAL_LOAD, change, rate, time_of
 from semi_analytic.memory import Piece, front_time
@@ -125,7 +125,7 @@ def _integrals(contact: Contact, kernel: Kernel, piece: Piece, last: Array, x: A
     return factor * value, factor * (error + far.error)
 
 
-def _turn(leg: Leg, end: float, other: float) -> Turn:
+def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
     """The turning point of P at an end of an arc, or beyond it by less than its length; the end itself where there is none.
 
     `other` is the other end. The leg's formulas hold beyond its ends too.
@@ -154,7 +154,7 @@ def _turn(leg: Leg, end: float, other: float) -> Turn:
     )
 
 
-def _force_over_root(leg: Leg, turn: Turn, z: Array) -> Array:
+def _force_over_root(leg: LoadSegment, turn: Turn, z: Array) -> Array:
     """|dQ/dz| with the sign of dQ/dt, from dP = 2 z dz."""
     time = time_of(leg, NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
     slope = np.abs(rate(leg, NORMAL_LOAD, time))
@@ -172,7 +172,7 @@ class _FarPanels:
     error : what the series may have left out, for the worst point
     """
 
-    def __init__(self, contact: Contact, kernel: Kernel, leg: Leg, x: Array, edge: Array, corners: Array) -> None:
+    def __init__(self, contact: Contact, kernel: Kernel, leg: LoadSegment, x: Array, edge: Array, corners: Array) -> None:
         self._contact, self._kernel, self._leg, self._x, self._edge, self._corners = contact, kernel, leg, x, edge, corners
 
     def follow(self, marks: Array) -> None:
@@ -255,7 +255,7 @@ def _kernel(contact: Contact, kernel: Kernel, x: Array, above: Array, load: Arra
 def _near(
     contact: Contact,
     kernel: Kernel,
-    leg: Leg,
+    leg: LoadSegment,
     turn: Turn,
     low: Array,
     high: Array,

@@ -31,11 +31,11 @@ from scenes import (
     Wedge,
 )
 from scenes.frozen import Frozen, validated
-from semi_analytic.bookkeeping import neglected_coupling
 from semi_analytic.contact import Contact, contact_of
 from semi_analytic.density_peaks import maxima_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.slip_work import LamTable, careful_bracket, quick_bracket, works_by_lam, works_over_contact
+from semi_analytic.solution import neglected_coupling
 from semi_analytic.steady_ellipse import Ellipses, ellipses_of
 
 Array = NDArray[np.float64]

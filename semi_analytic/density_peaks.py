@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semi_analytic.contact import Contact
-from semi_analytic.rounding import LAST_DIGITS, PROMISED
+from semi_analytic.roundoff import LAST_DIGITS, PROMISED
 from semi_analytic.steady_ellipse import Ellipses, corner_loads, density_of, quadrature_error
 
 Array = NDArray[np.float64]

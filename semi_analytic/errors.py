@@ -23,13 +23,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import NotFoundError
 from semi_analytic.contact import Contact
-from semi_analytic.evaluation import Asked
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
 from semi_analytic.legs import level, rate
-from semi_analytic.memory import pieces
-from semi_analytic.rounding import PROMISED
-from semi_analytic.snapshot import Snapshot
+from semi_analytic.memory import Snapshot, pieces
+from semi_analytic.request import Request
+from semi_analytic.roundoff import PROMISED
 
 Array = NDArray[np.float64]
 
@@ -44,7 +43,7 @@ _EPS = float(np.finfo(float).eps)
 
 
 def field_errors(
-    asked: Asked, snapshot: Snapshot, lines: dict[str, Array], grids: dict[str, NDArray[np.float64]]
+    asked: Request, snapshot: Snapshot, lines: dict[str, Array], grids: dict[str, NDArray[np.float64]]
 ) -> dict[str, float]:
     """Largest errors of pressure, shear and slip over the largest value of p, f p and s, from a sample of instants and points.
 

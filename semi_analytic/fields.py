@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from semi_analytic.arcs import Kernel, arc_integrals
 from semi_analytic.contact import Contact
-from semi_analytic.memory import Curve, Piece, front_time, pieces
-from semi_analytic.snapshot import Snapshot
+from semi_analytic.memory import Curve, Piece, Snapshot, front_time, pieces
 
 Array = NDArray[np.float64]
 

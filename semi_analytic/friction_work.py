@@ -16,31 +16,61 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import EllipseLeg, ParabolaLeg, StraightLeg
 from semi_analytic.contact import Contact, bends_anywhere
-from semi_analytic.corners import smooth_spans
 from semi_analytic.fields import Integrals
-from semi_analytic.history import Span
+from semi_analytic.history import Span, smooth_spans, take
 from semi_analytic.legs import LEAST, NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
-from semi_analytic.memory import level_on
+from semi_analytic.memory import Snapshot, level_on
 from semi_analytic.quadrature import graded
-from semi_analytic.rounding import LAST_DIGITS
-from semi_analytic.settling import SETTLED, Settled, settled
-from semi_analytic.snapshot import take
+from semi_analytic.roundoff import LAST_DIGITS
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_CHUNK = 256
+CONVERGED = 1e-12
+# How often a range is halved at most: parts of 1/131,072 of it are left as they are.
+_HALVINGS = 17
 _STORED = 1e-3
-_DIGITS_OF_SHIFT = 5e-16
+DIGITS_OF_SHIFT = 5e-16
+"""Share of the rigid shift U, as a sum of logarithms times loads, that its last digits may be off."""
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """What a followed path leaves for an answer, whichever way it was followed.
+
+    Attributes
+    ----------
+    snapshot : memory curves at the instants; without their pieces where no field needs them
+    balance : (n,) M(P) - Q there
+    least, slipped_share : least P_c of the last cycle, largest (P - P_c)/P of all that was followed
+    each, each_error : (n_cycles,) friction work of the covered cycles, NaN where it was not wanted; largest relative error
+    density, density_error : (k,) W(x) of the last cycle, NaN likewise; its error over its largest value
+    loop : closed integral of Q dU of the last cycle and what rounding may have left in it; None where it is not steady
+    spans : of the last cycle, none for straight steps
+    increments : (n,) friction work since the instant before, empty where instants lie between rows
+    counts, stick : what was done; how many quadratures were not, since nothing slips
+    """
+
+    snapshot: Snapshot
+    balance: Array
+    least: float
+    slipped_share: float
+    each: Array
+    each_error: float
+    density: Array
+    density_error: float
+    loop: tuple[float, float] | None
+    spans: Sequence[Span]
+    increments: Array
+    counts: dict[str, int]
+    stick: int
 
 
 class Split(NamedTuple):
@@ -59,41 +89,30 @@ class Split(NamedTuple):
 def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
     """Friction work of the spans [energy per unit thickness]."""
     slipping = [span for span in smooth_spans(contact, spans) if span.direction and span.active is not None]
-    works, error = np.zeros(len(slipping)), 0.0
-    straight = np.array([_is_straight(span) and not uneven(contact, span) for span in slipping], dtype=bool)
-    for number in np.flatnonzero(~straight):
-        span = slipping[number]
-        works[number] = _work_of_curved(contact, span, [span.begin.time], [span.end.time])[0]
-    if np.any(straight):
-        works[straight] = _work_of_straight(contact, [span for span, here in zip(slipping, straight, strict=True) if here])
-    # One size for all: a short span by itself may be all rounding, and would never settle to its own.
-    size = float(np.sum(works))
-    for number in np.flatnonzero(~straight):
-        if uneven(contact, slipping[number]):
-            works[number], doubt = _settled_work(contact, slipping[number], size)
-            error += doubt
+    works = np.array([_work_of_span(contact, span, [span.begin.time], [span.end.time])[0] for span in slipping])
+    # One size for all: a short span by itself may be all rounding, and would never converge to its own.
+    size, error = float(np.sum(works)), 0.0
+    for number, span in enumerate(slipping):
+        if uneven(contact, span):
+
+            def part(_: Indices, begin: Array, end: Array, span: Span = span) -> Array:
+                return _work_of_span(contact, span, begin, end)
+
+            allowed = max(CONVERGED * size, float(_rounding(span, contact.log_area)[0]))
+            found = by_halving(part, [span.begin.time], [span.end.time], allowed)
+            works[number] = found.value[0]
+            error += float(found.error[0])
     forward = np.array([span.direction > 0 for span in slipping], dtype=bool)
     factor = 2 / (math.pi * modulus)
     return Split(factor * np.sum(works[forward]), factor * np.sum(works[~forward]), np.asarray(factor * error))
 
 
-def _work_of_curved(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike) -> Array:
+def _work_of_span(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike) -> Array:
     """f int w' Lam dt over parts of one span, from begin[k] to end[k]: (n,)."""
     times, weights = graded(begin, end)
     area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
     growth = rate(span.leg, level(span.direction, span.friction), times)
     return np.asarray(span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1))
-
-
-def _settled_work(contact: Contact, span: Span, size: float) -> tuple[float, float]:
-    """The same over the whole span, settled to 1e-12 of `size` or to its own rounding, and its error."""
-    allowed = max(SETTLED * size, float(_rounding(span, contact.log_area)[0]))
-
-    def work(_: Indices, begin: Array, end: Array) -> Array:
-        return _work_of_curved(contact, span, begin, end)
-
-    value, error = settled(work, [span.begin.time], [span.end.time], allowed)
-    return float(value[0]), float(error[0])
 
 
 def _rounding(span: Span, reach: Callable[[float, Array], Array]) -> Array:
@@ -111,28 +130,7 @@ def uneven(contact: Contact, span: Span) -> bool:
     if bends_anywhere(contact):
         return True
     arc = span.active is not None and span.active.arc is not None
-    return not isinstance(span.leg, EllipseLeg) and (arc or not isinstance(span.leg, StraightLeg | ParabolaLeg))
-
-
-def _is_straight(span: Span) -> bool:
-    """Whether P and P - P_c are linear in time."""
-    piece = span.active
-    return piece is not None and piece.arc is None and piece.bend == 0 and isinstance(span.leg, StraightLeg)
-
-
-def _work_of_straight(contact: Contact, spans: Sequence[Span]) -> Array:
-    """f int w' Lam dt of spans in which P and P - P_c are linear in time, all at once: (m,) [force^2 per thickness^2]."""
-    ends = [np.array([span.begin.time, span.end.time]) for span in spans]
-    load = np.array([(span.begin.normal, span.end.normal) for span in spans])
-    slipped = np.array([span.slipped_at(times, pair) for span, times, pair in zip(spans, ends, load, strict=True)])
-    growth = [float(change(span.leg, level(span.direction, span.friction), span.end.time, span.begin.time)) for span in spans]
-    part, weight = graded(0.0, 1.0)
-    works = []
-    for chunk in range(0, len(spans), _CHUNK):
-        here = slice(chunk, chunk + _CHUNK)
-        p, d = (values[here, :1] * (1 - part) + values[here, 1:] * part for values in (load, slipped))
-        works.append(np.sum(weight * contact.log_area(p, d), axis=1))
-    return spans[0].friction * np.maximum(np.array(growth), 0.0) * np.concatenate(works)
+    return span.leg.ellipse is None and (arc or not (span.leg.is_straight or span.leg.slope_and_bend(span.leg.end)))
 
 
 def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span], x: Array) -> Split:
@@ -151,24 +149,20 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
                     todo.append((span, here, begin, end, rough))
     error, size = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
     for span, here, begin, end, rough in todo:
-        value, doubt = _settled_at(contact, span, x[here], edge_load[here], begin[here], end[here], size)
-        work[span.direction][here] += value - rough
-        error[here] += doubt
+        at, edge = x[here], edge_load[here]
+
+        def part(which: Indices, low: Array, high: Array, span: Span = span, at: Array = at, edge: Array = edge) -> Array:
+            return _work_at(contact, span, at[which], edge[which], low, high)
+
+        def weighed(load: float, slipped: Array, at: Array = at, edge: Array = edge) -> Array:
+            reach = contact.reach(at, np.maximum(edge - (load - slipped), 0.0), load - slipped)
+            return np.asarray(contact.pressure(at, load) * reach)
+
+        found = by_halving(part, begin[here], end[here], max(CONVERGED * size, float(np.max(_rounding(span, weighed)))))
+        work[span.direction][here] += found.value - rough
+        error[here] += found.error
     factor = 2 / (math.pi * modulus)
     return Split(factor * work[1], factor * work[-1], factor * error)
-
-
-def _settled_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Array, end: Array, size: float) -> Settled:
-    """Work of one span at `x` (k,) from begin[k] to end[k], settled to 1e-12 of `size` or to its own rounding."""
-
-    def part(which: Indices, low: Array, high: Array) -> Array:
-        return _work_at(contact, span, x[which], edge_load[which], low, high)
-
-    def weighed(load: float, slipped: Array) -> Array:
-        reach = contact.reach(x, np.maximum(edge_load - (load - slipped), 0.0), load - slipped)
-        return np.asarray(contact.pressure(x, load) * reach)
-
-    return settled(part, begin, end, max(SETTLED * size, float(np.max(_rounding(span, weighed)))))
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
@@ -217,7 +211,8 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
     spans = smooth_spans(contact, spans)
     # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits, all along Q.
     size = 2 * abs(float(contact.log_distance(largest))) + abs(offset) * largest
-    doubt = _DIGITS_OF_SHIFT * spans[0].friction * size * sum(_travel(span) for span in spans)
+    ways = [span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))[1] for span in spans]
+    doubt = DIGITS_OF_SHIFT * spans[0].friction * size * sum(float(np.sum(np.abs(np.diff(way)))) for way in ways)
 
     def loop(some: Sequence[Span], rules: Sequence[tuple[Array, Array]]) -> float:
         snapshot = take((span, times) for span, (times, _) in zip(some, rules, strict=True))
@@ -225,27 +220,94 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
         rates = [rate(span.leg, Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(some, rules, strict=True)]
         return -float(np.sum(shift * np.concatenate(rates)))
 
-    def part(span: Span, low: float, high: float) -> float:
-        return loop([span], [graded(low, high)])
-
     even = [span for span in spans if not uneven(contact, span)]
     total = loop(even, [graded(span.begin.time, span.end.time) for span in even]) if even else 0.0
-    rough = [(span, part(span, span.begin.time, span.end.time)) for span in spans if uneven(contact, span)]
+    rough = [(span, loop([span], [graded(span.begin.time, span.end.time)])) for span in spans if uneven(contact, span)]
     # What is stored and given back may be much larger than the rest; a short part by itself may be all rounding.
     size = max(abs(total + sum(value for _, value in rough)), _STORED * sum(abs(value) for _, value in rough))
-    total += sum(_settled_loop(partial(part, span), span, max(size, abs(value))) for span, value in rough)
+    for span, value in rough:
+
+        def parts(_: Indices, begin: Array, end: Array, span: Span = span) -> Array:
+            return np.array([loop([span], [graded(low, high)]) for low, high in zip(begin.tolist(), end.tolist(), strict=True)])
+
+        total += float(by_halving(parts, [span.begin.time], [span.end.time], CONVERGED * max(size, abs(value))).value[0])
     return 2 / (math.pi * modulus) * total, 2 / (math.pi * modulus) * doubt
 
 
-def _travel(span: Span) -> float:
-    """Way of Q along a span, seen at five instants [force per thickness]."""
-    return float(np.sum(np.abs(np.diff(span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))[1]))))
+def work_over_points(contact: Contact, modulus: float, spans: Sequence[Span], work: float) -> Converged:
+    """Integral of W(x) over the whole contact [energy per unit thickness], and its error; `work` is about what it will be.
+
+    Cut at every kink of W(x); where fronts run by no formula W(x) may be steep anywhere, and is found by halving in between.
+    """
+
+    def rule(_: Indices, low: Array, high: Array) -> Array:
+        x, weight = graded(low, high)
+        density = pointwise_dissipation(contact, modulus, spans, x.ravel()).total
+        return 2 * np.sum(weight * density.reshape(x.shape), axis=-1)
+
+    marks = kinks(contact, spans)
+    if not any(uneven(contact, span) for span in spans):
+        whole = float(np.sum(rule(np.arange(len(marks) - 1), marks[:-1], marks[1:])))
+        return Converged(np.array(whole), np.array(0.0))
+    found = by_halving(rule, marks[:-1], marks[1:], CONVERGED * work)
+    return Converged(np.asarray(np.sum(found.value)), np.asarray(np.sum(found.error)))
 
 
-def _settled_loop(work: Callable[[float, float], float], span: Span, size: float) -> float:
-    """A part of a closed integral over one span, settled to 1e-12 of `size`."""
+def kinks(contact: Contact, spans: Sequence[Span]) -> Array:
+    """The x >= 0 between which W(x) is smooth, ascending: edges of contact and of stick where a span begins or ends.
 
-    def each(_: Indices, begin: Array, end: Array) -> Array:
-        return np.array([work(low, high) for low, high in zip(begin.tolist(), end.tolist(), strict=True)])
+    Spans that are cut at the corners of the profile count too: a front at a corner goes on with another speed, which the points
+    feel that come into contact at that instant.
+    """
+    marks = [np.asarray(getattr(contact, "breaks", ()), dtype=float)]
+    for span in smooth_spans(contact, spans):
+        times = np.array([span.begin.time, span.end.time])
+        load = span.leg.loads(times)[0]
+        marks += [contact.half_width(load), contact.half_width(np.maximum(load - span.slipped(times), 0.0))]
+    every = np.unique(np.concatenate(marks))
+    every = every[every <= max(float(np.max(half)) for half in marks[1:])]
+    return every[np.diff(every, prepend=-np.inf) > 1e-12 * every[-1]]
 
-    return float(settled(each, [span.begin.time], [span.end.time], SETTLED * size).value[0])
+
+class Converged(NamedTuple):
+    """Integrals (m,), and an estimate of the error of each: what the last halving changed.
+
+    Covered down to the floor of the rule: `graded` leaves 4e-12 of a part that has a pole beside its end, at whatever distance.
+    """
+
+    value: Array
+    error: Array
+
+
+def by_halving(work: Callable[[Indices, Array, Array], Array], begin: ArrayLike, end: ArrayLike, allowed: float) -> Converged:
+    """Integrals of m integrands, number k from begin[k] to end[k].
+
+    Parameters
+    ----------
+    work : work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from low[k] to high[k], (n,), by one rule
+    begin, end : (m,)
+    allowed : the change at which a part has converged, `CONVERGED` of their size where rounding leaves as much. A part of 2^-17 of
+        its range, or one that is not finite, is left as it is, and its error shows that.
+
+    >>> def midpoint(which, low, high):
+    ...     return (high - low) * (low + high) / 2
+    >>> by_halving(midpoint, [0.0, 1.0], [2.0, 3.0], CONVERGED).value.tolist()
+    [2.0, 4.0]
+    """
+    low, high = np.array(begin, dtype=float), np.array(end, dtype=float)
+    which = np.arange(len(low))
+    value, error = np.zeros(len(low)), np.zeros(len(low))
+    rough = work(which, low, high)
+    for turn in range(_HALVINGS + 1):
+        middle = (low + high) / 2
+        left, right = np.split(work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high]), 2)
+        change = np.abs(left + right - rough)
+        done = (change <= allowed) | ~np.isfinite(change) | (turn == _HALVINGS)
+        np.add.at(value, which[done], (left + right)[done])
+        np.add.at(error, which[done], change[done])
+        on = ~done
+        low, high = np.r_[low[on], middle[on]], np.r_[middle[on], high[on]]
+        which, rough = np.tile(which[on], 2), np.r_[left[on], right[on]]
+        if not len(which):
+            break
+    return Converged(value, error)

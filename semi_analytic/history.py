@@ -1,25 +1,39 @@
-"""The march along a load path: which stretch sticks, which slips, which piece of the memory is being erased, and when.
+"""Curved paths: which part of a leg sticks, which slips, which piece of the memory is being erased, and when (Masing's rule).
 
-A history is a sequence of spans, in each of which the memory curve keeps its structure: `base` untouched, on it the
-uppermost piece `active` up to a load that moves with time (the load itself while P follows the piece, the front P_c in
-slip), and in slip a line of slope +-f from there to (P, Q). Everything that is asked of a history later is evaluated span
-by span, for many instants at once.
+A history is a sequence of spans, in each of which the memory curve keeps its structure: `base` untouched, on it the uppermost
+piece `active` up to a load that moves with time (the load itself while P follows the piece, the front P_c in slip), and in slip a
+line of slope +-f from there to (P, Q). Everything that is asked of a history later is evaluated span by span, for many instants at
+once. Any path can be followed so; paths that are straight all along take `load_series`, which costs less.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import InadmissibleLoadError, Leg
-from semi_analytic.legs import NORMAL_LOAD, Instant, change, change_from, instant, level, rate, stretches, time_of
-from semi_analytic.memory import Curve, Piece, append, clip, cut, flat, level_on, same, slipped_load
-from semi_analytic.rounding import repeats_within, slipped_share
-from semi_analytic.sides import sides
+from scenes import InadmissibleLoadError, InputError, LoadPath, LoadSegment
+from semi_analytic.contact import Contact, corner_loads
+from semi_analytic.legs import (
+    NORMAL_LOAD,
+    Combination,
+    Instant,
+    change,
+    change_from,
+    instant,
+    level,
+    rate,
+    stationary,
+    stretches,
+    time_of,
+)
+from semi_analytic.memory import Curve, Piece, Snapshot, append, clip, cut, flat, level_on, pieces, same, slipped_load, value_on
+from semi_analytic.roundoff import repeats_within
 
 Array = NDArray[np.float64]
 
@@ -29,6 +43,12 @@ _ROUNDING = 1e-14
 _NEAR = 1e-14
 # Share of f P by which a front may miss the end of the piece that it meets.
 _LAST_DIGITS = 2e-15
+# Instants at which a piece without a formula for its crossings is looked at.
+_SAMPLES = 33
+# Instants of a cycle and of the initial loading where none are asked for.
+_INSTANTS, _INSTANTS_OF_LOADING = 400, 100
+# Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's own.
+_SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +72,7 @@ class Span:
     friction: float
 
     @property
-    def leg(self) -> Leg:
+    def leg(self) -> LoadSegment:
         """The leg of the load path that is being travelled."""
         return self.begin.leg
 
@@ -90,30 +110,7 @@ class Span:
         return clip(self.active, self.direction, self.friction, now, float(self.slipped(time)))
 
 
-@dataclass(frozen=True, eq=False)
-class History:
-    """The spans of a way in and of the cycles after it.
-
-    Attributes
-    ----------
-    way_in : spans before the first cycle
-    cycles : spans of each solved cycle
-    states : memory curve at the start of each cycle and at the end of the last
-    steady_from : index of the first cycle that ends in the state it started from, None if none did
-    """
-
-    way_in: tuple[Span, ...]
-    cycles: tuple[tuple[Span, ...], ...]
-    states: tuple[Curve, ...]
-    steady_from: int | None
-
-    @cached_property
-    def spans(self) -> tuple[Span, ...]:
-        """All spans in the order of time."""
-        return (*self.way_in, *(span for cycle in self.cycles for span in cycle))
-
-
-def check(legs: Sequence[Leg], friction: float) -> None:
+def check(legs: Sequence[LoadSegment], friction: float) -> None:
     """Raise InadmissibleLoadError at the first instant of gross sliding or separation on `legs`.
 
     |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any f.
@@ -124,7 +121,7 @@ def check(legs: Sequence[Leg], friction: float) -> None:
             _check_stretch(leg, begin, end, friction, _ROUNDING * scale)
 
 
-def _check_stretch(leg: Leg, begin: float, end: float, friction: float, slack: float) -> None:
+def _check_stretch(leg: LoadSegment, begin: float, end: float, friction: float, slack: float) -> None:
     last = instant(leg, end)
     limits = [(NORMAL_LOAD, -last.normal, "separation", slack)]
     limits += [
@@ -152,7 +149,7 @@ def _check_stretch(leg: Leg, begin: float, end: float, friction: float, slack: f
         raise InadmissibleLoadError(reason, time, where.normal, where.tangential, friction, seen)
 
 
-def march(curve: Curve, legs: Sequence[Leg], friction: float, delay: float) -> tuple[tuple[Span, ...], Curve]:
+def march(curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: float) -> tuple[tuple[Span, ...], Curve]:
     """Spans of the legs, and the memory curve at their end."""
     spans: list[Span] = []
     for leg in legs:
@@ -163,7 +160,7 @@ def march(curve: Curve, legs: Sequence[Leg], friction: float, delay: float) -> t
     return tuple(spans), curve
 
 
-def _stretch(curve: Curve, leg: Leg, begin: float, end: float, friction: float, delay: float) -> Iterator[Span]:
+def _stretch(curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float) -> Iterator[Span]:
     """Spans of a stretch on which neither P, u nor v turns round."""
     middle = (begin + end) / 2
     normal, tangential = (float(part) for part in leg.rates(middle))
@@ -241,30 +238,275 @@ def _retrace(curve: Curve, first: Instant, last: Instant, friction: float, delay
         yield Span(begin, last, delay, 0, curve, friction)
 
 
+def sides(curve: Curve, first: Instant, last: Instant, friction: float) -> list[tuple[float, float, int]]:
+    """(begin, end, direction) where the path runs above (+1), below (-1) or along (0) the curve that it unloads."""
+    runs: list[tuple[float, float, int]] = []
+    begin = first.time
+    for piece in pieces(curve):
+        drop = piece.bottom - first.normal
+        reached = float(change(first.leg, NORMAL_LOAD, last.time, first.time)) < drop
+        end = float(time_of(first.leg, NORMAL_LOAD, drop, first.time, last.time)) if reached else last.time
+        if end > begin:
+            runs += _sides_on(piece, first.leg, begin, end, friction)
+        begin = max(begin, end)
+        if not reached:
+            break
+    merged: list[tuple[float, float, int]] = []
+    for run in runs:
+        if merged and merged[-1][2] == run[2]:
+            merged[-1] = (merged[-1][0], run[1], run[2])
+        else:
+            merged.append(run)
+    return merged
+
+
+def _sides_on(piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float) -> list[tuple[float, float, int]]:
+    """The same while the load is within one piece: signs of Q - M(P) between its roots."""
+
+    def excess(time: ArrayLike) -> Array:
+        if piece.arc is None and piece.bend == 0:
+            return change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
+        normal, tangential = leg.loads(time)
+        return tangential - value_on(piece, np.clip(normal, piece.bottom, piece.anchor.normal))
+
+    turning = stationary(leg, Combination(-piece.slope, 1.0)) if piece.arc is None else []
+    count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
+    times = np.unique([*np.linspace(begin, end, count), *(time for time in turning if begin < time < end)])
+    noise = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
+    above = excess(times)
+    signs = np.where(np.abs(above) <= noise, 0, np.sign(above)).astype(int)
+    if not np.any(signs):
+        return [(begin, end, 0)]
+    known = np.flatnonzero(signs)
+    marks, directions = [begin], [int(signs[known[0]])]
+    for left, right in pairwise(known):
+        if signs[left] != signs[right]:
+            marks.append(_root(excess, float(times[left]), float(times[right])))
+            directions.append(int(signs[right]))
+    return list(zip(marks, [*marks[1:], end], directions, strict=True))
+
+
+def _root(function: Callable[[ArrayLike], Array], low: float, high: float) -> float:
+    """Bisection to the last digit."""
+    sign = np.sign(function(low))
+    while True:
+        middle = (low + high) / 2
+        if not low < middle < high:
+            return middle
+        if np.sign(function(middle)) == sign:
+            low = middle
+        else:
+            high = middle
+
+
 @dataclass(frozen=True)
 class Turn:
     """One revolution: its legs, and what makes their time the history's time."""
 
-    legs: tuple[Leg, ...]
+    legs: tuple[LoadSegment, ...]
     delay: float = 0.0
 
 
-def follow(way_in: Sequence[Leg], turns: Iterable[Turn], friction: float, *, repeat: bool = True) -> History:
-    """The history of a way in and of revolutions; where they `repeat` it stops after the first that ends as it began.
+@dataclass(frozen=True, eq=False)
+class History:
+    """The spans of an initial loading and of the cycles after it.
+
+    Attributes
+    ----------
+    loading : spans before the first cycle
+    cycles : spans of each solved cycle
+    states : memory curve at the start of each cycle and at the end of the last
+    steady_from : index of the first cycle that ends in the state it started from, None if none did
+    period : duration of a cycle, None for a path that does not repeat
+    covered : for each whole cycle that the answer covers, the index of the solved cycle that it is or is a copy of
+    loop : the ellipse, where that is the whole cycle
+    """
+
+    loading: tuple[Span, ...]
+    cycles: tuple[tuple[Span, ...], ...]
+    states: tuple[Curve, ...]
+    steady_from: int | None
+    period: float | None = None
+    covered: tuple[int, ...] = (0,)
+    loop: LoadSegment | None = None
+
+    @cached_property
+    def spans(self) -> tuple[Span, ...]:
+        """All spans in the order of time."""
+        return (*self.loading, *(span for cycle in self.cycles for span in cycle))
+
+    @property
+    def largest(self) -> float:
+        """The largest P at the ends of spans."""
+        return max(max(span.begin.normal, span.end.normal) for span in self.spans)
+
+    def is_loop(self, cycle: int) -> bool:
+        """Whether a solved cycle is the steady state of an ellipse."""
+        return self.loop is not None and self.steady_from is not None and cycle >= self.steady_from
+
+    @property
+    def repeats(self) -> bool:
+        """Whether cycles after the steady one are copies."""
+        return self.period is not None
+
+    @property
+    def long(self) -> bool:
+        """Whether the path is answered at its rows: it has none."""
+        return False
+
+    def default_times(self, steady: bool, _: bool = False) -> tuple[Array, int]:
+        """Instants evenly spread over each span, both its ends among them, about 400 a cycle; and how many are left out: none."""
+        groups = [(spans, _INSTANTS) for spans in (self.cycles[-1:] if steady else self.cycles)]
+        if not steady and self.loading:
+            groups.append((self.loading, _INSTANTS_OF_LOADING))
+        parts = []
+        for spans, count in groups:
+            whole = sum(span.end.time - span.begin.time for span in spans)
+            for span in spans:
+                number = max(math.ceil(count * (span.end.time - span.begin.time) / whole), 2)
+                parts.append(np.linspace(span.begin.time, span.end.time, number + 1) + span.delay)
+        return np.unique(np.concatenate(parts)), 0
+
+    def snapshot(self, time: Array) -> Snapshot:
+        """The memory curves at instants (n,); an instant between two spans belongs to the one that ends there.
+
+        Raises
+        ------
+        InputError
+            For a time outside the path.
+        """
+        spans, start = self.spans, self.spans[0].begin.time + self.spans[0].delay
+        begin, end, delay = (np.array(values) for values in zip(*((s.begin.time, s.end.time, s.delay) for s in spans), strict=True))
+        ends = end + delay
+        slack, inside = _SLACK * (ends[-1] - start), time
+        if self.period is not None:
+            inside = time - self.period * np.maximum(np.ceil((time - ends[-1] - slack) / self.period), 0.0)
+        if np.any(inside < start - slack) or np.any(inside > ends[-1] + slack):
+            raise InputError(f"time: outside the load path, which runs from {start:.6g} to {ends[-1]:.6g}")
+        # Less the slack: a turning point that somebody else found to rounding still belongs to the span that it ends.
+        number = np.minimum(np.searchsorted(ends, inside - slack, side="left"), len(spans) - 1)
+        local = np.clip(inside - delay[number], begin[number], end[number])
+        order = np.argsort(number, kind="stable")
+        numbers, starts = np.unique(number[order], return_index=True)
+        taken = take((spans[k], times) for k, times in zip(numbers, np.split(local[order], starts[1:]), strict=True))
+        back = np.argsort(order)
+        columns = ("time", "load", "force", "slipped", "direction", "which")
+        return replace(taken, **{name: getattr(taken, name)[back] for name in columns})
+
+
+def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: float) -> History:
+    """The history of an initial loading and of revolutions, up to the first that ends as it began.
 
     Raises
     ------
     InadmissibleLoadError
         Gross sliding or separation, with the instant and the loads.
     """
-    spans, curve = march(None, way_in, friction, 0.0)
+    spans, curve = march(None, loading, friction, 0.0)
     states, cycles, steady = [curve], [], None
     for number, turn in enumerate(turns):
         cycle, curve = march(curve, turn.legs, friction, turn.delay)
         cycles.append(cycle)
         states.append(curve)
-        if steady is None and same(states[-2], curve, friction, repeats_within(slipped_share(cycle))):
+        if same(states[-2], curve, friction, repeats_within(slipped_share(cycle))):
             steady = number
-            if repeat:
-                break
+            break
     return History(spans, tuple(cycles), tuple(states), steady)
+
+
+def is_plain_ellipse(segment: LoadSegment) -> bool:
+    """Whether a segment is the cycle of an `EllipseLoad`, from the paper's point A on; one of a `HarmonicLoad` starts at time 0."""
+    return segment.ellipse is not None and segment.ellipse.origin == 0 and segment.start != 0
+
+
+def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
+    """The history along a path: as many cycles as `time` needs; until it is steady where it needs none, `cycles` at most."""
+    check([*path.way_in, *path.cycle], friction)
+    if path.period is None:
+        return follow((), [Turn(path.way_in)], friction)
+    turns, whole = turns_of(path.cycle_start, path.period, cycles, time)
+    history = follow(path.way_in, (Turn(path.cycle, k * path.period) for k in range(turns)), friction)
+    solved = len(history.cycles)
+    covered = tuple(min(number, solved - 1) for number in range(whole or solved))
+    loop = path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None
+    return replace(history, period=path.period, covered=covered, loop=loop)
+
+
+def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tuple[int, int]:
+    """How many cycles have to be followed at most for the instants `time`, and how many whole ones these cover."""
+    if time is None:
+        return cycles, 0
+    revolutions = (float(np.max(time)) - start) / period
+    whole = max(math.floor(revolutions + _SLACK), 0)
+    reached = math.ceil(revolutions - _SLACK)
+    return (max(reached, 0) if whole else max(cycles, reached)), whole
+
+
+def slipped_share(spans: Sequence[Span]) -> float:
+    """Largest (P - P_c)/P of some spans, seen at their ends and half-way; 0 where nothing slips."""
+    deepest = max((span.deepest for span in spans), default=0.0)
+    largest = max((max(span.begin.normal, span.end.normal) for span in spans), default=0.0)
+    return deepest / largest if largest > 0 else 0.0
+
+
+def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
+    """The memory curves of spans at times (k,) of their legs, one after the other."""
+    times, loads, forces, slips, directions, counts = [], [], [], [], [], []
+    actives: list[Curve] = []
+    friction = 0.0
+    for span, time in parts:
+        load, force = span.leg.loads(time)
+        load = np.maximum(load, 0.0)  # a path that unloads fully may end below 0 by rounding
+        times.append(time)
+        loads.append(load)
+        forces.append(force)
+        slips.append(span.slipped_at(time, load))
+        directions.append(span.direction)
+        counts.append(len(time))
+        actives.append(span.active)
+        friction = span.friction
+    return Snapshot(
+        time=np.concatenate(times),
+        load=np.concatenate(loads),
+        force=np.concatenate(forces),
+        slipped=np.concatenate(slips),
+        direction=np.repeat(np.array(directions), counts),
+        which=np.repeat(np.arange(len(actives)), counts),
+        actives=tuple(actives),
+        friction=friction,
+    )
+
+
+def has_corners(contact: Contact) -> bool:
+    """Whether P(a) of the profile is smooth only in parts."""
+    return bool(getattr(contact, "breaks", ()))
+
+
+def smooth_spans(contact: Contact, spans: Sequence[Span]) -> Sequence[Span]:
+    """The spans, each cut at the times at which P or P_c is the load of a corner."""
+    loads = corner_loads(contact)
+    if not len(loads):
+        return spans
+    return [part for span in spans for part in _parts(span, loads)]
+
+
+def _parts(span: Span, loads: Array) -> list[Span]:
+    leg, first, last = span.leg, span.begin, span.end
+    inside = loads[(loads > min(first.normal, last.normal)) & (loads < max(first.normal, last.normal))]
+    times = time_of(leg, NORMAL_LOAD, inside - first.normal, first.time, last.time).tolist() if len(inside) else []
+    if span.direction and span.active is not None:
+        here = loads[(loads > span.active.bottom) & (loads < span.active.top)]
+        if len(here):
+            what = level(span.direction, span.friction)
+            amount = level_on(span.active, span.direction, span.friction, here)
+            amount = amount - float(change_from(span.active.anchor, leg, what, first.time))
+            times += time_of(leg, what, amount, first.time, last.time).tolist()
+    shortest = 1e-12 * max(abs(first.time), abs(last.time), last.time - first.time)
+    marks = [first.time]
+    for time in sorted(times):
+        if time - marks[-1] > shortest and last.time - time > shortest:
+            marks.append(time)
+    if len(marks) == 1:
+        return [span]
+    stations = [first, *(instant(leg, time) for time in marks[1:]), last]
+    return [replace(span, begin=begin, end=end) for begin, end in pairwise(stations)]

@@ -12,13 +12,14 @@ the load path (a straight line mostly), or an arc: a stretch of a curved leg tha
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import EllipseLeg, Leg, ParabolaLeg, StraightLeg
-from semi_analytic.legs import NORMAL_LOAD, Combination, Instant, change, change_from, level, mirrored, time_of
+from scenes import LoadSegment
+from semi_analytic.legs import NORMAL_LOAD, Combination, Instant, change, change_from, level, time_of
 
 Array = NDArray[np.float64]
 
@@ -101,21 +102,16 @@ def cut(curve: Curve, load: float) -> Curve:
     return curve._replace(top=load, arc=(curve.arc[0], float(front_time(curve, load))))
 
 
-def append(curve: Curve, leg: Leg, begin: float, end: Instant) -> Piece:
+def append(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
     """The curve with a stretch of `leg`, travelled in full stick, on top.
 
-    >>> leg = StraightLeg(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
+    >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
     >>> piece = append(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
     >>> piece.top, piece.slope, values(piece, [1.0]).tolist()
     (2.0, 0.5, [0.5])
     """
-    if isinstance(leg, StraightLeg):
-        slope = (leg.last[1] - leg.first[1]) / (leg.last[0] - leg.first[0])
-        return Piece(curve, end.normal, end, slope)
-    if isinstance(leg, ParabolaLeg):
-        alpha, beta = leg.coefficients
-        return Piece(curve, end.normal, end, alpha + 2 * beta * end.normal, beta)
-    return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time))
+    form = leg.slope_and_bend(end.time)
+    return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time)) if form is None else Piece(curve, end.normal, end, *form)
 
 
 def clip(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
@@ -140,7 +136,7 @@ def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> A
     return (direction * (piece.slope + piece.bend * step) - friction) * step
 
 
-def slipped_load(piece: Piece, direction: int, friction: float, leg: Leg, time: ArrayLike) -> Array:
+def slipped_load(piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike) -> Array:
     """P - P_c at `time` on `leg` while the front of slip in `direction` is inside `piece`, free of cancellation.
 
     The front is where s M(eta) - f eta equals the path's s Q - f P. On a line through the anchor `a` that gives
@@ -157,11 +153,12 @@ def slipped_load(piece: Piece, direction: int, friction: float, leg: Leg, time: 
     return change_from(piece.anchor, leg, NORMAL_LOAD, time) + back
 
 
-def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: Leg, time: ArrayLike) -> Array:
+def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike) -> Array:
     first, last = _whole_arc(piece)
     what, arc_leg = level(direction, friction), piece.anchor.leg
-    if arc_leg is leg and isinstance(leg, EllipseLeg):
-        return change(leg, NORMAL_LOAD, time, mirrored(leg, what, time, (first + last) / 2))
+    twin = leg.mirrored(what, time, (first + last) / 2) if arc_leg is leg else None
+    if twin is not None:
+        return change(leg, NORMAL_LOAD, time, twin)
     rise = change_from(piece.anchor, leg, what, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin, rounding would leave half the digits.
     front = time_of(arc_leg, what, rise, last, first)
@@ -184,3 +181,39 @@ def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) ->
     loads = np.unique(np.concatenate([knots[:-1] + (knots[1:] - knots[:-1]) * part for part in (0.25, 0.5, 0.75, 1.0)]))
     difference = np.abs(values(one, loads) - values(other, loads))
     return bool(np.all(difference <= tolerance * friction * top))
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The memory curves of many instants side by side.
+
+    Each is `actives[which]` up to the load `load - slipped`, and from there a line of slope `direction` f.
+
+    Attributes
+    ----------
+    time : (n,) times, of the spans' legs where the path was followed by spans
+    load, force : (n,) P and Q
+    slipped : (n,) P - P_c
+    direction : (n,) +1, -1 or 0
+    which : (n,) number of the uppermost piece among `actives`
+    actives : the different pieces (None: the front is at P_c = 0)
+    friction : f
+    """
+
+    time: Array
+    load: Array
+    force: Array
+    slipped: Array
+    direction: NDArray[np.int64]
+    which: NDArray[np.intp]
+    actives: tuple[Curve, ...]
+    friction: float
+
+    def groups(self) -> Iterator[tuple[Piece, NDArray[np.intp]]]:
+        """(piece, its instants) for every piece that is there."""
+        order = np.argsort(self.which, kind="stable")
+        numbers, starts = np.unique(self.which[order], return_index=True)
+        for number, here in zip(numbers, np.split(order, starts[1:]), strict=True):
+            piece = self.actives[number]
+            if piece is not None:
+                yield piece, here

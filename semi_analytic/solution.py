@@ -1,35 +1,58 @@
-"""From a scene to a ContactSolution: the fields at the points and instants that are asked for, and the dissipations."""
+"""From a scene to a ContactSolution: the fields at the points and instants that are asked for, and the dissipations.
+
+A scene's path is followed by `load_series` where all of it is straight, else by `history`; both leave an `Along`, and the rest does
+not ask which it was.
+"""
 
 from __future__ import annotations
 
 import math
+import platform
 import time as clock
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import cache
+from importlib import metadata
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import ContactSolution, Scene, freeze
+from scenes import (
+    OPEN,
+    SLIP_FORWARD,
+    SLIP_REVERSE,
+    STICK,
+    ContactSolution,
+    InputError,
+    Materials,
+    NotFoundError,
+    Record,
+    Scene,
+    Work,
+    freeze,
+)
 from scenes.frozen import validated
-from semi_analytic.bookkeeping import Dissipations, record_of, versions, work_of
-from semi_analytic.contact import bends_anywhere
-from semi_analytic.corners import has_corners
+from semi_analytic.contact import Contact, bends_anywhere, contact_of
+from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
-from semi_analytic.evaluation import grids_of, series_of
-from semi_analytic.friction_work import closed_integral_and_rounding, global_dissipation, pointwise_dissipation
-from semi_analytic.history import Span
-from semi_analytic.question import FIELDS, Question, arrays_of, ask, checked
-from semi_analytic.rounding import PROMISED, rounding_of_shift, rounding_of_slip, rounding_of_work, slipped_share
-from semi_analytic.route import Cycles
-from semi_analytic.row_solution import solve_rows
-from semi_analytic.steady_ellipse import Ellipses, density_of, dissipation_of, ellipses_of
-from semi_analytic.time_series import is_long
+from semi_analytic.fields import Integrals
+from semi_analytic.friction_work import Along, closed_integral_and_rounding, global_dissipation, pointwise_dissipation
+from semi_analytic.history import History, Span, has_corners, history_of, slipped_share
+from semi_analytic.load_series import LoadSeries, along_series, own_series, straight_series
+from semi_analytic.memory import Snapshot, pieces, value_on
+from semi_analytic.quadrature import NODES
+from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
+from semi_analytic.roundoff import PROMISED, rounding_of_shift, rounding_of_slip
+from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of
 
 Array = NDArray[np.float64]
 
 # Rounding of the closed integral of Q dU over the dissipation, above which it is no second route any more.
 _TOO_ROUGH = 1e-2
+# Errors that a note says, share of the largest value.
+_DOUBTFUL = 1e-9
 
 
 def solve(
@@ -48,7 +71,7 @@ def solve(
     scene : the question
     x : (n_points,) contact points [length]; 200 across the largest contact and a little beyond if None
     time : (n_steps,) instants, in any order; about 400 a cycle, all events among them, if None
-    cycles : "all" (the way in and every cycle up to the first steady one) or "steady" (that one only); no effect where
+    cycles : "all" (the initial loading and every cycle up to the first steady one) or "steady" (that one only); no effect where
         `time` is given
     fields : names out of `FIELDS`; the others come back as NaN (state: open) and are counted in `work.skipped`
     straight_steps : follow straight lines between the given times (ascending) instead of the scene's path: the polygon that a
@@ -58,9 +81,9 @@ def solve(
     -------
     ContactSolution. Its dissipations are those of the last whole cycle within `time`; where `time` holds none, or is not given,
     those of the steady cycle (of cycle number `scene.cycles` if none is steady before). Cycles after the steady one are looked
-    up, not solved. A time series of more than 1,000 rows is followed row by row: without `time` the answer is given at every
-    row, at about 400 of them with pointwise fields; a million rows take some seconds and memory for the rows asked for, W(x) of
-    them at 200 points half a minute to minutes: leave "dissipation_density" out of `fields` where it is not wanted.
+    up, not solved. A path of more than 1,000 rows is answered at every row where no `time` is given, at about 400 of them with
+    pointwise fields; a million rows take some seconds and memory for the rows asked for, W(x) of them at 200 points half a minute
+    to minutes: leave "dissipation_density" out of `fields` where it is not wanted.
 
     Raises
     ------
@@ -76,134 +99,290 @@ def solve(
     1.0
     """
     scene = validated(scene, Scene)
-    if is_long(scene) and not straight_steps:
-        return solve_rows(scene, *arrays_of(x, time, cycles), cycles, checked(fields))
+    wanted, points, asked = checked(fields, cycles), vector(x, "x"), vector(time, "time")
     started = clock.perf_counter()
-    question = ask(scene, x, time, cycles, fields, straight_steps)
-    marched = clock.perf_counter()
-    snapshot = question.snapshot()
-    series = series_of(question, snapshot)
-    grids = grids_of(question, snapshot, series["contact_half_width"], series["stick_half_width"])
+    contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient
+    path: LoadSeries | History | None
+    if straight_steps:
+        if asked is None:
+            raise InputError("straight_steps: give the times between which the steps are straight")
+        path = straight_series(scene.load.path(), friction, asked)
+    else:
+        path = own_series(scene, asked) or history_of(scene.load.path(), friction, scene.cycles, asked)
+    pointwise, left_out = not wanted.isdisjoint(POINTWISE), 0
+    if asked is None:
+        asked, left_out = path.default_times(cycles == "steady", pointwise)
+        path = replace(path, covered=path.covered[-1:]) if cycles == "steady" else path
+    if points is None:
+        needed = pointwise or "dissipation_density" in wanted or not path.long
+        points = mirrored_points(1.05 * float(contact.half_width(path.largest))) if needed else np.zeros(1)
+    request = Request(contact, composite_modulus(scene.material), asked, points, *folded(points), wanted)
+    followed = clock.perf_counter()
+    found = along_series(path, request) if isinstance(path, LoadSeries) else _along_spans(path, request)
+    worked = clock.perf_counter()
+    series = _series_of(request, found.snapshot)
+    grids = _grids_of(request, found.snapshot, series["contact_half_width"], series["stick_half_width"])
     evaluated = clock.perf_counter()
-    work_done = _dissipations(question)
-    errors = field_errors(question, snapshot, series, grids)
-    if "slip" in question.fields and (rounding := 8 * rounding_of_slip(slipped_share(question.route.history.spans))):
-        errors["slip"] = errors.get("slip", 0.0) + rounding
-    if "rigid_shift" in question.fields and (rounding := _rounding_of_shift(question, series)):
-        errors["rigid_shift"] = rounding
-    errors |= {name: doubt for name, doubt in work_done.doubts.items() if doubt and name in (*question.fields, "loop_work")}
-    seconds = {
-        "history": marched - started,
-        "fields": evaluated - marched,
-        "dissipation": clock.perf_counter() - evaluated,
-    }
-    arrays: dict[str, Any] = {**{name: freeze(values) for name, values in {**series, **work_done.arrays}.items()}, **grids}
+    arrays: dict[str, Any] = {name: freeze(values) for name, values in series.items()} | grids
+    work = float(found.each[-1])
+    loop = _second_route(found, work)
+    errors = _errors(request, found, series, grids, work, loop)
+    steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
+    notes = [*neglected_coupling(scene.material)]
+    if "dissipation" in wanted and path.period is not None and path.long:
+        notes.append("no closed integral of Q dU is taken over a long series: the dissipation was found in one way only")
+    elif "dissipation" in wanted and path.period is not None and not steady:
+        notes.append("the last cycle is not steady: no closed integral of Q dU to compare the dissipation with")
+    if left_out:
+        notes.append(
+            f"with pointwise fields the answer is given at {len(asked)} rows, {left_out} were left out; `time` chooses others"
+        )
+    notes += _doubts(errors)
+    counts = {"instants": len(asked), "points": len(points), "points_evaluated": len(request.distance)}
+    seconds = {"history": followed - started, "fields": evaluated - worked}
+    seconds["dissipation"] = worked - followed + clock.perf_counter() - evaluated
+    stick = float(contact.half_width(max(found.least, 0.0)))
+    termination, message = _ending(path)
     return ContactSolution(
         engine="semi_analytic",
         scene=scene,
-        time=freeze(question.time),
-        x=freeze(question.x),
-        dissipation=work_done.last,
-        loop_work=work_done.second_route,
-        permanent_stick_half_width=_permanent_stick(question),
-        steady_from=question.route.history.steady_from,
-        record=record_of(scene, question, snapshot, grids, errors),
-        work=work_of(scene, question, work_done, seconds),
-        settings={"cycles": cycles, "fields": sorted(question.fields), "straight_steps": straight_steps},
-        versions=versions(),
+        time=freeze(asked),
+        x=freeze(points),
+        dissipation=work,
+        loop_work=loop,
+        cycle_dissipation=freeze(found.each),
+        dissipation_density=freeze(found.density[request.fold]),
+        permanent_stick_half_width=stick if stick > 0 else math.nan,
+        steady_from=path.steady_from,
+        record=Record(
+            converged=True,
+            termination=termination,
+            message=message,
+            iterations=freeze(np.zeros(len(asked)), np.int64),
+            certificates=_admissibility(friction, found, grids, wanted),
+            energy={"dissipation": freeze(found.increments)} if len(found.increments) else {},
+            notes=tuple(notes),
+            errors=errors,
+        ),
+        work=Work(counts | {"cycles_solved": len(path.cycles)} | found.counts, _skipped(scene, path, request, found), seconds),
+        settings={"cycles": cycles, "fields": sorted(wanted), "straight_steps": straight_steps},
+        versions=dict(_versions()),
         **arrays,
     )
 
 
-def _rounding_of_shift(question: Question, series: dict[str, Array]) -> float:
-    shifts = math.pi * question.modulus / 2 * series["rigid_shift"]
-    return rounding_of_shift(question.friction, question.contact.log_distance(series["normal_load"]), shifts)
+# ------------------------------------------------------------------------------------------------------- a curved path
+def _along_spans(history: History, request: Request) -> Along:
+    """States at the instants of the request and the friction work of the cycles, span by span.
 
-
-def _dissipations(question: Question) -> Dissipations:
-    route, contact, modulus = question.route, question.contact, question.modulus
-    cycles, last = route.history.cycles, route.covered[-1]
-    density, each, second = np.full(len(question.distance), np.nan), np.full(len(route.covered), np.nan), math.nan
-    used: list[Span] = []
-    doubts: dict[str, float] = {}
-    if "dissipation_density" in question.fields:
-        density, doubts["dissipation_density"] = _density_of_cycle(question, last)
-        used.extend(cycles[last])
-    if "dissipation" in question.fields:
-        works = {number: _work_of_cycle(question, number) for number in set(route.covered)}
-        each = np.array([works[number][0] for number in route.covered])
-        doubts["dissipation"] = max(doubt for _, doubt in works.values())
-        used.extend(span for number in works for span in cycles[number])
-        steady = route.history.steady_from
-        if steady is not None and last >= steady:
-            second = _second_route(question, last, works[last][0])
-        own = doubts["dissipation"]
-        doubts["dissipation"] += dissipation_error(contact, cycles[last], modulus, float(each[-1]), second)
-        # Of the two routes W keeps more digits where slip is tiny: what they differ by is the error of the other one.
-        apart = own + abs(second / float(each[-1]) - 1) if math.isfinite(second) and each[-1] > 0 else 0.0
-        doubts["loop_work"] = apart if apart > PROMISED else 0.0
-        doubts["dissipation_density"] = doubts.get("dissipation_density", 0.0) + doubts["dissipation"]
-    slipping = sum(span.direction != 0 for span in used)
-    arrays = {"dissipation_density": density[question.fold], "cycle_dissipation": each}
-    return Dissipations(float(each[-1]), second, arrays, slipping, len(used) - slipping, doubts)
-
-
-def _second_route(question: Question, number: int, work: float) -> float:
-    """Closed integral of Q dU of a solved cycle that dissipates `work`; NaN where less than two digits of it are left."""
-    if not work:
-        return 0.0
-    spans = question.route.history.cycles[number]
-    value, rounding = closed_integral_and_rounding(question.contact, question.modulus, spans)
-    return value if rounding < _TOO_ROUGH * work else math.nan
-
-
-def _work_of_cycle(question: Question, number: int) -> tuple[float, float]:
-    """Friction work of a solved cycle and its relative error; a steady ellipse by formulas that keep their digits, however small
-    the slip.
+    W and W(x) of a steady ellipse come from formulas that keep their digits, however small the slip; where P may hardly grow, or
+    edges pass corners, one rule a phase is not enough: there spans are halved until that changes nothing.
     """
-    if _is_smooth_loop(question, number):
-        forward, reverse = dissipation_of(_loop(question), question.contact)
-        return _unit_of_work(question) * float(forward[0] + reverse[0]), 0.0
-    spans = question.route.history.cycles[number]
-    split = global_dissipation(question.contact, question.modulus, spans)
-    return float(split.total), (float(split.error / split.total) if split.error else 0.0) + rounding_of_work(spans)
+    contact, modulus, fields, last = request.contact, request.modulus, request.fields, history.covered[-1]
+    snapshot, friction = history.snapshot(request.time), history.spans[0].friction
+    balance = snapshot.direction * friction * snapshot.slipped - snapshot.force
+    for piece, here in snapshot.groups():
+        balance[here] += value_on(piece, (snapshot.load - snapshot.slipped)[here])
+    unit, turn, ellipse = 2 / (math.pi * modulus) * friction**2, history.loop.ellipse if history.loop is not None else None, None
+    if turn is not None and friction > 0 and not has_corners(contact):
+        ellipse = ellipses_of(*(np.array([v]) for v in (turn.mean[0], turn.amplitude[0], turn.amplitude[1], turn.phase, friction)))
+    works: dict[int, tuple[float, float]] = {}
+    used: list[Span] = []
+    for number in set(history.covered) if "dissipation" in fields else ():
+        spans = history.cycles[number]
+        used.extend(spans)
+        if ellipse is not None and history.is_loop(number):
+            works[number] = unit * float(sum(part[0] for part in dissipation_of(ellipse, contact))), 0.0
+        else:
+            split = global_dissipation(contact, modulus, spans)
+            own = float(split.error / split.total) if split.error else 0.0
+            works[number] = float(split.total), own + 3 * rounding_of_slip(slipped_share(spans))
+    density: Array = np.full(len(request.distance), np.nan)
+    density_error, spans = 0.0, history.cycles[last]
+    if "dissipation_density" in fields:
+        used.extend(spans)
+        if ellipse is not None and history.is_loop(last) and not bends_anywhere(contact):
+            members = ellipse.take(np.zeros(len(density), dtype=int))
+            density = unit * np.sum(density_of(members, contact, request.distance), axis=0)
+        else:
+            split = pointwise_dissipation(contact, modulus, spans, request.distance)
+            density, worst = split.total, float(np.max(split.error))
+            density_error = (worst / float(np.max(density)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
+    steady = bool(works) and history.steady_from is not None and last >= history.steady_from
+    loop = closed_integral_and_rounding(contact, modulus, spans) if steady and works[last][0] else (0.0, 0.0)
+    slipping = sum(span.direction != 0 for span in used)
+    fronts = [span.leg.loads(time)[0] - span.slipped(time) for span in spans for time in (span.begin.time, span.end.time)]
+    return Along(
+        snapshot=snapshot,
+        balance=balance,
+        least=float(min(fronts)),
+        slipped_share=slipped_share(history.spans),
+        each=np.array([works[number][0] if works else math.nan for number in history.covered]),
+        each_error=max((error for _, error in works.values()), default=0.0),
+        density=density,
+        density_error=density_error,
+        loop=loop if steady else None,
+        spans=spans,
+        increments=np.empty(0),
+        counts={
+            "spans": len(history.spans),
+            "pieces_alive": max(sum(1 for _ in pieces(span.active)) for span in history.spans),
+            "slip_quadratures": slipping,
+            "quadrature_nodes": slipping * NODES,
+        },
+        stick=len(used) - slipping,
+    )
 
 
-def _density_of_cycle(question: Question, number: int) -> tuple[Array, float]:
-    """W(x) of a solved cycle, (k,), and its error over its largest value."""
-    x = question.distance
-    # One rule a phase is not enough where P may hardly grow: spans are halved until they settle.
-    if _is_smooth_loop(question, number) and not bends_anywhere(question.contact):
-        forward, reverse = density_of(_loop(question).take(np.zeros(len(x), dtype=int)), question.contact, x)
-        return _unit_of_work(question) * (forward + reverse), 0.0
-    spans = question.route.history.cycles[number]
-    split = pointwise_dissipation(question.contact, question.modulus, spans, x)
-    worst = float(np.max(split.error))
-    return split.total, (worst / float(np.max(split.total)) if worst else 0.0) + rounding_of_work(spans)
+# ------------------------------------------------------------------------------------------------- fields at instants
+def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
+    """Loads, half-widths, edges and rigid movements: (n,) or (n, 2); NotFoundError where no half-width was found for a load."""
+    contact, fields = request.contact, request.fields
+    factor, nothing = 2 / (math.pi * request.modulus), np.full(len(request.time), np.nan)
+    front = snapshot.load - snapshot.slipped
+    half = _half_width(contact, snapshot.load)
+    slid = np.flatnonzero(snapshot.slipped)
+    stick = half.copy()
+    stick[slid] = _half_width(contact, front[slid])
+    stick[(front <= 0) & (stick == 0)] = np.nan
+    shift = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0] if "rigid_shift" in fields else nothing
+    return {
+        "normal_load": snapshot.load,
+        "tangential_load": snapshot.force,
+        "rigid_shift": factor * shift,
+        "rigid_approach": factor * contact.log_distance(snapshot.load) if "rigid_approach" in fields else nothing,
+        "contact_half_width": half,
+        "stick_half_width": stick,
+        "contact_edges": half[:, None] * np.array([-1.0, 1.0]),
+        "stick_edges": stick[:, None] * np.array([-1.0, 1.0]),
+    }
 
 
-def _is_smooth_loop(question: Question, number: int) -> bool:
-    """Whether a cycle is the steady state of an ellipse whose work the formulas of `steady_ellipse` give."""
-    return question.route.is_loop(number) and question.friction > 0 and not has_corners(question.contact)
+def _half_width(contact: Contact, load: Array) -> Array:
+    """a(P), (n,): an inverse that was not found, NaN, must not go on as an answer."""
+    half = contact.half_width(load)
+    lost = np.flatnonzero(~np.isfinite(half))
+    if len(lost):
+        raise NotFoundError(f"no half-width was found for the normal load {float(load[lost[0]]):.17g}")
+    return half
 
 
-def _loop(question: Question) -> Ellipses:
-    leg = question.route.loop
-    assert leg is not None
-    loads = (leg.mean[0], leg.amplitude[0], leg.amplitude[1], leg.phase, question.friction)
-    return ellipses_of(*(np.array([value]) for value in loads))
+def _grids_of(request: Request, snapshot: Snapshot, half: Array, stick: Array) -> dict[str, NDArray[Any]]:
+    """pressure, shear, slip, state: (n, m), read-only; whatever was not asked for is NaN (open) and takes no room.
+
+    NotFoundError where a value that is due was not found; tractions are infinite at the tip of a sharp wedge.
+    """
+    contact, x, fields = request.contact, request.distance, request.fields
+    shape = (len(request.time), len(request.fold))
+    grids: dict[str, NDArray[Any]] = {name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")}
+    grids["state"] = np.broadcast_to(np.int8(OPEN), shape)
+    found: dict[str, NDArray[Any]] = {}
+    if "pressure" in fields:
+        found["pressure"] = contact.pressure(x, snapshot.load[:, None])
+    if "shear" in fields:
+        found["shear"] = Integrals(contact, x, "shear").over(snapshot)
+    if "slip" in fields:
+        found["slip"] = 2 / (math.pi * request.modulus) * Integrals(contact, x, "slip").over(snapshot)
+    if "state" in fields:
+        sliding = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)[snapshot.direction + 1][:, None]
+        inner = np.where(x > np.nan_to_num(stick)[:, None], sliding, np.int8(STICK))
+        found["state"] = np.where((x <= half[:, None]) & (snapshot.load[:, None] > 0), inner, np.int8(OPEN))
+    for name, values in found.items():
+        due = np.isfinite(values)
+        if name in ("pressure", "shear"):
+            due |= np.isinf(values) & (x == 0)
+        if not np.all(due):
+            instant, point = (int(each[0]) for each in np.nonzero(~due))
+            raise NotFoundError(f"no {name} was found at |x| = {x[point]:.17g}, time {request.time[instant]:.17g}")
+        grid = values.take(request.fold, axis=1)
+        grid.flags.writeable = False
+        grids[name] = grid
+    return grids
 
 
-def _unit_of_work(question: Question) -> float:
-    return 2 / (math.pi * question.modulus) * question.friction**2
+# ------------------------------------------------------------------------------------- what a solution says of itself
+def _second_route(found: Along, work: float) -> float:
+    """Closed integral of Q dU of a cycle that dissipates `work`; NaN where less than two digits of it are left."""
+    if found.loop is None:
+        return math.nan
+    value, rounding = found.loop
+    return (value if rounding < _TOO_ROUGH * work else math.nan) if work else 0.0
 
 
-def _permanent_stick(question: Question) -> float:
-    """Half-width of what sticks through the whole last cycle; NaN if nothing does."""
-    fronts: list[float] = []
-    for span in question.route.history.cycles[question.route.covered[-1]]:
-        ends = np.array([span.begin.time, span.end.time])
-        fronts.extend((span.leg.loads(ends)[0] - span.slipped(ends)).tolist())
-    least = max(min(fronts), 0.0)
-    half = float(question.contact.half_width(least))
-    return half if half > 0 else math.nan
+def _errors(
+    request: Request, found: Along, series: dict[str, Array], grids: dict[str, NDArray[Any]], work: float, loop: float
+) -> dict[str, float]:
+    """Estimated errors of what was asked for, where they are more than what closed forms promise; see `errors`."""
+    fields, friction = request.fields, found.snapshot.friction
+    errors = field_errors(request, found.snapshot, series, grids)
+    if "slip" in fields and (digits := 8 * rounding_of_slip(found.slipped_share)):
+        errors["slip"] = errors.get("slip", 0.0) + digits
+    if "rigid_shift" in fields:
+        shifts = math.pi * request.modulus / 2 * series["rigid_shift"]
+        errors["rigid_shift"] = rounding_of_shift(friction, request.contact.log_distance(series["normal_load"]), shifts)
+    errors["dissipation_density"] = found.density_error
+    if "dissipation" in fields:
+        apart = found.each_error + abs(loop / work - 1) if math.isfinite(loop) and work > 0 else 0.0
+        errors["dissipation"] = found.each_error + dissipation_error(request.contact, found.spans, request.modulus, work, loop)
+        errors["dissipation_density"] += errors["dissipation"]
+        # Of the two routes W keeps more digits where slip is tiny: what they differ by is the error of the other one.
+        errors["loop_work"] = apart if apart > PROMISED else 0.0
+    names = (*fields, "loop_work", "pressure at the edge", "shear at the edge")
+    return {name: error for name, error in errors.items() if error and name in names}
+
+
+def _doubts(errors: Mapping[str, float]) -> Iterator[str]:
+    for name, error in errors.items():
+        if error > _DOUBTFUL and "edge" not in name:
+            size = "it" if name in ("dissipation", "loop_work") else "the largest value"
+            yield f"{name}: quadratures and rounding may have left an error of {error:.1e} of {size}"
+
+
+def neglected_coupling(material: Materials) -> Iterator[str]:
+    """A sentence where the materials couple normal and shear tractions, which half-plane theory here leaves out."""
+    beta = coupling_constant(material)
+    if beta != 0:
+        yield f"Dundurs' beta = {beta:.6g}: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
+
+
+def _admissibility(friction: float, found: Along, grids: Mapping[str, NDArray[Any]], fields: frozenset[str]) -> dict[str, Array]:
+    """|M(P) - Q| over f max P, and the largest |q| - f p over f max p where both were asked for; both (n,) and 0 at best."""
+    tiny = np.finfo(float).tiny
+    checks = {"tangential_balance": freeze(np.abs(found.balance) / max(friction * float(np.max(found.snapshot.load)), tiny))}
+    if "pressure" in fields and "shear" in fields:
+        # At the tip of a wedge p is infinite: no q is outside the cone there, and none is a measure of the others.
+        bounded = np.isfinite(grids["pressure"])
+        limit = friction * np.where(bounded, grids["pressure"], 0.0)
+        beyond = np.max(np.abs(np.where(bounded, grids["shear"], 0.0)) - limit, axis=1, initial=0.0)
+        checks["cone"] = freeze(beyond / max(float(np.max(limit)), tiny))
+    return checks
+
+
+def _ending(path: LoadSeries | History) -> tuple[str, str]:
+    """(termination, message) of the record."""
+    if path.period is None:
+        return "end of path", "the path was followed to its end"
+    if path.steady_from is None:
+        return "end of path", f"no steady cycle among the first {len(path.cycles)}"
+    return "steady", f"cycle {path.steady_from + 1} ends in the state it started from"
+
+
+def _skipped(scene: Scene, path: LoadSeries | History, request: Request, found: Along) -> dict[str, tuple[int, str]]:
+    """What was skipped, with count and reason: fields not asked for, copies of a steady cycle, quadratures of full stick."""
+    skipped = {name: (len(request.time), "not asked for") for name in FIELDS if name not in request.fields}
+    copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
+    if path.repeats and path.steady_from is not None and copies > 0:
+        skipped["cycles"] = (copies, f"copies of cycle {path.steady_from + 1}, which is steady")
+    if found.stick:
+        skipped["quadratures"] = (found.stick, "full stick: nothing slips")
+    return skipped
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Versions of what the numbers depend on."""
+    try:
+        own = metadata.version("halfplane")
+    except metadata.PackageNotFoundError:
+        own = "not installed"
+    return {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__, "halfplane": own}

@@ -14,8 +14,9 @@ import mpmath as mp
 import numpy as np
 
 from scenes import CallableProfile, PowerLaw
+from semi_analytic.contact import contact_of
+from semi_analytic.history import history_of
 from semi_analytic.memory import pieces
-from semi_analytic.question import FIELDS, ask
 
 LONG = np.longdouble
 PI = LONG("3.14159265358979323846264338327950288")
@@ -220,9 +221,9 @@ class Oracle:
     """Every field of one scene; `at` gives those of one of `times` at points x."""
 
     def __init__(self, scene, times, step=0.2):
-        self.question = ask(scene, [0.0], times, "all", FIELDS, False)
-        self.snapshot, self.step = self.question.snapshot(), step
-        self.law, self.contact = law_of(scene.profile), self.question.contact
+        history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles, np.array(times, dtype=float))
+        self.snapshot, self.step = history.snapshot(np.array(times, dtype=float)), step
+        self.law, self.contact = law_of(scene.profile), contact_of(scene.profile, scene.material)
         self.datum = LONG(scene.profile.datum_length)
         self.known = {}
 

@@ -10,9 +10,8 @@ from types import ModuleType
 import pytest
 
 from scenes import Scene, TimeSeriesLoad, load_scene, scene_names
-from semi_analytic import history
+from semi_analytic import load_series
 from semi_analytic.hertz import HertzContact
-from semi_analytic.memory import slipped_load
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 
@@ -72,7 +71,14 @@ def test_a_field_of_hertz_that_is_wrong_by_a_hundredth_is_seen(
 
 def test_an_edge_of_stick_that_is_wrong_is_seen(regress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     """P - P_c by a thousandth too large: the edge itself is frozen, not its least value only."""
-    monkeypatch.setattr(history, "slipped_load", lambda *asked: 1.001 * slipped_load(*asked))
+    follow = load_series.follow
+
+    def wrong(*asked):
+        block = follow(*asked)
+        slipped, after = 1.001 * block.records.slipped, 1.001 * block.records.slipped_after
+        return block._replace(records=block.records._replace(slipped=slipped, slipped_after=after))
+
+    monkeypatch.setattr(load_series, "follow", wrong)
     monkeypatch.setattr(regress, "scene_names", lambda: ("unload-reload",))
     edge = {line.quantity: line for line in regress.lines(stored())}["stick half-width"]
     assert edge.drift > 1e-5

@@ -103,12 +103,12 @@ def test_lines_within_the_cone_dissipate_nothing(amplitude, tangential, phase):
 def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     """Forward, reverse, pointwise and global, both senses: one quadrature along a marched history, one in closed-form angles."""
     from semi_analytic.friction_work import global_dissipation, pointwise_dissipation
-    from semi_analytic.route import own_route
+    from semi_analytic.history import history_of
 
     q1 = use * friction * (1 - ratio)
     scene = make_scene(ellipse(1.0, ratio, 0.0, q1, math.degrees(phase)), friction, flat)
     contact = contact_of(scene.profile, scene.material)
-    spans = own_route(scene.load.path(), friction, 6, None).history.cycles[-1]
+    spans = history_of(scene.load.path(), friction, 6).cycles[-1]
     angle = math.radians(math.degrees(phase))
     marched = global_dissipation(contact, 1.0, spans)
     batch = dissipation(

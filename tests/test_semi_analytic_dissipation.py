@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scenes import load_scene
 from semi_analytic import solve
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.settling import SETTLED, settled
+from semi_analytic.friction_work import CONVERGED, by_halving
 from semi_analytic_cases import REFERENCE, ellipse, make_scene, polygon, reference_scene
 
 ONLY = ("dissipation",)
@@ -174,7 +174,7 @@ def test_halving_ends_between_neighbouring_numbers():
         assert len(rounds) < 40, "a loop without end"
         return np.ones(len(which))
 
-    found = settled(rough, [1.0], [1.0 + 1e-13], SETTLED)
+    found = by_halving(rough, [1.0], [1.0 + 1e-13], CONVERGED)
     assert len(rounds) == 19
     assert found.error[0] > 0
 
@@ -186,5 +186,5 @@ def test_what_is_not_finite_is_not_halved():
         rounds.append(len(which))
         return np.full(len(which), np.nan)
 
-    assert np.isnan(settled(lost, [0.0], [1.0], SETTLED).value[0])
+    assert np.isnan(by_halving(lost, [0.0], [1.0], CONVERGED).value[0])
     assert rounds == [1, 2]

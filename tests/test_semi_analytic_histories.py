@@ -21,18 +21,18 @@ from scenes import (
     ellipse_segment,
     load_scene,
 )
-from semi_analytic import FIELDS, solve, time_series
+from semi_analytic import FIELDS, solution, solve
 from semi_analytic.legs import NORMAL_LOAD, Combination, stationary
-from semi_analytic.stack import Stack, follow_rows
+from semi_analytic.load_series import follow, knots_of
 from semi_analytic_cases import ellipse, make_scene, polygon
 
 X = np.linspace(0, 2.3, 12)
 
 
-def by_rows(scene, **options):
-    """The answer through the stack."""
+def by_spans(scene, **options):
+    """The answer by the engine of curved paths."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(time_series, "LONG", 0)
+        patch.setattr(solution, "own_series", lambda scene, time: None)
         return solve(scene, **options)
 
 
@@ -92,7 +92,7 @@ def test_harmonics_by_two_routes_and_by_many_rows(load):
     exact = solve(scene, x=X)
     assert exact.loop_work == pytest.approx(exact.dissipation, rel=1e-11, abs=0)
     assert max(float(np.max(values)) for values in exact.record.certificates.values()) < 1e-13
-    coarse, fine = (by_rows(make_scene(series_of(load.path(), n), friction=0.8)).dissipation for n in (1001, 4001))
+    coarse, fine = (solve(make_scene(series_of(load.path(), n), friction=0.8)).dissipation for n in (1001, 4001))
     assert abs(coarse / exact.dissipation - 1) > 8 * abs(fine / exact.dissipation - 1)
     assert fine == pytest.approx(exact.dissipation, rel=1e-5, abs=0)
 
@@ -155,7 +155,7 @@ def test_constant_q_dissipates_nothing_and_constant_p_what_mindlin_says():
 @pytest.mark.parametrize("repeats", [False, True])
 @given(data=st.data())
 @settings(max_examples=15)
-def test_rows_through_the_stack_are_rows_through_the_engine(flat, repeats, data):
+def test_rows_as_a_series_are_rows_as_a_curved_path(flat, repeats, data):
     """The lean way and the general one: every field, at rows and between them."""
     size = st.floats(0.05, 1.0)
     corners = data.draw(st.lists(st.tuples(size, st.floats(-0.97, 0.97)), min_size=2, max_size=25, unique=True))
@@ -165,7 +165,7 @@ def test_rows_through_the_stack_are_rows_through_the_engine(flat, repeats, data)
     scene = make_scene(TimeSeriesLoad(rows=rows, repeats=repeats), friction=friction, flat=flat)
     # Not at the middle of a step: that may be where nothing slips for an instant, which both may call as they like.
     time = np.arange(1.0, len(rows) + 1.9 * repeats, 0.37)
-    lean, full = by_rows(scene, time=time, x=X[:5]), solve(scene, time=time, x=X[:5])
+    lean, full = solve(scene, time=time, x=X[:5]), by_spans(scene, time=time, x=X[:5])
     top = max(p for p, _ in corners)
     scale = {"dissipation": (friction * top) ** 2, "cycle_dissipation": (friction * top) ** 2, "dissipation_density": top}
     for name in ("pressure", "shear", "slip", "rigid_shift", "rigid_approach", *scale):
@@ -185,17 +185,16 @@ def test_rows_that_hardly_slip_are_steady_when_the_engine_says_so(corners, flat)
     """However far P goes: what counts is how deep the front of slip went, 1e-12 of P and less."""
     rows = [[k + 1.0, p, 0.7 * p * use] for k, (p, use) in enumerate([*corners, corners[0]])]
     scene = make_scene(TimeSeriesLoad(rows=rows, repeats=True), friction=0.7, flat=flat)
-    lean, full = by_rows(scene, x=X[:5]), solve(scene, x=X[:5])
+    lean, full = solve(scene, x=X[:5]), by_spans(scene, x=X[:5])
     assert lean.steady_from == full.steady_from == 1
     assert lean.dissipation == pytest.approx(full.dissipation, rel=1e-3, abs=0)
 
 
-def test_a_long_series_answers_what_is_asked_and_nothing_else(monkeypatch):
+def test_a_long_series_answers_what_is_asked_and_nothing_else():
     """Counts of the work: no curve without a field, no quadrature without the dissipation, no field off the instants asked for."""
     t = np.arange(1.0, 1202)
     rows = np.stack([t, 2 + np.cos(0.31 * t), 0.5 * np.sin(0.57 * t)], axis=1)
     scene = make_scene(TimeSeriesLoad(rows=rows))
-    assert time_series.is_long(scene)
     bare = solve(scene, fields=())
     assert (bare.work.counts["curves"], bare.work.counts["slip_quadratures"]) == (0, 0)
     assert len(bare.time) == 1202
@@ -208,8 +207,7 @@ def test_a_long_series_answers_what_is_asked_and_nothing_else(monkeypatch):
     assert np.all(work.record.energy["dissipation"] >= 0)
     two = solve(scene, x=X, time=[600.5, 3.0], fields=("shear",))
     assert (two.work.counts["curves"], two.work.counts["slip_quadratures"]) == (2, 0)
-    monkeypatch.setattr(time_series, "LONG", 10_000)
-    np.testing.assert_allclose(two.shear, solve(scene, x=X, time=[600.5, 3.0], fields=("shear",)).shear, atol=1e-13)
+    np.testing.assert_allclose(two.shear, by_spans(scene, x=X, time=[600.5, 3.0], fields=("shear",)).shear, atol=1e-13)
 
 
 def test_a_long_series_with_all_fields_says_what_it_left_out():
@@ -237,24 +235,23 @@ def test_steps_cost_the_same_however_many_went_before():
     for count in (1000, 4000, 16000):
         t = np.arange(count) * 0.37
         normal, tangential = 2 + np.cos(t) + 0.3 * np.cos(2.7 * t), 0.5 * np.sin(1.3 * t) + 0.2 * np.sin(0.31 * t)
-        followed = follow_rows(Stack(1.0), normal, tangential)
-        assert followed.dropped <= 2 * count
-        assert len(followed.records.row) <= 2 * count
-        assert followed.alive < 40
+        block = follow(None, np.stack([normal, tangential], axis=1), 1.0)
+        assert len(block.records.row) <= 2 * count
+        assert block.alive < 40
 
 
 def test_dying_swings_stay_alive_until_a_larger_one_erases_them():
     swings = np.array([(-1) ** k * 0.6 * (1 - k / 1001) for k in range(1000)])
-    stack = Stack(1.0)
-    follow_rows(stack, np.concatenate([[1.0], np.ones(1000)]), np.concatenate([[0.0], swings]))
-    assert 900 < len(stack.loads) <= 1003
-    follow_rows(stack, np.ones(1), np.array([0.65]))
-    assert len(stack.loads) <= 3
+    rows = np.stack([np.r_[0.0, np.ones(1001)], np.r_[0.0, 0.0, swings]], axis=1)
+    curve = follow(None, rows, 1.0).curve
+    assert 900 < len(knots_of(curve)[0]) <= 1003
+    curve = follow(curve, np.array([rows[-1], [1.0, 0.65]]), 1.0).curve
+    assert len(knots_of(curve)[0]) <= 3
 
 
 def test_a_series_that_repeats_is_followed_until_it_is_steady():
     load = series_of(ellipse(3.0, 1.0, 1.1, 1.0, 90.0).path(), 2001)
-    solution = by_rows(make_scene(load), fields=("dissipation",))
+    solution = solve(make_scene(load), fields=("dissipation",))
     assert solution.steady_from == 1
     assert solution.record.message == "cycle 2 ends in the state it started from"
     assert solution.cycle_dissipation[0] > solution.cycle_dissipation[1]
@@ -266,7 +263,7 @@ def test_a_series_that_repeats_is_followed_until_it_is_steady():
 def test_shakedown_of_a_series_is_told():
     """Slip on the way in, none ever after."""
     load = TimeSeriesLoad(rows=[[0, 2, 1.0], [1, 3, 1.2], [2, 2, 1.0]], repeats=True)
-    solution = by_rows(make_scene(load, friction=0.8))
+    solution = solve(make_scene(load, friction=0.8))
     assert solution.dissipation == 0
     assert solution.steady_from is not None
 
@@ -300,23 +297,23 @@ def test_the_start_is_forgotten(ratio, use, phase, detours):
 )
 def test_inadmissible_rows_are_refused_with_the_instant(rows, why):
     with pytest.raises(InadmissibleLoadError, match=why):
-        by_rows(make_scene(TimeSeriesLoad(rows=rows), friction=1.0))
+        solve(make_scene(TimeSeriesLoad(rows=rows), friction=1.0))
 
 
 @pytest.mark.parametrize("repeats", [False, True])
 def test_an_instant_outside_the_rows_is_refused(repeats):
     load = TimeSeriesLoad(rows=[[1, 2, 0.5], [2, 1, 0], [3, 2, 0.5]], repeats=repeats)
     with pytest.raises(InputError, match="time: outside the load path, which runs from"):
-        by_rows(make_scene(load), time=[-3.0, 1.0])
+        solve(make_scene(load), time=[-3.0, 1.0])
     if not repeats:
         with pytest.raises(InputError, match="outside the load path"):
-            by_rows(make_scene(load), time=[3.5])
+            solve(make_scene(load), time=[3.5])
 
 
 def test_full_unloading_and_loading_again():
     rows = [[0, 1, 0.6], [1, 0, 0], [2, 1, 0.1]]
     scene = make_scene(TimeSeriesLoad(rows=rows), friction=0.7)
-    assert by_rows(scene).dissipation == pytest.approx(solve(scene, fields=("dissipation",)).dissipation, rel=1e-11, abs=0)
+    assert solve(scene).dissipation == pytest.approx(by_spans(scene, fields=("dissipation",)).dissipation, rel=1e-11, abs=0)
 
 
 CORNERED = {
@@ -337,7 +334,7 @@ def test_rows_over_corners_of_the_profile_dissipate_what_legs_do(profile):
     scene = make_scene(TimeSeriesLoad(rows=rows)).vary(profile=profile)
     x = np.linspace(0.8, 1.5, 8)
     asked = ("dissipation", "dissipation_density")
-    one, other = solve(scene, x=x, fields=asked), by_rows(scene, x=x, fields=asked)
+    one, other = by_spans(scene, x=x, fields=asked), solve(scene, x=x, fields=asked)
     assert other.dissipation == pytest.approx(one.dissipation, rel=1e-11, abs=0)
     np.testing.assert_allclose(
         other.dissipation_density, one.dissipation_density, rtol=0, atol=1e-11 * np.max(one.dissipation_density)

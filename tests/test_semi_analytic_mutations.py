@@ -7,9 +7,11 @@ import pytest
 
 import semi_analytic.fields
 import semi_analytic.history
+import semi_analytic.load_series
 from scenes import StraightSegment, SurfaceState, load_scene
 from semi_analytic import solve
 from semi_analytic.fields import Integrals
+from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
 
 NAMES = ("cattaneo-mindlin", "hertz-paper")
@@ -59,18 +61,28 @@ def drop_history(monkeypatch):
         return march(curve, legs, friction, delay)
 
     monkeypatch.setattr(semi_analytic.history, "march", forgetful)
+    step = semi_analytic.load_series._step
+
+    def forgetful_step(curve, *given):
+        return step(None if curve is None else Knot(None, *curve[1:3], *curve[1:3], 1), *given)
+
+    monkeypatch.setattr(semi_analytic.load_series, "_step", forgetful_step)
 
 
 def flip_change_of_shear(monkeypatch):
     """Slip to the left where it should go to the right."""
     level = semi_analytic.history.level
     monkeypatch.setattr(semi_analytic.history, "level", lambda direction, friction: level(-direction, friction))
+    slip = semi_analytic.load_series._slip
+    monkeypatch.setattr(semi_analytic.load_series, "_slip", lambda curve, s, *given: slip(curve, -s, *given))
 
 
 def forget_friction(monkeypatch):
     """The line of slip has slope 0."""
     clip = semi_analytic.history.clip
     monkeypatch.setattr(semi_analytic.history, "clip", lambda curve, s, f, end, slipped: clip(curve, s, 0.0, end, slipped))
+    slip = semi_analytic.load_series._slip
+    monkeypatch.setattr(semi_analytic.load_series, "_slip", lambda *given: slip(*given)._replace(rise=0.0))
 
 
 def shear_is_pressure(monkeypatch):

@@ -9,8 +9,8 @@ from scenes import SurfaceState, load_scene
 from semi_analytic import solve
 from semi_analytic.contact import contact_of
 from semi_analytic.friction_work import global_dissipation, slip_times
+from semi_analytic.history import history_of
 from semi_analytic.profiles import flat_and_rounded
-from semi_analytic.route import own_route
 from semi_analytic_cases import ellipse, make_scene
 
 SCENE = load_scene("hertz-paper")
@@ -76,7 +76,7 @@ def test_contact_slips_forward_twice_as_long_but_a_particle_does_not():
     The paper concludes that the mean forward slip velocity is the lower one. But the front passes x at |V| (1 - cos) before G and
     at |U| (1 - cos) before M, and here |U| = |V|: at x = 0.77 both slips take the same time for the same distance.
     """
-    spans = own_route(SCENE.load.path(), 1.0, 6, None).history.cycles[-1]
+    spans = history_of(SCENE.load.path(), 1.0, 6).cycles[-1]
     spent = {s: sum(span.end.time - span.begin.time for span in spans if span.direction == s) for s in (1, -1)}
     assert (spent[1], spent[-1]) == pytest.approx((math.pi, math.pi / 2), rel=1e-12)
     contact = contact_of(SCENE.profile, SCENE.material)
@@ -133,7 +133,7 @@ def test_density_leaves_the_stick_edge_as_power_three_halves_and_meets_the_outer
 
 
 def test_most_of_the_work_is_done_in_forward_slip_confirmed():
-    spans = own_route(SCENE.load.path(), 1.0, 6, None).history.cycles[-1]
+    spans = history_of(SCENE.load.path(), 1.0, 6).cycles[-1]
     split = global_dissipation(contact_of(SCENE.profile, SCENE.material), 1.0, spans)
     assert split.forward / split.total > 0.8
 

@@ -11,9 +11,8 @@ from scenes import Compound, EllipseLoad, FlatRounded, Hertz, PowerLaw, Tabulate
 from semi_analytic import dissipation, solve
 from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.friction_work import closed_integral, global_dissipation
-from semi_analytic.over_points import work_over_points
-from semi_analytic.route import own_route
+from semi_analytic.friction_work import closed_integral, global_dissipation, work_over_points
+from semi_analytic.history import history_of
 from semi_analytic_cases import ellipse, make_scene
 
 LONG = {"harmonics", "time-series"}  # W(x) by halving, 25 s; 75 kinks, 2 s
@@ -21,8 +20,8 @@ LONG = {"harmonics", "time-series"}  # W(x) by halving, 25 s; 75 kinks, 2 s
 
 def setup(scene):
     """Contact, E*, spans of the last cycle."""
-    route = own_route(scene.load.path(), scene.friction.coefficient, scene.cycles, None)
-    return contact_of(scene.profile, scene.material), composite_modulus(scene.material), route.history.cycles[-1]
+    history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
+    return contact_of(scene.profile, scene.material), composite_modulus(scene.material), history.cycles[-1]
 
 
 def batch(scene):

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from scenes import EvenPolynomial, Tabulated
 from scenes.loads import CallableLoad, HarmonicLoad, TimeSeriesLoad
-from semi_analytic import friction_work, profiles, settling, solve
+from semi_analytic import friction_work, profiles, solve
 from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.friction_work import closed_integral, global_dissipation, pointwise_dissipation
+from semi_analytic.friction_work import CONVERGED, by_halving, closed_integral, global_dissipation, pointwise_dissipation
+from semi_analytic.history import history_of
 from semi_analytic.quadrature import graded
-from semi_analytic.route import own_route
 from semi_analytic_cases import ellipse, make_scene, polygon
 from semi_analytic_truth import slip_of_an_arc
 
@@ -105,10 +105,10 @@ def test_harmonics_balance_their_energy(normal, tangential, squeeze, use):
     normal = [(squeeze * (amplitude / sizes[0]), phase) for amplitude, phase in normal]
     tangential = [(use * 0.5 * (1 - squeeze) * (amplitude / sizes[1]), phase) for amplitude, phase in tangential]
     scene = make_scene(HarmonicLoad(mean_normal_load=1.0, normal_harmonics=normal, tangential_harmonics=tangential), 0.5)
-    route = own_route(scene.load.path(), 0.5, 6, None)
-    assert route.history.steady_from is not None
+    history = history_of(scene.load.path(), 0.5, 6)
+    assert history.steady_from is not None
     contact, modulus = contact_of(scene.profile, scene.material), composite_modulus(scene.material)
-    spans = route.history.cycles[-1]
+    spans = history.cycles[-1]
     work = float(global_dissipation(contact, modulus, spans).total)
     assert closed_integral(contact, modulus, spans) == pytest.approx(work, rel=1e-9, abs=1e-13)
     solution = solve(scene, x=[0.0], fields=(), time=8 * np.pi + ANGLES)
@@ -146,8 +146,7 @@ def test_start_up_plays_no_part_in_the_steady_cycle(points):
         mean_normal_load=1.0, normal_harmonics=[(0.3, 0)], tangential_harmonics=[(0.05, 80), (0.1, 20)], way_in=corners
     )
     scene = make_scene(load, 0.5)
-    route = own_route(scene.load.path(), 0.5, 6, None)
-    assert route.history.steady_from in (0, 1)
+    assert history_of(scene.load.path(), 0.5, 6).steady_from in (0, 1)
     straight = make_scene(load.vary(way_in="straight"), 0.5)
     expected = solve(straight, x=[0.0], fields=("dissipation",)).dissipation
     assert solve(scene, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(expected, rel=1e-9, abs=0)
@@ -185,10 +184,10 @@ def test_nasty_harmonics_against_thirty_digits(name):
 def test_error_of_pointwise_work_is_honest(monkeypatch):
     """Halved once only, W(x) is out by 3e-13 and the estimate says 4e-8, what the first pass was out by; left to itself, 1e-15."""
     case, scene = NASTY["square wave"], nasty_scene("square wave")
-    spans = own_route(scene.load.path(), scene.friction.coefficient, 6, None).history.cycles[-1]
+    spans = history_of(scene.load.path(), scene.friction.coefficient, 6).cycles[-1]
     contact, exact = contact_of(scene.profile, scene.material), np.array([float(value) for value in case["density"]])
     for halvings, most, least in ((0, 1e-6, 1e-9), (17, 1e-11, 0.0)):
-        monkeypatch.setattr(settling, "_HALVINGS", halvings)
+        monkeypatch.setattr(friction_work, "_HALVINGS", halvings)
         found = pointwise_dissipation(contact, 1.0, spans, np.array(case["x"]))
         assert np.all(np.abs(found.total - exact) <= found.error + 2e-15 * np.max(exact))
         assert least < np.max(found.error) / np.max(exact) < most
@@ -197,7 +196,7 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
 def test_work_that_does_not_settle_is_noted(monkeypatch):
     scene = nasty_scene("square wave")
     assert solve(scene, x=[0.7, 0.9], fields=("dissipation_density",)).record.notes == ()
-    monkeypatch.setattr(settling, "_HALVINGS", 0)
+    monkeypatch.setattr(friction_work, "_HALVINGS", 0)
     (note,) = solve(scene, x=[0.7, 0.9], fields=("dissipation_density",)).record.notes
     assert note.startswith("dissipation_density: quadratures and rounding may have left an error of")
 
@@ -214,7 +213,7 @@ def test_settled_integrals_and_what_they_say_of_themselves(width, settles):
         return np.sum(weights * integrand(nodes), axis=-1)
 
     exact = 2 / width * math.atan(1 / width) if width else -2 / 3
-    found = settling.settled(work, [-1.0], [1.0], settling.SETTLED * abs(exact))
+    found = by_halving(work, [-1.0], [1.0], CONVERGED * abs(exact))
     # A pole beside an end of a part costs the rule 4e-12 however short the part: that it cannot see.
     assert abs(found.value[0] - exact) <= found.error[0] + 3e-11 * abs(exact)
     assert bool(found.error[0] <= 1e-10 * abs(exact)) is settles
@@ -223,14 +222,14 @@ def test_settled_integrals_and_what_they_say_of_themselves(width, settles):
 def test_rounding_ends_the_halving(monkeypatch):
     """A path that sticks slips by the last digits of its loads: halved to the end, that took 130,000 parts, and 8 GB."""
     parts = []
-    rule = friction_work._work_of_curved
+    rule = friction_work._work_of_span
 
     def counted(contact, span, begin, end):
         parts.append(np.size(begin))
         assert sum(parts) < 1000
         return rule(contact, span, begin, end)
 
-    monkeypatch.setattr(friction_work, "_work_of_curved", counted)
+    monkeypatch.setattr(friction_work, "_work_of_span", counted)
     load = CallableLoad(
         normal_load=lambda t: 0.8 + 0.7 * math.cos(t),
         tangential_load=lambda t: 0.03 * math.cos(t + 3.1415926535897927),

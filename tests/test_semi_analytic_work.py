@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from scenes import CallableLoad
-from semi_analytic import solve, time_series
+from semi_analytic import solve
+from semi_analytic.history import history_of
 from semi_analytic.memory import values
-from semi_analytic.question import ask
 from semi_analytic_cases import brute_force_curve, make_scene, polygon
 from semi_analytic_draws import LOADS, PROFILES, extreme
 from semi_analytic_fronts import LONG, memory
@@ -34,11 +34,11 @@ ALL = [(profile, load) for profile in PROFILES for load in LOADS if (profile, lo
 
 
 def work_of(profile, load):
-    """The scene, the engine's question and the same cycle by brute force."""
+    """The scene, the engine's spans and the same cycle by brute force."""
     scene = extreme(profile, load)
-    asked = ask(scene, [0.0], None, "all", ("dissipation",), False)
+    history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
     parts = max(PARTS.get(profile, 1), PARTS.get(load, 1))
-    return scene, asked, Work(scene, asked.route.covered[-1], parts=parts)
+    return scene, history, Work(scene, history.covered[-1], parts=parts)
 
 
 def edges_of(work):
@@ -82,9 +82,8 @@ def test_work_of_every_profile_and_load_by_brute_force(profile, load):
 
 
 @pytest.mark.parametrize("profile", ["hardly growing", "compound"])
-def test_work_of_rows_by_brute_force(monkeypatch, profile):
-    """Through the stack: W was 1.7e-8 off where P hardly grows and W(x) 3.9e-8, and the record said 1.4e-12."""
-    monkeypatch.setattr(time_series, "LONG", 0)
+def test_work_of_rows_by_brute_force(profile):
+    """W was 1.7e-8 off where P hardly grows and W(x) 3.9e-8, and the record said 1.4e-12."""
     agrees(profile, "rows")
 
 
@@ -114,9 +113,9 @@ def slipped_at(work, span, time):
 @pytest.mark.parametrize("load", LOADS)
 def test_fronts_and_the_memory_curve_straight_from_the_path(load):
     """P_c to 1e-14 of P, M(eta) to 1e-15 f P. Just after a turn on harmonics P_c was 1.2e-11 off, 1/5,000 of what had slipped."""
-    _, asked, work = work_of("hertz", load)
+    _, history, work = work_of("hertz", load)
     top, checked = 2.0, 0
-    for span in asked.route.history.cycles[-1]:
+    for span in history.cycles[-1]:
         for part in (1e-4, 0.1, 0.6, 0.999):
             time = LONG(span.begin.time + (span.end.time - span.begin.time) * part)
             if time - span.begin.time < 1e-7:  # what brute force itself knows so soon after a turn has less digits

@@ -19,8 +19,7 @@ from scenes import ContactSolution, EllipseLoad, InputError, Scene, freeze, load
 from semi_analytic.contact import Contact, contact_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import pointwise_dissipation
-from semi_analytic.history import Span
-from semi_analytic.route import own_route
+from semi_analytic.history import Span, history_of
 
 Array = NDArray[np.float64]
 
@@ -128,8 +127,7 @@ class Case:
     @cached_property
     def slipping(self) -> Mapping[str, tuple[Span, ...]]:
         """The steady cycle's spans of slip by the paper's phases EG, IJ and JM."""
-        route = own_route(self.scene.load.path(), self.friction, self.scene.cycles, None)
-        spans = route.history.cycles[-1]
+        spans = history_of(self.scene.load.path(), self.friction, self.scene.cycles).cycles[-1]
         first = min(span.begin.time for span in spans if span.direction > 0)
         change = first + self.time("J") - self.time("I")
         middle = {span: (span.begin.time + span.end.time) / 2 for span in spans}

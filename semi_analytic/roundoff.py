@@ -5,14 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from semi_analytic.history import Span
 
 Array = NDArray[np.float64]
 
@@ -25,21 +19,9 @@ PROMISED = 1e-12
 """Closed forms promise that much, see `errors`; what rounding adds is told where it is more."""
 
 
-def slipped_share(spans: Sequence[Span]) -> float:
-    """Largest d/P of some spans, seen at their ends and half-way; 0 where nothing slips."""
-    deepest = max((span.deepest for span in spans), default=0.0)
-    largest = max((max(span.begin.normal, span.end.normal) for span in spans), default=0.0)
-    return deepest / largest if largest > 0 else 0.0
-
-
 def repeats_within(share: float) -> float:
     """Share of f P within which a cycle counts as repeated: 1e-12, but no more than 1e-4 of what slips (`share` of P)."""
     return min(_REPEATS, max(_OF_SLIP * share, _LEAST))
-
-
-def rounding_of_work(spans: Sequence[Span]) -> float:
-    """Relative error of the friction work of some spans by the last digits of P; 0 where it is below what closed forms promise."""
-    return 3 * rounding_of_slip(slipped_share(spans))
 
 
 def rounding_of_slip(share: float) -> float:

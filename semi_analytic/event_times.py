@@ -19,12 +19,11 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from scenes import EllipseLeg, InputError, Leg, Scene
+from scenes import InputError, LoadSegment, Scene
 from scenes.frozen import validated
-from semi_analytic.history import Span
+from semi_analytic.history import History, Span, history_of, is_plain_ellipse
 from semi_analytic.legs import NORMAL_LOAD, Combination, change, level, phasor, stationary
 from semi_analytic.memory import Curve
-from semi_analytic.route import Route, own_route
 
 # Time, over itself or 1, within which two events are one.
 _SAME = 1e-9
@@ -68,7 +67,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
     'ABCDEFGHIKJLM'
     """
     scene = validated(scene, Scene)
-    route = own_route(scene.load.path(), scene.friction.coefficient, scene.cycles, None)
+    route = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
     plain = _merged(sorted(_plain(route), key=lambda event: event.time))
     return tuple(_lettered(plain, route))
 
@@ -92,10 +91,10 @@ def event(scene: Scene, letter: str) -> Event:
     raise InputError(f"events: the scene {scene.name!r} has no event {letter!r} among {LETTERS}")
 
 
-def _plain(route: Route) -> Iterator[Event]:
+def _plain(route: History) -> Iterator[Event]:
     """Events without letters, several at one instant perhaps."""
-    groups: list[tuple[str, Sequence[Span]]] = [("way in", route.history.way_in)] if route.history.way_in else []
-    groups += [(f"cycle {number}", cycle) for number, cycle in enumerate(route.history.cycles, 1)]
+    groups: list[tuple[str, Sequence[Span]]] = [("way in", route.loading)] if route.loading else []
+    groups += [(f"cycle {number}", cycle) for number, cycle in enumerate(route.cycles, 1)]
     for label, spans in groups:
         for before, span in zip([None, *spans[:-1]], spans, strict=True):
             name = _change_of_state(before, span) or f"{label} starts"
@@ -104,7 +103,7 @@ def _plain(route: Route) -> Iterator[Event]:
                 yield _at(before, before.end.time, name)
             for name, time in _extremes(span):
                 yield _at(span, time, name)
-    last = route.history.spans[-1]
+    last = route.spans[-1]
     yield _at(last, last.end.time, "the path ends" if route.period is None else "the last cycle ends")
 
 
@@ -136,7 +135,7 @@ def _extremes(span: Span) -> Iterator[tuple[str, float]]:
                 yield f"{word} {'largest' if _bend(span.leg, what, time) < 0 else 'least'}", time
 
 
-def _bend(leg: Leg, what: Combination, time: float) -> float:
+def _bend(leg: LoadSegment, what: Combination, time: float) -> float:
     """Sign of the second derivative."""
     width = 1e-3 * (leg.end - leg.start)
     return float(change(leg, what, time + width, time)) + float(change(leg, what, time - width, time))
@@ -144,7 +143,7 @@ def _bend(leg: Leg, what: Combination, time: float) -> float:
 
 def _turning(span: Span, what: Combination) -> list[float]:
     """Times at which the combination turns, the ends of the leg among them where the leg is smooth beyond."""
-    if not isinstance(span.leg, EllipseLeg):
+    if not is_plain_ellipse(span.leg):
         return stationary(span.leg, what)
     return stationary(replace(span.leg, start=span.leg.start - 0.1, end=span.leg.end + 0.1), what)
 
@@ -170,7 +169,7 @@ def _merged(found: Sequence[Event]) -> list[Event]:
     return [one for one in merged if not one.name.endswith("goes on")]
 
 
-def _lettered(plain: Sequence[Event], route: Route) -> Iterator[Event]:
+def _lettered(plain: Sequence[Event], route: History) -> Iterator[Event]:
     """The same events with letters, where the cycle is an ellipse with an area."""
     times = _letter_times(route)
     for one in plain:
@@ -178,13 +177,14 @@ def _lettered(plain: Sequence[Event], route: Route) -> Iterator[Event]:
         yield Event("".join(letters), one.name, one.time, one.normal_load, one.tangential_load, one.front_load)
 
 
-def _letter_times(route: Route) -> dict[str, float]:
+def _letter_times(route: History) -> dict[str, float]:
     """When the paper's letters are, for an ellipse; C and D fall together, as K and L do, only on a line."""
-    if route.loop is None or route.history.steady_from is None or not route.history.spans:
+    if route.loop is None or route.steady_from is None or not route.spans:
         return {}
-    leg, friction = route.loop, route.history.spans[0].friction
-    area = leg.amplitude[0] * leg.amplitude[1] * math.sin(leg.phase)
-    if abs(area) <= 1e-12 * leg.amplitude[0] * leg.amplitude[1]:
+    leg, friction, ellipse = route.loop, route.spans[0].friction, route.loop.ellipse
+    assert ellipse is not None  # for the type checker: `loop` is one
+    area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase)
+    if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
     sense = 1 if area > 0 else -1
     force = Combination(0.0, float(sense))
@@ -197,7 +197,7 @@ def _letter_times(route: Route) -> dict[str, float]:
     return times | {"J": 2 * times["I"] - times["G"]}
 
 
-def _times_of(leg: EllipseLeg, combinations: dict[str, Combination]) -> dict[str, float]:
+def _times_of(leg: LoadSegment, combinations: dict[str, Combination]) -> dict[str, float]:
     """A time of the largest and of the least value of each combination, keyed with + and -; the combination of v is -v."""
     times: dict[str, float] = {}
     for key, what in combinations.items():
