@@ -16,18 +16,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semi_analytic.contact import Contact, bends_anywhere
+from scenes import NotFoundError
+from semi_analytic.contact import Contact, bends_anywhere, corner_loads
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span, smooth_spans, take
 from semi_analytic.legs import LEAST, NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
-from semi_analytic.memory import Snapshot, level_on
-from semi_analytic.quadrature import graded
+from semi_analytic.load_series import Block, Records
+from semi_analytic.memory import level_on
+from semi_analytic.quadrature import NODES, ROOTS, gauss, graded
 from semi_analytic.roundoff import LAST_DIGITS
 
 Array = NDArray[np.float64]
@@ -37,40 +39,17 @@ CONVERGED = 1e-12
 # How often a range is halved at most: parts of 1/131,072 of it are left as they are.
 _HALVINGS = 17
 _STORED = 1e-3
-DIGITS_OF_SHIFT = 5e-16
-"""Share of the rigid shift U, as a sum of logarithms times loads, that its last digits may be off."""
-
-
-@dataclass(frozen=True, eq=False)
-class Along:
-    """What a followed path leaves for an answer, whichever way it was followed.
-
-    Attributes
-    ----------
-    snapshot : memory curves at the instants; without their pieces where no field needs them
-    balance : (n,) M(P) - Q there
-    least, slipped_share : least P_c of the last cycle, largest (P - P_c)/P of all that was followed
-    each, each_error : (n_cycles,) friction work of the covered cycles, NaN where it was not wanted; largest relative error
-    density, density_error : (k,) W(x) of the last cycle, NaN likewise; its error over its largest value
-    loop : closed integral of Q dU of the last cycle and what rounding may have left in it; None where it is not steady
-    spans : of the last cycle, none for straight steps
-    increments : (n,) friction work since the instant before, empty where instants lie between rows
-    counts, stick : what was done; how many quadratures were not, since nothing slips
-    """
-
-    snapshot: Snapshot
-    balance: Array
-    least: float
-    slipped_share: float
-    each: Array
-    each_error: float
-    density: Array
-    density_error: float
-    loop: tuple[float, float] | None
-    spans: Sequence[Span]
-    increments: Array
-    counts: dict[str, int]
-    stick: int
+# Share of U, as a sum of logarithms times loads, that its last digits may be off.
+_DIGITS_OF_SHIFT = 5e-16
+# Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the singularity. Above, graded, which
+# takes 193: a million rows would take ten times as long. Close behind a corner, 24 that crowd to both ends.
+_RULE, _SHARES, _COUNTS = 3e-13, (0.05, 0.3, 0.6, 0.9), (4, 6, 12, 24)
+# Records of a block that are looked at for the error of W.
+_SAMPLE = 200
+# Half-widths over the largest: 7 % apart a root of dP/da at 0.73 +- 0.24 i leaves 4e-14 of W, 16 % apart 2e-11.
+_LADDER = 2.0 ** -np.arange(0.1, 5.0, 0.1)
+# Quadrature nodes that are held at a time.
+_CHUNK = 200_000
 
 
 class Split(NamedTuple):
@@ -201,22 +180,20 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
 def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:
     """The same, and what the last digits of the rigid shift U may have left in it.
 
-    Written as -int (U - lambda Q) dQ with any lambda, since the integral of Q dQ vanishes: the datum is set so that the logarithm
-    is nothing where the contact is largest. That keeps the digits where it hardly varies, as for a face that is nearly all flat.
+    Written as -int U dQ, of which any multiple of the integral of Q dQ, which vanishes, may be taken away.
     """
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
-    contact = replace(contact, datum_length=float(contact.half_width(largest)) / 2)
+    contact = _flat_at(contact, largest)
     integrals = Integrals(contact, np.zeros(1), "shift")
-    offset = float(contact.log_ratio(largest))
     spans = smooth_spans(contact, spans)
     # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits, all along Q.
-    size = 2 * abs(float(contact.log_distance(largest))) + abs(offset) * largest
+    size = 2 * abs(float(contact.log_distance(largest)))
     ways = [span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))[1] for span in spans]
-    doubt = DIGITS_OF_SHIFT * spans[0].friction * size * sum(float(np.sum(np.abs(np.diff(way)))) for way in ways)
+    doubt = _DIGITS_OF_SHIFT * spans[0].friction * size * sum(float(np.sum(np.abs(np.diff(way)))) for way in ways)
 
     def loop(some: Sequence[Span], rules: Sequence[tuple[Array, Array]]) -> float:
         snapshot = take((span, times) for span, (times, _) in zip(some, rules, strict=True))
-        shift = integrals.over(snapshot)[:, 0] - offset * snapshot.force
+        shift = integrals.over(snapshot)[:, 0]
         rates = [rate(span.leg, Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(some, rules, strict=True)]
         return -float(np.sum(shift * np.concatenate(rates)))
 
@@ -231,6 +208,144 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
             return np.array([loop([span], [graded(low, high)]) for low, high in zip(begin.tolist(), end.tolist(), strict=True)])
 
         total += float(by_halving(parts, [span.begin.time], [span.end.time], CONVERGED * max(size, abs(value))).value[0])
+    return 2 / (math.pi * modulus) * total, 2 / (math.pi * modulus) * doubt
+
+
+def _flat_at(contact: Contact, largest: float) -> Contact:
+    """The contact with the datum of U set so that ln(2 L/a) is nothing where the contact is largest.
+
+    That keeps the digits of a closed integral where the logarithm hardly varies, as for a face that is nearly all flat.
+    """
+    return replace(contact, datum_length=float(contact.half_width(largest)) / 2)
+
+
+Values = Callable[[Indices, Array, Array], Array]
+"""Something along records number (n,) at P and P - P_c (n, k): (n, k)."""
+
+
+def _crowded() -> tuple[Array, Array]:
+    """Gauss' rule in t on [0, 1] of 3 t^2 - 2 t^3."""
+    t, weight = gauss(_COUNTS[-1])
+    return t * t * (3 - 2 * t), weight * 6 * t * (1 - t)
+
+
+def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, int]:
+    """Mean of `values` along each record, (m,), and how many nodes it took.
+
+    P and P_c are linear along a record. The integrand is singular where either would be 0, beyond an end, if they went on, and
+    where it would be at the corner below: as d^(3/2) only, which nodes that crowd to both ends resolve.
+    """
+    parts = _split(contact, records)
+    corners, tiny = corner_loads(contact), np.finfo(float).tiny
+    shares = []  # how much of the way to 0, and to the corner below, a part takes
+    for base in (np.empty(0), corners):
+        share = np.zeros(len(parts.row))
+        for pair in ((parts.load, parts.load_after), (parts.load - parts.slipped, parts.load_after - parts.slipped_after)):
+            low, high = np.minimum(*pair), np.maximum(*pair)
+            below = np.append(0.0, base)[np.searchsorted(base, (low + high) / 2)]
+            share = np.maximum(share, 1 - np.maximum(low - below, 0.0) / np.maximum(high - below, tiny))
+        shares.append(share)
+    which = np.searchsorted(_SHARES, shares[0])
+    which[(which < len(_SHARES)) & (shares[1] > np.maximum(shares[0], _SHARES[0]))] = len(_SHARES) + 1
+    result, nodes = np.zeros(len(records.row)), 0
+    for number, (part, weight) in enumerate([*(gauss(count) for count in _COUNTS), (ROOTS.up, ROOTS.share), _crowded()]):
+        some = parts.take(np.flatnonzero(which == number))
+        load = some.load[:, None] + (some.load_after - some.load)[:, None] * part
+        slipped = some.slipped[:, None] + (some.slipped_after - some.slipped)[:, None] * part
+        means = some.until * np.sum(weight * values(some.row, load, np.clip(slipped, 0.0, load)), axis=1)
+        result += np.bincount(some.row, means, len(result))
+        nodes += load.size
+    return result, nodes
+
+
+def _split(contact: Contact, records: Records) -> Records:
+    """The records in parts between which neither P nor P_c passes a load at which a(P) is not smooth.
+
+    `row` of a part is the number of its record, `until` its share of it. Loads are those of corners and, where P may hardly grow
+    anywhere, of half-widths so close that a(P) is smooth in between.
+    """
+    cuts = corner_loads(contact)
+    if bends_anywhere(contact) and len(records.row):
+        largest = contact.half_width(max(float(np.max(records.load)), float(np.max(records.load_after))))
+        cuts = np.append(cuts, contact.load(largest * _LADDER))
+    low = np.zeros((len(records.row), 1 + 2 * len(cuts)))
+    fronts = records.load - records.slipped, records.load_after - records.slipped_after
+    for k, (begin, end) in enumerate(((records.load, records.load_after), fronts)):
+        growth = np.where(end != begin, end - begin, np.inf)[:, None]
+        low[:, 1 + k * len(cuts) : 1 + (k + 1) * len(cuts)] = np.clip((cuts - begin[:, None]) / growth, 0.0, 1.0)
+    low.sort(axis=1)
+    high = np.append(low[:, 1:], np.ones((len(low), 1)), axis=1)
+    row, number = np.nonzero(high > low)
+    first, last = low[row, number], high[row, number]
+    load, fall = records.load[row], (records.load_after - records.load)[row]
+    slid, slip = records.slipped[row], (records.slipped_after - records.slipped)[row]
+    ends = (load + first * fall, load + last * fall, slid + first * slip, slid + last * slip)
+    return Records(records.direction[row], *ends, records.rise[row] * (last - first), last - first, row)
+
+
+def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
+    """int Lam dw of each record of slip, (m,) [force^2 per thickness^2], and how many nodes it took."""
+    means, nodes = _means(contact, records, lambda _, load, slipped: contact.log_area(load, slipped))
+    return records.rise * means, nodes
+
+
+def work_error(contact: Contact, records: Records) -> float:
+    """Error of the sum of `slip_work` from above, by a sample of records; 0 for closed forms [force^2 per thickness^2]."""
+    if contact.closed_form or not len(records.row):
+        return 0.0
+    some = records.take(np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int)))
+    load, slipped = np.append(some.load, some.load_after), np.append(some.slipped, some.slipped_after)
+    left = contact.quadrature_error("log_area", load, slipped) + _RULE * contact.log_area(load, slipped)
+    if not np.all(np.isfinite(left)):
+        raise NotFoundError("the error of a slip area is not a number: neither is the dissipation of these rows")
+    return float(np.max(left, initial=0.0) * np.sum(records.rise))
+
+
+def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
+    """int p arccosh(|x|/c) dw of all records of slip at |x| = `x` (k,): shape (k,) [stress * force per thickness]."""
+    edge, total, parts = contact.load(x), np.zeros(len(x)), _split(contact, records)
+    load, growth = parts.load, parts.load_after - parts.load
+    front, drop = load - parts.slipped, parts.slipped_after - parts.slipped - growth
+    for first in range(0, len(load), max(_CHUNK // len(x), 1)):
+        # Between which shares of a part points of edge load P_x are in contact and outside the front.
+        some = slice(first, first + max(_CHUNK // len(x), 1))
+        start, way, c, fall = (column[some, None] for column in (load, growth, front, drop))
+        begin = np.where(edge >= c, 0.0, np.where(fall > 0, np.clip((c - edge) / np.where(fall > 0, fall, 1.0), 0.0, 1.0), 1.0))
+        meets = np.clip((edge - start) / np.where(way != 0, way, 1.0), 0.0, 1.0)
+        end = np.where(edge < np.maximum(start, start + way), np.where(way < 0, meets, 1.0), 0.0)
+        begin = np.where(way > 0, np.maximum(begin, meets), begin)
+        number, point = np.nonzero(end > begin)
+        for j in range(0, len(number), _CHUNK // NODES):
+            n, i = number[j : j + _CHUNK // NODES], point[j : j + _CHUNK // NODES]
+            at, weight = graded(begin[n, i], end[n, i])
+            p, p_c = start[n] + way[n] * at, c[n] - fall[n] * at
+            reach = contact.reach(x[i, None], np.maximum(edge[i, None] - p_c, 0.0), p_c)
+            work = parts.rise[some][n] * np.sum(weight * contact.pressure(x[i, None], p) * reach, axis=1)
+            total += np.bincount(i, work, len(x))
+    return total
+
+
+def closed_integral_of_records(contact: Contact, modulus: float, friction: float, block: Block) -> tuple[float, float]:
+    """Closed integral of Q dU over the records of a steady cycle and what rounding may have left in it, as for spans.
+
+    With G = int_0^P ln(2 L/a) d eta and the slope m of the line that a record goes through, U over A/pi grows along it by m times
+    the growth of G(P_c) plus s f times that of G(P) - G(P_c).
+    """
+    records, largest = block.records, float(np.max(block.rows[:, 0]))
+    contact = _flat_at(contact, largest)
+    slope = np.array([line.slope if line is not None else 0.0 for line in block.lines])
+    limit, growth = records.direction * friction, records.load_after - records.load
+
+    def moved(which: Indices, load: Array, slipped: Array) -> Array:
+        whole = contact.log_distance(load)
+        front = np.where(slipped > 0, contact.log_distance(np.maximum(load - slipped, 0.0)), whole)
+        return slope[which, None] * front + limit[which, None] * (whole - front)
+
+    ends = np.stack([records.load, records.load_after], axis=1), np.stack([records.slipped, records.slipped_after], axis=1)
+    begin, end = moved(np.arange(len(slope)), *ends).T
+    force = np.where(records.direction == 0, slope * growth, records.direction * (records.rise + friction * growth))
+    total = -float(np.sum(force * (np.cumsum(end - begin) - end + _means(contact, records, moved)[0])))
+    doubt = _DIGITS_OF_SHIFT * friction * 2 * abs(float(contact.log_distance(largest))) * float(np.sum(np.abs(force)))
     return 2 / (math.pi * modulus) * total, 2 / (math.pi * modulus) * doubt
 
 

@@ -48,7 +48,7 @@ _SAMPLES = 33
 # Instants of a cycle and of the initial loading where none are asked for.
 _INSTANTS, _INSTANTS_OF_LOADING = 400, 100
 # Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's own.
-_SLACK = 1e-9
+SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -356,16 +356,12 @@ class History:
 
     def default_times(self, steady: bool, _: bool = False) -> tuple[Array, int]:
         """Instants evenly spread over each span, both its ends among them, about 400 a cycle; and how many are left out: none."""
-        groups = [(spans, _INSTANTS) for spans in (self.cycles[-1:] if steady else self.cycles)]
-        if not steady and self.loading:
-            groups.append((self.loading, _INSTANTS_OF_LOADING))
-        parts = []
-        for spans, count in groups:
-            whole = sum(span.end.time - span.begin.time for span in spans)
-            for span in spans:
-                number = max(math.ceil(count * (span.end.time - span.begin.time) / whole), 2)
-                parts.append(np.linspace(span.begin.time, span.end.time, number + 1) + span.delay)
-        return np.unique(np.concatenate(parts)), 0
+        groups = self.cycles[-1:] if steady else [*self.cycles, *([self.loading] if self.loading else [])]
+        times = []
+        for spans in groups:
+            marks = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
+            times.append(evenly(marks, initial=spans is self.loading) + spans[0].delay)
+        return np.unique(np.concatenate(times)), 0
 
     def snapshot(self, time: Array) -> Snapshot:
         """The memory curves at instants (n,); an instant between two spans belongs to the one that ends there.
@@ -378,11 +374,7 @@ class History:
         spans, start = self.spans, self.spans[0].begin.time + self.spans[0].delay
         begin, end, delay = (np.array(values) for values in zip(*((s.begin.time, s.end.time, s.delay) for s in spans), strict=True))
         ends = end + delay
-        slack, inside = _SLACK * (ends[-1] - start), time
-        if self.period is not None:
-            inside = time - self.period * np.maximum(np.ceil((time - ends[-1] - slack) / self.period), 0.0)
-        if np.any(inside < start - slack) or np.any(inside > ends[-1] + slack):
-            raise InputError(f"time: outside the load path, which runs from {start:.6g} to {ends[-1]:.6g}")
+        inside, slack = within(time, start, float(ends[-1]), self.period)
         # Less the slack: a turning point that somebody else found to rounding still belongs to the span that it ends.
         number = np.minimum(np.searchsorted(ends, inside - slack, side="left"), len(spans) - 1)
         local = np.clip(inside - delay[number], begin[number], end[number])
@@ -437,9 +429,31 @@ def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tu
     if time is None:
         return cycles, 0
     revolutions = (float(np.max(time)) - start) / period
-    whole = max(math.floor(revolutions + _SLACK), 0)
-    reached = math.ceil(revolutions - _SLACK)
+    whole = max(math.floor(revolutions + SLACK), 0)
+    reached = math.ceil(revolutions - SLACK)
     return (max(reached, 0) if whole else max(cycles, reached)), whole
+
+
+def within(time: Array, start: float, end: float, period: float | None) -> tuple[Array, float]:
+    """Instants (n,) brought back into what was followed of a path by whole periods, and how far they may be outside.
+
+    Raises
+    ------
+    InputError
+        For a time outside the path.
+    """
+    slack, inside = SLACK * (end - start), time
+    if period is not None:
+        inside = time - period * np.maximum(np.ceil((time - end - slack) / period), 0.0)
+    if np.any(inside < start - slack) or np.any(inside > end + slack):
+        raise InputError(f"time: outside the load path, which runs from {start:.6g} to {end:.6g}")
+    return inside, slack
+
+
+def evenly(marks: Array, *, initial: bool) -> Array:
+    """Instants between marks of time, ascending, and at them: about 400 of a cycle, 100 of an `initial` loading."""
+    count = np.maximum(np.ceil((_INSTANTS_OF_LOADING if initial else _INSTANTS) * np.diff(marks) / (marks[-1] - marks[0])), 2)
+    return np.concatenate([np.linspace(a, b, int(n) + 1) for a, b, n in zip(marks[:-1], marks[1:], count, strict=True)])
 
 
 def slipped_share(spans: Sequence[Span]) -> float:

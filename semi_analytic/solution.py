@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 import platform
 import time as clock
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import metadata
 from typing import Any
@@ -38,9 +38,17 @@ from semi_analytic.contact import Contact, bends_anywhere, contact_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
-from semi_analytic.friction_work import Along, closed_integral_and_rounding, global_dissipation, pointwise_dissipation
+from semi_analytic.friction_work import (
+    closed_integral_and_rounding,
+    closed_integral_of_records,
+    density_of_records,
+    global_dissipation,
+    pointwise_dissipation,
+    slip_work,
+    work_error,
+)
 from semi_analytic.history import History, Span, has_corners, history_of, slipped_share
-from semi_analytic.load_series import LoadSeries, along_series, own_series, straight_series
+from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, follow, own_series, straight_series
 from semi_analytic.memory import Snapshot, pieces, value_on
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
@@ -102,7 +110,7 @@ def solve(
     wanted, points, asked = checked(fields, cycles), vector(x, "x"), vector(time, "time")
     started = clock.perf_counter()
     contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient
-    path: LoadSeries | History | None
+    path: LoadSeries | History
     if straight_steps:
         if asked is None:
             raise InputError("straight_steps: give the times between which the steps are straight")
@@ -118,7 +126,7 @@ def solve(
         points = mirrored_points(1.05 * float(contact.half_width(path.largest))) if needed else np.zeros(1)
     request = Request(contact, composite_modulus(scene.material), asked, points, *folded(points), wanted)
     followed = clock.perf_counter()
-    found = along_series(path, request) if isinstance(path, LoadSeries) else _along_spans(path, request)
+    found = _along_series(path, request) if isinstance(path, LoadSeries) else _along_spans(path, request)
     worked = clock.perf_counter()
     series = _series_of(request, found.snapshot)
     grids = _grids_of(request, found.snapshot, series["contact_half_width"], series["stick_half_width"])
@@ -171,7 +179,115 @@ def solve(
     )
 
 
-# ------------------------------------------------------------------------------------------------------- a curved path
+# --------------------------------------------------------------------------------------- what a path leaves for an answer
+@dataclass(frozen=True, eq=False)
+class Along:
+    """What a followed path leaves for an answer, whichever way it was followed.
+
+    Attributes
+    ----------
+    snapshot : memory curves at the instants; without their pieces where no field needs them
+    balance : (n,) M(P) - Q there
+    least, slipped_share : least P_c of the last cycle, largest (P - P_c)/P of all that was followed
+    each, each_error : (n_cycles,) friction work of the covered cycles, NaN where it was not wanted; largest relative error
+    density, density_error : (k,) W(x) of the last cycle, NaN likewise; its error over its largest value
+    loop : closed integral of Q dU of the last cycle and what rounding may have left in it; None where it is not steady
+    spans : of the last cycle, none for straight steps
+    increments : (n,) friction work since the instant before, empty where instants lie between rows
+    counts, stick : what was done; how many quadratures were not, since nothing slips
+    """
+
+    snapshot: Snapshot
+    balance: Array
+    least: float
+    slipped_share: float
+    each: Array
+    each_error: float
+    density: Array
+    density_error: float
+    loop: tuple[float, float] | None
+    spans: Sequence[Span]
+    increments: Array
+    counts: dict[str, int]
+    stick: int
+
+
+def _along_series(series: LoadSeries, request: Request) -> Along:
+    """States at the instants of the request and the friction work of the cycles; parts are followed once more where it is needed.
+
+    Raises
+    ------
+    InputError
+        For a time outside the path.
+    """
+    contact, fields, friction, starts = request.contact, request.fields, series.friction, series.starts
+    unit, whole, pointwise = 2 / (math.pi * request.modulus), "dissipation" in fields, "dissipation_density" in fields
+    step, share, near = series.locate(request.time)
+    order = np.lexsort((share, step))
+    back, step, share, near = np.argsort(order), step[order], share[order], near[order]
+    at_rows = whole and bool(np.all((share == 1) | ((share == 0) & (step == 0))))
+    covered = [number + series.first for number in series.covered]
+    looked = np.searchsorted(starts, step[[0, -1]], side="right") - 1
+    needed = sorted({*covered, *range(int(looked[0]), int(looked[1]) + 1)})
+    steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
+    states = States(friction, not fields.isdisjoint(("shear", "slip", "rigid_shift")))
+    works, errors, shares = (np.zeros(len(series.parts)) for _ in range(3))
+    each = np.zeros(1 + (starts[-1] if at_rows else 0))
+    density, least, stick = np.zeros(len(request.distance)), math.inf, 0
+    counts = dict.fromkeys(("spans", "slips", "pieces_alive", "pieces_dropped", "slip_quadratures", "quadrature_nodes"), 0)
+    for k in needed:
+        part, last, worked = series.parts[k], k == covered[-1], whole and (at_rows or k in covered)
+        alive = depth_of(part.curve)
+        for begin, block in blocks(part, friction):
+            records, slips, steps = block.records, block.records.slipping(), len(block.rows) - 1
+            here = slice(*np.searchsorted(step, [starts[k] + begin, starts[k] + begin + steps]).tolist())
+            states.add(block, step[here] - starts[k] - begin, share[here], near[here])
+            shares[k] = max(shares[k], block.deepest / float(np.max(part.rows[:, 1])))
+            integrals = worked + (pointwise and last)
+            counts["spans"] += len(records.row)
+            counts["slips"] += len(slips.row)
+            counts["slip_quadratures"] += integrals * len(slips.row)
+            stick += integrals * (len(records.row) - len(slips.row))
+            counts["pieces_dropped"] += steps + alive - depth_of(block.curve)  # each step puts one on
+            counts["pieces_alive"], alive = max(counts["pieces_alive"], block.alive), depth_of(block.curve)
+            if worked:
+                work, nodes = slip_work(contact, slips)
+                works[k] += unit * friction * float(np.sum(work))
+                errors[k] += unit * friction * work_error(contact, slips)
+                counts["quadrature_nodes"] += nodes
+                if at_rows:
+                    first = starts[k] + begin + 1
+                    each[first : first + steps] = unit * friction * np.bincount(slips.row, work, steps)
+            if last:
+                fronts = records.load - records.slipped, records.load_after - records.slipped_after
+                least = min(least, *(float(np.min(front)) for front in fronts))
+                if pointwise:
+                    density += unit * friction * density_of_records(contact, slips, request.distance)
+    rounding = 3 * np.array([rounding_of_slip(share) for share in shares.tolist()])
+    errors = np.divide(errors, works, out=np.zeros(len(works)), where=works > 0) + rounding
+    loop, last_cycle = None, series.parts[covered[-1]]
+    if whole and steady and not series.long:  # over a million rows it would cost as much as all the rest
+        block = follow(last_cycle.curve, last_cycle.rows[:, 1:], friction)
+        loop = closed_integral_of_records(contact, request.modulus, friction, block)
+    so_far = np.cumsum(each)[(step + (share == 1))[back]] if at_rows else np.empty(0)
+    snapshot, balance = states.snapshot(request.time, back)
+    return Along(
+        snapshot=snapshot,
+        balance=balance,
+        least=least,
+        slipped_share=float(np.max(shares)),
+        each=works[covered] if whole else np.full(len(covered), math.nan),
+        each_error=float(np.max(errors[covered])) if whole else 0.0,
+        density=density if pointwise else np.full(len(density), math.nan),
+        density_error=rounding[covered[-1]] if pointwise else 0.0,
+        loop=loop,
+        spans=(),
+        increments=np.diff(so_far, prepend=so_far[:1]),
+        counts={"rows": len(series.times), **counts, "curves": len(snapshot.actives) if states.curves else 0},
+        stick=stick,
+    )
+
+
 def _along_spans(history: History, request: Request) -> Along:
     """States at the instants of the request and the friction work of the cycles, span by span.
 
