@@ -54,7 +54,7 @@ def cycles_of_mindlin(count: int) -> float:
 
 
 def cycles_of_noise(count: int) -> float:
-    """The same of a noisy loop in which P varies, over W of a polygon of 400 corners, which is followed leg by leg."""
+    """The same of a noisy loop in which P varies, over W of a polygon of 400 corners."""
     period = wave(400, 0.01)[:, 1:]
     corners = tuple(map(tuple, period.tolist()))
     cycle = semi_analytic.solve(scene_of(PolygonLoad(way_in=corners[:1], cycle=corners[1:])), x=[0.0], fields=("dissipation",))

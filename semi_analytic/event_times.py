@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from scenes import InputError, LoadSegment, Scene
+from scenes import InputError, Scene
 from scenes.frozen import validated
 from semi_analytic.history import History, Span, history_of, is_plain_ellipse
 from semi_analytic.legs import NORMAL_LOAD, Combination, change, level, phasor, stationary
@@ -28,6 +28,8 @@ from semi_analytic.memory import Curve
 # Time, over itself or 1, within which two events are one.
 _SAME = 1e-9
 LETTERS = "ABCDEFGHIJKLM"
+# End of the name of an event at which nothing happens: two spans of one kind meet.
+_ON = " goes on"
 
 
 @dataclass(frozen=True)
@@ -67,9 +69,22 @@ def events(scene: Scene) -> tuple[Event, ...]:
     'ABCDEFGHIKJLM'
     """
     scene = validated(scene, Scene)
-    route = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
-    plain = _merged(sorted(_plain(route), key=lambda event: event.time))
-    return tuple(_lettered(plain, route))
+    history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
+    times = _letter_times(history)
+    merged: list[Event] = []
+    for one in sorted(_named(history), key=lambda event: event.time):
+        known = merged[-1] if merged else None
+        if known is not None and abs(known.time - one.time) <= _SAME * max(abs(one.time), 1.0):
+            names = [name for name in (known.name, one.name) if not name.endswith(_ON)] or [known.name]
+            front = min(known.front_load, one.front_load)
+            merged[-1] = replace(known, name="; ".join(dict.fromkeys(names)), front_load=front)
+        else:
+            merged.append(one)
+    return tuple(
+        replace(one, letter="".join(letter for letter, time in times.items() if abs(time - one.time) <= 1e-7))
+        for one in merged
+        if not one.name.endswith(_ON)
+    )
 
 
 def event(scene: Scene, letter: str) -> Event:
@@ -91,31 +106,28 @@ def event(scene: Scene, letter: str) -> Event:
     raise InputError(f"events: the scene {scene.name!r} has no event {letter!r} among {LETTERS}")
 
 
-def _plain(route: History) -> Iterator[Event]:
+def _named(history: History) -> Iterator[Event]:
     """Events without letters, several at one instant perhaps."""
-    groups: list[tuple[str, Sequence[Span]]] = [("way in", route.loading)] if route.loading else []
-    groups += [(f"cycle {number}", cycle) for number, cycle in enumerate(route.cycles, 1)]
-    for label, spans in groups:
-        for before, span in zip([None, *spans[:-1]], spans, strict=True):
-            name = _change_of_state(before, span) or f"{label} starts"
+    states = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
+    groups = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
+    for label, spans in [("way in", history.loading), *groups]:
+        before: Span | None = None
+        for span in spans:
+            if before is None:
+                name = f"{label} starts"
+            elif before.direction != span.direction:
+                name = f"{states[before.direction]} ends, {states[span.direction]} starts"
+            elif span.direction and not _same_piece(before.active, span.active):
+                name = f"the front of {states[span.direction]} passes a piece of the memory"
+            else:
+                name = states[span.direction] + _ON
             yield _at(span, span.begin.time, name)
             if before is not None:
                 yield _at(before, before.end.time, name)
-            for name, time in _extremes(span):
-                yield _at(span, time, name)
-    last = route.spans[-1]
-    yield _at(last, last.end.time, "the path ends" if route.period is None else "the last cycle ends")
-
-
-def _change_of_state(before: Span | None, span: Span) -> str:
-    if before is None:
-        return ""
-    names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
-    if before.direction != span.direction:
-        return f"{names[before.direction]} ends, {names[span.direction]} starts"
-    if span.direction and not _same_piece(before.active, span.active):
-        return f"the front of {names[span.direction]} passes a piece of the memory"
-    return f"{names[span.direction]} goes on"
+            yield from _extremes(span)
+            before = span
+    last = history.spans[-1]
+    yield _at(last, last.end.time, "the path ends" if history.period is None else "the last cycle ends")
 
 
 def _same_piece(one: Curve, other: Curve) -> bool:
@@ -127,81 +139,38 @@ def _same_piece(one: Curve, other: Curve) -> bool:
     return one.anchor[1:] == other.anchor[1:] and one.slope == other.slope
 
 
-def _extremes(span: Span) -> Iterator[tuple[str, float]]:
-    """Extreme loads at the beginning of a span or inside it."""
+def _extremes(span: Span) -> Iterator[Event]:
+    """Extreme loads at the beginning of a span or inside it, also at the ends of an ellipse, which is smooth beyond."""
+    leg, width = span.leg, 1e-3 * (span.leg.end - span.leg.start)
+    wider = replace(leg, start=leg.start - 0.1, end=leg.end + 0.1) if is_plain_ellipse(leg) else leg
     for what, word in ((NORMAL_LOAD, "P"), (Combination(0.0, 1.0), "Q")):
-        for time in _turning(span, what):
+        for time in stationary(wider, what):
             if span.begin.time - _SAME <= time < span.end.time - _SAME:
-                yield f"{word} {'largest' if _bend(span.leg, what, time) < 0 else 'least'}", time
-
-
-def _bend(leg: LoadSegment, what: Combination, time: float) -> float:
-    """Sign of the second derivative."""
-    width = 1e-3 * (leg.end - leg.start)
-    return float(change(leg, what, time + width, time)) + float(change(leg, what, time - width, time))
-
-
-def _turning(span: Span, what: Combination) -> list[float]:
-    """Times at which the combination turns, the ends of the leg among them where the leg is smooth beyond."""
-    if not is_plain_ellipse(span.leg):
-        return stationary(span.leg, what)
-    return stationary(replace(span.leg, start=span.leg.start - 0.1, end=span.leg.end + 0.1), what)
+                bend = float(change(leg, what, time + width, time)) + float(change(leg, what, time - width, time))
+                yield _at(span, time, f"{word} {'largest' if bend < 0 else 'least'}")
 
 
 def _at(span: Span, time: float, name: str) -> Event:
     inside = min(max(time, span.begin.time), span.end.time)
     normal, tangential = (float(load) for load in span.leg.loads(inside))
-    front = normal - float(span.slipped(inside))
-    return Event("", name, inside + span.delay, normal, tangential, front)
+    return Event("", name, inside + span.delay, normal, tangential, normal - float(span.slipped(inside)))
 
 
-def _merged(found: Sequence[Event]) -> list[Event]:
-    """One event for each instant, its names joined."""
-    merged: list[Event] = []
-    for one in found:
-        if merged and abs(merged[-1].time - one.time) <= _SAME * max(abs(one.time), 1.0):
-            known = merged[-1]
-            names = [name for name in (known.name, one.name) if not name.endswith("goes on")] or [known.name]
-            front = min(known.front_load, one.front_load)
-            merged[-1] = Event("", "; ".join(dict.fromkeys(names)), known.time, known.normal_load, known.tangential_load, front)
-        else:
-            merged.append(one)
-    return [one for one in merged if not one.name.endswith("goes on")]
-
-
-def _lettered(plain: Sequence[Event], route: History) -> Iterator[Event]:
-    """The same events with letters, where the cycle is an ellipse with an area."""
-    times = _letter_times(route)
-    for one in plain:
-        letters = [letter for letter, time in times.items() if abs(time - one.time) <= 1e-7]
-        yield Event("".join(letters), one.name, one.time, one.normal_load, one.tangential_load, one.front_load)
-
-
-def _letter_times(route: History) -> dict[str, float]:
-    """When the paper's letters are, for an ellipse; C and D fall together, as K and L do, only on a line."""
-    if route.loop is None or route.steady_from is None or not route.spans:
+def _letter_times(history: History) -> dict[str, float]:
+    """When the paper's letters are, for an ellipse with an area; C and D fall together, as K and L do, only on a line."""
+    if history.loop is None or history.steady_from is None:
         return {}
-    leg, friction, ellipse = route.loop, route.spans[0].friction, route.loop.ellipse
+    leg, friction, ellipse = history.loop, history.spans[0].friction, history.loop.ellipse
     assert ellipse is not None  # for the type checker: `loop` is one
     area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase)
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
-    sense = 1 if area > 0 else -1
-    force = Combination(0.0, float(sense))
-    first = _times_of(leg, {"u": level(sense, friction), "v": level(-sense, friction), "P": NORMAL_LOAD, "Q": force})
-    start, turn = leg.start, 2 * math.pi
-    times = {"A": start}
-    for letter, key in zip("BCDEFGHIKLM", ("u-", "P+", "Q+", "u+", "P-", "v-", "Q-", "u-", "P+", "Q+", "u+"), strict=True):
-        after = max(times.values())
-        times[letter] = first[key] + turn * math.ceil((after - first[key]) / turn - 1e-12)
+    sense, turn = (1 if area > 0 else -1), 2 * math.pi
+    what = {"u": level(sense, friction), "-v": level(-sense, friction), "P": NORMAL_LOAD, "Q": Combination(0.0, float(sense))}
+    times = {"A": leg.start}
+    # What is largest (+) or least (-) at each letter; v is least where -v is largest.
+    order = zip("BCDEFGHIKLM", ("u-", "P+", "Q+", "u+", "P-", "-v+", "Q-", "u-", "P+", "Q+", "u+"), strict=True)
+    for letter, key in order:
+        first = -cmath.phase(phasor(leg, what[key[:-1]])) + (math.pi if key[-1] == "-" else 0.0)
+        times[letter] = first + turn * math.ceil((max(times.values()) - first) / turn - 1e-12)
     return times | {"J": 2 * times["I"] - times["G"]}
-
-
-def _times_of(leg: LoadSegment, combinations: dict[str, Combination]) -> dict[str, float]:
-    """A time of the largest and of the least value of each combination, keyed with + and -; the combination of v is -v."""
-    times: dict[str, float] = {}
-    for key, what in combinations.items():
-        largest = -cmath.phase(phasor(leg, what))
-        signs = "-+" if key == "v" else "+-"
-        times |= {key + signs[0]: largest, key + signs[1]: largest + math.pi}
-    return times

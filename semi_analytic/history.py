@@ -1,7 +1,7 @@
 """Curved paths: which part of a leg sticks, which slips, which piece of the memory is being erased, and when (Masing's rule).
 
-A history is a sequence of spans, in each of which the memory curve keeps its structure: `base` untouched, on it the uppermost
-piece `active` up to a load that moves with time (the load itself while P follows the piece, the front P_c in slip), and in slip a
+A history is a sequence of spans, in each of which the memory curve keeps its structure: an uppermost piece `active` up to a load
+that moves with time (the load itself while P follows the piece, the front P_c in slip), what lies below it untouched, and in slip a
 line of slope +-f from there to (P, Q). Everything that is asked of a history later is evaluated span by span, for many instants at
 once. Any path can be followed so; paths that are straight all along take `load_series`, which costs less.
 """
@@ -75,11 +75,6 @@ class Span:
     def leg(self) -> LoadSegment:
         """The leg of the load path that is being travelled."""
         return self.begin.leg
-
-    @property
-    def base(self) -> Curve:
-        """What the span leaves untouched."""
-        return self.active.below if self.active is not None else None
 
     def slipped(self, time: ArrayLike) -> Array:
         """P - P_c >= 0 at times of the leg; 0 where nothing slips."""
@@ -489,11 +484,6 @@ def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         actives=tuple(actives),
         friction=friction,
     )
-
-
-def has_corners(contact: Contact) -> bool:
-    """Whether P(a) of the profile is smooth only in parts."""
-    return bool(getattr(contact, "breaks", ()))
 
 
 def smooth_spans(contact: Contact, spans: Sequence[Span]) -> Sequence[Span]:

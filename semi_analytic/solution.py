@@ -34,7 +34,7 @@ from scenes import (
     freeze,
 )
 from scenes.frozen import validated
-from semi_analytic.contact import Contact, bends_anywhere, contact_of
+from semi_analytic.contact import Contact, bends_anywhere, contact_of, corner_loads
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -47,7 +47,7 @@ from semi_analytic.friction_work import (
     slip_work,
     work_error,
 )
-from semi_analytic.history import History, Span, has_corners, history_of, slipped_share
+from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, follow, own_series, straight_series
 from semi_analytic.memory import Snapshot, pieces, value_on
 from semi_analytic.quadrature import NODES
@@ -299,8 +299,9 @@ def _along_spans(history: History, request: Request) -> Along:
     balance = snapshot.direction * friction * snapshot.slipped - snapshot.force
     for piece, here in snapshot.groups():
         balance[here] += value_on(piece, (snapshot.load - snapshot.slipped)[here])
-    unit, turn, ellipse = 2 / (math.pi * modulus) * friction**2, history.loop.ellipse if history.loop is not None else None, None
-    if turn is not None and friction > 0 and not has_corners(contact):
+    unit, ellipse = 2 / (math.pi * modulus) * friction**2, None
+    turn = history.loop.ellipse if history.loop is not None else None
+    if turn is not None and friction > 0 and not len(corner_loads(contact)):
         ellipse = ellipses_of(*(np.array([v]) for v in (turn.mean[0], turn.amplitude[0], turn.amplitude[1], turn.phase, friction)))
     works: dict[int, tuple[float, float]] = {}
     used: list[Span] = []

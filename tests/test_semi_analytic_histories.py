@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -21,7 +22,7 @@ from scenes import (
     ellipse_segment,
     load_scene,
 )
-from semi_analytic import FIELDS, solution, solve
+from semi_analytic import FIELDS, load_series, solution, solve
 from semi_analytic.legs import NORMAL_LOAD, Combination, stationary
 from semi_analytic.load_series import follow, knots_of
 from semi_analytic_cases import ellipse, make_scene, polygon
@@ -188,6 +189,38 @@ def test_rows_that_hardly_slip_are_steady_when_the_engine_says_so(corners, flat)
     lean, full = solve(scene, x=X[:5]), by_spans(scene, x=X[:5])
     assert lean.steady_from == full.steady_from == 1
     assert lean.dissipation == pytest.approx(full.dissipation, rel=1e-3, abs=0)
+
+
+@pytest.mark.parametrize(("share", "steady"), [(0.3, False), (1e-4, True), (1e-9, False), (1e-9, True)])
+def test_what_slips_is_that_of_sixty_digits(share, steady):
+    """P - P_c at the ends of 120 steps, to four last digits of P, or 1e-14 of itself at constant P; 0.3 of a digit measured."""
+    t = 0.37 * np.arange(120)
+    normal = 2 + (0 if steady else 0.3) * np.cos(t)
+    rows = np.column_stack([normal, 0.1 * normal + 0.35 * share * np.sin(1.7 * t)]).tolist()
+    ends = []
+    with mp.workdps(60):
+        for number in (float, mp.mpf):
+            curve, records, slipped, last = None, [], [], (number(0), number(0), number(0))
+            for p, q in [(2.4, 0.24), *rows]:
+                curve = load_series._step(curve, last, (number(p), number(q), number(1)), number(0.5), records)
+                slipped.append(float(records[-1][5]))
+                last = (number(p), number(q), number(0))
+            ends.append(np.array(slipped))
+    found, exact = ends
+    assert np.max(exact) > 0.3 * share
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-14 * np.max(exact) if steady else 4 * 2.4 * 2.2e-16)
+
+
+@pytest.mark.parametrize("count", [4, 40, 400])
+def test_the_second_route_of_a_series_that_repeats(count):
+    """Closed integral of Q dU from P, P_c and Q along the records, W from their slip areas: 1e-13 measured."""
+    draw = np.random.default_rng(count)
+    normal = draw.uniform(0.3, 2.0, count)
+    rows = np.column_stack([np.arange(count), normal, 0.6 * normal * draw.uniform(-0.9, 0.9, count)])
+    rows = np.append(rows, [[count, *rows[0, 1:]]], axis=0)
+    for flat in (0.0, 0.5):
+        answer = solve(make_scene(TimeSeriesLoad(rows=rows, repeats=True), 0.6, flat), x=[0.0], fields=("dissipation",))
+        assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12, abs=0)
 
 
 def test_a_long_series_answers_what_is_asked_and_nothing_else():

@@ -286,6 +286,7 @@ def test_sliding_just_reached_is_admitted():
         ({"time": [[1.0]]}, "a list of finite numbers"),
         ({"x": [float("nan")]}, "a list of finite numbers"),
         ({"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
+        ({"time": [load_scene("hertz-paper").load.path().start], "straight_steps": True}, "no time is after the start"),
     ],
 )
 def test_bad_questions_are_refused_in_a_sentence(options, words):

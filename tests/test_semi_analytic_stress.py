@@ -52,7 +52,7 @@ def test_the_second_route_tells_its_error_along_an_ellipse_too():
 
 @pytest.mark.parametrize("share", [1e-3, 1e-9, 1e-12])
 def test_long_series_tell_it_too(share):
-    """2,401 rows, followed row by row: each rounds again; the same was a fifth off at 1e-12, silently."""
+    """2,401 rows: a line of the memory keeps its own length. By knots alone 5 % of W was missing at 1e-12 of f P, 9e-6 at 1e-9."""
     turn = np.arange(2401) / 2400
     force = share * 0.5 * np.sin(2 * np.pi * turn)
     force[-1] = force[0]
@@ -60,7 +60,8 @@ def test_long_series_tell_it_too(share):
     answer = solve(make_scene(TimeSeriesLoad(rows=rows, repeats=True), 0.5), x=[0.0], fields=("dissipation",))
     error = abs(float(answer.dissipation / mindlin(np.max(force) / 0.5, 0.5, 1.0) - 1))
     assert answer.steady_from == 1
-    assert error <= answer.record.errors.get("dissipation", 3e-12) <= 2e-13 / share
+    assert error < 1e-13
+    assert error <= answer.record.errors.get("dissipation", 3e-12) <= 3e-15 / share
 
 
 def test_where_much_slips_nothing_is_told_and_both_routes_agree():
