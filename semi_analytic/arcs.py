@@ -21,6 +21,7 @@ for the length of a step, and beside corners, behind which a(P) goes as d^(3/2),
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -39,14 +40,16 @@ Indices = NDArray[np.intp]
 Kernel = Literal["shear", "slip", "shift"]
 
 # Panels at first, halvings of one at most, and the share of the largest integral at which a series is resolved.
-_PANELS, _HALVINGS, _RESOLVED = 32, 8, 1e-14
+_PANELS, _HALVINGS, _RESOLVED = 12, 9, 1e-14
 # Ranges of a panel's load that P_x must be away from it: there the series leaves 5^-25 at most.
 _FAR = 2.0
 # Longest range of the variable, and how many of Gauss' nodes it takes. Against twice as many nodes tractions keep 2e-14 of the
 # largest, slips and shifts 7e-14 (2e-13 for |x|^20).
 _SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
-# Pairs of an instant and a point that are held at a time, and nodes.
-_PAIRS, _NODES = 1_000_000, 2_000_000
+# Nodes that are held at a time.
+_NODES = 2_000_000
+# From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of length 1.
+_PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
 # Digits, as a power of e, that Gauss' rule shall keep beside a logarithm.
 _DIGITS = 34.0
 # Share of the root of an arc's load from either side of a turning point that one series serves.
@@ -70,59 +73,123 @@ class Turn(NamedTuple):
     force: Array
 
 
-def arc_integrals(contact: Contact, kernel: Kernel, piece: Piece, last: Array, x: Array) -> tuple[Array, float]:
-    """The integrals over a piece's arc up to the times `last` (n,) at |x| (k,): shape (n, k), and the largest error.
+class Arc:
+    """The integrals of one kernel over the arc of a piece, at |x| = `x` (k,), up to any instant of it.
 
-    Of a shift `x` plays no part: all columns are alike.
+    Pieces that are cut from one arc share it. Of a shift `x` plays no part: one column stands for all.
+
+    Attributes
+    ----------
+    error : largest error of the integrals, estimated: what series left out, and what steps differ from their halves by
     """
-    assert piece.arc is not None  # for the type checker: only called for arcs
-    if kernel == "shift":
-        value, error = _integrals(contact, kernel, piece, last, np.zeros(1))
-        return np.broadcast_to(value, (len(last), len(x))), error
-    order = np.argsort(x, kind="stable")
-    parts = [
-        _integrals(contact, kernel, piece, last, x[some])
-        for some in np.split(order, np.arange(_PAIRS // (len(last) + 1) + 1, len(x), _PAIRS // (len(last) + 1) + 1))
-    ]
-    value = np.empty((len(last), len(x)))
-    value[:, order] = np.concatenate([part for part, _ in parts], axis=1)
-    return value, max(error for _, error in parts)
 
+    def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
+        assert piece.arc is not None  # for the type checker: only called for arcs
+        self._contact, self._kernel, self._leg = contact, kernel, piece.anchor.leg
+        self._x = np.zeros(1) if kernel == "shift" else x
+        self._edge, self._factor = contact.load(self._x), 1 / math.pi if kernel == "shear" else 1.0
+        first, last = piece.arc[0], piece.anchor.time
+        loads = contact.break_loads
+        loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
+        self._corners = front_time(piece, loads) if len(loads) else loads
+        self._middle = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
+        self._turns = _turn(self._leg, first, last), _turn(self._leg, last, first)
+        even = np.linspace(first, last, _PANELS + 1)
+        self._follow(np.unique(np.clip(np.concatenate([self._corners, [self._middle], even]), first, last)))
 
-def _integrals(contact: Contact, kernel: Kernel, piece: Piece, last: Array, x: Array) -> tuple[Array, float]:
-    leg, first = piece.anchor.leg, piece.arc[0]  # type: ignore[index]
-    last = np.clip(last, first, piece.anchor.time)
-    end, edge = float(np.max(last, initial=first)), contact.load(x)
-    if end <= first:
-        return np.zeros((len(last), len(x))), 0.0
-    loads = contact.break_loads
-    loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
-    corners = front_time(piece, loads) if len(loads) else loads
-    turns = _turn(leg, first, piece.anchor.time), _turn(leg, piece.anchor.time, first)
-    middle = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
-    marks = np.unique(np.clip(np.concatenate([corners, [middle], np.linspace(first, end, _PANELS + 1)]), first, end))
-    far = _FarPanels(contact, kernel, leg, x, edge, corners)
-    far.follow(marks)
-    value = far.up_to(last)
-    # Steps from instant to instant, for the points that are near their panel.
-    stops = np.unique(np.concatenate([far.marks, last]))
-    low, high = stops[:-1], stops[1:]
-    panel = np.searchsorted(far.marks, low, side="right") - 1
-    step, point = np.nonzero(far.near[panel])
-    cornered = far.cornered[panel]
-    rises = np.zeros((len(stops), len(x)))
-    error = 0.0
-    for turn, part in zip(turns, (low[step] < middle, low[step] >= middle), strict=True):
-        s, i = step[part], point[part]
-        rises[s + 1, i] = _near(contact, kernel, leg, turn, low[s], high[s], x[i], edge[i], cornered[s])
-        some = np.unique(np.linspace(0, len(s) - 1, _SAMPLE).astype(int)) if len(s) else np.empty(0, dtype=int)
-        a, b, at, on, beside = low[s[some]], high[s[some]], x[i[some]], edge[i[some]], cornered[s[some]]
-        halves = [_near(contact, kernel, leg, turn, *ends, at, on, beside) for ends in ((a, (a + b) / 2), ((a + b) / 2, b))]
-        off = np.max(np.abs(rises[s[some] + 1, i[some]] - sum(halves)), initial=0.0)
-        error += float(off) * math.sqrt(np.max(np.bincount(i), initial=0))
-    value += np.cumsum(rises, axis=0)[np.searchsorted(stops, last)]
-    factor = 1 / math.pi if kernel == "shear" else 1.0
-    return factor * value, factor * (error + far.error)
+    def up_to(self, time: Array) -> Array:
+        """From the begin of the arc to each time (n,): shape (n, k)."""
+        marks = self._marks
+        time = np.clip(time, marks[0], marks[-1])
+        stops, fold = np.unique(time, return_inverse=True)
+        panel = np.clip(np.searchsorted(marks, stops, side="right") - 1, 0, len(marks) - 2)
+        value = self._before[panel]
+        share = np.clip((stops - marks[panel]) / (marks[panel + 1] - marks[panel]), 0.0, 1.0)
+        # The inverse of 3 u^2 - 2 u^3.
+        u = np.where(self._cornered[panel], 0.5 - np.sin(np.arcsin(1 - 2 * share) / 3), share)
+        terms = chebyshev.chebvander(2 * u - 1, DEGREE + 1)
+        begins = np.flatnonzero(np.diff(panel, prepend=-1))
+        for here in np.split(np.arange(len(stops)), begins[1:]):
+            value[here] += terms[here] @ self._primitive[panel[here[0]]].T
+        # Near P_x from stop to stop, in each panel from its begin.
+        low = np.append(marks[0], stops[:-1])
+        low[begins] = marks[panel[begins]]
+        step, point = np.nonzero(self._near[panel] & (stops > low)[:, None])
+        rises = np.zeros(value.shape)
+        rises[step, point] = self._steps(low[step], stops[step], point, self._cornered[panel[step]])
+        sums = np.cumsum(rises, axis=0)
+        before = (sums - rises)[begins]
+        value += sums - np.repeat(before, np.diff(np.append(begins, len(stops))), axis=0)
+        return self._factor * value[fold.ravel()]
+
+    def _follow(self, marks: Array) -> None:
+        """Series on the panels between `marks`, halved until they are resolved, and steps through whole panels near P_x."""
+        done: list[tuple[NDArray[Any], ...]] = []
+        low, high, size, points = marks[:-1], marks[1:], 0.0, len(self._x)
+        for turn in range(_HALVINGS + 1):
+            near, cornered, panel, point, found = self._series(low, high)
+            worth = tail(found)
+            size = max(size, float(np.max(np.abs(found[:, 0]), initial=0.0)) * math.sqrt(len(low)))
+            left, table = np.zeros((len(low), points)), np.zeros((len(low), points, DEGREE + 1))
+            left[panel, point], table[panel, point] = worth, found
+            good = (np.max(left, axis=1, initial=0.0) <= _RESOLVED * size) | (turn == _HALVINGS)
+            done.append(tuple(values[good] for values in (low, high, near, cornered, table, left)))
+            if np.all(good):
+                break
+            low, middle, high = low[~good], (low[~good] + high[~good]) / 2, high[~good]
+            low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        low, high, near, cornered, table, left = (np.concatenate(parts) for parts in zip(*done, strict=True))
+        order = np.argsort(low)
+        low, high, self._near, self._cornered = low[order], high[order], near[order], cornered[order]
+        self._marks = np.append(low, high[-1])
+        self._primitive = table[order] @ _PRIMITIVE
+        panel, point = np.nonzero(self._near)
+        whole = np.sum(self._primitive, axis=2)
+        a, b, beside = low[panel], high[panel], self._cornered[panel]
+        steps = self._steps(a, b, point, beside)
+        whole[panel, point] += steps
+        self._before = np.cumsum(whole, axis=0) - whole
+        some = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int)) if len(panel) else np.empty(0, dtype=int)
+        ends = (a[some], (a[some] + b[some]) / 2, b[some])
+        halves = sum(self._steps(*pair, point[some], beside[some]) for pair in pairwise(ends))
+        off = float(np.max(np.abs(steps[some] - halves), initial=0.0)) * math.sqrt(np.max(np.bincount(point), initial=0))
+        self.error = self._factor * (off + float(np.max(np.sum(left, axis=0), initial=0.0)))
+
+    def _steps(self, low: Array, high: Array, point: Indices, cornered: NDArray[np.bool_]) -> Array:
+        """The integrals from low[k] to high[k] at x[point[k]], (m,), near P_x; no step crosses the middle of the arc."""
+        result = np.empty(len(low))
+        upper = low >= self._middle
+        for turn, part in zip(self._turns, (~upper, upper), strict=True):
+            x, edge = self._x[point[part]], self._edge[point[part]]
+            result[part] = _near(self._contact, self._kernel, self._leg, turn, low[part], high[part], x, edge, cornered[part])
+        return result
+
+    def _series(self, low: Array, high: Array) -> tuple[NDArray[Any], ...]:
+        """Near and cornered panels; panel, point and coefficients (n, nodes) of the integrand over u for those that are far."""
+        contact, x, edge, slip = self._contact, self._x, self._edge, self._kernel == "slip"
+        begin, end = np.isin(low, self._corners), np.isin(high, self._corners)
+        cornered = begin | end
+        u = (1 + NODES) / 2
+        share = np.where(cornered[:, None], u * u * (3 - 2 * u), u)
+        time = low[:, None] + (high - low)[:, None] * share
+        load = np.maximum(self._leg.loads(time)[0], 0.0)
+        least, most = (np.maximum(self._leg.loads(ends)[0], 0.0)[:, None] for ends in (low, high))
+        spread = _FAR * (most - least)
+        empty = least < spread  # P is close to 0
+        if slip:
+            near, away = (edge > least) & ((edge < most + spread) | empty), (edge >= most + spread) & ~empty
+        else:
+            near, away = (edge < most) & (edge > least - spread), edge <= least - spread
+        panel, point = np.nonzero(away)
+        density = self._leg.rates(time)[1] * (high - low)[:, None] * np.where(cornered[:, None], 6 * u * (1 - u), 1.0)
+        advance = contact.advance(load)
+        found = np.empty((len(panel), DEGREE + 1))
+        for k in range(0, len(panel), _NODES // (DEGREE + 1)):
+            here = slice(k, k + _NODES // (DEGREE + 1))
+            p, i = panel[here], point[here]
+            values = _kernel(contact, self._kernel, x[i, None], load[p] - edge[i, None], load[p], advance[p])
+            found[here] = series(density[p] * values)
+        return near, cornered, panel, point, found
 
 
 def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
@@ -159,90 +226,6 @@ def _force_over_root(leg: LoadSegment, turn: Turn, z: Array) -> Array:
     time = time_of(leg, NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
     slope = np.abs(rate(leg, NORMAL_LOAD, time))
     return np.asarray(leg.rates(time)[1] * 2 * z / np.where(slope > 0, slope, np.inf))
-
-
-class _FarPanels:
-    """Panels of an arc, and on those far from P_x the series of the integral in time.
-
-    Attributes
-    ----------
-    marks : (m + 1,) ends of the panels
-    near : (m, k) which points need steps of their own there
-    cornered : (m,) panels beside corners
-    error : what the series may have left out, for the worst point
-    """
-
-    def __init__(self, contact: Contact, kernel: Kernel, leg: LoadSegment, x: Array, edge: Array, corners: Array) -> None:
-        self._contact, self._kernel, self._leg, self._x, self._edge, self._corners = contact, kernel, leg, x, edge, corners
-
-    def follow(self, marks: Array) -> None:
-        """Series on the panels between `marks`, halved until they are resolved."""
-        done: list[tuple[NDArray[Any], ...]] = []
-        low, high, size = marks[:-1], marks[1:], 0.0
-        for turn in range(_HALVINGS + 1):
-            near, cornered, panel, point, found = self._series(low, high)
-            worth = tail(found)
-            size = max(size, float(np.max(np.abs(found[:, 0]), initial=0.0)) * math.sqrt(len(low)))
-            worst = np.zeros(len(low))
-            np.maximum.at(worst, panel, worth)
-            good = (worst <= _RESOLVED * size) | (turn == _HALVINGS)
-            table = np.zeros((len(low), len(self._x), DEGREE + 1))
-            table[panel, point] = found
-            left = np.zeros((len(low), len(self._x)))
-            left[panel, point] = worth
-            done.append(tuple(values[good] for values in (low, high, near, cornered, table, left)))
-            if np.all(good):
-                break
-            low, middle, high = low[~good], (low[~good] + high[~good]) / 2, high[~good]
-            low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-        low, high, near, cornered, table, left = (np.concatenate(parts) for parts in zip(*done, strict=True))
-        order = np.argsort(low)
-        self.marks = np.append(low[order], high[order[-1]])
-        self.near, self.cornered = near[order], cornered[order]
-        self._primitive = chebyshev.chebint(table[order], lbnd=-1, axis=2) / 2
-        self.error = float(np.max(np.sum(left, axis=0), initial=0.0))
-
-    def _series(self, low: Array, high: Array) -> tuple[NDArray[Any], ...]:
-        """Near and rough panels; panel, point and coefficients (n, nodes) of the integrand over u for those that are far."""
-        contact, x, edge, slip = self._contact, self._x, self._edge, self._kernel == "slip"
-        begin, end = np.isin(low, self._corners), np.isin(high, self._corners)
-        cornered = begin | end
-        u = (1 + NODES) / 2
-        share = np.where(cornered[:, None], u * u * (3 - 2 * u), u)
-        time = low[:, None] + (high - low)[:, None] * share
-        load = np.maximum(self._leg.loads(time)[0], 0.0)
-        least, most = (np.maximum(self._leg.loads(ends)[0], 0.0)[:, None] for ends in (low, high))
-        spread = _FAR * (most - least)
-        empty = least < spread  # P is close to 0
-        if slip:
-            near, away = (edge > least) & ((edge < most + spread) | empty), (edge >= most + spread) & ~empty
-        else:
-            near, away = (edge < most) & (edge > least - spread), edge <= least - spread
-        panel, point = np.nonzero(away)
-        density = self._leg.rates(time)[1] * (high - low)[:, None] * np.where(cornered[:, None], 6 * u * (1 - u), 1.0)
-        advance = contact.advance(load)
-        found = np.empty((len(panel), DEGREE + 1))
-        for k in range(0, len(panel), _NODES // (DEGREE + 1)):
-            here = slice(k, k + _NODES // (DEGREE + 1))
-            p, i = panel[here], point[here]
-            values = _kernel(contact, self._kernel, x[i, None], load[p] - edge[i, None], load[p], advance[p])
-            found[here] = series(density[p] * values)
-        return near, cornered, panel, point, found
-
-    def up_to(self, time: Array) -> Array:
-        """The integrals over far panels up to each time (n,): shape (n, k)."""
-        number = np.clip(np.searchsorted(self.marks, time, side="right") - 1, 0, len(self.marks) - 2)
-        whole = np.sum(self._primitive, axis=2)
-        before = np.concatenate([np.zeros((1, whole.shape[1])), np.cumsum(whole, axis=0)])[:-1]
-        share = np.clip((time - self.marks[number]) / (self.marks[number + 1] - self.marks[number]), 0.0, 1.0)
-        # The inverse of 3 u^2 - 2 u^3.
-        u = np.where(self.cornered[number], 0.5 - np.sin(np.arcsin(1 - 2 * share) / 3), share)
-        terms = chebyshev.chebvander(2 * u - 1, DEGREE + 1)
-        value = before[number]
-        for panel in np.unique(number):
-            here = number == panel
-            value[here] += terms[here] @ self._primitive[panel].T
-        return value
 
 
 def _kernel(contact: Contact, kernel: Kernel, x: Array, above: Array, load: Array, advance: Array) -> Array:

@@ -14,16 +14,13 @@ smaller sample.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Literal
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import NotFoundError
 from semi_analytic.contact import Contact
-from semi_analytic.fields import Integrals
 from semi_analytic.history import Span
 from semi_analytic.legs import level, rate
 from semi_analytic.memory import Snapshot, pieces
@@ -43,13 +40,17 @@ _EPS = float(np.finfo(float).eps)
 
 
 def field_errors(
-    asked: Request, snapshot: Snapshot, lines: dict[str, Array], grids: dict[str, NDArray[np.float64]]
+    asked: Request,
+    snapshot: Snapshot,
+    lines: dict[str, Array],
+    grids: dict[str, NDArray[np.float64]],
+    arc_errors: Mapping[str, float],
 ) -> dict[str, float]:
     """Largest errors of pressure, shear and slip over the largest value of p, f p and s, from a sample of instants and points.
 
     Tractions start like roots at the edges of contact and stick, so that a last digit of an edge counts for much more next to it:
-    "... at the edge" is for the points that are asked for, however near; without these words for points 1 % of a away. Profiles in
-    closed form tell what their arcs lose, where that is beyond 1e-12.
+    "... at the edge" is for the points that are asked for, however near; without these words for points 1 % of a away.
+    `arc_errors` are those of the integrals over arcs. Profiles in closed form state what their arcs lose beyond 1e-12.
 
     Raises
     ------
@@ -67,10 +68,10 @@ def field_errors(
     # It is infinite at the tip of a sharp wedge.
     top = max(float(np.max(p, where=np.isfinite(p), initial=0.0)), _TINY)
     if "shear" in asked.fields and friction > 0:
-        arcs["shear"] = _arcs(contact, snapshot, chosen, x, "shear") / (friction * top)
+        arcs["shear"] = _largest(arc_errors["shear"]) / (friction * top)
     if "slip" in asked.fields:
         size = max(float(np.max(np.abs(grids["slip"]))) * math.pi * asked.modulus / 2, _TINY)
-        arcs["slip"] = _arcs(contact, snapshot, chosen, x, "slip") / size
+        arcs["slip"] = _largest(arc_errors["slip"]) / size
     if contact.closed_form:
         return {name: value for name, value in arcs.items() if value > PROMISED}
     knots = 2 * max((sum(1 for _ in pieces(snapshot.actives[k])) for k in snapshot.which[chosen]), default=0) + 2
@@ -115,15 +116,6 @@ def _at_edges(contact: Contact, x: Array, half: Array, least: float) -> float:
     rate = contact.stiffness(inside)
     doubt = 40 * _EPS * inside + contact.noise * contact.load(inside) / np.where(rate > 0, rate, np.inf)
     return _largest(rate / np.pi * np.sqrt(2 / inside) * (np.sqrt(near + doubt) - np.sqrt(near)))
-
-
-def _arcs(contact: Contact, snapshot: Snapshot, chosen: NDArray[np.intp], x: Array, kernel: Literal["shear", "slip"]) -> float:
-    """Largest error of an integral over the arcs in the memory curves of some instants."""
-    columns = ("time", "load", "force", "slipped", "direction", "which")
-    some = replace(snapshot, **{name: getattr(snapshot, name)[chosen] for name in columns})
-    integrals = Integrals(contact, x, kernel)
-    integrals.over(some)
-    return _largest(integrals.arc_errors)
 
 
 def dissipation_error(contact: Contact, spans: Sequence[Span], modulus: float, first: float, second: float) -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from semi_analytic.arcs import Kernel, arc_integrals
+from semi_analytic.arcs import Arc, Kernel
 from semi_analytic.contact import Contact
 from semi_analytic.memory import Curve, Piece, Snapshot, front_time, pieces
 
@@ -29,14 +29,13 @@ class Integrals:
     contact : normal contact of the profile
     x : (k,) distances from the centre >= 0
     kernel : "shear" (K = dp/d eta), "slip" (K = arccosh(|x|/a) outside, 0 inside) or "shift" (K = ln(2 L/a); x plays no part)
-    arc_errors : estimated error of each arc that was integrated
     """
 
     contact: Contact
     x: Array
     kernel: Kernel
-    arc_errors: list[float] = field(default_factory=list)
     _known: dict[int, tuple[Piece, Array]] = field(default_factory=dict)
+    _arcs: dict[tuple[int, float, float], tuple[Piece, Arc]] = field(default_factory=dict)
 
     def whole(self, curve: Curve) -> Array:
         """Over a whole curve: shape (k,)."""
@@ -55,10 +54,9 @@ class Integrals:
         groups = list(snapshot.groups())
         self._remember([piece.below for piece, _ in groups])
         bottoms = self.moment(0, np.array([piece.bottom for piece, _ in groups]))
-        for (piece, here), bottom in zip(groups, bottoms, strict=True):
-            total[here] += self.whole(piece.below) + _rise(_slope(piece), at_front[here], bottom)
-            if piece.bend or piece.arc is not None:
-                total[here] += self._curved(piece, front[here])
+        curved = self._curved([(piece, front[here]) for piece, here in groups])
+        for (piece, here), bottom, arc in zip(groups, bottoms, curved, strict=True):
+            total[here] += self.whole(piece.below) + _rise(_slope(piece), at_front[here], bottom) + arc
         return total
 
     def _remember(self, curves: list[Curve]) -> None:
@@ -73,10 +71,10 @@ class Integrals:
             return
         tops = self.moment(0, np.array([piece.top for piece in unknown.values()]))
         bottoms = self.moment(0, np.array([piece.bottom for piece in unknown.values()]))
+        curved = self._curved([(piece, np.array([piece.top])) for piece in unknown.values()])
         own = {}
-        for piece, top, bottom in zip(unknown.values(), tops, bottoms, strict=True):
-            curved = self._curved(piece, np.array([piece.top]))[0] if piece.bend or piece.arc is not None else 0.0
-            own[id(piece)] = _rise(_slope(piece), top, bottom) + curved
+        for piece, top, bottom, arc in zip(unknown.values(), tops, bottoms, curved, strict=True):
+            own[id(piece)] = _rise(_slope(piece), top, bottom) + (arc[0] if isinstance(arc, np.ndarray) else arc)
         for piece in unknown.values():
             self._add_up(piece, own)
 
@@ -91,13 +89,32 @@ class Integrals:
             below = self._known[id(piece.below)][1] if piece.below is not None else np.zeros(len(self.x))
             self._known[id(piece)] = (piece, below + own[id(piece)])
 
-    def _curved(self, piece: Piece, front: Array) -> Array:
-        """What a piece from its lower end to the loads `front` (n,) has beyond its straight part: shape (n, k)."""
-        if piece.arc is None:
-            return 2 * piece.bend * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
-        value, error = arc_integrals(self.contact, self.kernel, piece, front_time(piece, front), self.x)
-        self.arc_errors.append(error)
-        return value
+    def _curved(self, fronts: list[tuple[Piece, Array]]) -> list[Array | float]:
+        """What each piece from its lower end to the loads of its front (n,) has beyond its straight part: shape (n, k), or 0.
+
+        Pieces that are cut from one arc are integrated together.
+        """
+        found: list[Array | float] = [0.0] * len(fronts)
+        alike: dict[tuple[int, float, float], list[int]] = {}
+        for number, (piece, front) in enumerate(fronts):
+            if piece.arc is not None:
+                alike.setdefault((id(piece.anchor.leg), piece.arc[0], piece.anchor.time), []).append(number)
+            elif piece.bend:
+                found[number] = 2 * piece.bend * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
+        for key, numbers in alike.items():
+            if key not in self._arcs:
+                piece = fronts[numbers[0]][0]
+                self._arcs[key] = piece, Arc(self.contact, self.kernel, piece, self.x)
+            times = [front_time(*fronts[number]) for number in numbers]
+            values = np.split(self._arcs[key][1].up_to(np.concatenate(times)), np.cumsum([len(part) for part in times])[:-1])
+            for number, value in zip(numbers, values, strict=True):
+                found[number] = value
+        return found
+
+    @property
+    def arc_error(self) -> float:
+        """Largest estimated error of the arcs that were integrated."""
+        return max((arc.error for _, arc in self._arcs.values()), default=0.0)
 
     def moment(self, order: int, load: Array) -> Array:
         """int_0^load eta^order K d eta: shape (n, k) from (n,)."""

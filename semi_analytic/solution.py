@@ -129,12 +129,12 @@ def solve(
     found = _along_series(path, request) if isinstance(path, LoadSeries) else _along_spans(path, request)
     worked = clock.perf_counter()
     series = _series_of(request, found.snapshot)
-    grids = _grids_of(request, found.snapshot, series["contact_half_width"], series["stick_half_width"])
+    grids, arcs = _grids_of(request, found.snapshot, series["contact_half_width"], series["stick_half_width"])
     evaluated = clock.perf_counter()
     arrays: dict[str, Any] = {name: freeze(values) for name, values in series.items()} | grids
     work = float(found.each[-1])
     loop = _second_route(found, work)
-    errors = _errors(request, found, series, grids, work, loop)
+    errors = _errors(request, found, series, grids, arcs, work, loop)
     steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     notes = [*neglected_coupling(scene.material)]
     if "dissipation" in wanted and path.period is not None and path.long:
@@ -384,8 +384,8 @@ def _half_width(contact: Contact, load: Array) -> Array:
     return half
 
 
-def _grids_of(request: Request, snapshot: Snapshot, half: Array, stick: Array) -> dict[str, NDArray[Any]]:
-    """pressure, shear, slip, state: (n, m), read-only; whatever was not asked for is NaN (open) and takes no room.
+def _grids_of(request: Request, snapshot: Snapshot, half: Array, stick: Array) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
+    """pressure, shear, slip, state: (n, m), read-only; whatever was not asked for is NaN (open) and takes no room. Errors of arcs.
 
     NotFoundError where a value that is due was not found; tractions are infinite at the tip of a sharp wedge.
     """
@@ -396,10 +396,11 @@ def _grids_of(request: Request, snapshot: Snapshot, half: Array, stick: Array) -
     found: dict[str, NDArray[Any]] = {}
     if "pressure" in fields:
         found["pressure"] = contact.pressure(x, snapshot.load[:, None])
+    shear, slip = Integrals(contact, x, "shear"), Integrals(contact, x, "slip")
     if "shear" in fields:
-        found["shear"] = Integrals(contact, x, "shear").over(snapshot)
+        found["shear"] = shear.over(snapshot)
     if "slip" in fields:
-        found["slip"] = 2 / (math.pi * request.modulus) * Integrals(contact, x, "slip").over(snapshot)
+        found["slip"] = 2 / (math.pi * request.modulus) * slip.over(snapshot)
     if "state" in fields:
         sliding = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)[snapshot.direction + 1][:, None]
         inner = np.where(x > np.nan_to_num(stick)[:, None], sliding, np.int8(STICK))
@@ -414,7 +415,7 @@ def _grids_of(request: Request, snapshot: Snapshot, half: Array, stick: Array) -
         grid = values.take(request.fold, axis=1)
         grid.flags.writeable = False
         grids[name] = grid
-    return grids
+    return grids, {"shear": shear.arc_error, "slip": slip.arc_error}
 
 
 # ------------------------------------------------------------------------------------- what a solution says of itself
@@ -427,11 +428,17 @@ def _second_route(found: Along, work: float) -> float:
 
 
 def _errors(
-    request: Request, found: Along, series: dict[str, Array], grids: dict[str, NDArray[Any]], work: float, loop: float
+    request: Request,
+    found: Along,
+    series: dict[str, Array],
+    grids: dict[str, NDArray[Any]],
+    arcs: Mapping[str, float],
+    work: float,
+    loop: float,
 ) -> dict[str, float]:
     """Estimated errors of what was asked for, where they are more than what closed forms promise; see `errors`."""
     fields, friction = request.fields, found.snapshot.friction
-    errors = field_errors(request, found.snapshot, series, grids)
+    errors = field_errors(request, found.snapshot, series, grids, arcs)
     if "slip" in fields and (digits := 8 * rounding_of_slip(found.slipped_share)):
         errors["slip"] = errors.get("slip", 0.0) + digits
     if "rigid_shift" in fields:

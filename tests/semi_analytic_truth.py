@@ -7,7 +7,7 @@ import mpmath as mp
 import numpy as np
 
 from scenes import Elastic, Materials, ellipse_segment
-from semi_analytic.arcs import arc_integrals
+from semi_analytic.arcs import Arc
 from semi_analytic.contact import contact_of
 from semi_analytic.legs import instant
 from semi_analytic.memory import Piece
@@ -175,4 +175,4 @@ def slip_of_an_arc(n, place):
     end = instant(leg, last)
     below = Piece(None, instant(leg, first).normal, instant(leg, first), 0.0)
     piece = Piece(below, end.normal, end, 0.0, 0.0, (first, last))
-    return arc_integrals(contact, "slip", piece, np.array([last]), x)[0].item(), exact
+    return Arc(contact, "slip", piece, np.atleast_1d(x)).up_to(np.array([last])).item(), exact

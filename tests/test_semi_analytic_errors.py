@@ -108,7 +108,7 @@ def test_closed_forms_tell_what_their_arcs_lose(monkeypatch):
     monkeypatch.setattr(arcs, "_beside_no_load", lambda half, a, *rest: np.zeros(len(a), dtype=bool))
     rough = solve(scene, x=x, time=time, fields=("shear", "slip"))
     off = np.max(np.abs(rough.slip - truth.slip)) / np.max(np.abs(truth.slip))
-    assert 1e-10 < off <= rough.record.errors["slip"] < 1e-7
+    assert 1e-10 < off <= rough.record.errors["slip"] < 1e-5
     assert set(rough.record.errors) == {"slip"}
     assert any(note.startswith("slip: quadratures and rounding") for note in rough.record.notes)
 
