@@ -175,7 +175,7 @@ def dissipation_of(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     """
     pieces = []
     for number, ends in enumerate(corner_angles(e, corner_loads(contact)).values()):
-        row, owner = np.nonzero(np.diff(ends, axis=0) > 1e-14 * ends[-1])
+        row, owner = np.nonzero((np.diff(ends, axis=0) > 1e-14 * ends[-1]) & (e.deepest > 0))
         pieces.append((np.full(len(row), number), owner, ends[row, owner], ends[row + 1, owner]))
     phase, member, begin, end = (np.concatenate(part) for part in zip(*pieces, strict=True))
     works, size = np.zeros((len(PHASES), len(e.mean))), np.zeros(len(e.mean))
