@@ -157,7 +157,7 @@ def dissipation(
     loads = (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase, friction_coefficient)
 
     def works(block: Block) -> Array:
-        found = np.empty((4, len(block.scale)))
+        found = np.empty((4, len(block.mirrored)))
         if block.kind in ("hertz", "power_law"):
             found[1:3] = works_by_lam(block.ellipses, quick_bracket, careful_bracket)
             found[1:3] /= block.parameters[0] if block.kind == "power_law" else 2
@@ -166,7 +166,6 @@ def dissipation(
         else:
             for members, contact, loops, unit, _ in block.groups():
                 found[1:3, members] = works_over_contact(loops, contact) * unit * unit
-        found[1:3] *= block.scale
         found[0], found[3] = found[1] + found[2], block.ellipses.permanent
         found[1:3] = np.where(block.mirrored, found[2:0:-1], found[1:3])
         return found
@@ -209,13 +208,11 @@ def peak_dissipation(
     loads = (mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude, phase, friction_coefficient)
 
     def maxima(block: Block) -> Array:
-        found = np.empty((6, len(block.scale)))
+        found = np.empty((6, len(block.mirrored)))
         for members, contact, loops, unit, length in block.groups():
-            maxima = maxima_of(loops, contact)
-            maxima[:3] *= unit / length * unit
-            maxima[3:5] *= length
-            found[:, members] = maxima
-        found[:3] *= block.scale
+            found[:, members] = maxima_of(loops, contact)
+            found[:3, members] *= unit / length * unit
+            found[3:5, members] *= length
         return found
 
     (value, second, error, place, second_place, fraction), reason = _columns(profile, material, loads, maxima, 6)
@@ -250,7 +247,6 @@ class Block:
     whole : the contact of a profile that is given as such; None where its parameters may vary
     modulus : E*
     ellipses : their loops
-    scale : (m,) 2 f^2/(pi E*)
     mirrored : (m,) whether Q goes round the other way
     """
 
@@ -259,13 +255,12 @@ class Block:
     whole: Contact | None
     modulus: float
     ellipses: Ellipses
-    scale: Array
     mirrored: NDArray[np.bool_]
 
     def groups(self) -> Iterator[tuple[Indices, Contact, Ellipses, Array | float, Array | float]]:
         """Members whose profiles differ by units only: their contact and loops in these; the units of load and of length."""
         if self.whole is not None:
-            yield np.arange(len(self.scale)), self.whole, self.ellipses, 1.0, 1.0
+            yield np.arange(len(self.mirrored)), self.whole, self.ellipses, 1.0, 1.0
             return
         for members, shape, length, height in _alike(self.kind, self.parameters):
             unit = self.modulus * height
@@ -281,7 +276,7 @@ def _columns(
 ) -> tuple[list[Array], NDArray[np.int8]]:
     """`count` results of each member, NaN where there are none, and its reason, in the broadcast shape and read-only.
 
-    `results_of` a block are (count, m), the first of them being the one that must be finite.
+    `results_of` a block are (count, m), the first three over 2 f^2/(pi E*); the first one must be finite.
 
     Raises
     ------
@@ -328,8 +323,8 @@ def _columns(
             if len(good) < len(code):
                 loops, mirrored, some_friction = loops.take(good), mirrored[good], some_friction[good]
                 parts = [part[good] for part in parts]
-            scale = 2 / (math.pi * modulus) * some_friction**2
-            results = results_of(Block(kind, parts[len(loads) :], whole, modulus, loops, scale, mirrored))
+            results = results_of(Block(kind, parts[len(loads) :], whole, modulus, loops, mirrored))
+            results[:3] *= 2 / (math.pi * modulus) * some_friction**2
             found[:, first + good] = results
             code[good[~np.isfinite(results[0])]] = Reason.UNSETTLED
         reasons[first:last] = code

@@ -143,12 +143,10 @@ def works_by_lam(e: Ellipses, quick: Area, careful: Area) -> tuple[Array, Array]
 
     `quick` is right to rounding of P - P_c, `careful` to that of itself.
     """
-    ends = np.maximum(e.u, e.v) * np.square(_less_than_sine(e.turn / 2))
-    middle = 2 * e.amplitude * e.sine * _less_than_sine(np.minimum(math.pi - e.turn, math.pi / 2))
     # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add rounding times v.
     unlike = np.minimum(e.u, e.v) <= _DEEP * np.maximum(e.u, e.v)
     # Members alike together: the same rule, and the same way to Lam.
-    kind = 2 * _rule_of(e) + ((np.maximum(ends, middle) <= _DEEP * e.mean) | unlike)
+    kind = 2 * _rule_of(e) + ((e.deepest <= _DEEP * e.mean) | unlike)
     order = np.argsort(kind, kind="stable")
     loops, found = _rows(e).take(order, axis=1), np.empty((3, len(order)))
     bounds = np.cumsum(np.bincount(kind, minlength=2 * len(_RULES)))
@@ -188,11 +186,6 @@ def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
         near, far = (np.sqrt(np.square(centre + side) + square) for side in (-1, 1))
         np.minimum(half_sum, (near + far) / 2, out=half_sum)
     return np.sum(half_sum < _LEAST_SUMS, axis=0, dtype=np.uint8)
-
-
-def _less_than_sine(angle: Array) -> Array:
-    """A bound close to the sine of angles up to a right one."""
-    return angle * (1 - angle * angle / 6)
 
 
 def _rows(e: Ellipses) -> Array:
