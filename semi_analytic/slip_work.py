@@ -24,7 +24,7 @@ from semi_analytic.steady_ellipse import Ellipses, dissipation_of, half_angle, q
 
 Array = NDArray[np.float64]
 Area = Callable[[Array, Array, Array], Array]
-"""Some multiple of Lam(P, P_c) from P_c, P - P_c and a free array of their shape; may overwrite all but the second."""
+"""Some multiple of Lam(P, P_c) from P_c, P - P_c and a free array, (phases, n, m) each; may overwrite all but the second."""
 
 _TINY, _FLOOR = 1e-100, 1e-200
 
@@ -301,15 +301,14 @@ class LamTable:
         return cell, inside.view(np.float64) - 1.5
 
     def quick(self, front: Array, slipped: Array, free: Array) -> Array:
-        """Lam from P_c and P - P_c, arrays of one shape, to some 1e-16 of P^2 over P - P_c."""
-        load = np.empty((2, *front.shape))
-        np.add(front, slipped, out=load[0])
-        load[1] = front
-        cell, inside = self._place(load)
-        upper, lower = _series(self._area, cell, inside)
-        np.multiply(slipped, _series(self._log, cell[1], inside[1]), out=free)
-        upper -= lower
-        return np.subtract(upper, free, out=free)
+        """Lam from P_c and P - P_c, (phases, n, m), to some 1e-16 of P^2 over P - P_c."""
+        for below, way, area in zip(front, slipped, free, strict=True):  # one phase after the other: it stays in the cache
+            cell, inside = self._place(np.stack([below + way, below]))
+            upper, lower = _series(self._area, cell, inside)
+            upper -= lower
+            np.multiply(way, _series(self._log, cell[1], inside[1]), out=area)
+            np.subtract(upper, area, out=area)
+        return free
 
     def careful(self, front: Array, slipped: Array, free: Array) -> Array:
         """The same to 1e-13 of itself."""

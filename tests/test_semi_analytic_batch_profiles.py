@@ -197,11 +197,11 @@ def test_lam_of_the_table_is_that_of_the_contact(scale):
     """To 1e-14 of J(P), which is Lam of a front at 0; the careful one to 2e-11 of itself."""
     contact = contact_of(FlatRounded(radius=1.0, flat_half_length=1.0), MATERIAL)
     rng = np.random.default_rng(2)
-    front, slipped = scale * rng.uniform(0.001, 1, 2000), scale * 10 ** rng.uniform(-9, 0, 2000)
+    front, slipped = scale * rng.uniform(0.001, 1, (3, 700)), scale * 10 ** rng.uniform(-9, 0, (3, 700))
     table, load = LamTable(contact, *(math.frexp(share * scale)[1] - 1 for share in (1e-3, 2.0))), front + slipped
     exact = contact.log_area(load, slipped)
-    assert np.all(np.abs(table.quick(front, slipped, np.empty(2000)) - exact) <= 2e-14 * contact.log_area(load, load))
-    np.testing.assert_allclose(table.careful(front, slipped, np.empty(2000)), exact, rtol=2e-11)
+    assert np.all(np.abs(table.quick(front, slipped, np.empty((3, 700))) - exact) <= 2e-14 * contact.log_area(load, load))
+    np.testing.assert_allclose(table.careful(front, slipped, np.empty((3, 700))), exact, rtol=2e-11)
 
 
 @pytest.mark.parametrize("kind", ["compound", "wedge", "polynomial", "flat_rounded"])
