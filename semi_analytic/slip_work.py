@@ -44,17 +44,17 @@ def works_over_contact(e: Ellipses, contact: Contact) -> Array:
     flat at both ends, with 16 nodes, 32, 64, ...; the sums over every second node show the error.
     """
     corners = np.array(getattr(contact, "breaks", ()), dtype=float)[:, None]
-    if len(e.mean) > (size := max(_ELEMENTS // (16 * (5 + len(corners))), 8)):
-        parts = [e.take(slice(first, first + size)) for first in range(0, len(e.mean), size)]
+    chunk = max(_ELEMENTS // (16 * (5 + len(corners))), 8)
+    if len(e.mean) > chunk:
+        parts = [e.take(slice(first, first + chunk)) for first in range(0, len(e.mean), chunk)]
         return np.concatenate([works_over_contact(part, contact) for part in parts], axis=1)
-    shallow, all_of_them = np.flatnonzero(e.deepest <= _SHALLOW * e.mean), e
     loads = [e.permanent, *(e.load(cosine) for cosine in (-1.0, e.cosine, -e.cosine, np.cos(e.start + e.turn), 1.0))]
     events = contact.half_width(np.clip(loads, loads[0], loads[-1]))
     ends = np.sort(np.concatenate([events, np.clip(corners, events[0], events[-1])]), axis=0)
     row, member = np.nonzero(np.diff(ends, axis=0) > 1e-15 * ends[-1])
-    low, high, e = ends[row, member], ends[row + 1, member], e.take(member)
-    # A half-width that was not found spoils the whole.
-    works, whole = 0.0 * events[:2] + 0.0 * np.sum(events, axis=0), np.zeros(len(shallow))
+    low, high, loops = ends[row, member], ends[row + 1, member], e.take(member)
+    # NaN already where a half-width was not found.
+    works, size = np.zeros((2, 1)) * np.sum(events, axis=0), np.zeros(len(e.mean))
     sums, trail, count = np.zeros((2, len(member))), np.zeros((3, len(member))), 16
     while len(member):
         place = np.arange(1, count, 1 if count == 16 else 2)[:, None] / count
@@ -62,23 +62,25 @@ def works_over_contact(e: Ellipses, contact: Contact) -> Array:
         share = turns / (2 * math.pi) - (45 * np.sin(turns) - 9 * np.sin(2 * turns) + np.sin(3 * turns)) / (60 * math.pi)
         weights = 16 / 5 * np.sin(math.pi * place[:, 0]) ** 6 / count
         half = np.where(place < 0.5, low + (high - low) * share, high - (high - low) * share)
-        terms = slip_moment(e, np.maximum(contact.load(half) - e.permanent, 0.0))
+        terms = slip_moment(loops, np.maximum(contact.load(half) - loops.permanent, 0.0))
         terms *= (high - low) / half
         sums = sums / 2 + weights @ terms
         if count == 16:
             trail = np.stack([k * weights[k - 1 :: k] @ np.sum(terms[:, k - 1 :: k], axis=0) for k in (1, 2, 4)])
-            whole = np.maximum(np.bincount(member, trail[0], len(all_of_them.mean)), _NOTHING * np.square(all_of_them.mean))
+            size = np.maximum(np.bincount(member, trail[0], len(size)), _NOTHING * np.square(e.mean))
         else:
             trail = np.stack([np.sum(sums, axis=0), *trail[:2]])
-        left = quadrature_error(trail, whole[member]) > _CONVERGED
+        left = quadrature_error(trail, size[member]) > _CONVERGED
         for direction in range(2):
             np.add.at(works[direction], member[~left], sums[direction, ~left])
-        member, low, high, e, sums, trail = member[left], low[left], high[left], e.take(left), sums[:, left], trail[:, left]
+        member, low, high, loops = member[left], low[left], high[left], loops.take(left)
+        sums, trail = sums[:, left], trail[:, left]
         if count == _MOST_NODES:
             works[:, member] = np.nan
             break
         count *= 2
-    works[:, shallow] = dissipation_of(all_of_them.take(shallow), contact)
+    shallow = np.flatnonzero(e.deepest <= _SHALLOW * e.mean)
+    works[:, shallow] = dissipation_of(e.take(shallow), contact)
     return works
 
 
@@ -267,6 +269,16 @@ def careful_bracket(front: Array, slipped: Array, free: Array) -> Array:
     return front * log_excess(slipped / front)
 
 
+_CELL_BITS = 4
+_CELLS = 1 << _CELL_BITS
+_REST, _ONE = np.int64((1 << (52 - _CELL_BITS)) - 1), np.int64(1023 << 52)
+# Of the Chebyshev series through twelve points eight terms leave 1e-16; as powers of half its argument.
+_POINTS, _TERMS = np.cos(math.pi * (np.arange(12) + 0.5) / 12), 8
+_SERIES = [np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, _TERMS - 1 - k)) for k, row in enumerate(np.eye(_TERMS))]
+_TO_POWERS = 2.0 ** np.arange(_TERMS)[:, None] * (np.transpose(_SERIES) @ np.linalg.inv(chebyshev.chebvander(_POINTS, 11))[:_TERMS])
+_NEAR_RULE = tuple((float(node), float(weight * (1 - node))) for node, weight in zip(*gauss(7), strict=True))
+
+
 class LamTable:
     """Lam of one contact whose P(a) has no corners, between two loads: polynomials in P on sixteen cells of every octave.
 
@@ -287,7 +299,8 @@ class LamTable:
         log = (double - area - contact.log_area(2 * load, load)) / load
         # Of a short way about the load Lam is half of its square times L', but for a share of 3e-14.
         way = 1e-6 * load
-        rate = 2 * contact.log_area(load + way * (2 / 3), way) / (way * way)
+        with np.errstate(all="ignore"):
+            rate = 2 * contact.log_area(load + way * (2 / 3), way) / (way * way)
         self._area, self._log, self._rate = (_TO_POWERS @ values.T for values in (area, log, rate))
 
     def _place(self, load: Array) -> tuple[NDArray[np.int64], Array]:
@@ -325,13 +338,3 @@ def _series(rows: Array, cell: NDArray[np.int64], inside: Array) -> Array:
         total *= inside
         total += coefficients.take(cell, mode="clip", out=row)
     return total
-
-
-_CELL_BITS = 4
-_CELLS = 1 << _CELL_BITS
-_REST, _ONE = np.int64((1 << (52 - _CELL_BITS)) - 1), np.int64(1023 << 52)
-# Of the Chebyshev series through twelve points eight terms leave 1e-16; as powers of half its argument.
-_POINTS, _TERMS = np.cos(math.pi * (np.arange(12) + 0.5) / 12), 8
-_SERIES = [np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, _TERMS - 1 - k)) for k, row in enumerate(np.eye(_TERMS))]
-_TO_POWERS = 2.0 ** np.arange(_TERMS)[:, None] * (np.transpose(_SERIES) @ np.linalg.inv(chebyshev.chebvander(_POINTS, 11))[:_TERMS])
-_NEAR_RULE = tuple((float(node), float(weight * (1 - node))) for node, weight in zip(*gauss(7), strict=True))

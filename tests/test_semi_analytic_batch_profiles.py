@@ -154,7 +154,7 @@ def test_work_is_that_of_twenty_five_digits(case):
     np.testing.assert_allclose(found, [float(value) for value in IN_DIGITS[case]], rtol=1e-12, atol=1e-14)
 
 
-def test_work_that_has_not_converged_is_told(monkeypatch):
+def test_work_that_has_not_converged_has_a_reason(monkeypatch):
     monkeypatch.setattr(slip_work, "_CONVERGED", -1.0)
     batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
     assert batch.reason.tolist() == [Reason.UNSETTLED]
