@@ -34,7 +34,7 @@ from scenes.frozen import Frozen, validated
 from semi_analytic.contact import Contact, contact_of
 from semi_analytic.density_peaks import maxima_of
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.slip_work import LamTable, careful_bracket, quick_bracket, works_by_lam, works_over_contact
+from semi_analytic.slip_work import LamTable, careful_bracket, dissipation_of, quick_bracket, works_by_lam
 from semi_analytic.solution import neglected_coupling
 from semi_analytic.steady_ellipse import Ellipses, ellipses_of
 
@@ -165,7 +165,7 @@ def dissipation(
             found[1:3] = _works_on_table(block.ellipses, block.modulus * _UNITS[block.kind](*block.parameters)[1])
         else:
             for members, contact, loops, unit, _ in block.groups():
-                found[1:3, members] = works_over_contact(loops, contact) * unit * unit
+                found[1:3, members] = dissipation_of(loops, contact) * unit * unit
         found[0], found[3] = found[1] + found[2], block.ellipses.permanent
         found[1:3] = np.where(block.mirrored, found[2:0:-1], found[1:3])
         return found

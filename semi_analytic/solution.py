@@ -53,7 +53,8 @@ from semi_analytic.memory import Snapshot, pieces, value_on
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
 from semi_analytic.roundoff import PROMISED, rounding_of_shift, rounding_of_slip
-from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of
+from semi_analytic.slip_work import dissipation_of
+from semi_analytic.steady_ellipse import density_of, ellipses_of
 
 Array = NDArray[np.float64]
 
@@ -309,7 +310,7 @@ def _along_spans(history: History, request: Request) -> Along:
         spans = history.cycles[number]
         used.extend(spans)
         if ellipse is not None and history.is_loop(number):
-            works[number] = unit * float(sum(part[0] for part in dissipation_of(ellipse, contact))), 0.0
+            works[number] = unit * float(sum(part[0] for part in dissipation_of(ellipse, contact, careful=True))), 0.0
         else:
             split = global_dissipation(contact, modulus, spans)
             own = float(split.error / split.total) if split.error else 0.0

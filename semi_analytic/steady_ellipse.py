@@ -167,7 +167,7 @@ def quadrature_error(values: Array, size: Array) -> Array:
     return np.where(near <= far**1.5, near**1.5, near)
 
 
-def dissipation_of(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
+def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     """Forward and reverse part of W pi E*/(2 f^2), (m,) each, with all digits even where next to nothing slips: 1 ms and more each.
 
     The phases are cut at the corners; next to singular ends the rule is graded; pieces that have not converged are halved. NaN
