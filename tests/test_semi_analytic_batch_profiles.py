@@ -154,6 +154,14 @@ def test_work_is_that_of_twenty_five_digits(case):
     np.testing.assert_allclose(found, [float(value) for value in IN_DIGITS[case]], rtol=1e-12, atol=1e-14)
 
 
+def test_work_where_a_polynomial_hardly_grows_is_that_of_twenty_five_digits():
+    """By int w' Lam dt and a rule that took P(a) for smooth it was 6e-7 off, in batches without a word."""
+    profile, row = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43)), (1.0, 0.6, 0.0, 0.3, math.degrees(1.2))
+    exact = float("0.024993744493561726468") + float("0.00040938678395082994304")
+    assert dissipation(profile=profile, **question([row])).value[0] == pytest.approx(exact, rel=1e-12, abs=0)
+    assert solved(profile, row, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(exact, rel=1e-12, abs=0)
+
+
 def test_work_that_has_not_converged_has_a_reason(monkeypatch):
     monkeypatch.setattr(slip_work, "_CONVERGED", (-1.0, -1.0))
     batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
