@@ -84,7 +84,9 @@ def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> A
             break
         count *= 2
     unlike = np.minimum(e.u, e.v) < _UNLIKE[careful] * np.maximum(e.u, e.v)
-    shallow = np.flatnonzero((e.deepest <= _SHALLOW[careful] * e.mean) | unlike)
+    # Thirteen digits may be more than P(a) itself has.
+    rough = careful & np.isnan(np.sum(works, axis=0))
+    shallow = np.flatnonzero((e.deepest <= _SHALLOW[careful] * e.mean) | unlike | rough)
     exact = np.array(works_over_time(e.take(shallow), contact))
     # What is known to a share of P0^2 only is better than nothing.
     works[:, shallow] = np.where(np.isfinite(exact), exact, works[:, shallow])
