@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -219,22 +218,6 @@ class EvenPolynomial(Gap):
 _OCTAVES, _CORE = 53, 13
 
 
-@dataclass(frozen=True, eq=False)
-class EvenCore:
-    """h'(x)/x on 0 <= x <= end as a Chebyshev series in (x/end)^2."""
-
-    end: float
-    coefficients: Array
-
-    def __call__(self, x: Array) -> Array:
-        return np.asarray(chebyshev.chebval(2 * np.square(x / self.end) - 1, self.coefficients))
-
-    def derivative(self) -> Callable[[Array], Array]:
-        """Its derivative with respect to x."""
-        slope = chebyshev.chebder(self.coefficients)
-        return lambda x: np.asarray(4 * x / self.end**2 * chebyshev.chebval(2 * np.square(x / self.end) - 1, slope))
-
-
 class CallableProfile(Gap):
     """Gap given by a Python function of x: the height h, or its slope h' (odd), on |x| <= extent; beyond, it goes on straight.
 
@@ -254,7 +237,7 @@ class CallableProfile(Gap):
     breaks: tuple[Positive, ...] = Field((), description="x > 0 at which the slope has a corner, where they are known")
 
     _slope: Pieces = PrivateAttr()
-    _core: EvenCore | None = PrivateAttr(None)
+    _core: chebyshev.Chebyshev | None = PrivateAttr(None)  # h'(x)/x as a series of x^2, up to the first edge of `_slope`
     _height: Pieces | None = PrivateAttr(None)
 
     @model_validator(mode="after")
@@ -268,11 +251,12 @@ class CallableProfile(Gap):
         self._check_symmetry(over, sign)
         try:
             if self.height_function is not None:
-                core = self._core = _even_core(over, edges[edges >= self.extent * 0.5**_CORE])
-                if core is not None and core.end == edges[-1]:
-                    self._slope = fit(lambda x: x * core(x), edges[-2:])
+                core, end = _even_core(over, edges[edges >= self.extent * 0.5**_CORE])
+                if core is not None and end == edges[-1]:
+                    self._slope = fit(lambda x: x * core(x**2), edges[-2:])
                 else:
-                    self._slope = fit(over, edges[edges >= (core.end if core is not None else 0.0)]).derivative()
+                    self._slope = fit(over, edges[edges >= end]).derivative()
+                self._core = core
             else:
                 self._slope = fit(over, edges)
                 self._height = _integral(self._slope)
@@ -335,7 +319,7 @@ class CallableProfile(Gap):
         at, first = np.asarray(x, dtype=float), float(self._slope.edges[0])
         above = self._slope(np.clip(at, first, self.extent))
         inner = np.minimum(at, first)
-        below = inner * self._core(inner) if self._core is not None else above * (inner / first) ** self.exponent
+        below = inner * self._core(inner**2) if self._core is not None else above * (inner / first) ** self.exponent
         return np.asarray(np.where(at < first, below, above))
 
     def bend(self, x: ArrayLike) -> Array:
@@ -344,7 +328,7 @@ class CallableProfile(Gap):
         above = self._slope.derivative()(np.clip(at, first, self.extent)) * at
         inner = np.minimum(at, first)
         if self._core is not None:
-            below = inner * (self._core(inner) + inner * self._core.derivative()(inner))
+            below = inner * (self._core(inner**2) + 2 * inner**2 * self._core.deriv()(inner**2))
         else:
             below = self.exponent * self.slope(inner)
         return np.asarray(np.where(at < first, below, np.where(at > self.extent, 0.0, above)))
@@ -371,17 +355,17 @@ class CallableProfile(Gap):
         )
 
 
-def _even_core(over: Callable[[Array], Array], edges: Array) -> EvenCore | None:
-    """The slope near 0 of a height that is smooth in x^2, on the largest part that one series follows; None if there is none."""
+def _even_core(over: Callable[[Array], Array], edges: Array) -> tuple[chebyshev.Chebyshev | None, float]:
+    """The slope over x near 0 of a height that is smooth in x^2, as a series of x^2, and its end; None and 0 if there is none."""
     offset = float(over(np.zeros(1)).item())
     noise = 2e-16 * abs(float(over(edges[-1:]).item()) - offset)
-    for end in edges[::-1]:
+    for end in edges[::-1].tolist():
         # T_2k(x/c) = T_k(2 (x/c)^2 - 1): an even series in x is a series in x^2.
         values = over(end * np.sqrt((1 + NODES) / 2)) - offset
         coefficients = series(values)
         if np.all(np.isfinite(values)) and float(tail(coefficients)) <= noise + 1e-15 * float(np.max(np.abs(values))):
-            return EvenCore(float(end), chebyshev.chebder(coefficients) * 4 / end**2)
-    return None
+            return chebyshev.Chebyshev(chebyshev.chebder(coefficients) * 4 / end**2, domain=[0.0, end**2]), end
+    return None, 0.0
 
 
 def _integral(pieces: Pieces) -> Pieces:
