@@ -59,38 +59,30 @@ def load_scene(source: str | Path) -> Scene:
     >>> load_scene("hertz-paper").friction.coefficient
     1.0
     """
-    if str(source) in scene_names():
-        return _check(parsed_toml(scene_text(str(source))), str(source), str(source), Path(str(_LIBRARY)))
-    path = Path(source)
-    if not path.suffix and not path.exists():
-        raise InputError(_unknown_scene(str(source)))
-    return _check(_parse(path), str(path), path.stem, path.parent)
-
-
-def _unknown_scene(name: str) -> str:
-    hint = did_you_mean(name, scene_names()) or f" the library has {', '.join(scene_names())};"
-    return f"{name}: no such scene or file;{hint} `halfplane init FILE.toml` writes one to start from"
-
-
-def _parse(path: Path) -> dict[str, Any]:
-    """The raw mapping in a file."""
-    if path.suffix not in (".toml", ".json") and path.is_dir():
-        raise InputError(f"{path}: this is a folder; name the scene file in it, which ends in .toml or .json")
-    if path.suffix not in (".toml", ".json"):
+    path, name = Path(source), str(source)
+    if name in scene_names():
+        data, folder = parsed_toml(scene_text(name)), Path(str(_LIBRARY))
+    elif not path.suffix and not path.exists():
+        raise InputError(_unknown_scene(name))
+    elif path.suffix not in (".toml", ".json"):
+        if path.is_dir():
+            raise InputError(f"{path}: this is a folder; name the scene file in it, which ends in .toml or .json")
         raise InputError(f"{path}: a scene file ends in .toml or .json, not in {path.suffix or 'nothing'!r}")
-    data = keys_of(path, "the scene file", "put long tables into a CSV file beside it, named by the key `file`")
-    if not data:
-        raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
-    return data
-
-
-def _check(data: dict[str, Any], where: str, name: str, folder: Path) -> Scene:
-    """A checked scene whose tables lie in `folder`; the first fault becomes one sentence."""
+    else:
+        data = keys_of(path, "the scene file", "put long tables into a CSV file beside it, named by the key `file`")
+        if not data:
+            raise InputError(f"{path}: the scene file is empty; `halfplane init FILE.toml` writes one to start from")
+        name, folder = path.stem, path.parent
     try:
         # Strict, so that "1.0" and true are no numbers; as JSON, where strict still lets 1 be a float and a list a tuple.
         text = json.dumps({"name": name} | data, default=str)
         return Scene.model_validate_json(text, strict=True, context={"folder": folder})
     except ValidationError as faults:
-        raise InputError(f"{where}: {refusal(faults, data, Scene)}") from faults
+        raise InputError(f"{path}: {refusal(faults, data, Scene)}") from faults
     except RecursionError as reason:  # JSON with brackets by the hundred
-        raise InputError(f"{where}: its tables are nested too deeply") from reason
+        raise InputError(f"{path}: its tables are nested too deeply") from reason
+
+
+def _unknown_scene(name: str) -> str:
+    hint = did_you_mean(name, scene_names()) or f" the library has {', '.join(scene_names())};"
+    return f"{name}: no such scene or file;{hint} `halfplane init FILE.toml` writes one to start from"
