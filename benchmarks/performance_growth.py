@@ -252,9 +252,8 @@ def page(found: dict[str, Any]) -> list[str]:
     steep = [kind for kind, points in found["growth"].items() if max(exponent(points), exponent(points[-2:])) > MOST]
     lines += ["", f"No exponent is above {MOST:g}." if not steep else f"Steeper than {MOST:g}, as is promised: {', '.join(steep)}."]
     lines += [
-        "Histories of up to 1,000 rows are answered at all events, with the closed integral of Q dU, longer ones at their rows: "
-        "hence the dearer first point. The large case (1,000 contact nodes a side, 400 steps) has its time and memory "
-        "on the page of numbers.",
+        "Histories of up to 1,000 rows are followed leg by leg with all events, longer ones row by row: hence the dearer first "
+        "point. The large case (1,000 contact nodes a side, 400 steps) has its time and memory on the page of numbers.",
         "",
         "### What dominates",
         "",
