@@ -318,7 +318,7 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
         for j in range(0, len(number), _CHUNK // NODES):
             n, i = number[j : j + _CHUNK // NODES], point[j : j + _CHUNK // NODES]
             at, weight = graded(begin[n, i], end[n, i])
-            p, p_c = start[n] + way[n] * at, c[n] - fall[n] * at
+            p, p_c = start[n] + way[n] * at, np.maximum(c[n] - fall[n] * at, 0.0)
             reach = contact.reach(x[i, None], np.maximum(edge[i, None] - p_c, 0.0), p_c)
             work = parts.rise[some][n] * np.sum(weight * contact.pressure(x[i, None], p) * reach, axis=1)
             total += np.bincount(i, work, len(x))

@@ -178,6 +178,23 @@ def test_rows_as_a_series_are_rows_as_a_curved_path(flat, repeats, data):
     assert np.max(lean.record.certificates["tangential_balance"]) < 1e-13
 
 
+@pytest.mark.parametrize("seed", range(30))
+def test_rows_along_the_limit_of_friction_and_back_along_their_own_lines(seed):
+    """Both ways of following them agree on every state; a front at P_c = 0 was a last digit below it, and W(x) no number."""
+    draw = np.random.default_rng(seed)
+    count, flat, repeats = int(draw.integers(2, 14)), float(draw.choice([0.0, 0.5])), bool(seed % 2)
+    normal = draw.choice([0.25, 0.5, 0.75, 1.0], count)
+    rows = np.column_stack([np.arange(count), normal, 0.7 * normal * draw.choice([-1, -0.5, 0, 0.25, 0.5, 1], count)])
+    rows = np.append(rows, [[count, *rows[0, 1:]]], axis=0) if repeats else rows
+    scene = make_scene(TimeSeriesLoad(rows=rows, repeats=repeats), 0.7, flat)
+    time = np.sort(draw.uniform(0, rows[-1, 0], 9))
+    one, other = (way(scene, x=X[:7], time=time) for way in (solve, by_spans))
+    assert one.steady_from == other.steady_from
+    np.testing.assert_array_equal(one.state, other.state)
+    for name in ("slip", "rigid_shift", "dissipation", "cycle_dissipation", "dissipation_density"):
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-13, err_msg=name)
+
+
 @pytest.mark.parametrize(
     "corners", [[(0.92, 1e-12), (0.5, 0.0)], [(0.5, 0.0), (0.512062, 1e-9), (1.0, -1e-12), (0.05, 2e-16), (0.73, -1e-12)]]
 )
