@@ -180,7 +180,7 @@ def test_rows_as_a_series_are_rows_as_a_curved_path(flat, repeats, data):
 
 @pytest.mark.parametrize("seed", range(30))
 def test_rows_along_the_limit_of_friction_and_back_along_their_own_lines(seed):
-    """Both ways of following them agree on every state; a front at P_c = 0 was a last digit below it, and W(x) no number."""
+    """Both ways of following them agree on every state."""
     draw = np.random.default_rng(seed)
     count, flat, repeats = int(draw.integers(2, 14)), float(draw.choice([0.0, 0.5])), bool(seed % 2)
     normal = draw.choice([0.25, 0.5, 0.75, 1.0], count)
@@ -193,6 +193,14 @@ def test_rows_along_the_limit_of_friction_and_back_along_their_own_lines(seed):
     np.testing.assert_array_equal(one.state, other.state)
     for name in ("slip", "rigid_shift", "dissipation", "cycle_dissipation", "dissipation_density"):
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-13, err_msg=name)
+
+
+def test_a_front_at_no_load_is_not_below_it():
+    """|Q| = f P is reached and P_c was a last digit below 0: W(x) on a flat face was no number."""
+    loads = [(1.0, 0.0), (0.5, 0.0875), (1.0, -0.7), (0.25, 0.04375), (0.75, 0.5249999999999999), (0.5, 0.175), (0.75, 0.0)]
+    scene = make_scene(TimeSeriesLoad(rows=[[k, *load] for k, load in enumerate(loads)]), 0.7, 0.5)
+    one, other = (way(scene, x=[0.5, 0.8, 1.0], fields=("dissipation_density",)).dissipation_density for way in (solve, by_spans))
+    np.testing.assert_allclose(one, other, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
