@@ -34,11 +34,11 @@ from scenes import (
     load_scene,
     scene_names,
 )
-from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import closed_integral, global_dissipation, work_over_points
 from semi_analytic.hertz import HertzContact
 from semi_analytic.history import history_of
+from semi_analytic.profiles import contact_of
 
 TABLE = Path(__file__).with_name("semi_analytic_reference.json")
 

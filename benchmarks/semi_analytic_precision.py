@@ -26,7 +26,7 @@ from semi_analytic_reference import DIGITS, Case, dissipation, half_width_of
 
 import semi_analytic
 from scenes import Elastic, EllipseLoad, FlatRounded, Friction, Hertz, Materials, Scene, TimeSeriesLoad
-from semi_analytic.contact import Contact, contact_of
+from semi_analytic.profiles import Contact, contact_of
 
 FILE = Path(__file__).with_suffix(".json")
 OUT = Path(__file__).parent.parent / "out"

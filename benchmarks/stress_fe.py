@@ -16,8 +16,8 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from scenes import Elastic, FlatRounded, Hertz, Materials, PolygonLoad, PowerLaw, Scene, Wedge
-from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.profiles import contact_of
 
 ENGINE = "Finite elements"
 SWIFT, FEW = MeshSettings.swift(), SolverSettings(steps_per_cycle=32)

@@ -27,9 +27,9 @@ from scenes import (
     Tabulated,
     Wedge,
 )
-from semi_analytic.contact import contact_of
 from semi_analytic.friction_work import global_dissipation
 from semi_analytic.history import history_of
+from semi_analytic.profiles import contact_of
 
 ENGINE = "Half-plane engine"
 _X = np.linspace(0, 4, 61)

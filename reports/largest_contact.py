@@ -47,8 +47,8 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
 
     That is a table or a function which ends within the contact, or a shape under which the contact would split.
     """
-    from semi_analytic.contact import contact_of
     from semi_analytic.elasticity import composite_modulus
+    from semi_analytic.profiles import contact_of
 
     load = largest_normal_load(scene)
     try:

@@ -65,6 +65,15 @@ class Ellipse(NamedTuple):
     phase: float
     origin: float
 
+    def largest_at(self, what: Combination) -> float:
+        """A time at which a combination is largest.
+
+        >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).largest_at(TANGENTIAL_LOAD) == math.pi / 2
+        True
+        """
+        phasor = what.normal * self.amplitude[0] + what.tangential * self.amplitude[1] * cmath.exp(-1j * self.phase)
+        return self.origin - cmath.phase(phasor)
+
 
 @dataclass(frozen=True)
 class LoadSegment(abc.ABC):

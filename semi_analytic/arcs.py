@@ -28,9 +28,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from scenes import LoadSegment
+from scenes import NORMAL_LOAD, LoadSegment
 from scenes.chebyshev import DEGREE, NODES, series, tail
-from semi_analytic.legs import NORMAL_LOAD, change, rate, time_of
 from semi_analytic.memory import Piece, front_time
 from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import gauss, graded
@@ -200,8 +199,8 @@ def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
     length, time = other - end, end
     width, sign = 1e-3 * length, math.copysign(1.0, length)
     for _ in range(20):
-        slope = float(rate(leg, NORMAL_LOAD, time))
-        bend = float(rate(leg, NORMAL_LOAD, time + width) - rate(leg, NORMAL_LOAD, time - width)) / (2 * width)
+        slope = float(leg.rate_of(NORMAL_LOAD, time))
+        bend = float(leg.rate_of(NORMAL_LOAD, time + width) - leg.rate_of(NORMAL_LOAD, time - width)) / (2 * width)
         if bend * sign <= 0 or abs(step := slope / bend) > abs(length) or (end - time + step) * sign < -abs(width):
             return Turn(end, float(leg.loads(end)[0]), sign, other, 0.0, np.zeros(1))
         time -= step
@@ -210,11 +209,11 @@ def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
     time = min(time, end) if length > 0 else max(time, end)
     # At the turning point itself the last digits of the time do not count.
     turn = Turn(time, float(leg.loads(time)[0]), sign, other, 0.0, np.zeros(1))
-    near = _THROUGH * math.sqrt(abs(float(change(leg, NORMAL_LOAD, other, time))))
+    near = _THROUGH * math.sqrt(abs(float(leg.change_of(NORMAL_LOAD, other, time))))
     # An even number of nodes: at 0 itself dQ/dz is 0/0.
     place = chebyshev.chebpts1(14)
     z = near * np.abs(place)
-    across = time - 2 * (float(time_of(leg, NORMAL_LOAD, sign * near**2, time, other)) - time)
+    across = time - 2 * (float(leg.time_of(NORMAL_LOAD, sign * near**2, time, other)) - time)
     sides = _force_over_root(leg, turn, z), _force_over_root(leg, turn._replace(farthest=across), z)
     return turn._replace(
         near=near, force=np.asarray(chebyshev.chebfit(place, np.where(place > 0, *sides), len(place) - 1), dtype=float)
@@ -223,8 +222,8 @@ def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
 
 def _force_over_root(leg: LoadSegment, turn: Turn, z: Array) -> Array:
     """|dQ/dz| with the sign of dQ/dt, from dP = 2 z dz."""
-    time = time_of(leg, NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
-    slope = np.abs(rate(leg, NORMAL_LOAD, time))
+    time = leg.time_of(NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
+    slope = np.abs(leg.rate_of(NORMAL_LOAD, time))
     return np.asarray(leg.rates(time)[1] * 2 * z / np.where(slope > 0, slope, np.inf))
 
 
@@ -250,7 +249,7 @@ def _near(
     result = np.zeros(len(low))
     if not len(low):
         return result
-    inner, outer = (np.sqrt(np.maximum(turn.sign * change(leg, NORMAL_LOAD, ends, turn.time), 0.0)) for ends in (low, high))
+    inner, outer = (np.sqrt(np.maximum(turn.sign * leg.change_of(NORMAL_LOAD, ends, turn.time), 0.0)) for ends in (low, high))
     inner, outer = np.minimum(inner, outer), np.maximum(inner, outer)
     square = turn.sign * (edge - turn.load)
     # An e of 0 would stretch the variable for ever.

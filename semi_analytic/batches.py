@@ -31,9 +31,9 @@ from scenes import (
     Wedge,
 )
 from scenes.frozen import Frozen, validated
-from semi_analytic.contact import Contact, contact_of
 from semi_analytic.density_peaks import maxima_of
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.slip_work import LamTable, careful_bracket, dissipation_of, quick_bracket, works_by_lam
 from semi_analytic.solution import neglected_coupling
 from semi_analytic.steady_ellipse import Ellipses, ellipses_of

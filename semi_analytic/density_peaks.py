@@ -15,9 +15,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from semi_analytic.contact import Contact
+from semi_analytic.profiles import Contact
 from semi_analytic.roundoff import LAST_DIGITS, PROMISED
-from semi_analytic.steady_ellipse import Ellipses, corner_loads, density_of, quadrature_error
+from semi_analytic.steady_ellipse import Ellipses, density_of, quadrature_error
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -110,7 +110,7 @@ def _samples(e: Ellipses, contact: Contact) -> Array:
     """Points from the permanent stick edge to the largest contact, ascending, some of them equal: (m, n)."""
     least, most = e.mean - e.amplitude, e.mean + e.amplitude
     events = [e.load(cosine) for cosine in (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))]
-    corners = np.clip(corner_loads(contact), e.permanent, most)
+    corners = np.clip(contact.break_loads[:, None], e.permanent, most)
     loads = np.clip(np.stack([e.permanent, least, *events, *corners, most]), e.permanent, most)
     ends = contact.half_width(np.sort(loads, axis=0))
     few = len(corners) <= _FEW

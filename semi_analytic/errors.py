@@ -20,10 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import NotFoundError
-from semi_analytic.contact import Contact
 from semi_analytic.history import Span
-from semi_analytic.legs import level, rate
-from semi_analytic.memory import Snapshot, pieces
+from semi_analytic.memory import Snapshot, level, pieces
+from semi_analytic.profiles import Contact
 from semi_analytic.request import Request
 from semi_analytic.roundoff import PROMISED
 
@@ -127,7 +126,7 @@ def dissipation_error(contact: Contact, spans: Sequence[Span], modulus: float, f
         if span.direction and span.active is not None:
             times = np.linspace(span.begin.time, span.end.time, 9)[1:-1]
             load, slipped = span.leg.loads(times)[0], span.slipped(times)
-            growth = np.maximum(rate(span.leg, level(span.direction, span.friction), times), 0.0)
+            growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
             error = contact.quadrature_error("log_area", load, slipped)
             left += span.friction * _largest(growth * error) * (span.end.time - span.begin.time)
     apart = abs(second - first) / first if math.isfinite(second) else 0.0

@@ -14,16 +14,14 @@ loads on the memory curve, not instants: `front_load` gives them.
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from scenes import InputError, Scene
+from scenes import NORMAL_LOAD, Combination, InputError, Scene
 from scenes.frozen import validated
 from semi_analytic.history import History, Span, history_of, is_plain_ellipse
-from semi_analytic.legs import NORMAL_LOAD, Combination, change, level, phasor, stationary
-from semi_analytic.memory import Curve
+from semi_analytic.memory import Curve, level
 
 # Time, over itself or 1, within which two events are one.
 _SAME = 1e-9
@@ -144,9 +142,9 @@ def _extremes(span: Span) -> Iterator[Event]:
     leg, width = span.leg, 1e-3 * (span.leg.end - span.leg.start)
     wider = replace(leg, start=leg.start - 0.1, end=leg.end + 0.1) if is_plain_ellipse(leg) else leg
     for what, word in ((NORMAL_LOAD, "P"), (Combination(0.0, 1.0), "Q")):
-        for time in stationary(wider, what):
+        for time in wider.turning_points(what):
             if span.begin.time - _SAME <= time < span.end.time - _SAME:
-                bend = float(change(leg, what, time + width, time)) + float(change(leg, what, time - width, time))
+                bend = float(leg.change_of(what, time + width, time)) + float(leg.change_of(what, time - width, time))
                 yield _at(span, time, f"{word} {'largest' if bend < 0 else 'least'}")
 
 
@@ -171,6 +169,6 @@ def _letter_times(history: History) -> dict[str, float]:
     # What is largest (+) or least (-) at each letter; v is least where -v is largest.
     order = zip("BCDEFGHIKLM", ("u-", "P+", "Q+", "u+", "P-", "-v+", "Q-", "u-", "P+", "Q+", "u+"), strict=True)
     for letter, key in order:
-        first = -cmath.phase(phasor(leg, what[key[:-1]])) + (math.pi if key[-1] == "-" else 0.0)
+        first = ellipse.largest_at(what[key[:-1]]) + (math.pi if key[-1] == "-" else 0.0)
         times[letter] = first + turn * math.ceil((max(times.values()) - first) / turn - 1e-12)
     return times | {"J": 2 * times["I"] - times["G"]}

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semi_analytic.arcs import Arc, Kernel
-from semi_analytic.contact import Contact
 from semi_analytic.memory import Curve, Piece, Snapshot, front_time, pieces
+from semi_analytic.profiles import Contact
 
 Array = NDArray[np.float64]
 

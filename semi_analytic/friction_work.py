@@ -22,13 +22,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import NotFoundError
-from semi_analytic.contact import Contact, bends_anywhere, corner_loads
+from scenes import NORMAL_LOAD, Combination, NotFoundError
+from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span, smooth_spans, take
-from semi_analytic.legs import LEAST, NORMAL_LOAD, Combination, change, change_from, level, rate, time_of
 from semi_analytic.load_series import Block, Records
-from semi_analytic.memory import level_on
+from semi_analytic.memory import change_from, level, level_on
+from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import NODES, ROOTS, gauss, graded
 from semi_analytic.roundoff import LAST_DIGITS
 
@@ -90,7 +90,7 @@ def _work_of_span(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike
     """f int w' Lam dt over parts of one span, from begin[k] to end[k]: (n,)."""
     times, weights = graded(begin, end)
     area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
-    growth = rate(span.leg, level(span.direction, span.friction), times)
+    growth = span.leg.rate_of(level(span.direction, span.friction), times)
     return np.asarray(span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1))
 
 
@@ -98,7 +98,7 @@ def _rounding(span: Span, reach: Callable[[float, Array], Array]) -> Array:
     """What the last digits of P leave in f times the growth of a span's level times reach(P, P - P_c): (k,)."""
     load = max(span.begin.normal, span.end.normal)
     digits = LAST_DIGITS * load
-    growth = abs(float(change(span.leg, level(span.direction, span.friction), span.end.time, span.begin.time)))
+    growth = abs(float(span.leg.change_of(level(span.direction, span.friction), span.end.time, span.begin.time)))
     slipped = float(np.max(span.slipped(np.linspace(span.begin.time, span.end.time, 3))))
     known, doubtful = reach(load, np.array([[slipped], [slipped + digits]]))
     return span.friction * ((growth + span.friction * digits) * doubtful - growth * known)
@@ -106,7 +106,7 @@ def _rounding(span: Span, reach: Callable[[float, Array], Array]) -> Array:
 
 def uneven(contact: Contact, span: Span) -> bool:
     """Whether the load, or the front along an arc, runs by no formula, or the edges of contact and stick do at any load."""
-    if bends_anywhere(contact):
+    if contact.bends_anywhere:
         return True
     arc = span.active is not None and span.active.arc is not None
     return span.leg.ellipse is None and (arc or not (span.leg.is_straight or span.leg.slope_and_bend(span.leg.end)))
@@ -151,11 +151,11 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     top, bottom = span.active.top, span.active.bottom
     front = level_on(span.active, span.direction, span.friction, np.clip(edge_load, bottom, top))
     amount = front - float(change_from(span.active.anchor, leg, what, first.time))
-    begin = time_of(leg, what, amount, first.time, last.time)
+    begin = leg.time_of(what, amount, first.time, last.time)
     begin = np.where(edge_load >= top, first.time, np.where(edge_load <= bottom, last.time, begin))
-    meets = time_of(leg, NORMAL_LOAD, edge_load - first.normal, first.time, last.time)
+    meets = leg.time_of(NORMAL_LOAD, edge_load - first.normal, first.time, last.time)
     # Of the change itself: where P hardly moves, the last digits of both loads may say that it falls while it grows.
-    growth = float(change(leg, NORMAL_LOAD, last.time, first.time))
+    growth = float(leg.change_of(NORMAL_LOAD, last.time, first.time))
     if growth >= LEAST:
         return np.maximum(begin, np.where(edge_load >= last.normal, last.time, meets)), np.full(begin.shape, last.time)
     inside = edge_load < max(first.normal, last.normal)
@@ -168,7 +168,7 @@ def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Ar
     load = span.leg.loads(times)[0]
     front = load - span.slipped(times)
     reach = contact.reach(x[:, None], np.maximum(edge_load[:, None] - front, 0.0), front)
-    growth = np.maximum(rate(span.leg, level(span.direction, span.friction), times), 0.0)
+    growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
     return span.friction * np.sum(weights * contact.pressure(x[:, None], load) * growth * reach, axis=-1)
 
 
@@ -194,7 +194,9 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
     def loop(some: Sequence[Span], rules: Sequence[tuple[Array, Array]]) -> float:
         snapshot = take((span, times) for span, (times, _) in zip(some, rules, strict=True))
         shift = integrals.over(snapshot)[:, 0]
-        rates = [rate(span.leg, Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(some, rules, strict=True)]
+        rates = [
+            span.leg.rate_of(Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(some, rules, strict=True)
+        ]
         return -float(np.sum(shift * np.concatenate(rates)))
 
     even = [span for span in spans if not uneven(contact, span)]
@@ -236,7 +238,7 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     where it would be at the corner below: as d^(3/2) only, which nodes that crowd to both ends resolve.
     """
     parts = _split(contact, records)
-    corners, tiny = corner_loads(contact), np.finfo(float).tiny
+    corners, tiny = contact.break_loads, np.finfo(float).tiny
     shares = []  # how much of the way to 0, and to the corner below, a part takes
     for base in (np.empty(0), corners):
         share = np.zeros(len(parts.row))
@@ -264,8 +266,8 @@ def _split(contact: Contact, records: Records) -> Records:
     `row` of a part is the number of its record, `until` its share of it. Loads are those of corners and, where P may hardly grow
     anywhere, of half-widths so close that a(P) is smooth in between.
     """
-    cuts = corner_loads(contact)
-    if bends_anywhere(contact) and len(records.row):
+    cuts = contact.break_loads
+    if contact.bends_anywhere and len(records.row):
         largest = contact.half_width(max(float(np.max(records.load)), float(np.max(records.load_after))))
         cuts = np.append(cuts, contact.load(largest * _LADDER))
     low = np.zeros((len(records.row), 1 + 2 * len(cuts)))

@@ -17,22 +17,26 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import InadmissibleLoadError, InputError, LoadPath, LoadSegment
-from semi_analytic.contact import Contact, corner_loads
-from semi_analytic.legs import (
-    NORMAL_LOAD,
-    Combination,
+from scenes import NORMAL_LOAD, Combination, InadmissibleLoadError, InputError, LoadPath, LoadSegment
+from semi_analytic.memory import (
+    Curve,
     Instant,
-    change,
+    Piece,
+    Snapshot,
+    append,
     change_from,
+    clip,
+    cut,
+    flat,
     instant,
     level,
-    rate,
-    stationary,
-    stretches,
-    time_of,
+    level_on,
+    pieces,
+    same,
+    slipped_load,
+    value_on,
 )
-from semi_analytic.memory import Curve, Piece, Snapshot, append, clip, cut, flat, level_on, pieces, same, slipped_load, value_on
+from semi_analytic.profiles import Contact
 from semi_analytic.roundoff import repeats_within
 
 Array = NDArray[np.float64]
@@ -132,8 +136,8 @@ def _check_stretch(leg: LoadSegment, begin: float, end: float, friction: float, 
     for what, excess, reason, tolerance in limits:
         if excess > tolerance:
             growth = -1.0 if what is NORMAL_LOAD else 1.0
-            total = growth * float(change(leg, what, end, begin))
-            time = float(time_of(leg, what, growth * (total - excess), begin, end))
+            total = growth * float(leg.change_of(what, end, begin))
+            time = float(leg.time_of(what, growth * (total - excess), begin, end))
             broken.append((time, reason))
     if broken:
         # Where P runs out both limits of friction are met at the same instant: that is separation.
@@ -142,6 +146,25 @@ def _check_stretch(leg: LoadSegment, begin: float, end: float, friction: float, 
         where = instant(leg, time)
         seen = (last.time, last.normal, last.tangential)  # P, u and v are monotonic up to there
         raise InadmissibleLoadError(reason, time, where.normal, where.tangential, friction, seen)
+
+
+def stretches(leg: LoadSegment, friction: float) -> list[tuple[float, float]]:
+    """The segment, cut where P, u = Q - f P or v = Q + f P turn round.
+
+    >>> from math import pi
+    >>> from scenes import ellipse_segment
+    >>> circle = ellipse_segment(0.0, 2 * pi, (3.0, 0.0), (1.0, 1.0), pi / 2)
+    >>> [round(begin / pi, 2) for begin, _ in stretches(circle, 1.0)]
+    [0.0, 0.25, 0.75, 1.0, 1.25, 1.75]
+    """
+    combinations = (NORMAL_LOAD, level(1, friction), level(-1, friction))
+    inside = sorted(time for what in combinations for time in leg.turning_points(what))
+    shortest = _ROUNDING * max(abs(leg.start), abs(leg.end), leg.end - leg.start)
+    marks = [leg.start]
+    for time in inside:
+        if time - marks[-1] > shortest and leg.end - time > shortest:
+            marks.append(time)
+    return list(zip(marks, [*marks[1:], leg.end], strict=True))
 
 
 def march(curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: float) -> tuple[tuple[Span, ...], Curve]:
@@ -160,7 +183,7 @@ def _stretch(curve: Curve, leg: LoadSegment, begin: float, end: float, friction:
     middle = (begin + end) / 2
     normal, tangential = (float(part) for part in leg.rates(middle))
     noise = _ROUNDING * (abs(tangential) + friction * abs(normal))
-    forward, reverse = (float(rate(leg, level(s, friction), middle)) > noise for s in (1, -1))
+    forward, reverse = (float(leg.rate_of(level(s, friction), middle)) > noise for s in (1, -1))
     first, last = instant(leg, begin), instant(leg, end)
     if normal > 0 and not (forward or reverse):
         yield Span(first, last, delay, 0, append(curve, leg, begin, last), friction)
@@ -175,7 +198,7 @@ def _stretch(curve: Curve, leg: LoadSegment, begin: float, end: float, friction:
 def _slip(curve: Curve, direction: int, first: Instant, last: Instant, friction: float, delay: float) -> Iterator[Span]:
     """Spans of slip in one direction: the front passes down through the pieces of the curve."""
     leg, what, begin = first.leg, level(direction, friction), first
-    total, last_digits = float(change(leg, what, last.time, first.time)), _LAST_DIGITS * friction * last.normal
+    total, last_digits = float(leg.change_of(what, last.time, first.time)), _LAST_DIGITS * friction * last.normal
     # What slips already is at the limit, and the front is below it.
     if curve is not None and flat(curve, direction, friction):
         curve = curve.below
@@ -193,7 +216,7 @@ def _slip(curve: Curve, direction: int, first: Instant, last: Instant, friction:
         # below may be at the limit already, and the front would jump through it.
         if total <= remaining + _NEAR * (abs(bottom) + abs(start)) + last_digits:
             break
-        passed = instant(leg, float(time_of(leg, what, remaining, first.time, last.time)))
+        passed = instant(leg, float(leg.time_of(what, remaining, first.time, last.time)))
         if passed.time > begin.time:
             yield Span(begin, passed, delay, direction, curve, friction)
             begin = passed
@@ -224,7 +247,7 @@ def _retrace(curve: Curve, first: Instant, last: Instant, friction: float, delay
     begin = first
     while curve is not None and curve.bottom > last.normal:
         drop = curve.bottom - first.normal
-        passed = instant(first.leg, float(time_of(first.leg, NORMAL_LOAD, drop, first.time, last.time)))
+        passed = instant(first.leg, float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time)))
         if passed.time > begin.time:
             yield Span(begin, passed, delay, 0, curve, friction)
             begin = passed
@@ -239,8 +262,8 @@ def sides(curve: Curve, first: Instant, last: Instant, friction: float) -> list[
     begin = first.time
     for piece in pieces(curve):
         drop = piece.bottom - first.normal
-        reached = float(change(first.leg, NORMAL_LOAD, last.time, first.time)) < drop
-        end = float(time_of(first.leg, NORMAL_LOAD, drop, first.time, last.time)) if reached else last.time
+        reached = float(first.leg.change_of(NORMAL_LOAD, last.time, first.time)) < drop
+        end = float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time)) if reached else last.time
         if end > begin:
             runs += _sides_on(piece, first.leg, begin, end, friction)
         begin = max(begin, end)
@@ -264,7 +287,7 @@ def _sides_on(piece: Piece, leg: LoadSegment, begin: float, end: float, friction
         normal, tangential = leg.loads(time)
         return tangential - value_on(piece, np.clip(normal, piece.bottom, piece.anchor.normal))
 
-    turning = stationary(leg, Combination(-piece.slope, 1.0)) if piece.arc is None else []
+    turning = leg.turning_points(Combination(-piece.slope, 1.0)) if piece.arc is None else []
     count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
     times = np.unique([*np.linspace(begin, end, count), *(time for time in turning if begin < time < end)])
     noise = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
@@ -488,7 +511,7 @@ def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
 
 def smooth_spans(contact: Contact, spans: Sequence[Span]) -> Sequence[Span]:
     """The spans, each cut at the times at which P or P_c is the load of a corner."""
-    loads = corner_loads(contact)
+    loads = contact.break_loads
     if not len(loads):
         return spans
     return [part for span in spans for part in _parts(span, loads)]
@@ -497,14 +520,14 @@ def smooth_spans(contact: Contact, spans: Sequence[Span]) -> Sequence[Span]:
 def _parts(span: Span, loads: Array) -> list[Span]:
     leg, first, last = span.leg, span.begin, span.end
     inside = loads[(loads > min(first.normal, last.normal)) & (loads < max(first.normal, last.normal))]
-    times = time_of(leg, NORMAL_LOAD, inside - first.normal, first.time, last.time).tolist() if len(inside) else []
+    times = leg.time_of(NORMAL_LOAD, inside - first.normal, first.time, last.time).tolist() if len(inside) else []
     if span.direction and span.active is not None:
         here = loads[(loads > span.active.bottom) & (loads < span.active.top)]
         if len(here):
             what = level(span.direction, span.friction)
             amount = level_on(span.active, span.direction, span.friction, here)
             amount = amount - float(change_from(span.active.anchor, leg, what, first.time))
-            times += time_of(leg, what, amount, first.time, last.time).tolist()
+            times += leg.time_of(what, amount, first.time, last.time).tolist()
     shortest = 1e-12 * max(abs(first.time), abs(last.time), last.time - first.time)
     marks = [first.time]
     for time in sorted(times):

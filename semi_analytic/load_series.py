@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from scenes import InadmissibleLoadError, InputError, LoadPath, LoadSegment, Scene, StraightSegment, TimeSeriesLoad
 from semi_analytic.history import SLACK, check, evenly, turns_of, within
-from semi_analytic.legs import Instant
-from semi_analytic.memory import Curve, Snapshot
+from semi_analytic.memory import Curve, Instant, Snapshot
 from semi_analytic.roundoff import repeats_within
 
 Array = NDArray[np.float64]

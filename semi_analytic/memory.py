@@ -18,10 +18,38 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import LoadSegment
-from semi_analytic.legs import NORMAL_LOAD, Combination, Instant, change, change_from, level, time_of
+from scenes import NORMAL_LOAD, Combination, LoadSegment
 
 Array = NDArray[np.float64]
+
+
+def level(direction: int, friction: float) -> Combination:
+    """The combination that grows while the surfaces slip in `direction` (+1 forward, -1 reverse): +-Q - f P."""
+    return Combination(-friction, float(direction))
+
+
+class Instant(NamedTuple):
+    """A point of the load path: segment, the segment's own time, and both loads there."""
+
+    leg: LoadSegment
+    time: float
+    normal: float
+    tangential: float
+
+
+def instant(leg: LoadSegment, time: float) -> Instant:
+    """The point of `leg` at `time`."""
+    normal, tangential = leg.loads(time)
+    return Instant(leg, float(time), float(normal), float(tangential))
+
+
+def change_from(where: Instant, leg: LoadSegment, what: Combination, time: ArrayLike) -> Array:
+    """Change of the combination from any earlier instant of the path to `time` on `leg`."""
+    if where.leg is leg:
+        return leg.change_of(what, time, where.time)
+    begin = instant(leg, leg.start)
+    jump = what.normal * (begin.normal - where.normal) + what.tangential * (begin.tangential - where.tangential)
+    return leg.change_of(what, time, leg.start) + jump
 
 
 class Piece(NamedTuple):
@@ -65,7 +93,7 @@ def value_on(piece: Piece, eta: ArrayLike) -> Array:
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     if piece.arc is None:
         return piece.anchor.tangential + (piece.slope + piece.bend * step) * step
-    return piece.anchor.tangential + change(piece.anchor.leg, Combination(0.0, 1.0), front_time(piece, eta), piece.anchor.time)
+    return piece.anchor.tangential + piece.anchor.leg.change_of(Combination(0.0, 1.0), front_time(piece, eta), piece.anchor.time)
 
 
 def _whole_arc(piece: Piece) -> tuple[float, float]:
@@ -77,7 +105,7 @@ def _whole_arc(piece: Piece) -> tuple[float, float]:
 def front_time(piece: Piece, front: ArrayLike) -> Array:
     """Time of an arc's leg at which its load is `front`, shape of `front`."""
     first, last = _whole_arc(piece)
-    return time_of(piece.anchor.leg, NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, first, last)
+    return piece.anchor.leg.time_of(NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, first, last)
 
 
 def values(curve: Curve, eta: ArrayLike) -> Array:
@@ -131,7 +159,7 @@ def flat(piece: Piece, direction: int, friction: float) -> bool:
 def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> Array:
     """Rise of the level s M(eta) - f eta from the piece's anchor to `eta`; at the lower end a front leaves the piece."""
     if piece.arc is not None:
-        return change(piece.anchor.leg, level(direction, friction), front_time(piece, eta), piece.anchor.time)
+        return piece.anchor.leg.change_of(level(direction, friction), front_time(piece, eta), piece.anchor.time)
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     return (direction * (piece.slope + piece.bend * step) - friction) * step
 
@@ -158,11 +186,11 @@ def _slipped_on_arc(piece: Piece, direction: int, friction: float, leg: LoadSegm
     what, arc_leg = level(direction, friction), piece.anchor.leg
     twin = leg.mirrored(what, time, (first + last) / 2) if arc_leg is leg else None
     if twin is not None:
-        return change(leg, NORMAL_LOAD, time, twin)
+        return leg.change_of(NORMAL_LOAD, time, twin)
     rise = change_from(piece.anchor, leg, what, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin, rounding would leave half the digits.
-    front = time_of(arc_leg, what, rise, last, first)
-    return change_from(piece.anchor, leg, NORMAL_LOAD, time) - change(arc_leg, NORMAL_LOAD, front, last)
+    front = arc_leg.time_of(what, rise, last, first)
+    return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_leg.change_of(NORMAL_LOAD, front, last)
 
 
 def same(one: Curve, other: Curve, friction: float, tolerance: float = 1e-12) -> bool:

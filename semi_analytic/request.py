@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
-from semi_analytic.contact import Contact
+from semi_analytic.profiles import Contact
 
 Array = NDArray[np.float64]
 Cycles = Literal["all", "steady"]

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from semi_analytic.contact import Contact
 from semi_analytic.hertz import log_excess
+from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import gauss, graded
 from semi_analytic.steady_ellipse import Ellipses, half_angle, quadrature_error, works_over_time
 

@@ -34,7 +34,6 @@ from scenes import (
     freeze,
 )
 from scenes.frozen import validated
-from semi_analytic.contact import Contact, bends_anywhere, contact_of, corner_loads
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -50,6 +49,7 @@ from semi_analytic.friction_work import (
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, follow, own_series, straight_series
 from semi_analytic.memory import Snapshot, pieces, value_on
+from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
 from semi_analytic.roundoff import PROMISED, rounding_of_shift, rounding_of_slip
@@ -302,7 +302,7 @@ def _along_spans(history: History, request: Request) -> Along:
         balance[here] += value_on(piece, (snapshot.load - snapshot.slipped)[here])
     unit, ellipse = 2 / (math.pi * modulus) * friction**2, None
     turn = history.loop.ellipse if history.loop is not None else None
-    if turn is not None and friction > 0 and not len(corner_loads(contact)):
+    if turn is not None and friction > 0 and not len(contact.break_loads):
         ellipse = ellipses_of(*(np.array([v]) for v in (turn.mean[0], turn.amplitude[0], turn.amplitude[1], turn.phase, friction)))
     works: dict[int, tuple[float, float]] = {}
     used: list[Span] = []
@@ -319,7 +319,7 @@ def _along_spans(history: History, request: Request) -> Along:
     density_error, spans = 0.0, history.cycles[last]
     if "dissipation_density" in fields:
         used.extend(spans)
-        if ellipse is not None and history.is_loop(last) and not bends_anywhere(contact):
+        if ellipse is not None and history.is_loop(last) and not contact.bends_anywhere:
             members = ellipse.take(np.zeros(len(density), dtype=int))
             density = unit * np.sum(density_of(members, contact, request.distance), axis=0)
         else:

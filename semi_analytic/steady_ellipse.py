@@ -34,7 +34,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semi_analytic.contact import Contact
+from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
@@ -116,12 +116,6 @@ def ellipses_of(mean: Array, amplitude: Array, tangential: Array, phase: Array, 
     return Ellipses(mean, p1, u, v, (along - p1) / size, across / size, turn, np.maximum(mean - (u + v) / 2, 0.0))
 
 
-def corner_loads(contact: Contact) -> Array:
-    """Loads of the corners of a profile, (c, 1)."""
-    breaks = np.array(getattr(contact, "breaks", ()), dtype=float)[:, None]
-    return contact.load(breaks) if len(breaks) else breaks
-
-
 def phase_of(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
     """Rate over f, P - P_c and P at angles s of a phase."""
     if name == "E-G":
@@ -174,7 +168,7 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     where that does not help.
     """
     pieces = []
-    for number, ends in enumerate(corner_angles(e, corner_loads(contact)).values()):
+    for number, ends in enumerate(corner_angles(e, contact.break_loads[:, None]).values()):
         row, owner = np.nonzero((np.diff(ends, axis=0) > 1e-14 * ends[-1]) & (e.deepest > 0))
         pieces.append((np.full(len(row), number), owner, ends[row, owner], ends[row + 1, owner]))
     phase, member, begin, end = (np.concatenate(part) for part in zip(*pieces, strict=True))
@@ -232,7 +226,7 @@ def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
         (1, np.abs(start - away), np.minimum(math.pi - turn, 2 * math.pi - away - start)),
         (2, np.maximum(0.0, start - math.pi + away), np.minimum(np.minimum(turn, by_u), start + math.pi - away)),
     )
-    marks = list(corner_angles(e.take((slice(None), 0)), corner_loads(contact)).values())
+    marks = list(corner_angles(e.take((slice(None), 0)), contact.break_loads[:, None]).values())
     total = np.zeros((len(PHASES), len(x)))
     for number, begin, end in ranges:
         cuts = np.concatenate([begin, np.clip(marks[number].T, begin, np.maximum(begin, end)), end], axis=1)

@@ -14,9 +14,9 @@ import mpmath as mp
 import numpy as np
 
 from scenes import CallableProfile, PowerLaw
-from semi_analytic.contact import contact_of
 from semi_analytic.history import history_of
 from semi_analytic.memory import pieces
+from semi_analytic.profiles import contact_of
 
 LONG = np.longdouble
 PI = LONG("3.14159265358979323846264338327950288")

@@ -8,10 +8,8 @@ import numpy as np
 
 from scenes import Elastic, Materials, ellipse_segment
 from semi_analytic.arcs import Arc
-from semi_analytic.contact import contact_of
-from semi_analytic.legs import instant
-from semi_analytic.memory import Piece
-from semi_analytic.profiles import power_law
+from semi_analytic.memory import Piece, instant
+from semi_analytic.profiles import contact_of, power_law
 from semi_analytic.punch_superposition import PunchSuperposition
 
 STEP, RANGE = mp.mpf("0.2"), 225

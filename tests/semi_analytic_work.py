@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from semi_analytic.contact import contact_of
+from semi_analytic.profiles import contact_of
 from semi_analytic_fronts import LONG, phases_of, root, slips_of
 from semi_analytic_oracle import PI, Bends, law_of
 

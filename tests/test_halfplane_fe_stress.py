@@ -14,7 +14,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from scenes import Block, Bodies, ConvergenceError, InputError
-from semi_analytic.contact import contact_of
+from semi_analytic.profiles import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"

@@ -20,7 +20,7 @@ from reports.maps.pads import RATIO, work_lines
 from reports.maps.readings import read
 from reports.maps.trials import left
 from scenes import Block, Elastic, FlatRounded, InputError, Materials, Pad, PolygonLoad, Scene, load_scene
-from semi_analytic.contact import contact_of
+from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
 BODY = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # two of them: E* = 1, E' = 2

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from scenes import FlatRounded, Hertz, InputError, Materials
 from semi_analytic import Reason, dissipation, peak_dissipation, solve
-from semi_analytic.contact import contact_of
+from semi_analytic.profiles import contact_of
 from semi_analytic.steady_ellipse import density_of, ellipses_of
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
 

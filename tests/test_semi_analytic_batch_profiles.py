@@ -20,7 +20,7 @@ from scenes import (
     Wedge,
 )
 from semi_analytic import Reason, dissipation, peak_dissipation, slip_work, solve
-from semi_analytic.contact import contact_of
+from semi_analytic.profiles import contact_of
 from semi_analytic.slip_work import LamTable, dissipation_of, slip_moment
 from semi_analytic.steady_ellipse import corner_angles, ellipses_of, phase_of, works_over_time
 from semi_analytic_cases import UNIT, ellipse, make_scene

@@ -8,10 +8,10 @@ import pytest
 from reports.cli import main
 from scenes import CallableProfile, FlatRounded, HarmonicLoad, Hertz, PowerLaw, Tabulated, load_scene
 from semi_analytic import FIELDS, arcs, solve
-from semi_analytic.contact import contact_of
 from semi_analytic.friction_work import work_error
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Records
+from semi_analytic.profiles import contact_of
 from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic_cases import ellipse, make_scene, polygon
 from semi_analytic_oracle import Oracle

@@ -9,8 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scenes import (
+    NORMAL_LOAD,
     CallableLoad,
     ChebyshevSegment,
+    Combination,
     Compound,
     HarmonicLoad,
     HarmonicSegment,
@@ -23,7 +25,6 @@ from scenes import (
     load_scene,
 )
 from semi_analytic import FIELDS, load_series, solution, solve
-from semi_analytic.legs import NORMAL_LOAD, Combination, stationary
 from semi_analytic.load_series import follow, knots_of
 from semi_analytic_cases import ellipse, make_scene, polygon
 
@@ -105,9 +106,9 @@ def test_turning_points_are_found_to_rounding():
     series = as_functions(ellipse(3.0, 1.0, 0.2, 0.7, 50.0)).path().cycle
     for what in ((1.0, 0.0), (-0.6, 1.0), (-0.6, -1.0), (0.0, 1.0)):
         combination = Combination(*what)
-        np.testing.assert_allclose(stationary(waves, combination), stationary(known, combination), atol=3e-15)
-        found = [time for leg in series for time in stationary(leg, combination)]
-        rates = [leg.rates(time) for leg in series for time in stationary(leg, combination)]
+        np.testing.assert_allclose(waves.turning_points(combination), known.turning_points(combination), atol=3e-15)
+        found = [time for leg in series for time in leg.turning_points(combination)]
+        rates = [leg.rates(time) for leg in series for time in leg.turning_points(combination)]
         assert len(found) == 2
         assert all(abs(what[0] * p + what[1] * q) < 1e-13 for p, q in rates)
 
@@ -116,7 +117,7 @@ def test_close_turning_points_are_told_apart():
     """P = t^3/3 - e^2 t turns at -e and e."""
     for e in (0.3, 1e-3):
         leg = ChebyshevSegment(-1.0, 1.0, (0.0, 0.25 - e * e, 0.0, 1 / 12), (0.0,))
-        np.testing.assert_allclose(stationary(leg, NORMAL_LOAD), [-e, e], rtol=1e-9)
+        np.testing.assert_allclose(leg.turning_points(NORMAL_LOAD), [-e, e], rtol=1e-9)
 
 
 def test_a_function_with_corners_is_the_polygon():

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenes import StraightSegment, ellipse_segment, parabola_segment
-from semi_analytic.history import Turn, follow
-from semi_analytic.legs import NORMAL_LOAD, Combination, change, instant, level, stretches, time_of
-from semi_analytic.memory import cut, pieces, same, values
+from scenes import NORMAL_LOAD, Combination, StraightSegment, ellipse_segment, parabola_segment
+from semi_analytic.history import Turn, follow, stretches
+from semi_analytic.memory import cut, instant, level, pieces, same, values
 from semi_analytic_cases import brute_force_curve, ellipse
 
 FRICTION = 0.7
@@ -139,11 +138,11 @@ LEGS = [
 def test_combinations_turn_where_they_say_and_inverses_invert(leg, what):
     for begin, end in stretches(leg, 0.7):
         times = np.linspace(begin, end, 41)
-        steps = np.diff(change(leg, what, times, begin))
+        steps = np.diff(leg.change_of(what, times, begin))
         if what.normal:
             assert np.all(steps >= 0) or np.all(steps <= 0)
-            inverse = time_of(leg, what, change(leg, what, times, begin), begin, end)
-            np.testing.assert_allclose(change(leg, what, inverse, begin), change(leg, what, times, begin), atol=2e-15)
+            inverse = leg.time_of(what, leg.change_of(what, times, begin), begin, end)
+            np.testing.assert_allclose(leg.change_of(what, inverse, begin), leg.change_of(what, times, begin), atol=2e-15)
 
 
 def test_the_closed_forms_of_one_wave_are_what_the_general_routines_find():
@@ -154,9 +153,9 @@ def test_the_closed_forms_of_one_wave_are_what_the_general_routines_find():
     assert not general.ellipse
     np.testing.assert_allclose(stretches(general, 0.7), stretches(known, 0.7), atol=1e-14)
     begin, end = stretches(known, 0.7)[1]
-    amount = np.linspace(0, float(change(known, NORMAL_LOAD, end, begin)), 7)
+    amount = np.linspace(0, float(known.change_of(NORMAL_LOAD, end, begin)), 7)
     np.testing.assert_allclose(
-        time_of(general, NORMAL_LOAD, amount, begin, end), time_of(known, NORMAL_LOAD, amount, begin, end), atol=1e-12
+        general.time_of(NORMAL_LOAD, amount, begin, end), known.time_of(NORMAL_LOAD, amount, begin, end), atol=1e-12
     )
 
 

@@ -8,10 +8,9 @@ import pytest
 
 from scenes import FlatRounded, InputError, Materials
 from semi_analytic import solve
-from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.hertz import HertzContact, log_excess
-from semi_analytic.profiles import flat_and_rounded, inverse_load_function
+from semi_analytic.profiles import contact_of, flat_and_rounded, inverse_load_function
 from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic_cases import UNIT, Elastic, make_scene, polygon
 

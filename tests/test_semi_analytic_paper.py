@@ -7,10 +7,9 @@ import pytest
 
 from scenes import SurfaceState, load_scene
 from semi_analytic import solve
-from semi_analytic.contact import contact_of
 from semi_analytic.friction_work import global_dissipation, slip_times
 from semi_analytic.history import history_of
-from semi_analytic.profiles import flat_and_rounded
+from semi_analytic.profiles import contact_of, flat_and_rounded
 from semi_analytic_cases import ellipse, make_scene
 
 SCENE = load_scene("hertz-paper")

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from scenes import Compound, EllipseLoad, FlatRounded, Hertz, PowerLaw, Tabulated, Wedge, load_scene, scene_names
 from semi_analytic import dissipation, solve
-from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import closed_integral, global_dissipation, work_over_points
 from semi_analytic.history import history_of
+from semi_analytic.profiles import contact_of
 from semi_analytic_cases import ellipse, make_scene
 
 LONG = {"harmonics", "time-series"}  # W(x) by halving, 25 s; 75 kinks, 2 s

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from scenes import EvenPolynomial, Tabulated
 from scenes.loads import CallableLoad, HarmonicLoad, TimeSeriesLoad
 from semi_analytic import friction_work, profiles, solve
-from semi_analytic.contact import contact_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import CONVERGED, by_halving, closed_integral, global_dissipation, pointwise_dissipation
 from semi_analytic.history import history_of
+from semi_analytic.profiles import contact_of
 from semi_analytic.quadrature import graded
 from semi_analytic_cases import ellipse, make_scene, polygon
 from semi_analytic_truth import slip_of_an_arc

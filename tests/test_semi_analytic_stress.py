@@ -8,7 +8,7 @@ import pytest
 
 from scenes import Compound, EvenPolynomial, HarmonicLoad, PowerLaw, TimeSeriesLoad, Wedge
 from semi_analytic import solve
-from semi_analytic.contact import contact_of
+from semi_analytic.profiles import contact_of
 from semi_analytic_cases import ellipse, make_scene, polygon
 
 

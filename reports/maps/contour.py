@@ -34,8 +34,8 @@ from numpy.typing import NDArray
 from scipy.special import xlogy
 
 from scenes import Elastic, FlatRounded, Hertz, Materials
-from semi_analytic.contact import Contact, contact_of
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.profiles import Contact, contact_of
 
 Array = NDArray[np.float64]
 _NODES = 24

@@ -23,7 +23,7 @@ from reports.maps.quadratic import Curvatures, dissipation_error
 from reports.metrics import compliance
 from scenes import Block, FlatRounded, HalfPlane, Hertz, InputError, Pad, Scene
 from scenes.frozen import validated
-from semi_analytic.contact import contact_of
+from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
 LAWS = Path(__file__).parents[1] / "published" / "maps" / "laws.json"

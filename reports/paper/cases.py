@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike, NDArray
 
 import semi_analytic
 from scenes import ContactSolution, EllipseLoad, InputError, Scene, freeze, load_scene
-from semi_analytic.contact import Contact, contact_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import pointwise_dissipation
 from semi_analytic.history import Span, history_of
+from semi_analytic.profiles import Contact, contact_of
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ import semi_analytic
 from reports.score.diagnosis_discrepancy import Array, Discrepancy, Tractions
 from reports.score.diagnosis_hypothesis import Hypothesis, fitted
 from scenes import EllipseLoad, Materials, Scene
-from semi_analytic.contact import contact_of
+from semi_analytic.profiles import contact_of
 
 # f at which next to nothing slips, over the scene's: a mesh keeps the infinite shear of bonded faces finite, as a large f does.
 NO_SLIP = (15.0, 50.0, 200.0, 1e3)
