@@ -13,6 +13,7 @@ taken a block at a time: what stays in memory is what was asked for, and the kno
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -108,7 +109,7 @@ def _step(curve: Knot | None, first: Station, last: Station, friction: float, re
             one, other = curve.rise * length, rise * curve.length
             if abs(one - other) <= _STRAIGHT_ON * (abs(one) + abs(other)):
                 below, length, rise = curve.below, length + curve.length, rise + curve.rise
-        curve = Knot(below, last[0], last[1], length, rise, depth_of(below) + 1)
+        curve = Knot(below, last[0], last[1], length, rise, below.depth + 1 if below is not None else 1)
     records.append((curve, 0, first[0], last[0], 0.0, 0.0, 0.0, last[2]))
     return curve
 
@@ -118,7 +119,7 @@ def _slip(curve: Knot | None, s: int, first: Station, last: Station, friction: f
     (load, _, until), (normal, tangential, end), begin = first, last, first[2]
     growth = normal - load
     total = rest = s * (tangential - first[1]) - friction * growth
-    digits = _LAST_DIGITS * friction * max(load, normal)
+    digits = _LAST_DIGITS * friction * (load if load > normal else normal)
     slid = passed = part = length = 0.0
     # What slips already is at the limit, and the front is below it.
     if curve is not None and curve.below is not None and friction * curve.length <= s * curve.rise:
@@ -131,7 +132,8 @@ def _slip(curve: Knot | None, s: int, first: Station, last: Station, friction: f
         # already, and the front would jump through it.
         if rest <= needed + digits or below is None:
             # |Q| <= f P was checked: what the lowest line has not room for is rounding.
-            part = min(max(rest, 0.0) / needed, 1.0) if needed > 0 else 0.0
+            if needed > 0 and rest > 0:
+                part = rest / needed if rest < needed else 1.0
             break
         passed += length
         if needed > 0:
@@ -144,13 +146,13 @@ def _slip(curve: Knot | None, s: int, first: Station, last: Station, friction: f
             slid += length
         curve = below
     slipped = passed + part * length + growth
-    records.append((curve, s, load, normal, slid, max(slipped, 0.0), max(rest, 0.0), end))
+    records.append((curve, s, load, normal, slid, slipped if slipped > 0 else 0.0, rest if rest > 0 else 0.0, end))
     if part > 0:
         left = 1 - part
         curve = Knot(below, top - part * length, force - part * rise, left * length, left * rise, depth) if left > 0 else below
     if not slipped > 0:
         return curve
-    return Knot(curve, normal, tangential, slipped, s * friction * slipped, depth_of(curve) + 1)
+    return Knot(curve, normal, tangential, slipped, s * friction * slipped, curve.depth + 1 if curve is not None else 1)
 
 
 def _unload(curve: Knot | None, first: Station, last: Station, friction: float, records: Rows) -> Knot | None:
@@ -252,12 +254,19 @@ def follow(curve: Knot | None, rows: Array, friction: float) -> Block:
     records: Rows = []
     counts, alive = [0], 0
     p, q = rows[0].tolist()
-    for normal, tangential in rows[1:].tolist():
-        curve = _step(curve, (p, q, 0.0), (normal, tangential, 1.0), friction, records)
-        p, q = normal, tangential
-        counts.append(len(records))
-        if curve is not None and curve.depth > alive:
-            alive = curve.depth
+    # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        for normal, tangential in rows[1:].tolist():
+            curve = _step(curve, (p, q, 0.0), (normal, tangential, 1.0), friction, records)
+            p, q = normal, tangential
+            counts.append(len(records))
+            if curve is not None and curve.depth > alive:
+                alive = curve.depth
+    finally:
+        if collects:
+            gc.enable()
     lines, *columns = zip(*records, strict=True)
     table = [*(np.array(column, dtype=float) for column in columns), np.repeat(np.arange(len(rows) - 1), np.diff(counts))]
     return Block(rows, Records._make(table), lines, curve, alive)
