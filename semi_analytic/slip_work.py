@@ -33,7 +33,7 @@ _TINY, _FLOOR = 1e-100, 1e-200
 _ELEMENTS = 32768
 # A piece has converged at this share of W, or where W is less than a share of P0^2, of that; if careful the second ones hold. Its
 # nodes are doubled up to so many.
-_CONVERGED, _NOTHING, _MOST_NODES = (1e-11, 1e-13), (1e-3, 0.0), 4096
+_CONVERGED, _NOTHING, _MOST_NODES = (1e-11, 1e-15), (1e-3, 0.0), (4096, 512)
 # Share of P0 below which P - P_c would not keep ten digits, or thirteen, as a difference of loads; share of the larger of u and v
 # below which the smaller one would not leave W so many.
 _SHALLOW, _UNLIKE = (1e-5, 2e-2), (0.0, 2e-2)
@@ -42,7 +42,7 @@ _SHALLOW, _UNLIKE = (1e-5, 2e-2), (0.0, 2e-2)
 def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> Array:
     """Forward and reverse part of W pi E*/(2 f^2) on any profile, (2, m); NaN where the quadrature does not converge.
 
-    To ten digits, or to twelve if `careful`; over time where a difference of loads would not leave P - P_c as many.
+    To ten digits, or to thirteen if `careful`; over time where a difference of loads would not leave P - P_c as many.
 
     Between two of the half-widths at which M or P(a) is not smooth by the trapezoidal rule in s, a being a smooth step of s that is
     flat at both ends, with 16 nodes, 32, 64, ...; the sums over every second node show the error.
@@ -79,12 +79,12 @@ def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> A
             np.add.at(works[direction], member[~left], sums[direction, ~left])
         member, low, high, loops = member[left], low[left], high[left], loops.take(left)
         sums, trail = sums[:, left], trail[:, left]
-        if count == _MOST_NODES:
+        if count == _MOST_NODES[careful]:
             works[:, member] = np.nan
             break
         count *= 2
     unlike = np.minimum(e.u, e.v) < _UNLIKE[careful] * np.maximum(e.u, e.v)
-    # Thirteen digits may be more than P(a) itself has.
+    # Fifteen digits may be more than P(a) itself has.
     rough = careful & np.isnan(np.sum(works, axis=0))
     shallow = np.flatnonzero((e.deepest <= _SHALLOW[careful] * e.mean) | unlike | rough)
     exact = np.array(works_over_time(e.take(shallow), contact))
@@ -144,20 +144,17 @@ _NODES = 16384
 _COUNTS = (12, 14, 16, 18, 20, 23, 26, 32, 42)
 _RULES = (*(gauss(count) for count in _COUNTS), graded(0.0, 1.0))
 _LEAST_SUMS = np.cosh(30.0 / (2 * np.array(_COUNTS)))[:, None]
-# Share of P0 below which Lam is found in the careful way: the quick one loses 1e-12 of W where P - P_c gets to a fifth of P0 only,
-# 6e-11 where it gets to a fiftieth.
-_DEEP = 0.04
 
 
-def works_by_lam(e: Ellipses, quick: Area, careful: Area) -> tuple[Array, Array]:
+def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float) -> tuple[Array, Array]:
     """Forward and reverse part of W pi E*/(2 f^2), (m,), over what the areas are of Lam: each member by as many nodes as it needs.
 
-    `quick` is right to rounding of P - P_c, `careful` to that of itself.
+    `quick` is right to rounding of P - P_c and serves where that reaches a share `deep` of P0; `careful` to rounding of itself.
     """
     # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add rounding times v.
-    unlike = np.minimum(e.u, e.v) <= _DEEP * np.maximum(e.u, e.v)
+    unlike = np.minimum(e.u, e.v) <= deep * np.maximum(e.u, e.v)
     # Members alike together: the same rule, and the same way to Lam.
-    kind = 2 * _rule_of(e) + ((e.deepest <= _DEEP * e.mean) | unlike)
+    kind = 2 * _rule_of(e) + ((e.deepest <= deep * e.mean) | unlike)
     order = np.argsort(kind, kind="stable")
     loops, found = _rows(e).take(order, axis=1), np.empty((3, len(order)))
     bounds = np.cumsum(np.bincount(kind, minlength=2 * len(_RULES)))
