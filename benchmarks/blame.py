@@ -36,7 +36,7 @@ Planted = contextlib.AbstractContextManager[Any]
 MESH, SETTINGS = MeshSettings(), SolverSettings()
 STEP = "dissipation_step"
 # Where the worst of single instants, or one of few, is too much a matter of chance to blame anything by.
-LEFT_OUT = ("stick_edge", "state", "full_stick", "slip_reversal", "place", "resultant", "energy", "rigid_shift")
+LEFT_OUT = ("stick_edge", "state", "full_stick", "slip_reversal", "place", "resultant", "energy", "tangential_displacement")
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def turned() -> Planted:
 
     def planted(*given: Any, **named: Any) -> ContactSolution:
         found = THEORY(*given, **named)
-        return replace(found, shear=-found.shear, rigid_shift=-found.rigid_shift, slip=-found.slip)
+        return replace(found, shear=-found.shear, tangential_displacement=-found.tangential_displacement, slip=-found.slip)
 
     return mock.patch.object(semi_analytic, "solve", planted)
 

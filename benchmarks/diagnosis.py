@@ -52,7 +52,7 @@ class Fault:
 
 # ------------------------------------------------------------------------------------------------------- results that are altered
 def times(scene: Scene, a_cycle: int = INSTANTS) -> np.ndarray:
-    """The way in and four revolutions."""
+    """The initial loading and four revolutions."""
     path = scene.load.path()
     revolutions = path.cycle_start + 4 * (path.period or 0.0) * np.linspace(0, 1, 4 * a_cycle + 1)
     return np.concatenate([np.linspace(path.start, path.cycle_start, 5)[:-1], revolutions])

@@ -117,7 +117,7 @@ def step(on: Grid, gap: Array, old: State, normal: float, tangential: float, fri
 def dissipation(
     on: Grid,
     gap: Callable[[Array], Array],
-    way_in: Sequence[tuple[float, float]],
+    initial_loading: Sequence[tuple[float, float]],
     cycle: Sequence[tuple[float, float]],
     friction: float,
 ) -> tuple[float, Array, State]:
@@ -125,7 +125,7 @@ def dissipation(
     shape = gap(on.x)
     state = State(*(np.zeros(len(on.x)) for _ in range(3)))
     before = state
-    for leg in (way_in, cycle, cycle):
+    for leg in (initial_loading, cycle, cycle):
         before = state
         for normal, tangential in leg:
             state = step(on, shape, state, normal, tangential, friction)

@@ -118,7 +118,7 @@ def root(leg: LoadSegment, what: tuple[Number, Number], wanted: mp.mpf, first: m
 
 
 def legs_of(mean: Sequence[float], normal: Sequence[Any], tangential: Sequence[Any]) -> tuple[list[LoadSegment], list[LoadSegment]]:
-    """Straight way in (the steady cycle forgets it) and revolution."""
+    """Straight initial loading (the steady cycle forgets it) and revolution."""
     pairs = (tuple((mp.mpf(size), mp.pi * mp.mpf(degrees) / 180) for size, degrees in waves) for waves in (normal, tangential))
     turn = Waves(mp.mpf(0), 2 * mp.pi, (mp.mpf(mean[0]), mp.mpf(mean[1])), *pairs)
     return [Straight((mp.mpf(0), mp.mpf(0)), turn.loads(mp.mpf(0)))], [turn]

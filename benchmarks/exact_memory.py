@@ -150,11 +150,11 @@ def _passed(curve: Curve, leg: LoadSegment, begin: mp.mpf, end: mp.mpf, d: int, 
     return runs
 
 
-def steady_runs(way_in: Sequence[LoadSegment], cycle: Sequence[LoadSegment], f: mp.mpf) -> list[Run]:
-    """The runs of slip of the second cycle; of the way in where there is no cycle."""
+def steady_runs(initial_loading: Sequence[LoadSegment], cycle: Sequence[LoadSegment], f: mp.mpf) -> list[Run]:
+    """The runs of slip of the second cycle; of the initial loading where there is no cycle."""
     curve: Curve = ()
     runs: list[Run] = []
-    for turn in (way_in, cycle, cycle) if cycle else (way_in,):
+    for turn in (initial_loading, cycle, cycle) if cycle else (initial_loading,):
         runs = []
         for leg in turn:
             curve, found = follow(curve, leg, f)

@@ -37,7 +37,7 @@ class PathClock:
         self.began: float | None = None
 
     def __call__(self, done: int, total: int | None, text: str) -> None:
-        if text == "way in" and self.began is None:
+        if text == "initial loading" and self.began is None:
             self.began = time.process_time()
 
 

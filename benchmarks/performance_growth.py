@@ -84,7 +84,7 @@ def theory_points_of(points: int) -> Cost:
 
 
 def fe_points_of(points: int) -> Cost:
-    """A sweep of the finite elements over blocks of several heights, swift meshes, one process."""
+    """A sweep of the finite elements over blocks of several heights, coarse meshes, one process."""
     axis = {
         "name": "height",
         "keys": ["bodies.lower.height", "bodies.upper.height"],
@@ -119,7 +119,7 @@ KINDS: dict[str, tuple[Callable[[int], Cost], tuple[int, ...], str, str]] = {
     "history": (history_of, (1_000, 10_000, 100_000, 1_000_000), "rows of a history", "theory, W of every step"),
     "batch": (batch_of, (1_000, 10_000, 100_000, 1_000_000), "members of a batch", "theory, W of each"),
     "theory points": (theory_points_of, (25, 50, 100), "points of a sweep", "theory, one by one"),
-    "FE points": (fe_points_of, (2, 4, 8), "points of a sweep", "finite elements, swift"),
+    "FE points": (fe_points_of, (2, 4, 8), "points of a sweep", "finite elements, coarse"),
 }
 
 
@@ -177,7 +177,7 @@ def profiles() -> dict[str, Any]:
     rows = rows.vary(load=TimeSeriesLoad(rows=random_rows(rows, 100_000)))
     found = {
         "hertz-paper, finite elements, default": lambda: halfplane_fe.solve(paper),
-        "blocks, finite elements, swift": lambda: halfplane_fe.solve(load_scene("blocks"), MeshSettings.swift()),
+        "blocks, finite elements, coarse": lambda: halfplane_fe.solve(load_scene("blocks"), MeshSettings.coarse()),
         "hertz-paper, theory": lambda: semi_analytic.solve(paper),
         "10^5 rows, theory, W of every step": lambda: semi_analytic.solve(rows, fields=("dissipation",)),
     }

@@ -47,7 +47,7 @@ RUNS = 3
 def closed_form(scene: Scene, x: Array) -> tuple[Array, Array]:
     """p of Hertz (1882) and q of Cattaneo (1938) at the end of the path; shares nothing with either engine."""
     modulus, radius, _ = hertz()
-    load, shear = scene.load.way_in[-1]
+    load, shear = scene.load.initial_loading[-1]
     a, f = float(np.sqrt(4 * load * radius / (np.pi * modulus))), scene.friction.coefficient
 
     def ellipse(half_width: float) -> Array:
@@ -94,7 +94,7 @@ def shear_entries() -> Iterator[Entry]:
     """Cattaneo and Mindlin, first loading up to Q = 0.6 f P."""
     scene = fe_peers.cattaneo_mindlin((0.6,))
     yield "halfplane, theory", "200 points", "ours", lambda: our_theory(scene, 2.0)
-    yield "halfplane, finite elements", "swift", "ours", lambda: our_model(scene, MeshSettings.swift(), fe_peers.FEW_STEPS)
+    yield "halfplane, finite elements", "coarse", "ours", lambda: our_model(scene, MeshSettings.coarse(), fe_peers.FEW_STEPS)
     for edge in EDGES:
         yield "halfplane, finite elements", f"a/{edge}", "ours", lambda edge=edge: our_model(scene, cut(edge), fe_peers.FEW_STEPS)
     for edge in EDGES:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import fe_precision
-from fe_precision import DEFAULT, FINE, SWIFT, Measured, Setting, sizes
+from fe_precision import COARSE, DEFAULT, FINE, Measured, Setting, sizes
 
 import halfplane_fe
 from halfplane_fe import SolverSettings
@@ -61,7 +61,7 @@ def series(whole: bool) -> dict[str, list[Setting]]:
         return Setting(f"{count} a turn", default, SolverSettings(steps_per_cycle=count, step_tolerance=tolerance))
 
     return {
-        "named settings": [SWIFT, DEFAULT, *([FINE] if whole else [])],
+        "named settings": [COARSE, DEFAULT, *([FINE] if whole else [])],
         "quadratic, graded": sizes(2, (10, 20, 40, 80, 160, 320) if whole else (10, 20, 40, 80, 240), 24),
         "quadratic, uniform": sizes(2, (10, 20, 40, 80) if whole else (10, 20, 40), None),
         "linear, graded": sizes(1, (20, 40, 80, 160), 24),
@@ -120,7 +120,7 @@ def better(found: dict[str, Any], default: dict[str, Any], measures: Sequence[st
 
 def measure() -> dict[str, Any]:
     """Every scene."""
-    fe_precision.measure("hertz-paper", SWIFT)  # the first run of a process also reads what the later ones find
+    fe_precision.measure("hertz-paper", COARSE)  # the first run of a process also reads what the later ones find
     return {name: finite_elements(name) for name in SCENES}
 
 
@@ -146,7 +146,7 @@ def draw(scenes: dict[str, Any], folder: Path) -> None:
                     mew=0.5,
                     lw=1.1,
                     zorder=3 if star else 2,
-                    label="swift, default, fine" if star else title,
+                    label="coarse, default, fine" if star else title,
                 )
             what = {"work": "error of W", "shear": "L2 of q over f ||p||, rms"}[key]
             label_axes(one, "CPU time [s]", what, f"{name}: {'dissipation' if key == 'work' else 'shear'}")

@@ -80,7 +80,7 @@ def kept_bodies() -> Iterator[None]:
         before = os.environ.get("HALFPLANE_CACHE", "")
         os.environ["HALFPLANE_CACHE"] = folder
         try:
-            halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings.swift())
+            halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings.coarse())
             yield
         finally:
             os.environ["HALFPLANE_CACHE"] = before
@@ -88,7 +88,7 @@ def kept_bodies() -> Iterator[None]:
 
 def finite_elements(name: str, **more: Any) -> Callable[[], ContactSolution]:
     scene = load_scene(name)
-    return lambda: halfplane_fe.solve(scene, MeshSettings.swift(), **more)
+    return lambda: halfplane_fe.solve(scene, MeshSettings.coarse(), **more)
 
 
 def theory(scene: Scene, **more: Any) -> Callable[[], ContactSolution]:
@@ -134,7 +134,7 @@ def compared(what: str, where: str, skipping: Any, not_skipping: Any) -> dict[st
 def switches() -> Iterator[dict[str, Any]]:
     """Every kind of work that can be done all the same, in a scene where there is much of it."""
     plain, paper = contextlib.nullcontext, "hertz-paper"
-    fe, known = finite_elements(paper), halfplane_fe.solve(load_scene(paper), MeshSettings.swift()).scales
+    fe, known = finite_elements(paper), halfplane_fe.solve(load_scene(paper), MeshSettings.coarse()).scales
     yield compared("one half of mirror-symmetric faces", paper, (plain, fe), (whole_faces, fe))
     yield compared("Cholesky factors kept for all sets of nodes", paper, (plain, fe), (factors_anew, fe))
     yield compared("one of two like bodies meshed and condensed", paper, (plain, fe), (both_bodies, fe))
@@ -170,11 +170,11 @@ def every_cycle() -> contextlib.AbstractContextManager[Any]:
 
 
 def scene_work(name: str) -> dict[str, Any]:
-    """Work done and skipped by both engines on a scene of the library, swift mesh."""
+    """Work done and skipped by both engines on a scene of the library, coarse mesh."""
     scene = load_scene(name)
     found: dict[str, Any] = {"scene": name}
     for engine, solve in (
-        ("fe", lambda: halfplane_fe.solve(scene, MeshSettings.swift())),
+        ("fe", lambda: halfplane_fe.solve(scene, MeshSettings.coarse())),
         ("theory", lambda: semi_analytic.solve(scene)),
     ):
         begun = time.process_time()
@@ -213,7 +213,7 @@ ALWAYS = (
 def page(found: dict[str, Any]) -> list[str]:
     """What skipping saves, what can't be switched off, and the scenes."""
     lines = [
-        f"With and without, swift mesh, {RUNS} pairs in turn in one run; the least time of each, the ratio of each pair (least to "
+        f"With and without, coarse mesh, {RUNS} pairs in turn in one run; the least time of each, the ratio of each pair (least to "
         "most), and how far the two answers are apart: W relative, p over the largest p, q over f times that. Where no setting "
         "switches the skipping off, the benchmark replaces the function that decides on it.",
         "",
@@ -247,7 +247,7 @@ def _agreement(rows: list[dict[str, Any]]) -> list[str]:
 def _scene_tables(scenes: list[dict[str, Any]]) -> list[str]:
     """Work done and work avoided, one line a scene and engine."""
     lines = [
-        "Work done and avoided scene by scene, finite elements on the swift mesh (counts and reasons as every solution carries "
+        "Work done and avoided scene by scene, finite elements on the coarse mesh (counts and reasons as every solution carries "
         "them in `work.counts` and `work.skipped`):",
         "",
         "| scene | CPU s | bodies condensed | nodes | increments | contact iterations | factorisations | solves | skipped |",

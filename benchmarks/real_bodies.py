@@ -67,7 +67,7 @@ def mindlin(bodies: Bodies, radius: float = 1000.0, half_width: float = 1.0) -> 
     compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (like.material.lower, like.material.upper))
     normal = np.pi * half_width**2 / (4 * radius * compliance)
     tangential = 0.6 * like.friction.coefficient * normal
-    load = PolygonLoad(way_in=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),))
+    load = PolygonLoad(initial_loading=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),))
     return like.vary(bodies=bodies, profile=Hertz(radius=radius), load=load)
 
 
@@ -154,7 +154,7 @@ def layer_scene(thickness: float, nu: float, stiffness: float, load: float, widt
         "material": Materials(upper=upper, lower=lower),
         "profile": Hertz(radius=100.0),
         "friction": 0.0,
-        "load": PolygonLoad(way_in=((load, 0.0),)),
+        "load": PolygonLoad(initial_loading=((load, 0.0),)),
         "bodies": Bodies(lower=Block(width=width, height=thickness), upper=Block(width=width, height=4.0)),
     }
     return like.vary(**changes)

@@ -5,8 +5,8 @@
     make regress REFERENCES=1                evaluate the 30-digit references anew (some minutes)
 
 Dissipation has a reference in every scene, W(x) at three places of the slip zone in the Hertz scenes POINTWISE. At one time of the
-last cycle, which is no event, all fields are frozen: the rigid shift U, the edge of stick, the shear at three points and the slip
-at one. They have references in Hertz scenes with friction, but for rows.
+last cycle, which is no event, all fields are frozen: the tangential displacement U, the edge of stick, the shear at three
+points and the slip at one. They have references in Hertz scenes with friction, but for rows.
 
 Two columns, kept apart: *accurate* is the difference from a closed form or a stored 30-digit value, of somebody else's making;
 *frozen* is the difference from our own value of last time. A change of either is shown as old, new and difference, and is accepted
@@ -87,7 +87,7 @@ def measure(scene: Scene) -> dict[str, float]:
         "permanent_stick_half_width": answer.permanent_stick_half_width,
         "largest_half_width": float(full.contact_half_width.max()),
         "largest_pressure": float(answer.pressure.max()),
-        "stroke": float(full.rigid_shift.max() - full.rigid_shift.min()),
+        "stroke": float(full.tangential_displacement.max() - full.tangential_displacement.min()),
     }
 
 
@@ -108,7 +108,12 @@ def fields_of(scene: Scene, time: float, at: Sequence[float]) -> dict[str, tuple
     """The `FIELDS` there by the engine, and what their errors are relative to: None for themselves."""
     answer = semi_analytic.solve(scene, x=at, time=[time])
     top = scene.friction.coefficient * float(answer.pressure.max())
-    values = [answer.rigid_shift.item(), answer.stick_half_width.item(), *answer.shear[0].tolist(), float(answer.slip[0, -1])]
+    values = [
+        answer.tangential_displacement.item(),
+        answer.stick_half_width.item(),
+        *answer.shear[0].tolist(),
+        float(answer.slip[0, -1]),
+    ]
     return dict(zip(FIELDS, zip(values, [None, None, top, top, top, None], strict=True), strict=True))
 
 

@@ -46,7 +46,7 @@ def pointwise_truth(scene: Scene) -> dict[str, list]:
     return {"x": places, "density": [mp.nstr(value, DIGITS) for value in values]}
 
 
-FIELDS = ("rigid shift", "stick half-width", "shear at 1", "shear at 2", "shear at 3", "slip at 3")
+FIELDS = ("tangential displacement", "stick half-width", "shear at 1", "shear at 2", "shear at 3", "slip at 3")
 
 
 def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | None:
@@ -100,7 +100,7 @@ def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | No
 
 
 class Parabola(NamedTuple):
-    """A way in Q = alpha P + beta P^2 to (p, q), where its slope is known; P grows with time from 0 to 1."""
+    """A initial loading Q = alpha P + beta P^2 to (p, q), where its slope is known; P grows with time from 0 to 1."""
 
     p: mp.mpf
     q: mp.mpf
@@ -123,18 +123,18 @@ class Parabola(NamedTuple):
 
 def _state(scene: Scene, time: float, f: mp.mpf) -> tuple[Curve, mp.mpf]:
     """The memory curve at a time, and the load at the edge of stick."""
-    path, (way_in, cycle) = scene.load.path(), LEGS[scene.load.kind](scene.load)
+    path, (initial_loading, cycle) = scene.load.path(), LEGS[scene.load.kind](scene.load)
     if scene.load.kind == "ellipse":  # it starts where Q is least
         begin = mp.mpf(path.cycle_start)
         cycle = [cycle[0]._replace(begin=begin, end=begin + 2 * mp.pi)]
         first = cycle[0].loads(begin)
-        way_in = [Straight((mp.mpf(0), mp.mpf(0)), first)]
-        if scene.load.way_in == "parabola":
+        initial_loading = [Straight((mp.mpf(0), mp.mpf(0)), first)]
+        if scene.load.initial_loading == "parabola":
             p_rate, q_rate = cycle[0].rates(begin)
-            way_in = [Parabola(*first, q_rate / p_rate)]
+            initial_loading = [Parabola(*first, q_rate / p_rate)]
     whole, rest = (0, mp.mpf(time) - path.start) if path.period is None else divmod(mp.mpf(time) - path.cycle_start, path.period)
-    legs = [*way_in, *cycle * min(int(whole), 2)] if cycle else []
-    for leg in cycle or way_in:
+    legs = [*initial_loading, *cycle * min(int(whole), 2)] if cycle else []
+    for leg in cycle or initial_loading:
         length = leg.end - leg.begin
         legs.append(leg._replace(end=leg.begin + min(rest, length)))
         rest -= length
@@ -161,12 +161,12 @@ LEGS: dict[str, Callable] = {
     "harmonics": lambda load: _waves(load, load.normal_harmonics, load.tangential_harmonics),
     "ellipse": lambda load: _waves(load, [(load.normal_amplitude, 0.0)], [(load.tangential_amplitude, load.phase_degrees)]),
     "polygon": lambda load: (
-        _straight([(0.0, 0.0), *load.way_in]),
-        _straight([load.way_in[-1], *load.cycle], closed=True) if load.cycle else [],
+        _straight([(0.0, 0.0), *load.initial_loading]),
+        _straight([load.initial_loading[-1], *load.cycle], closed=True) if load.cycle else [],
     ),
     "time_series": lambda load: (_straight(load.series()[:, 1:].tolist()), []),
 }
-"""Way in and cycle of each kind of load, in mpmath."""
+"""Initial loading and cycle of each kind of load, in mpmath."""
 
 
 def _in_proportion(scene: Scene) -> bool:
@@ -180,7 +180,7 @@ def _constant_load(scene: Scene, f: mp.mpf) -> mp.mpf | None:
     """Hertz, constant P, Q between +-k f P: W = (4 f^2 P^2/(pi E*)) [(1-k) ln(1-k) + k - k^2/2]; nothing where Q stays 0."""
     load = scene.load
     if load.kind == "polygon":
-        points = [*load.way_in, *load.cycle]
+        points = [*load.initial_loading, *load.cycle]
         if all(q == 0 for _, q in points):
             return mp.mpf(0)
         loads, swing = {p for p, _ in points}, max(abs(mp.mpf(q)) for _, q in points)

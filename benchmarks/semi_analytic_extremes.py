@@ -81,7 +81,7 @@ def scene_of(row: dict[str, Any]) -> Scene:
         mean_tangential_load=0.0,
         tangential_amplitude=row["tangential"],
         phase_degrees=math.degrees(row["phase"]) if row["radians"] else row["phase"],
-        way_in="straight",
+        initial_loading="straight",
     )
     friction = Friction(coefficient=row["friction"])
     return Scene(name="row", material=like(1.0), profile=profile_of(row["flat"]), friction=friction, load=load)

@@ -60,7 +60,13 @@ def cycle() -> Iterator[Row]:
     start, edge = scene.load.path().cycle_start + 2 * np.pi, float(own.x[-1])
     x, instants = np.linspace(-edge, edge, POINTS), start + np.linspace(0, 2 * np.pi, INSTANTS + 1)
     grid = f"{POINTS} points, {INSTANTS} instants a cycle, all fields"
-    yield Row("solve(hertz-paper), its own instants: way in and two cycles", 1e3 * seconds(lambda: solve(scene), 9), 20, grid, "ms")
+    yield Row(
+        "solve(hertz-paper), its own instants: initial loading and two cycles",
+        1e3 * seconds(lambda: solve(scene), 9),
+        20,
+        grid,
+        "ms",
+    )
     yield Row("solve(hertz-paper), one cycle", 1e3 * seconds(lambda: solve(scene, x=x, time=instants), 9), 20, grid, "ms")
     for name, profile, limit in profiles(scene.profile.radius):
         other = scene.vary(profile=profile)

@@ -65,7 +65,7 @@ def timed(work: Callable[[], float], least: float = 0.02) -> tuple[float, float]
 
 
 def scene_of(case: Case) -> Scene:
-    """The case with a straight way in."""
+    """The case with a straight initial loading."""
     steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
     load = EllipseLoad(
         mean_normal_load=case.mean,
@@ -73,7 +73,7 @@ def scene_of(case: Case) -> Scene:
         mean_tangential_load=0.0,
         tangential_amplitude=case.tangential,
         phase_degrees=math.degrees(case.phase) if case.radians else case.phase,
-        way_in="straight",
+        initial_loading="straight",
     )
     return Scene(
         name="precision",
@@ -129,8 +129,8 @@ def discretised(case: Case, elements: int) -> float:
     on = peer.grid(half, elements, 1.0)
     gap = peer.flat_rounded_gap(1.0, case.flat) if case.flat else peer.hertz_gap(1.0)
     cycle = loads(case, 5 * elements // 2)
-    way_in = [(part * cycle[-1][0], part * cycle[-1][1]) for part in np.linspace(0, 1, 11)[1:].tolist()]
-    return peer.dissipation(on, gap, way_in, cycle, case.friction)[0]
+    initial_loading = [(part * cycle[-1][0], part * cycle[-1][1]) for part in np.linspace(0, 1, 11)[1:].tolist()]
+    return peer.dissipation(on, gap, initial_loading, cycle, case.friction)[0]
 
 
 def product(case: Case, scene: Scene) -> float:

@@ -141,9 +141,9 @@ _HEAD = (
     "Written by `make stress` and by nothing else. Each case ends in a right answer, in one whose own notes say that it is off, or "
     "in a refusal of one sentence (quoted); what is off by more than the limit and says nothing of it is broken, and so is a "
     "warning. The column “worst” has the worst of all trials that were answered, those with notes among them. The finite "
-    "elements run on swift meshes (`MeshSettings.swift()`) unless the case says otherwise: p is off in L2 over ‖p‖, q over f ‖p‖, "
+    "elements run on coarse meshes (`MeshSettings.coarse()`) unless the case says otherwise: p is off in L2 over ‖p‖, q over f ‖p‖, "  # noqa: E501
     "at the worst of sixteen instants of the last revolution with more than 0.3 of the largest load, W over W; for W the error in "
-    "A f² P² stands beside it, P being the largest load. Their limit is 5 % for each: a few times what a swift mesh promises of "
+    "A f² P² stands beside it, P being the largest load. Their limit is 5 % for each: a few times what a coarse mesh promises of "
     "the shear."
 )
 

@@ -83,7 +83,7 @@ def ellipse(p0: float, p1: float, q0: float, q1: float, phase: float) -> Ellipse
 def to_and_fro(share: float, friction: float, load: float = 1.0) -> PolygonLoad:
     """Q between +-share f P at constant P."""
     force = share * friction * load
-    return PolygonLoad(way_in=((load, 0.0),), cycle=((load, force), (load, -force)))
+    return PolygonLoad(initial_loading=((load, 0.0),), cycle=((load, force), (load, -force)))
 
 
 def mindlin(share: mpmath.mpf, friction: float, load: float = 1.0) -> mpmath.mpf:

@@ -1,4 +1,4 @@
-"""Cases of numerical stress for the finite-element model, on swift meshes, against the half-plane engine."""
+"""Cases of numerical stress for the finite-element model, on coarse meshes, against the half-plane engine."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.profiles import contact_of
 
 ENGINE = "Finite elements"
-SWIFT, FEW = MeshSettings.swift(), SolverSettings(steps_per_cycle=32)
-COARSE = replace(SWIFT, element_size=1 / 4, edge_element_size=1 / 8)
+COARSE, FEW = MeshSettings.coarse(), SolverSettings(steps_per_cycle=32)
+COARSE = replace(COARSE, element_size=1 / 4, edge_element_size=1 / 8)
 COARSEST = replace(COARSE, edge_element_size=1 / 4)
 LOOP = (3.0, 1.0, 0.2, 0.8, 70.0)
 
 
-# Limit of the errors of p, q and W, each for itself: above it the solver has to say so. A few times what a swift mesh promises of
+# Limit of the errors of p, q and W, each for itself: above it the solver has to say so. A few times what a coarse mesh promises of
 # the shear (about 1 % in L2): what a reader of a first look takes for good if nothing is said.
 TOLD = 0.05
 # Instants at which tractions are compared, of the last revolution and with more than this share of the largest load.
 INSTANTS, LOADED = 16, 0.3
 
 
-def against_theory(scene: Scene, mesh: MeshSettings = SWIFT, settings: SolverSettings = FEW) -> Found:
+def against_theory(scene: Scene, mesh: MeshSettings = COARSE, settings: SolverSettings = FEW) -> Found:
     """Errors of p over ||p||, of q over f ||p||, in L2 at the worst instant, of W over W (infinite where nothing should slip).
 
     `shown` has that of W in A f^2 P^2 as well. NaN where a law is broken by 1e-7.
@@ -72,7 +72,7 @@ def l2(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def dimensionless(length: float, stress: float, ratio: float = 1.0) -> dict[str, np.ndarray]:
     """Fields of one loop in units of length and stress."""
     scene = scene_of(ellipse(*(np.array(LOOP[:4]) * length * stress), LOOP[4]), 0.5, Hertz(radius=length), like(stress))
-    answer = halfplane_fe.solve(scene, replace(SWIFT, upper_ratio=ratio), FEW)
+    answer = halfplane_fe.solve(scene, replace(COARSE, upper_ratio=ratio), FEW)
     units = {"pressure": stress, "shear": stress, "slip": length, "contact_edges": length, "dissipation_density": length * stress}
     return {name: getattr(answer, name) / unit for name, unit in units.items()}
 
@@ -129,7 +129,7 @@ def uncoupled_trials() -> Iterator[Trial]:
 def exchanged(ratio: float) -> float:
     """W with the bodies exchanged, which is the same scene seen from below."""
     works = [
-        halfplane_fe.solve(scene_of(ellipse(*LOOP), material=material), SWIFT, FEW).dissipation
+        halfplane_fe.solve(scene_of(ellipse(*LOOP), material=material), COARSE, FEW).dissipation
         for material in (pair(ratio, 0.3, 0.3), _turned(pair(ratio, 0.3, 0.3)))
     ]
     return abs(works[1] / works[0] - 1)
@@ -155,19 +155,22 @@ def radius_trials() -> Iterator[Trial]:
 def mesh_trials(*changes: dict[str, object]) -> Iterator[Trial]:
     for change in changes:
         words = ", ".join(f"{name} = {value}" for name, value in change.items())
-        mesh = replace(SWIFT, **change)  # type: ignore[arg-type]
+        mesh = replace(COARSE, **change)  # type: ignore[arg-type]
         yield words, partial(against_theory, scene_of(ellipse(*LOOP)), mesh)
 
 
 def step_trials(*counts: int) -> Iterator[Trial]:
     for count in counts:
-        yield f"{count}", lambda count=count: against_theory(scene_of(ellipse(*LOOP)), SWIFT, SolverSettings(steps_per_cycle=count))
+        yield (
+            f"{count}",
+            lambda count=count: against_theory(scene_of(ellipse(*LOOP)), COARSE, SolverSettings(steps_per_cycle=count)),
+        )
 
 
 def many_steps(corners: int, count: int, mesh: MeshSettings = COARSE) -> Found:
     """P, then Q to and fro between 0.6 and -0.6 f P over so many lines, `count` increments each: against 16 each, and the laws."""
     lines = tuple((1.0, 0.3 * (-1) ** number) for number in range(corners))
-    scene = scene_of(PolygonLoad(way_in=((1.0, 0.0), *lines)))
+    scene = scene_of(PolygonLoad(initial_loading=((1.0, 0.0), *lines)))
     many, few = (
         halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=8 * steps, step_tolerance=np.inf)) for steps in (count, 16)
     )
@@ -250,7 +253,7 @@ def _of_meshes() -> Iterator[Case]:
     yield _against_theory("a/L and grading", "L = 2 a and 1000 a, growth 0.05 and 1", extremes)
     cut = partial(mesh_trials, sizes(0.25, 0.25), sizes(0.25, 1 / 128))
     yield _against_theory("coarse, and graded 1 : 32", "h = a/4; a/4 and a/128 at the edges", cut)
-    yield _against_theory("linear elements", "swift", partial(mesh_trials, {"order": 1}))
+    yield _against_theory("linear elements", "coarse", partial(mesh_trials, {"order": 1}))
     ratios = partial(mesh_trials, *({"upper_ratio": ratio} for ratio in (0.25, 2.0, 4.0, 20.0)))
     yield _against_theory("mesh ratios", "upper over lower 1/4, 2, 4, 20", ratios)
     beyond = partial(bad_meshes, {"upper_ratio": 21.0}, {"far_radius": 1.0}, {"growth": 2.0}, {"element_size": 1.0})
@@ -276,4 +279,4 @@ def tip_trials() -> Iterator[Trial]:
 
 def bad_meshes(*changes: dict[str, float]) -> Iterator[Trial]:
     for change in changes:
-        yield f"{change}", lambda change=change: float(replace(SWIFT, **change).growth)
+        yield f"{change}", lambda change=change: float(replace(COARSE, **change).growth)

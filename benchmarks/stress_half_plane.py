@@ -63,7 +63,7 @@ def in_units(kind: str, length: float, stress: float) -> float:
         scene = scene_of(ellipse(*(amounts * l * s), 70.0), 0.5, PROFILES[kind](l), like(s))
         answers.append(semi_analytic.solve(scene, x=x * l))
     one, other = answers
-    units = {"pressure": stress, "shear": stress, "slip": length, "rigid_shift": length, "rigid_approach": length}
+    units = {"pressure": stress, "shear": stress, "slip": length, "tangential_displacement": length, "normal_approach": length}
     units |= {"contact_half_width": length, "stick_half_width": length, "dissipation_density": length * stress}
     errors = [
         float(np.nanmax(np.abs(getattr(other, n) / u - getattr(one, n))) / np.nanmax(np.abs(getattr(one, n))))

@@ -57,7 +57,9 @@ def cycles_of_noise(count: int) -> float:
     """The same of a noisy loop in which P varies, over W of a polygon of 400 corners."""
     period = wave(400, 0.01)[:, 1:]
     corners = tuple(map(tuple, period.tolist()))
-    cycle = semi_analytic.solve(scene_of(PolygonLoad(way_in=corners[:1], cycle=corners[1:])), x=[0.0], fields=("dissipation",))
+    cycle = semi_analytic.solve(
+        scene_of(PolygonLoad(initial_loading=corners[:1], cycle=corners[1:])), x=[0.0], fields=("dissipation",)
+    )
     more = work_of(over_and_over(period, count)) - work_of(over_and_over(period, 2))
     return abs(more / ((count - 2) * cycle.dissipation) - 1)
 

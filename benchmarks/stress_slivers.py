@@ -10,7 +10,7 @@ from unittest import mock
 import numpy as np
 from numpy.typing import NDArray
 from stress_case import Case, Found, Trial, broken_by, ellipse, scene_of
-from stress_fe import ENGINE, FEW, LOOP, SWIFT, TOLD, against_theory
+from stress_fe import COARSE, ENGINE, FEW, LOOP, TOLD, against_theory
 
 import halfplane_fe
 import meshes
@@ -84,8 +84,8 @@ def on_block(width: float, height: float) -> Found:
     """Largest p and W on a block, sizes over the half-width, against elements half as long; NaN where a law is broken."""
     block = Block(width=width * HALF_WIDTH, height=height * HALF_WIDTH)
     scene = scene_of(ellipse(*LOOP)).vary(bodies=Bodies(lower=block))
-    finer = replace(SWIFT, element_size=SWIFT.element_size / 2, edge_element_size=SWIFT.edge_element_size / 2)
-    answer, better = (halfplane_fe.solve(scene, mesh, FEW) for mesh in (SWIFT, finer))
+    finer = replace(COARSE, element_size=COARSE.element_size / 2, edge_element_size=COARSE.edge_element_size / 2)
+    answer, better = (halfplane_fe.solve(scene, mesh, FEW) for mesh in (COARSE, finer))
     off = {
         "p": abs(float(answer.pressure.max() / better.pressure.max()) - 1),
         "W": abs(answer.dissipation / better.dissipation - 1),

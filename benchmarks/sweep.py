@@ -24,7 +24,7 @@ from reports.sweep.study import Study, study_of
 FE: dict[str, Any] = {
     "scene": "blocks",
     "figures": ["error.dissipation", "error.p0", "error.contact_half_width", "error.permanent_stick_half_width"],
-    "preset": "swift",
+    "preset": "coarse",
     "axes": [
         {
             "name": "height",

@@ -21,7 +21,7 @@ from reports.sweep.study import study_of
 # Signed errors of every quantity; the worst instants of three metrics, of which stick edges jump from node to node.
 FIGURES = [*(f"error.{name}" for name in QUANTITIES), "pressure", "shear", "stick_edge"]
 FRICTIONS = [0.9, 1.0, 1.2, 1.5, 2.0]
-PRESETS = ("default", "swift")
+PRESETS = ("default", "coarse")
 
 
 def known_errors(preset: str) -> Iterator[tuple[str, float, float, float]]:

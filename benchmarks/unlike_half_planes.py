@@ -92,12 +92,12 @@ class Figures:
 def solve(scene: Scene, beta: float, elements: int, increments: int) -> Figures:
     """A polygon scene of Hertz' profile on a grid of 1.15 half-widths, `increments` to a leg."""
     modulus = 1 / sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (scene.material.lower, scene.material.upper))
-    largest = max(p for p, _ in scene.load.way_in)
+    largest = max(p for p, _ in scene.load.initial_loading)
     half_width = np.sqrt(4 * largest * scene.profile.radius / (np.pi * modulus))
     on = grid(1.15 * half_width, elements, modulus)
     coupled, gap = coupling(on, beta, modulus), hertz_gap(scene.profile.radius)(on.x)
     state = State(*(np.zeros(elements) for _ in range(3)))
-    corners = [(0.0, 0.0), *scene.load.way_in, *2 * (*scene.load.cycle, scene.load.way_in[-1])]
+    corners = [(0.0, 0.0), *scene.load.initial_loading, *2 * (*scene.load.cycle, scene.load.initial_loading[-1])]
     per_cycle, works, peaks = len(scene.load.cycle) + 1, [], []
     for number, (first, last) in enumerate(pairwise(corners)):
         for loads in _increments(first, last, increments, from_nothing=number == 0):

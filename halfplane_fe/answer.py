@@ -36,8 +36,8 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "time": ("time", 1.0),
         "normal_load": ("normal_load", scales.load),
         "tangential_load": ("tangential_load", scales.load),
-        "rigid_shift": ("shift", displacement),
-        "rigid_approach": ("approach", displacement),
+        "tangential_displacement": ("shift", displacement),
+        "normal_approach": ("approach", displacement),
     }
     return {
         **{name: freeze([getattr(s, own) * unit for s in states]) for name, (own, unit) in per_step.items()},

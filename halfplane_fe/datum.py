@@ -1,4 +1,4 @@
-"""Rigid approach and shift of half-planes counted from another datum; the tractions know nothing of it.
+"""Normal approach and shift of half-planes counted from another datum; the tractions know nothing of it.
 
 # notation: L distance from a force at which the surface counts as unmoved; P, Q loads; 1/E* = sum of (1 - nu^2)/E
 """

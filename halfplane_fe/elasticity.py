@@ -182,7 +182,8 @@ def _rigid_part(system: System, displacement: Array) -> Array:
 def truncated_compliance(body: BodyMesh, material: Elastic, datum_length: float, moments: int | None) -> Array:
     """(2, n, 2, n) compliance with the displacement of the first `moments` of the nodal forces prescribed on the arc: for studies.
 
-    It is not made symmetric: the mean with its transpose would carry the error of the rigid shift, (a/L)^2, into the tractions.
+    It is not made symmetric: the mean with its transpose would carry the error of the tangential
+    displacement, (a/L)^2, into the tractions.
     """
     system = assemble(body, material)
     stiffness, n = _interface_stiffness(system)[0], system.contact.shape[1]

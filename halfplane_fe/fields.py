@@ -31,7 +31,7 @@ class BodyFields:
     name : "lower" or "upper"
     points : (n, 2) undeformed places [length]
     cells : (n_elements, 3, 6, 4 or 9): corners counter-clockwise, mid-side nodes, middle
-    displacement : (n, 2) [length]; that of the upper body includes its rigid shift and approach
+    displacement : (n, 2) [length]; that of the upper body includes its tangential displacement and approach
     stress : (n, 4) xx, yy, xy, zz [stress], carried to each node from its elements and averaged there
     von_mises : (n,) [stress]
     """
@@ -105,7 +105,7 @@ def _body_fields(name: str, condensed: CondensedBody, forces: Array, solution: F
 
 
 def _moved(body: BodyFields, solution: FiniteElementSolution, step: int) -> BodyFields:
-    rigid = np.array([solution.rigid_shift[step], -solution.rigid_approach[step]])
+    rigid = np.array([solution.tangential_displacement[step], -solution.normal_approach[step]])
     return BodyFields(body.name, body.points, body.cells, body.displacement + rigid, body.stress, body.von_mises)
 
 

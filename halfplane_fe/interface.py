@@ -1,7 +1,7 @@
 """The interface of two condensed bodies as one value: what nodal contact forces do to gap and slip.
 
-    g = h - n_y delta + n_x U + N p - K^T q          gap, delta the rigid approach, n the normal (out of the lower body)
-    s = n_y U + n_x delta + K p - T q                slip of the upper face over the lower, U the rigid shift
+    g = h - n_y delta + n_x U + N p - K^T q          gap, delta the normal approach, n the normal (out of the lower body)
+    s = n_y U + n_x delta + K p - T q                slip of the upper face over the lower, U the tangential displacement
     P = n_y p + n_x q,   Q = n_y q - n_x p           what the upper body carries
 
 p and q are nodal forces (pressure and shear times weight), p pressing and q along the tangent (n_y, -n_x) on the lower body.
@@ -67,7 +67,7 @@ class Interface:
         )
 
     def moved(self, approach: float, shift: float) -> tuple[Array, Array]:
-        """What rigid approach and shift of the upper body add to gap and slip, each (n,)."""
+        """What normal approach and shift of the upper body add to gap and slip, each (n,)."""
         n_x, n_y = self.normals
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
 

@@ -30,7 +30,7 @@ _SHEAR, _PRESSURE, _LINEAR = 0.65, 0.25, 3.7
 _TOLD = 0.05
 # Share of the largest load from which on instants count: below it tractions are off in a contact that carries next to nothing.
 _LOADED = 0.3
-# Exponent of a power law below which the peak at its tip is lost: x^1.1 has p 23 % off on a swift mesh, x^1.3 less than 5 %.
+# Exponent of a power law below which the peak at its tip is lost: x^1.1 has p 23 % off on a coarse mesh, x^1.3 less than 5 %.
 _SHARP = 1.25
 # Dissipation over A f^2 P^2 (h/a)^2 of a mesh on which nothing should slip.
 _FLOOR = 0.04
@@ -149,10 +149,10 @@ def coarse(mesh: MeshSettings, settings: SolverSettings) -> tuple[MeshSettings, 
 
     None where the surface elements are as large as any.
 
-    >>> coarse(MeshSettings(), SolverSettings())[0] == MeshSettings.swift()
+    >>> coarse(MeshSettings(), SolverSettings())[0] == MeshSettings.coarse()
     True
     """
-    preset, default = MeshSettings.swift(), MeshSettings()
+    preset, default = MeshSettings.coarse(), MeshSettings()
     times = {name: getattr(preset, name) / getattr(default, name) for name in ("element_size", "edge_element_size", "growth")}
     made = replace(
         mesh,

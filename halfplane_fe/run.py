@@ -1,4 +1,4 @@
-"""A whole load path through the interface: way in, then revolutions until the state repeats."""
+"""A whole load path through the interface: initial loading, then revolutions until the state repeats."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def run_path(problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, p
     """
     run = PathRun([untouched(problem.height, path.start)])
     try:
-        _follow_legs(problem, run, path.way_in, pace.steps_per_cycle / 8, pace, progress, "way in")
+        _follow_legs(problem, run, path.initial_loading, pace.steps_per_cycle / 8, pace, progress, "initial loading")
         if path.period is None:
             run.cycle_density.append(_density(problem, run.increments))
             return run
@@ -114,7 +114,7 @@ def _follow_legs(
     duration = legs[-1].end - legs[0].start
     # What the tolerance refers to: the dissipation of the revolution before; until there is one, a share of f^2 P^2/E*.
     expected = float(run.cycle_density[-1].sum()) if run.cycle_density else 0.0
-    # Rounded down to a power of two: what the way in left in the revolution before shall not choose other increments.
+    # Rounded down to a power of two: what the initial loading left in the revolution before shall not choose other increments.
     reference = max(2.0 ** np.floor(np.log2(max(expected, 1e-300))), _LEAST_DISSIPATION * problem.friction**2)
 
     def allowed(time: float) -> float:

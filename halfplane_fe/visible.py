@@ -36,7 +36,7 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
     Parameters
     ----------
     states : of the whole path
-    cycle_starts : index of the state at which each revolution starts; what comes before them is the way in
+    cycle_starts : index of the state at which each revolution starts; what comes before them is the initial loading
     friction : coefficient f
     """
     law = np.array([state.state for state in states])

@@ -10,6 +10,7 @@ from typing import Literal
 import skfem
 
 from scenes import InputError
+from scenes.errors import present_name
 
 Cells = Literal["triangles", "quadrilaterals"]
 
@@ -58,9 +59,15 @@ class MeshSettings:
             raise InputError(f"mesh: cells = {self.cells!r} is refused: they are triangles or quadrilaterals")
 
     @classmethod
-    def swift(cls) -> MeshSettings:
+    def coarse(cls) -> MeshSettings:
         """For a first look: a fifth of a second; shear of partial slip to about 1 % in L2 (benchmarks/fe_peers.py)."""
         return cls(element_size=1 / 8, edge_element_size=1 / 32, far_radius=6.0, growth=0.5)
+
+    @classmethod
+    def swift(cls) -> MeshSettings:
+        """The old name of `coarse`."""
+        present_name("swift")
+        return cls.coarse()
 
     @classmethod
     def fine(cls) -> MeshSettings:

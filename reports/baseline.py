@@ -11,6 +11,7 @@ from typing import Any
 
 from reports.staging import made, remove_left_behind, replace_file
 from scenes import ContactSolution, InputError, Scene
+from scenes.errors import present_names
 from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
 
@@ -174,7 +175,7 @@ def _of_folder(folder: Path, source: str) -> Findings:
 def _of_baseline(content: Mapping[str, Any], source: str) -> Findings:
     return Findings(
         source,
-        Scene.model_validate(content["scene"]),
+        Scene.model_validate(present_names(content["scene"])),
         {str(key): _number(value) for key, value in content["figures"].items()},
         {str(key): {"settings": dict(v["settings"]), "versions": dict(v["versions"])} for key, v in content["engines"].items()},
         tolerances={str(key): float(value) for key, value in content["tolerances"].items()},
@@ -203,7 +204,7 @@ def _of_answers(content: Mapping[str, Any], source: str, name: str = "") -> Find
     figures |= {f"{name}.counts.{_slug(key)}": _number(content["counts"][key]) for key in COUNTS if key in content["counts"]}
     return Findings(
         source,
-        Scene.model_validate(content["scene"]),
+        Scene.model_validate(present_names(content["scene"])),
         figures,
         {name: {"settings": dict(content["settings"]), "versions": dict(content["versions"])}},
         () if content["converged"] else (f"{name}: {content['message']}",),

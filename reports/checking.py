@@ -26,7 +26,7 @@ class PathCheck:
     Attributes
     ----------
     ratio : largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where it separates
-    time, normal_load, tangential_load, part : where that is, `part` being "way in" or "cycle"
+    time, normal_load, tangential_load, part : where that is, `part` being "initial loading" or "cycle"
     reason : "" for an admissible path, else "gross sliding" or "separation"
     first_time : when the path first leaves the admissible region; None if it never does
     """
@@ -41,7 +41,7 @@ class PathCheck:
 
 
 def check_path(scene: Scene) -> PathCheck:
-    """The worst |Q|/(f P) of the way in and one cycle, each leg sampled and the worst sample refined.
+    """The worst |Q|/(f P) of the initial loading and one cycle, each leg sampled and the worst sample refined.
 
     >>> from scenes import load_scene
     >>> check = check_path(load_scene("cattaneo-mindlin"))
@@ -68,7 +68,7 @@ def check_path(scene: Scene) -> PathCheck:
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
-    """The legs of the way in and of one cycle, and which of the two each is part of.
+    """The legs of the initial loading and of one cycle, and which of the two each is part of.
 
     Of the rows of a record, which may be millions, those steps alone that decide, block by block: the first to leave the
     admissible region, that with the worst ratio and that with the largest P, all of which are at rows.
@@ -76,7 +76,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
-        return [(leg, "way in") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
+        return [(leg, "initial loading") for leg in path.initial_loading] + [(leg, "cycle") for leg in path.cycle]
     rows = load.series()
     legs: list[tuple[LoadSegment, str]] = []
     for begin in range(0, len(rows) - 1, _BLOCK):
@@ -87,7 +87,7 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
         for k in np.unique([*outside, np.argmax(ratio), np.argmax(np.max(normal, axis=1))]).tolist():
             (start, *before), (end, *after) = block[k : k + 2].tolist()
             leg = StraightSegment(start, end, (before[0], before[1]), (after[0], after[1]))
-            legs.append((leg, "cycle" if load.repeats and begin + k > 0 else "way in"))
+            legs.append((leg, "cycle" if load.repeats and begin + k > 0 else "initial loading"))
     return legs
 
 
@@ -105,7 +105,7 @@ def require_admissible(scene: Scene, source: str) -> None:
     fault = InadmissibleLoadError(
         check.reason, check.first_time, *worst[1:], scene.friction.coefficient, worst, where=f"worst in the {check.part}"
     )
-    raise InputError(f"{source}: {fault}{_other_way_in(scene)}")
+    raise InputError(f"{source}: {fault}{_other_initial_loading(scene)}")
 
 
 def _presses(scene: Scene) -> bool:
@@ -113,13 +113,13 @@ def _presses(scene: Scene) -> bool:
     return any(_largest_normal_load(leg) > 0 for leg, _ in _deciding_legs(scene))
 
 
-def _other_way_in(scene: Scene) -> str:
+def _other_initial_loading(scene: Scene) -> str:
     """What to write where the parabola alone is at fault."""
     load = scene.load
-    if not isinstance(load, EllipseLoad) or load.way_in != "parabola":
+    if not isinstance(load, EllipseLoad) or load.initial_loading != "parabola":
         return ""
-    straight = scene.vary(load={"way_in": "straight"})
-    return "" if check_path(straight).reason else '; or write load.way_in = "straight", which is admissible'
+    straight = scene.vary(load={"initial_loading": "straight"})
+    return "" if check_path(straight).reason else '; or write load.initial_loading = "straight", which is admissible'
 
 
 def largest_normal_load(scene: Scene) -> float:

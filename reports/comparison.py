@@ -171,12 +171,12 @@ def _notes(pair: Pair) -> Iterator[str]:
             yield f"{name}: not converged: {solution.record.message}"
         # Our finite elements note it themselves, with how the dissipation changes.
         if solution.steady_from is None and periodic and solution.engine != "halfplane_fe" and not missing(solution):
-            yield f"{name}: no cycle repeats yet, so the last cycle still holds some of the way in."
+            yield f"{name}: no cycle repeats yet, so the last cycle still holds some of the initial loading."
         yield from (f"{name}: {note}" for note in solution.record.notes)
-    if not pair.result.scene.bodies.half_planes and "rigid_shift" not in missing(pair.result):
+    if not pair.result.scene.bodies.half_planes and "tangential_displacement" not in missing(pair.result):
         yield (
-            "Rigid shift and approach of finite bodies are counted from their supports, those of half-planes from a place that "
-            "does not move: their difference is for the most part that of the two, whatever the contact does."
+            "Tangential displacement and approach of finite bodies are counted from their supports, of half-planes from a place "
+            "that does not move: their difference is for the most part that of the two, whatever the contact does."
         )
     if not pair.result.scene.friction.coefficient:
         yield "Frictionless scene: shear and dissipation are over p and A P², without f."

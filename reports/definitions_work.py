@@ -9,8 +9,8 @@ _POINTS = "every point, edges kept; last cycle"
 
 HEADLINES = (
     Definition(
-        key="rigid_shift",
-        label="Rigid shift",
+        key="tangential_displacement",
+        label="Tangential displacement",
         unit="of U_ref's stroke",
         norm=MAXIMUM_IN_TIME,
         region=INSTANTS,

@@ -216,7 +216,7 @@ def record(
         "pictures": list(pictures),
         "animation": None if animation is None else dict(animation),
         "point data": {
-            "displacement": "of each body; the upper one's with its rigid shift and approach; on the contact line the lower one's",
+            "displacement": "of each body; the upper one's with its movement as a whole; on the contact line the lower one's",
             "stress": "xx, yy, zz, xy, yz, xz, carried to each node from its elements and averaged there",
             "von_mises": "of that stress",
             "pressure": "on the contact line, positive in compression",

@@ -22,7 +22,7 @@ from reports.units import load_unit, signed, units
 from scenes import ContactSolution, sampled
 
 Array = NDArray[np.float64]
-_CSS = {"way in": "way-in", "path": "loop", "cycle": "loop"}
+_CSS = {"initial loading": "initial-loading", "path": "loop", "cycle": "loop"}
 
 
 def first_shown(cycle: Cycle, chosen: Sequence[Event]) -> int:
@@ -31,7 +31,7 @@ def first_shown(cycle: Cycle, chosen: Sequence[Event]) -> int:
 
 
 def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) -> Plate:
-    """The path in the P-Q plane: way in, cycle, friction cone, chosen instants."""
+    """The path in the P-Q plane: initial loading, cycle, friction cone, chosen instants."""
     time, part, normal, tangential = _path(solution)
     cone = (Key("cone", "|Q| = f P"),) if solution.scene.friction.coefficient else ()
     return Plate(
@@ -71,7 +71,9 @@ def load_panel(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event],
 def _path(solution: ContactSolution) -> tuple[Array, NDArray[np.str_], Array, Array]:
     """Times, the part they belong to, P and Q all along the path."""
     path = solution.scene.load.path()
-    legs = [(leg, "way in" if path.cycle else "path") for leg in path.way_in] + [(leg, "cycle") for leg in path.cycle]
+    legs = [(leg, "initial loading" if path.cycle else "path") for leg in path.initial_loading] + [
+        (leg, "cycle") for leg in path.cycle
+    ]
     samples = [(sampled(leg, 257), part) for leg, part in legs]
     time = np.concatenate([t for t, _ in samples])
     part = np.concatenate([np.full(len(t), name) for t, name in samples])
@@ -111,14 +113,16 @@ def _follower(area: marks.Frame, x: str, y: str, across: float, up: float, css: 
 
 def moves(comparison: Comparison) -> bool:
     """Whether tangential load or shift move in the last cycle; a result that holds no shift has no loop."""
-    if "rigid_shift" in missing(comparison.result):
+    if "tangential_displacement" in missing(comparison.result):
         return False
     expected, found = comparison.expected, comparison.found
-    return any(np.ptp(series) != 0 for series in (found.tangential_load, found.rigid_shift, expected.rigid_shift))
+    return any(
+        np.ptp(series) != 0 for series in (found.tangential_load, found.tangential_displacement, expected.tangential_displacement)
+    )
 
 
 def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
-    """Tangential load over rigid shift in the last cycle, both engines; beside it sheared, so that the loop opens.
+    """Tangential load over tangential displacement in the last cycle, both engines; beside it sheared, so that the loop opens.
 
     None where neither load nor shift moves.
     """
@@ -132,7 +136,7 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
         "Hysteresis loop",
         "First: shift of the upper body over the lower. Second: each less its own mean slope "
         f"(k = {slopes} {length} per {load}) and mean{area}.",
-        "Tangential load over rigid shift for both engines, as it is and sheared so that the loop opens.",
+        "Tangential load over tangential displacement for both engines, as it is and sheared so that the loop opens.",
         tuple(
             hysteresis_panel(comparison, chosen, clip, sheared=sheared)
             for clip, sheared in (("hysteresis", False), ("hysteresis-sheared", True))
@@ -140,8 +144,8 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
         {
             "time": comparison.found.time,
             "Q": comparison.found.tangential_load,
-            "U_reference": comparison.expected.rigid_shift,
-            "U_result": comparison.found.rigid_shift,
+            "U_reference": comparison.expected.tangential_displacement,
+            "U_result": comparison.found.tangential_displacement,
         },
         tuple(Key(f"{w} p", name_of(s.engine)) for w, _, s in sides(comparison)),
     )
@@ -160,9 +164,9 @@ def _area(comparison: Comparison) -> str:
 def hysteresis_panel(comparison: Comparison, chosen: Sequence[Event], clip: str, *, sheared: bool) -> str:
     """Q over the shift of both engines; `sheared`: over the shift less its mean slope, so that the loop opens."""
     length, series = units(comparison.scene)[1], "V" if sheared else "U"
-    words = f"U − k Q, about its mean  [{length}]" if sheared else f"rigid shift U  [{length}]"
+    words = f"U − k Q, about its mean  [{length}]" if sheared else f"tangential displacement U  [{length}]"
     cycles = sides(comparison)
-    shifts = [(sheared_shift(cycle) if sheared else cycle.rigid_shift) for _, cycle, _ in cycles]
+    shifts = [(sheared_shift(cycle) if sheared else cycle.tangential_displacement) for _, cycle, _ in cycles]
     loads = [cycle.tangential_load for _, cycle, _ in cycles]
     axes = (
         Axis(*limits(*shifts, margin=0.12), words, count=4),
@@ -182,7 +186,7 @@ def hysteresis_panel(comparison: Comparison, chosen: Sequence[Event], clip: str,
 
 def sheared_shift(cycle: Cycle) -> Array:
     """Shift less the mean slope times Q and less its mean: the loop keeps its area and opens."""
-    shift = cycle.rigid_shift - loop_compliance(cycle) * cycle.tangential_load
+    shift = cycle.tangential_displacement - loop_compliance(cycle) * cycle.tangential_load
     return np.asarray(shift - shift.mean())
 
 
@@ -190,4 +194,4 @@ def loop_compliance(cycle: Cycle) -> float:
     """Slope dU/dQ of the straight line through the loop, least squares; 0 where Q stands still."""
     load = cycle.tangential_load - cycle.tangential_load.mean()
     square = float(load @ load)
-    return float(load @ cycle.rigid_shift) / square if square > 0 else 0.0
+    return float(load @ cycle.tangential_displacement) / square if square > 0 else 0.0

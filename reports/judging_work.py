@@ -32,8 +32,11 @@ def work(pair: Pair) -> Iterator[Metric]:
 
 def _shifts(pair: Pair) -> Iterator[Metric]:
     # Asked the other way round, a NaN would count as standing still and hide.
-    moves = pair.judged & (not bool(np.ptp(pair.expected.rigid_shift) <= 1e-12 * pair.scales.shift))
-    for key, difference in (("rigid_shift", metrics.rigid_shift), ("hysteresis_distance", metrics.loop_distance)):
+    moves = pair.judged & (not bool(np.ptp(pair.expected.tangential_displacement) <= 1e-12 * pair.scales.shift))
+    for key, difference in (
+        ("tangential_displacement", metrics.tangential_displacement),
+        ("hysteresis_distance", metrics.loop_distance),
+    ):
         note = "" if moves.any() else "the reference does not move sideways"
         yield worst_metric(pair, key, difference(pair.expected, pair.found, pair.scales.shift), moves, note=note)
 

@@ -31,7 +31,7 @@ def listing(found: Sequence[Scene]) -> Iterator[str]:
         yield from _beside(thumbnail(scene, font), _words(scene))
         yield ""
     if found:
-        yield f"{len(found)} scenes. Bodies to scale, gaps between flat faces exaggerated; Q upwards over P, dotted on the way in."
+        yield f"{len(found)} scenes. Bodies to scale, gaps between flat faces exaggerated; Q up over P, initial loading dotted."
         yield "`halfplane scenes NAME` tells all about one, `halfplane init FILE.toml --from NAME` copies it to edit."
 
 

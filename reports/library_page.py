@@ -48,7 +48,7 @@ def _library() -> Iterator[str]:
     yield "|---|---|---|---|"
     for scene in found:
         yield f"| `{scene.name}` | {_cell(scene.purpose)} | {_cell(scene.source)} | {_dissipation(scene, truths)} |"
-    yield "\nSketches: the gap between flat faces is exaggerated; dashed is the way in, dotted the limit |Q| = f P."
+    yield "\nSketches: the gap between flat faces is exaggerated; dashed is the initial loading, dotted the limit |Q| = f P."
     for scene in found:
         yield from _section(scene)
 

@@ -84,7 +84,7 @@ def _loads(scene: Scene) -> Iterator[str]:
     axes = place(np.array([[0, 0], [1.08 * most, 0], [0, -high], [0, high]]))
     for pair in (axes[:2], axes[2:]):
         yield f'<polyline points="{_points(pair)}" fill="none" stroke="{QUIET}" stroke-width="0.7"/>'
-    yield f'<polyline points="{_points(place(path.way_in))}" fill="none" stroke="{RESULT}" stroke-dasharray="4 3"/>'
+    yield f'<polyline points="{_points(place(path.initial_loading))}" fill="none" stroke="{RESULT}" stroke-dasharray="4 3"/>'
     yield f'<polyline points="{_points(place(path.cycle))}" fill="none" stroke="{RESULT}" stroke-width="1.8"/>'
     yield from _words(scene, path.points, right, bottom)
 

@@ -64,8 +64,8 @@ def cycle_data(comparison: Comparison, chosen: Sequence[Event], time: Array, tim
         "t": time,
         "P": found.normal_load,
         "Q": found.tangential_load,
-        "U0": expected.rigid_shift,
-        "U1": found.rigid_shift,
+        "U0": expected.tangential_displacement,
+        "U1": found.tangential_displacement,
         "V0": sheared_shift(expected),
         "V1": sheared_shift(found),
     }

@@ -32,16 +32,16 @@ def dissipation_density(reference: Cycle, result: Cycle, density_scale: float) -
     return (result.dissipation_density - reference.dissipation_density) / over
 
 
-def rigid_shift(reference: Cycle, result: Cycle, shift_scale: float) -> Array:
+def tangential_displacement(reference: Cycle, result: Cycle, shift_scale: float) -> Array:
     """(U - U_ref) over the range of U_ref in the cycle, (k,); NaN where that is below 1e-12 of `shift_scale`."""
-    stroke = float(np.ptp(reference.rigid_shift))
-    difference = result.rigid_shift - reference.rigid_shift
+    stroke = float(np.ptp(reference.tangential_displacement))
+    difference = result.tangential_displacement - reference.tangential_displacement
     return difference / stroke if stroke > 1e-12 * shift_scale else np.full_like(difference, np.nan)
 
 
 def loop_work(cycle: Cycle) -> float:
     """Closed integral of Q dU by the trapezoidal rule over the instants [energy / thickness]: a second way to W."""
-    return float(np.trapezoid(cycle.tangential_load, cycle.rigid_shift))
+    return float(np.trapezoid(cycle.tangential_load, cycle.tangential_displacement))
 
 
 def approach_work(solution: ContactSolution) -> float:
@@ -51,7 +51,7 @@ def approach_work(solution: ContactSolution) -> float:
     half-planes of like materials.
     """
     steps = solution.last_cycle
-    return float(np.trapezoid(solution.normal_load[steps], solution.rigid_approach[steps]))
+    return float(np.trapezoid(solution.normal_load[steps], solution.normal_approach[steps]))
 
 
 def normal_work(solution: ContactSolution) -> float | None:
@@ -64,7 +64,7 @@ def normal_work(solution: ContactSolution) -> float | None:
 
 def loop_distance(reference: Cycle, result: Cycle, shift_scale: float) -> Array:
     """(U - U_ref) less its mean over time, over the range of U_ref, (k,): the loops apart when laid on each other."""
-    difference = rigid_shift(reference, result, shift_scale)
+    difference = tangential_displacement(reference, result, shift_scale)
     weight = shares(result.time)
     return difference - (weight @ difference) / weight.sum()
 

@@ -86,7 +86,7 @@ def solution_html(solution: ContactSolution) -> str:
         ("permanent stick half-width", _figure(solution.permanent_stick_half_width)),
         ("dissipation of the last cycle", _figure(solution.dissipation)),
     ]
-    picture = loop_svg(solution.rigid_shift[steps], solution.tangential_load[steps], "U", "Q")
+    picture = loop_svg(solution.tangential_displacement[steps], solution.tangential_load[steps], "U", "Q")
     return table_html(solution.scene.title or solution.scene.name or "Solution", rows, picture)
 
 

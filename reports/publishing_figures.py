@@ -63,7 +63,7 @@ def _tractions(comparison: Comparison, axes: Axes) -> None:
 
 def _moves(comparison: Comparison) -> bool:
     """Whether the upper body is shifted at all."""
-    return bool(np.ptp(comparison.expected.rigid_shift) > 1e-9 * comparison.scales.shift)
+    return bool(np.ptp(comparison.expected.tangential_displacement) > 1e-9 * comparison.scales.shift)
 
 
 def _loop(comparison: Comparison, axes: Axes) -> None:
@@ -71,7 +71,7 @@ def _loop(comparison: Comparison, axes: Axes) -> None:
     scales = comparison.scales
     for who, cycle, solution in sides(comparison):
         load = cycle.tangential_load - cycle.tangential_load.mean()
-        shift = cycle.rigid_shift - cycle.rigid_shift.mean()
+        shift = cycle.tangential_displacement - cycle.tangential_displacement.mean()
         slope = float(load @ shift) / float(load @ load) if load @ load > 0 else 0.0
         axes.plot(
             (shift - slope * load) / scales.shift,

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 FIELDS = ("pressure", "shear", "slip")
 EDGES = ("contact_edges", "stick_edges")
-SERIES = ("normal_load", "tangential_load", "rigid_shift", "rigid_approach")
+SERIES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Cycle:
     ----------
     time : (k,), the solution's own times; fraction : (k,), 0 at the start of the cycle and 1 at its end
     x : (n,) [length]; pressure, shear, slip, state : (k, n); contact_edges, stick_edges : (k, 2)
-    normal_load, tangential_load, rigid_shift, rigid_approach : (k,)
+    normal_load, tangential_load, tangential_displacement, normal_approach : (k,)
     dissipation_density : (n,)
     interpolation : estimated largest error of the re-sampling, over the field's largest value; empty where
         nothing was interpolated
@@ -44,8 +44,8 @@ class Cycle:
     stick_edges: Array
     normal_load: Array
     tangential_load: Array
-    rigid_shift: Array
-    rigid_approach: Array
+    tangential_displacement: Array
+    normal_approach: Array
     dissipation_density: Array
     interpolation: Mapping[str, float] = field(default_factory=dict)
     whole: bool = True

@@ -95,7 +95,7 @@ def _instants(solution: ContactSolution) -> str:
         "tangential_load",
         "contact_half_width",
         "stick_half_width",
-        "rigid_shift",
-        "rigid_approach",
+        "tangential_displacement",
+        "normal_approach",
     )
     return table_text({name: getattr(solution, name) for name in columns} | {"iterations": solution.record.iterations})

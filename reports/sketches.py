@@ -68,22 +68,24 @@ def _height(shape: Shape, half: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """Q over P: points (P, Q) of the way in and of what follows it, (n, 2) each [force / thickness]."""
+    """Q over P: points (P, Q) of the initial loading and of what follows it, (n, 2) each [force / thickness]."""
 
-    way_in: Array
+    initial_loading: Array
     cycle: Array
 
     @property
     def points(self) -> Array:
         """All of them."""
-        return np.vstack([self.way_in, self.cycle])
+        return np.vstack([self.initial_loading, self.cycle])
 
 
 def loop(scene: Scene) -> Loop:
     """The loads of a scene; a path that does not repeat is all cycle but for its first line."""
     path = scene.load.path()
-    way_in, cycle = (path.way_in, path.cycle) if path.cycle else (path.way_in[:1], path.way_in[1:])
-    first, rest = _points(way_in), _points(cycle)
+    initial_loading, cycle = (
+        (path.initial_loading, path.cycle) if path.cycle else (path.initial_loading[:1], path.initial_loading[1:])
+    )
+    first, rest = _points(initial_loading), _points(cycle)
     return Loop(first, rest if len(rest) else first[-1:])
 
 

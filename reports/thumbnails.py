@@ -81,7 +81,7 @@ def _loads(scene: Scene, font: Font) -> list[str]:
     flat = spread <= 1e-12 * max(float(np.abs(points).max()), 1e-300)
     scale = (np.array(dots.shape[::-1]) - 1) / np.where(flat, 1.0, spread)
     middle = np.where(flat, (np.array(dots.shape[::-1]) - 1) / 2, 0.0)
-    _draw(dots, (path.way_in - low) * scale + middle, every=3)
+    _draw(dots, (path.initial_loading - low) * scale + middle, every=3)
     _draw(dots, (path.cycle - low) * scale + middle)
     return _text(dots, font)
 

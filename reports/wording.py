@@ -52,7 +52,7 @@ def _loads(scene: Scene, unit: str) -> str:
         )
     if not isinstance(load, PolygonLoad):
         return load.in_words(unit)
-    corners = (load.way_in[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.way_in)
+    corners = (load.initial_loading[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.initial_loading)
     points = ", ".join(f"({number(p)}, {number(q)})" for p, q in corners)
     return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"
 

@@ -18,11 +18,11 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from scenes.errors import InputError, first_line, in_words, shown
+from scenes.errors import RENAMED, InputError, first_line, in_words, present_names, shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -159,7 +159,7 @@ def keys_of(path: Path, what: str, advice: str = "") -> dict[str, Any]:
         raise InputError(f"{path}: {why}") from reason
     if not isinstance(data, dict):
         raise InputError(f"{path}: {what} is a table of keys, not a {type(data).__name__}")
-    return data
+    return cast(dict[str, Any], present_names(data))
 
 
 def _whole_number(digits: str) -> int:
@@ -240,7 +240,9 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Datase
             if unpacked > SOLUTION:
                 most = in_words(SOLUTION)
                 raise InputError(f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {most} are read")
-            for name, dimensions in form.items():
+            old = {new: name for name, new in RENAMED.items()}
+            for present, dimensions in form.items():
+                name = present if present in data.variables else old.get(present, present)
                 if name not in data.variables:
                     raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
                 variable = data.variables[name]
@@ -310,11 +312,11 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
 def toml_text(keys: Mapping[str, Any]) -> str:
     """Keys as TOML: numbers, words and lists first, then tables and lists of tables.
 
-    >>> print(toml_text({"load": {"way_in": [[1.0, 0.0]], "kind": "polygon"}, "cycles": 6}))
+    >>> print(toml_text({"load": {"initial_loading": [[1.0, 0.0]], "kind": "polygon"}, "cycles": 6}))
     cycles = 6
     <BLANKLINE>
     [load]
-    way_in = [[1.0, 0.0]]
+    initial_loading = [[1.0, 0.0]]
     kind = "polygon"
     <BLANKLINE>
     """

@@ -6,7 +6,7 @@ import difflib
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, NoReturn, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, Self, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -21,7 +21,12 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, ErrorDetails
 
-from scenes.errors import InputError, shown
+from scenes.errors import InputError, present_names, shown
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 _NAMED = 4  # keys at fault beside the first that a refusal names
 
@@ -134,7 +139,14 @@ def _key(fault: ErrorDetails, data: Any) -> str:
     return ".".join(found)
 
 
-class Frozen(BaseModel):
+class _ReadsOldNames(ModelMetaclass):
+    """The constructor takes old names of keys too; with an `__init__` of our own pydantic would forget that it reads JSON."""
+
+    def __call__(cls, *_nothing: Any, **data: Any) -> Any:
+        return super().__call__(*_nothing, **present_names(data))
+
+
+class Frozen(BaseModel, metaclass=_ReadsOldNames):
     """A frozen table of keys. Whatever is put into another table is checked again there, however it was made."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, revalidate_instances="always")
@@ -164,7 +176,7 @@ class Frozen(BaseModel):
         Traceback (most recent call last):
         scenes.errors.InputError: vary: unknown key frictoin = 0.6; did you mean friction? `halfplane schema` lists the keys
         """
-        return _checked(type(self), self.merged(changes), "vary")
+        return _checked(type(self), self.merged(present_names(changes)), "vary")
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The keys that were given, those of `changes` in their place; raw, for the check that follows."""

@@ -33,20 +33,20 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class LoadPath:
-    """The way in from (0, 0), then a cycle that repeats for ever (or nothing more, where `cycle` is empty)."""
+    """The initial loading from (0, 0), then a cycle that repeats for ever (or nothing more, where `cycle` is empty)."""
 
-    way_in: tuple[LoadSegment, ...]
+    initial_loading: tuple[LoadSegment, ...]
     cycle: tuple[LoadSegment, ...]
 
     @property
     def start(self) -> float:
         """Time of the unloaded state."""
-        return self.way_in[0].start
+        return self.initial_loading[0].start
 
     @property
     def cycle_start(self) -> float:
-        """Time at which the way in ends and the first cycle starts."""
-        return self.way_in[-1].end
+        """Time at which the initial loading ends and the first cycle starts."""
+        return self.initial_loading[-1].end
 
     @property
     def period(self) -> float | None:
@@ -54,8 +54,8 @@ class LoadPath:
         return self.cycle[-1].end - self.cycle[0].start if self.cycle else None
 
     def legs(self, cycles: int) -> Iterator[LoadSegment]:
-        """The way in, then `cycles` revolutions."""
-        yield from self.way_in
+        """The initial loading, then `cycles` revolutions."""
+        yield from self.initial_loading
         for number in range(cycles):
             yield from self.cycle_legs(number)
 
@@ -69,7 +69,7 @@ class LoadPath:
         if self.period is not None:
             late = inside > self.cycle_start + self.period
             inside = np.where(late, self.cycle_start + np.mod(inside - self.cycle_start, self.period), inside)
-        legs = (*self.way_in, *self.cycle)
+        legs = (*self.initial_loading, *self.cycle)
         if np.any(inside < legs[0].start) or np.any(inside > legs[-1].end):
             raise ValueError(f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}")
         ends = np.array([leg.end for leg in legs])
@@ -81,12 +81,16 @@ class LoadPath:
         return p, q
 
 
-WayIn = Literal["straight"] | tuple[Point, ...]
+InitialLoading = Literal["straight"] | tuple[Point, ...]
 
 
-def straight_way_in(way_in: WayIn, first: LoadSegment, duration: float) -> tuple[StraightSegment, ...]:
-    """From (0, 0) through the points of `way_in` to the start of the segment `first`, `duration` a line."""
-    points = [(0.0, 0.0), *(() if way_in == "straight" else way_in), tuple(float(load) for load in first.loads(first.start))]
+def straight_loading(initial_loading: InitialLoading, first: LoadSegment, duration: float) -> tuple[StraightSegment, ...]:
+    """From (0, 0) through the points of `initial_loading` to the start of the segment `first`, `duration` a line."""
+    points = [
+        (0.0, 0.0),
+        *(() if initial_loading == "straight" else initial_loading),
+        tuple(float(load) for load in first.loads(first.start)),
+    ]
     start = first.start - (len(points) - 1) * duration
     return straight_segments([(start + k * duration, *point) for k, point in enumerate(points)])
 
@@ -108,7 +112,7 @@ class EllipseLoad(Frozen):
     mean_tangential_load: float = Field(0.0, description="Q0")
     tangential_amplitude: float = Field(0.0, ge=0, description="Q1 >= 0")
     phase_degrees: float = Field(90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise")
-    way_in: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
+    initial_loading: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
         "straight",
         description="from (0, 0) to the first point of the cycle: a straight line, the paper's parabola "
         "(tangent to the ellipse there), or the [P, Q] points of a polygon in between",
@@ -129,28 +133,28 @@ class EllipseLoad(Frozen):
             self.phase,
         )
         first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
-        if self.way_in == "parabola":
+        if self.initial_loading == "parabola":
             return LoadPath((parabola_segment(begin - math.pi, begin, first, 0.0),), (turn,))
-        return LoadPath(straight_way_in(self.way_in, turn, math.pi), (turn,))
+        return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
 
 class PolygonLoad(Frozen):
-    """Straight lines in the P-Q plane, one unit of time each: from (0, 0) along `way_in`, then round `cycle` and back to its start.
+    """Straight lines in the P-Q plane, one unit of time each: from (0, 0) along `initial_loading`, then `cycle` and back.
 
-    The cycle starts at the last point of the way in, which is not repeated in `cycle`; an empty cycle is a path that just ends.
+    The cycle starts at the last point of the initial loading, not repeated in `cycle`; an empty cycle is a path that just ends.
 
-    >>> load = PolygonLoad(way_in=[(2, 0)], cycle=[(2, 1), (2, -1)])
+    >>> load = PolygonLoad(initial_loading=[(2, 0)], cycle=[(2, 1), (2, -1)])
     >>> [float(v) for v in load.path().at(1.5)], load.path().period
     ([2.0, 0.5], 3.0)
     """
 
     kind: Literal["polygon"] = "polygon"
-    way_in: tuple[Point, ...] = Field(min_length=1, description="[P, Q] points after (0, 0)")
-    cycle: tuple[Point, ...] = Field((), description="[P, Q] points after the last one of the way in")
+    initial_loading: tuple[Point, ...] = Field(min_length=1, description="[P, Q] points after (0, 0)")
+    cycle: tuple[Point, ...] = Field((), description="[P, Q] points after the last one of the initial loading")
 
     @property
     def _corners(self) -> list[Point]:
-        return [(0.0, 0.0), *self.way_in, *self.cycle, *(self.way_in[-1:] if self.cycle else ())]
+        return [(0.0, 0.0), *self.initial_loading, *self.cycle, *(self.initial_loading[-1:] if self.cycle else ())]
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
@@ -160,7 +164,10 @@ class PolygonLoad(Frozen):
         return self
 
     def path(self) -> LoadPath:
-        segments, first = straight_segments([(float(k), *point) for k, point in enumerate(self._corners)]), len(self.way_in)
+        segments, first = (
+            straight_segments([(float(k), *point) for k, point in enumerate(self._corners)]),
+            len(self.initial_loading),
+        )
         return LoadPath(segments[:first], segments[first:])
 
 
@@ -181,7 +188,9 @@ class HarmonicLoad(Frozen):
     mean_tangential_load: float = Field(0.0, description="Q0")
     normal_harmonics: tuple[Harmonic, ...] = Field((), description="[P_k, phi_k in degrees] of k = 1, 2, ...")
     tangential_harmonics: tuple[Harmonic, ...] = Field((), description="[Q_k, phi_k in degrees] of k = 1, 2, ...")
-    way_in: WayIn = Field("straight", description="from (0, 0) to the first point of the cycle: straight, or by the [P, Q] points")
+    initial_loading: InitialLoading = Field(
+        "straight", description="from (0, 0) to the first point of the cycle: straight, or by the [P, Q] points"
+    )
 
     def path(self) -> LoadPath:
         waves = (
@@ -189,7 +198,7 @@ class HarmonicLoad(Frozen):
             for harmonics in (self.normal_harmonics, self.tangential_harmonics)
         )
         turn = HarmonicSegment(0.0, 2 * math.pi, (self.mean_normal_load, self.mean_tangential_load), *waves)
-        return LoadPath(straight_way_in(self.way_in, turn, math.pi), (turn,))
+        return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
     def in_words(self, unit: str) -> str:
         return (
@@ -228,12 +237,12 @@ class TimeSeriesLoad(FromFile):
             rule = "stands there twice" if step[row - 1] == 0 else "comes after a later one"
             raise RowError(row, f"time = {rows[row, 0]:.12g} {rule}: the times must ascend")
         if self.repeats and not np.any(rows[0, 1:]):
-            raise RowError(0, "a cycle that repeats can't start unloaded: its first row is where the way in ends")
+            raise RowError(0, "a cycle that repeats can't start unloaded: its first row is where the initial loading ends")
         if self.repeats and np.any(rows[0, 1:] != rows[-1, 1:]):
             raise RowError(len(rows) - 1, "a cycle that repeats must end with the loads of its first row")
 
     def series(self) -> NDArray[np.float64]:
-        """The rows (n, 3), from (0, 0) on: the way in is the first step."""
+        """The rows (n, 3), from (0, 0) on: the initial loading is the first step."""
         rows = self.rows.values
         if not np.any(rows[0, 1:]):
             return rows
@@ -267,7 +276,9 @@ class CallableLoad(Frozen):
     tangential_load: PythonFunction = Field(description="Q(time)")
     duration: Positive = Field(description="time that the functions cover: of one cycle if it repeats")
     repeats: bool = Field(False, description="whether the functions are one cycle that repeats for ever")
-    way_in: WayIn = Field("straight", description="from (0, 0) to the loads at time 0: straight, or by the [P, Q] points")
+    initial_loading: InitialLoading = Field(
+        "straight", description="from (0, 0) to the loads at time 0: straight, or by the [P, Q] points"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -307,10 +318,12 @@ class CallableLoad(Frozen):
     def path(self) -> LoadPath:
         segments = tuple(self._segments())
         first, last = np.abs(segments[0].loads(0.0)), np.abs(segments[-1].loads(self.duration))
-        if not self.repeats and self.way_in == "straight" and np.max(first) <= _ROUNDING * np.max(last):  # unloaded at first
+        if (
+            not self.repeats and self.initial_loading == "straight" and np.max(first) <= _ROUNDING * np.max(last)
+        ):  # unloaded at first
             return LoadPath(segments, ())
-        way_in = straight_way_in(self.way_in, segments[0], self.duration / 2)
-        return LoadPath(way_in, segments) if self.repeats else LoadPath((*way_in, *segments), ())
+        initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
+        return LoadPath(initial_loading, segments) if self.repeats else LoadPath((*initial_loading, *segments), ())
 
     def in_words(self, unit: str) -> str:
         return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"

@@ -29,7 +29,7 @@ class Gap(Frozen):
     @property
     @abc.abstractmethod
     def datum_length(self) -> float:
-        """Distance from the load at which a half-plane's surface counts as unmoved: origin of rigid shift and approach."""
+        """Distance from the load at which a half-plane's surface counts as unmoved: the origin of displacements."""
 
     @abc.abstractmethod
     def height(self, x: ArrayLike) -> Array:

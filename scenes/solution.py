@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes.errors import InputError, first_line
+from scenes.errors import RENAMED, InputError, first_line, present_name, present_names
 from scenes.files import netcdf_of, replace_file, stored_dataset
 from scenes.scene import Scene
 
@@ -97,7 +97,7 @@ class ContactSolution:
     contact_edges, stick_edges : (n_steps, 2) [length], left and right; in full stick the stick edges are the
         contact edges, in full slip NaN
     contact_half_width, stick_half_width : (n_steps,) [length]
-    rigid_shift, rigid_approach : (n_steps,) [length], upper relative to lower (along +x; towards each
+    tangential_displacement, normal_approach : (n_steps,) [length], upper relative to lower (along +x; towards each
         other), counted from half-planes whose surface does not move at `profile.datum_length` from the load:
         U = (A/pi) int M' ln(2 L/a) d eta
     dissipation_density : (n_points,) [energy / area], of the last whole cycle
@@ -128,8 +128,8 @@ class ContactSolution:
     stick_edges: Array
     contact_half_width: Array
     stick_half_width: Array
-    rigid_shift: Array
-    rigid_approach: Array
+    tangential_displacement: Array
+    normal_approach: Array
     dissipation_density: Array
     dissipation: float
     cycle_dissipation: Array
@@ -179,6 +179,7 @@ class ContactSolution:
     @classmethod
     def from_dataset(cls, data: xr.Dataset) -> ContactSolution:
         """The solution that `to_dataset` wrote."""
+        data = data.rename({str(name): present_name(str(name)) for name in data.variables if name in RENAMED})
         stored = data.attrs
         work = json.loads(stored["work"])
         record = json.loads(stored["record"])
@@ -191,7 +192,7 @@ class ContactSolution:
             values[name] = float(stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name])
         return cls(
             engine=stored["engine"],
-            scene=Scene.model_validate_json(stored["scene"]),
+            scene=Scene.model_validate_json(json.dumps(present_names(json.loads(stored["scene"])))),
             steady_from=None if stored["steady_from"] < 0 else int(stored["steady_from"]),
             record=Record(
                 iterations=freeze(data["iterations"].values, np.int64),
@@ -223,6 +224,16 @@ class ContactSolution:
         return str(import_module("reports.notebook").solution_html(self))  # words and pictures are those of the reports
 
     @property
+    def rigid_shift(self) -> Array:
+        """The old name of `tangential_displacement`."""
+        return np.asarray(getattr(self, present_name("rigid_shift")))
+
+    @property
+    def rigid_approach(self) -> Array:
+        """The old name of `normal_approach`."""
+        return np.asarray(getattr(self, present_name("rigid_approach")))
+
+    @property
     def last_cycle(self) -> NDArray[np.intp]:
         """(k,) indices of the steps of the last whole cycle, both its ends included; all steps for a path that is not periodic, and
         for a foreign result that states in `work.skipped` that it holds no "whole_cycle".
@@ -240,7 +251,7 @@ class ContactSolution:
 # Dimensions of every array of a stored answer, and its numbers.
 _FORM: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"), ("step",)),
-    **dict.fromkeys(("rigid_shift", "rigid_approach", "iterations"), ("step",)),
+    **dict.fromkeys(("tangential_displacement", "normal_approach", "iterations"), ("step",)),
     **dict.fromkeys(("contact_edges", "stick_edges"), ("step", "side")),
     **dict.fromkeys(("pressure", "shear", "slip", "state"), ("step", "point")),
     **dict.fromkeys(("x", "dissipation_density"), ("point",)),

@@ -1,7 +1,7 @@
-"""What dynamics takes from a contact: the loop of Q over the rigid shift as a stiffness and a damping ratio.
+"""What dynamics takes from a contact: the loop of Q over the tangential displacement as a stiffness and a damping ratio.
 
 # notation: A = 2/E*, L datum length, a and c contact and stick half-width, W dissipation of a cycle, Q1 and U1 half the ranges of Q
-#           and of the rigid shift U
+#           and of the tangential displacement U
 
 While P rests, a change dQ that lets the slip go on raises the whole memory above the front by dQ, and a reversal raises it at the
 edge of the contact: dU/dQ = (A/pi) ln(2 L/c), c being a in full stick and right after a reversal.
@@ -41,7 +41,7 @@ class Hysteresis:
 
 
 def hysteresis(solution: ContactSolution) -> Hysteresis:
-    """Stiffness and damping of the last cycle of a solution that holds the rigid shift and the dissipation.
+    """Stiffness and damping of the last cycle of a solution that holds the tangential displacement and the dissipation.
 
     Raises
     ------
@@ -57,9 +57,9 @@ def hysteresis(solution: ContactSolution) -> Hysteresis:
     cycle = solution.last_cycle
     if len(cycle) < 3:
         raise InputError("hysteresis: the times of the solution hold no whole cycle")
-    force, shift = (np.ptp(values[cycle]) / 2 for values in (solution.tangential_load, solution.rigid_shift))
-    if not np.all(np.isfinite(solution.rigid_shift)) or not math.isfinite(solution.dissipation):
-        raise InputError("hysteresis: ask for the fields rigid_shift and dissipation")
+    force, shift = (np.ptp(values[cycle]) / 2 for values in (solution.tangential_load, solution.tangential_displacement))
+    if not np.all(np.isfinite(solution.tangential_displacement)) or not math.isfinite(solution.dissipation):
+        raise InputError("hysteresis: ask for the fields tangential_displacement and dissipation")
     if not force > 0:
         raise InputError("hysteresis: the tangential load does not move in the last cycle: there is no loop")
     return Hysteresis(

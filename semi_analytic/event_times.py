@@ -52,7 +52,7 @@ class Event:
 
 
 def events(scene: Scene) -> tuple[Event, ...]:
-    """Every event of the way in and of the cycles up to the first steady one, in the order of time.
+    """Every event of the initial loading and of the cycles up to the first steady one, in the order of time.
 
     Events are the ends of the spans in which the memory keeps its structure, and the extreme loads. An ellipse with an area gets
     the paper's letters, mirrored for a clockwise one.
@@ -108,7 +108,7 @@ def _named(history: History) -> Iterator[Event]:
     """Events without letters, several at one instant perhaps."""
     states = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     groups = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
-    for label, spans in [("way in", history.loading), *groups]:
+    for label, spans in [("initial loading", history.loading), *groups]:
         before: Span | None = None
         for span in spans:
             if before is None:

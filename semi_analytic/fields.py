@@ -1,4 +1,4 @@
-"""From memory curves to tractions, slips and rigid shifts, for many instants and points at once.
+"""From memory curves to tractions, slips and tangential displacements, for many instants and points at once.
 
 # notation: M'(eta) slope of the memory curve, A = 2/E*, P_x load at which a = |x|
 

@@ -178,7 +178,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
 
 
 def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:
-    """The same, and what the last digits of the rigid shift U may have left in it.
+    """The same, and what the last digits of the tangential displacement U may have left in it.
 
     Written as -int U dQ, of which any multiple of the integral of Q dQ, which vanishes, may be taken away.
     """

@@ -431,11 +431,11 @@ def is_plain_ellipse(segment: LoadSegment) -> bool:
 
 def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
     """The history along a path: as many cycles as `time` needs; until it is steady where it needs none, `cycles` at most."""
-    check([*path.way_in, *path.cycle], friction)
+    check([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
-        return follow((), [Turn(path.way_in)], friction)
+        return follow((), [Turn(path.initial_loading)], friction)
     turns, whole = turns_of(path.cycle_start, path.period, cycles, time)
-    history = follow(path.way_in, (Turn(path.cycle, k * path.period) for k in range(turns)), friction)
+    history = follow(path.initial_loading, (Turn(path.cycle, k * path.period) for k in range(turns)), friction)
     solved = len(history.cycles)
     covered = tuple(min(number, solved - 1) for number in range(whole or solved))
     loop = path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None

@@ -399,9 +399,9 @@ def own_series(scene: Scene, time: Array | None) -> LoadSeries | None:
         loading, cycle = (rows[:2], rows[1:]) if load.repeats else (rows, rows[:0])
     else:
         path = load.path()
-        if any(leg.most_turns for leg in (*path.way_in, *path.cycle)):
+        if any(leg.most_turns for leg in (*path.initial_loading, *path.cycle)):
             return None
-        loading, cycle = _rows_of(path.way_in), _rows_of(path.cycle)
+        loading, cycle = _rows_of(path.initial_loading), _rows_of(path.cycle)
     check_rows(loading, friction)
     if not len(cycle):
         return replace(_single(friction, loading), long=long)

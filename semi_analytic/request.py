@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
+from scenes.errors import present_name
 from semi_analytic.profiles import Contact
 
 Array = NDArray[np.float64]
 Cycles = Literal["all", "steady"]
 
-FIELDS = ("pressure", "shear", "slip", "state", "rigid_shift", "rigid_approach", "dissipation_density", "dissipation")
+FIELDS = ("pressure", "shear", "slip", "state", "tangential_displacement", "normal_approach", "dissipation_density", "dissipation")
 """The fields that can be asked for one by one."""
 POINTWISE = frozenset(("pressure", "shear", "slip", "state"))
 """Those that have a value at each point and instant."""
@@ -49,7 +50,7 @@ def checked(fields: Iterable[str], cycles: Cycles) -> frozenset[str]:
     """The fields that are asked for; InputError for one that is not among `FIELDS`, or for other `cycles` than there are."""
     if cycles not in ("all", "steady"):
         raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
-    wanted = frozenset(fields)
+    wanted = frozenset(present_name(name) for name in fields)
     unknown = sorted(wanted - set(FIELDS))
     if unknown:
         raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")

@@ -35,7 +35,8 @@ def rounding_of_slip(share: float) -> float:
 
 
 def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
-    """Relative error of the rigid shift by the last digits of a sum of f int ln(2 L/a) d eta = f `moments` that cancels, (n,) each.
+    """Relative error of the tangential displacement by the last digits of a sum of f int ln(2 L/a) d eta = f `moments`
+    that cancels, (n,) each.
 
     `shifts` in the same unit, int M' ln(2 L/a) d eta; 0 where the error is below what closed forms promise, or nothing shifts.
     """

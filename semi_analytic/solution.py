@@ -231,7 +231,7 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
     looked = np.searchsorted(starts, step[[0, -1]], side="right") - 1
     needed = sorted({*covered, *range(int(looked[0]), int(looked[1]) + 1)})
     steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
-    states = States(friction, not fields.isdisjoint(("shear", "slip", "rigid_shift")))
+    states = States(friction, not fields.isdisjoint(("shear", "slip", "tangential_displacement")))
     works, errors, shares = (np.zeros(len(series.parts)) for _ in range(3))
     each = np.zeros(1 + (starts[-1] if at_rows else 0))
     density, least, stick = np.zeros(len(request.distance)), math.inf, 0
@@ -363,12 +363,12 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     stick = half.copy()
     stick[slid] = _half_width(contact, front[slid])
     stick[(front <= 0) & (stick == 0)] = np.nan
-    shift = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0] if "rigid_shift" in fields else nothing
+    shift = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0] if "tangential_displacement" in fields else nothing
     return {
         "normal_load": snapshot.load,
         "tangential_load": snapshot.force,
-        "rigid_shift": factor * shift,
-        "rigid_approach": factor * contact.log_distance(snapshot.load) if "rigid_approach" in fields else nothing,
+        "tangential_displacement": factor * shift,
+        "normal_approach": factor * contact.log_distance(snapshot.load) if "normal_approach" in fields else nothing,
         "contact_half_width": half,
         "stick_half_width": stick,
         "contact_edges": half[:, None] * np.array([-1.0, 1.0]),
@@ -442,9 +442,9 @@ def _errors(
     errors = field_errors(request, found.snapshot, series, grids, arcs)
     if "slip" in fields and (digits := 8 * rounding_of_slip(found.slipped_share)):
         errors["slip"] = errors.get("slip", 0.0) + digits
-    if "rigid_shift" in fields:
-        shifts = math.pi * request.modulus / 2 * series["rigid_shift"]
-        errors["rigid_shift"] = rounding_of_shift(friction, request.contact.log_distance(series["normal_load"]), shifts)
+    if "tangential_displacement" in fields:
+        shifts = math.pi * request.modulus / 2 * series["tangential_displacement"]
+        errors["tangential_displacement"] = rounding_of_shift(friction, request.contact.log_distance(series["normal_load"]), shifts)
     errors["dissipation_density"] = found.density_error
     if "dissipation" in fields:
         apart = found.each_error + abs(loop / work - 1) if math.isfinite(loop) and work > 0 else 0.0

@@ -69,7 +69,7 @@ def mindlin_dissipation(P, Q, f, E):
 
 
 def mindlin_shift(P, Q, f, R, E, L):
-    """Rigid shift on the first branch: f [delta(P) - delta(P - Q/f)]."""
+    """Tangential displacement on the first branch: f [delta(P) - delta(P - Q/f)]."""
     return f * (hertz_approach(P, R, E, L) - hertz_approach(P - Q / f, R, E, L))
 
 
@@ -119,7 +119,7 @@ class HertzEllipse:
     """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), 0 < phase < pi; u = Q - f P, v = Q + f P.
 
     Forward slip ends at t_E (u largest), reverse slip runs from there to t_G (v least), full stick to t_I (u least), forward slip
-    to t_M = t_E + 2 pi. The way in, Q = alpha P + beta P^2, is all in full stick.
+    to t_M = t_E + 2 pi. The initial loading, Q = alpha P + beta P^2, is all in full stick.
     """
 
     P0: float
@@ -130,7 +130,7 @@ class HertzEllipse:
     f: float
     R: float
     E: float
-    way_in: tuple[float, float]
+    initial_loading: tuple[float, float]
 
     def loads(self, t):
         return self.P0 + self.P1 * np.cos(t), self.Q0 + self.Q1 * np.cos(t - self.phase)
@@ -181,17 +181,17 @@ class HertzEllipse:
         """q(x) where forward slip has just ended (t_E), or reverse slip (t_G).
 
         The memory M(eta) has the slope +f (t_E) or -f (t_G) from P_T on, is pinned at P_T to u_max + f P_T = v_min - f P_T, reaches
-        that with the slope +-f, and below is what the way in laid down.
+        that with the slope +-f, and below is what the initial loading laid down.
         """
         P = float(self.loads(self.turns[0 if forward else 1])[0])
         kept, slope = self._rim()
         at = functools.partial(hertz_pressure, x, R=self.R, E=self.E)
         outside = (self.f if forward else -self.f) * (at(P) - at(self.permanent_load))
-        return outside + slope * (at(self.permanent_load) - at(kept)) + self._way_in_shear(x, kept)
+        return outside + slope * (at(self.permanent_load) - at(kept)) + self._initial_loading_shear(x, kept)
 
     def _rim(self) -> tuple[float, float]:
-        """Load up to which the way in is kept, and the slope of the memory from there to P_T."""
-        (alpha, beta), top = self.way_in, self.permanent_load
+        """Load up to which the initial loading is kept, and the slope of the memory from there to P_T."""
+        (alpha, beta), top = self.initial_loading, self.permanent_load
         u_max = self.Q0 - self.f * self.P0 + abs(self.amplitudes[0])
         v_min = self.Q0 + self.f * self.P0 - abs(self.amplitudes[1])
         above = alpha * top + beta * top**2 < u_max + self.f * top
@@ -199,9 +199,9 @@ class HertzEllipse:
         roots = np.roots([beta, alpha - slope, -start]).real
         return float(min(root for root in roots if 0 < root < top)), slope
 
-    def _way_in_shear(self, x, top):
+    def _initial_loading_shear(self, x, top):
         """Shear of the memory's slope alpha + 2 beta eta on 0 < eta < top."""
-        alpha, beta = self.way_in
+        alpha, beta = self.initial_loading
         k = math.pi * self.E / (4 * self.R)
         s = np.maximum(top - k * np.square(x), 0.0)
         second = 2 * beta * math.sqrt(k) / math.pi * (2 / 3 * s**1.5 + 2 * k * np.square(x) * np.sqrt(s))
@@ -209,10 +209,10 @@ class HertzEllipse:
 
 
 def hertz_ellipse(scene: Scene) -> HertzEllipse:
-    """The steady cycle of a Hertz scene whose load is an ellipse with a parabola as way in."""
+    """The steady cycle of a Hertz scene whose load is an ellipse with a parabola as initial loading."""
     load = scene.load
     assert isinstance(load, EllipseLoad)
-    ((parabola,), _) = load.path().way_in, load.path().cycle
+    ((parabola,), _) = load.path().initial_loading, load.path().cycle
     return HertzEllipse(
         load.mean_normal_load,
         load.normal_amplitude,
@@ -231,8 +231,8 @@ def hertz_ellipse(scene: Scene) -> HertzEllipse:
 class Problem:
     """A scene, an instant of it, and what is true there; a figure that has no closed form is left out.
 
-    `exact` holds pressure and shear (of x) and, as numbers, contact_half_width, stick_half_width, peak_pressure, rigid_approach,
-    rigid_shift, and the dissipation of the last cycle.
+    `exact` holds pressure and shear (of x) and, as numbers, contact_half_width, stick_half_width, peak_pressure, normal_approach,
+    tangential_displacement, and the dissipation of the last cycle.
     """
 
     name: str
@@ -260,13 +260,15 @@ def _hertz(name, tags, scene, time, **further) -> Problem:
         "peak_pressure": float(hertz_pressure(0.0, P, R, E)),
         "contact_half_width": a,
         "stick_half_width": a,
-        "rigid_approach": float(hertz_approach(P, R, E, scene.profile.datum_length)),
+        "normal_approach": float(hertz_approach(P, R, E, scene.profile.datum_length)),
     }
     return Problem(name, frozenset(tags), scene, time, exact | further)
 
 
 def _hertz_normal() -> Problem:
-    return _hertz("hertz", {"normal", "hertz"}, load_scene("hertz-normal"), 1.0, shear=_zero, rigid_shift=0.0, dissipation=0.0)
+    return _hertz(
+        "hertz", {"normal", "hertz"}, load_scene("hertz-normal"), 1.0, shear=_zero, tangential_displacement=0.0, dissipation=0.0
+    )
 
 
 def _mindlin(name, time, turns_over_amplitude, tags) -> Problem:
@@ -282,7 +284,7 @@ def _mindlin(name, time, turns_over_amplitude, tags) -> Problem:
         "dissipation": mindlin_dissipation(P, amplitude, f, E),
     }
     if len(turns) == 1:
-        further["rigid_shift"] = float(mindlin_shift(P, amplitude, f, R, E, L))
+        further["tangential_displacement"] = float(mindlin_shift(P, amplitude, f, R, E, L))
     return _hertz(name, {"tangential", "hertz", "cycle", *tags}, scene, time, **further)
 
 
@@ -291,7 +293,7 @@ def _full_stick() -> Problem:
     scene = load_scene("full-stick")
     slope = scene.load.mean_tangential_load / scene.load.mean_normal_load
     base = _hertz("full-stick", {"tangential", "hertz", "cycle"}, scene, 2 * math.pi, dissipation=0.0)
-    shear = {"shear": lambda x: slope * base.exact["pressure"](x), "rigid_shift": slope * base.exact["rigid_approach"]}
+    shear = {"shear": lambda x: slope * base.exact["pressure"](x), "tangential_displacement": slope * base.exact["normal_approach"]}
     return Problem(base.name, base.tags | {"full stick"}, scene, base.time, {**base.exact, **shear})
 
 
@@ -302,8 +304,8 @@ def _flat_rounded(name, share, tags) -> Problem:
     a = 2 * b
     P = flat_rounded_load(a, b, R, E)
     c = a if not share else _flat_rounded_half_width((1 - share) * P, b, R, E)
-    way_in = [(P, 0.0), *([(P, share * f * P)] if share else [])]
-    scene = motor.vary(name=name, load=PolygonLoad(way_in=way_in))
+    initial_loading = [(P, 0.0), *([(P, share * f * P)] if share else [])]
+    scene = motor.vary(name=name, load=PolygonLoad(initial_loading=initial_loading))
     pressure = functools.partial(flat_rounded_pressure, b=b, R=R, E=E)
     exact = {
         "pressure": lambda x: pressure(x, a),
@@ -311,7 +313,7 @@ def _flat_rounded(name, share, tags) -> Problem:
         "contact_half_width": a,
         "stick_half_width": c,
     }
-    return Problem(name, frozenset({"flat and rounded", *tags}), scene, float(len(way_in)), exact)
+    return Problem(name, frozenset({"flat and rounded", *tags}), scene, float(len(initial_loading)), exact)
 
 
 def _flat_rounded_half_width(P, b, R, E):
@@ -401,9 +403,9 @@ def errors(problem: Problem, solution: ContactSolution) -> dict[str, float]:
         found[name] = abs(float(getattr(solution, name)[step]) - exact[name]) / exact["contact_half_width"]
     if "peak_pressure" in exact:
         found["peak_pressure"] = abs(float(solution.pressure[step].max()) / exact["peak_pressure"] - 1)
-    for name in ("rigid_approach", "rigid_shift"):
+    for name in ("normal_approach", "tangential_displacement"):
         if name in exact:
-            found[name] = abs(float(getattr(solution, name)[step]) - exact[name]) / exact["rigid_approach"]
+            found[name] = abs(float(getattr(solution, name)[step]) - exact[name]) / exact["normal_approach"]
     if "dissipation" in exact:
         sliding = 4 * (friction * problem.loads()[0]) ** 2 / (math.pi * contact_modulus(problem.scene))
         found["dissipation"] = abs(solution.dissipation - exact["dissipation"]) / (exact["dissipation"] or sliding)

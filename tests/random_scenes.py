@@ -125,4 +125,4 @@ def _load(one: Drawn) -> object:
     if one.load == "time_series":
         return {"kind": "time_series", "rows": rows.tolist(), "repeats": True}
     corners = rows[:-1, 1:].tolist()
-    return {"kind": "polygon", "way_in": corners[:1], "cycle": corners[1:]}
+    return {"kind": "polygon", "initial_loading": corners[:1], "cycle": corners[1:]}

@@ -27,19 +27,19 @@ def make_scene(load, friction=1.0, flat=0.0, radius=1.0, modulus=1.0, cycles=6):
     )
 
 
-def ellipse(p0=3.0, p1=1.0, q0=1.1, q1=1.0, phase=90.0, way_in="straight"):
+def ellipse(p0=3.0, p1=1.0, q0=1.1, q1=1.0, phase=90.0, initial_loading="straight"):
     return EllipseLoad(
         mean_normal_load=p0,
         normal_amplitude=p1,
         mean_tangential_load=q0,
         tangential_amplitude=q1,
         phase_degrees=phase,
-        way_in=way_in,
+        initial_loading=initial_loading,
     )
 
 
-def polygon(way_in, cycle=()):
-    return PolygonLoad(way_in=tuple(way_in), cycle=tuple(cycle))
+def polygon(initial_loading, cycle=()):
+    return PolygonLoad(initial_loading=tuple(initial_loading), cycle=tuple(cycle))
 
 
 def reference_scene(row):

@@ -113,22 +113,22 @@ def _phases(whole, friction):
 
 
 def phases_of(path, friction, cycles):
-    """All phases of the way in and of `cycles` revolutions, and the number of the first phase of the last revolution."""
+    """All phases of the initial loading and of `cycles` revolutions, and the number of the first phase of the last revolution."""
     friction, groups = LONG(friction), []
     if path.period is None:
-        groups.append(path.way_in)
+        groups.append(path.initial_loading)
     else:
-        groups += [path.way_in, *[path.cycle] * cycles]
+        groups += [path.initial_loading, *[path.cycle] * cycles]
     wholes = {}
-    for leg in (*path.way_in, *path.cycle):
+    for leg in (*path.initial_loading, *path.cycle):
         begin, end = LONG(leg.start), LONG(leg.end)
         # A revolution ends where it began, to all digits.
         end = begin + TURN if isinstance(leg, HarmonicSegment) else end
         ends = [tuple(LONG(v) for v in getattr(leg, name, ())) for name in ("first", "last")]
         wholes[id(leg)] = Phase(leg, begin, end, *ends)
     if path.cycle:
-        joint = wholes[id(path.way_in[-1])]
-        wholes[id(path.way_in[-1])] = replace(joint, last=wholes[id(path.cycle[0])].loads(LONG(path.cycle[0].start))[:2])
+        joint = wholes[id(path.initial_loading[-1])]
+        wholes[id(path.initial_loading[-1])] = replace(joint, last=wholes[id(path.cycle[0])].loads(LONG(path.cycle[0].start))[:2])
     cut = {key: _phases(whole, friction) for key, whole in wholes.items()}
     listed = [[phase for leg in group for phase in cut[id(leg)]] for group in groups]
     return [phase for group in listed for phase in group], sum(len(group) for group in listed[:-1])

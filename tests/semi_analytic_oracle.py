@@ -281,8 +281,8 @@ class Oracle:
             "pressure": np.array([self._traction(at, least, half, one) for at in points]),
             "shear": np.array([sum(self._traction(at, *part) for part in parts) for at in points]),
             "slip": 2 / PI * np.array([sum(self._total(reach(at), a, min(b, at), m) for a, b, m in parts) for at in points]),
-            "rigid_shift": 2 / PI * sum(self._total(log, *part) for part in parts),
-            "rigid_approach": 2 / PI * self._total(log, least, half, one),
+            "tangential_displacement": 2 / PI * sum(self._total(log, *part) for part in parts),
+            "normal_approach": 2 / PI * self._total(log, least, half, one),
             "contact_half_width": half,
             "stick_half_width": front,
         }

@@ -40,10 +40,10 @@ def mindlin(peer: ModuleType, count: int, steps: int, friction: float = F) -> fl
     """Dissipation of Q between +-0.6 f P at constant P, over the closed form."""
     on = peer.grid(1.25, count, 1.0)
     up = np.linspace(0, 1, steps + 1)[1:]
-    way_in = [(P, 0.0), *((P, K * F * P * part) for part in up)]
+    initial_loading = [(P, 0.0), *((P, K * F * P * part) for part in up)]
     cycle = [*((P, K * F * P * (1 - 2 * part)) for part in up), *((P, K * F * P * (2 * part - 1)) for part in up)]
     exact = 4 * F**2 * P**2 / math.pi * ((1 - K) * math.log(1 - K) + K - K**2 / 2)
-    return peer.dissipation(on, peer.hertz_gap(1.0), way_in, cycle, friction)[0] / exact
+    return peer.dissipation(on, peer.hertz_gap(1.0), initial_loading, cycle, friction)[0] / exact
 
 
 def test_mindlin_dissipation_converges(peer: ModuleType) -> None:

@@ -59,7 +59,7 @@ def test_a_rival_is_no_worse_in_time_and_error_and_better_in_one(
 
 def test_what_is_switched_off_is_off_and_comes_back(benchmark_of: Import) -> None:
     skipping = benchmark_of("performance_skipping")
-    scene, mesh = load_scene("full-stick"), MeshSettings.swift()
+    scene, mesh = load_scene("full-stick"), MeshSettings.coarse()
     normal = halfplane_fe.solve(scene, mesh)
     with skipping.whole_faces():
         whole = halfplane_fe.solve(scene, mesh)

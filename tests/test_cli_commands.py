@@ -117,7 +117,12 @@ class TestScenes:
         text = text.replace('kind = "hertz"', '# kind = "hertz"').replace('# kind = "flat_rounded"', 'kind = "flat_rounded"')
         text = text.replace("# flat_half_length", "flat_half_length")
         start, end = text.index('kind = "ellipse"'), text.index('# kind = "polygon"')
-        tail = text[end:].replace("# kind", "kind", 1).replace("# way_in", "way_in", 1).replace("# cycle", "cycle", 1)
+        tail = (
+            text[end:]
+            .replace("# kind", "kind", 1)
+            .replace("# initial_loading", "initial_loading", 1)
+            .replace("# cycle", "cycle", 1)
+        )
         (tmp_path / "other.toml").write_text(text[:start] + tail, encoding="utf-8")
         scene = load_scene(tmp_path / "other.toml")
         assert (scene.profile.kind, scene.load.kind) == ("flat_rounded", "polygon")

@@ -47,7 +47,7 @@ def test_a_result_in_metres_and_pascals_is_scored_with_its_page(tmp_path):
     content = json.loads((tmp_path / "out/score-mine/comparison.json").read_text(encoding="utf-8"))
     assert len(content["guesses"]) == 2
     assert content["diagnoses"] == []
-    assert content["metrics"]["rigid_shift"]["value"] is None
+    assert content["metrics"]["tangential_displacement"]["value"] is None
 
 
 def test_a_wrong_result_is_outside_and_told_what_it_suffers_from(tmp_path):

@@ -75,7 +75,7 @@ def rms(values):
 @functools.cache
 def hertz_errors(elements, order):
     """Over loads from half of the largest to the largest: pressure in the middle, in L2, contact edge, approach."""
-    sides, run = states_of(elements, order, PolygonLoad(way_in=[(0.5, 0.0), (1.0, 0.0)]), 8 * 30)
+    sides, run = states_of(elements, order, PolygonLoad(initial_loading=[(0.5, 0.0), (1.0, 0.0)]), 8 * 30)
     found = []
     for state in run.states:
         if state.time < 1:
@@ -103,7 +103,7 @@ def mindlin_errors(elements, order=2):
     found = []
     for share in np.linspace(0.4, 0.8, 9):
         q = share * FRICTION
-        sides, run = states_of(elements, order, PolygonLoad(way_in=[(1.0, 0.0), (1.0, q)], cycle=[(1.0, -q)]), 8)
+        sides, run = states_of(elements, order, PolygonLoad(initial_loading=[(1.0, 0.0), (1.0, q)], cycle=[(1.0, -q)]), 8)
         pressure = hertz_pressure(sides.x, 1.0, RADIUS, 1.0)
         back = next(state for state in run.states if abs(state.time - 3) < 1e-9)
         half = next(state for state in run.states if abs(state.time - 2.5) < 1e-9)
@@ -196,7 +196,7 @@ def test_check_fails_above_its_limit_and_on_nan():
             check("hertz pressure", wrong)
 
 
-METRICS = ("pressure", "shear", "contact_half_width", "stick_half_width", "peak_pressure", "rigid_approach", "dissipation")
+METRICS = ("pressure", "shear", "contact_half_width", "stick_half_width", "peak_pressure", "normal_approach", "dissipation")
 
 
 FINER = [(problem, metric) for problem in problems("cycle") for metric in METRICS]

@@ -23,7 +23,7 @@ def pressed(bodies, materials, radius, load):
         "material": materials,
         "profile": Hertz(radius=radius),
         "friction": 0.0,
-        "load": PolygonLoad(way_in=((load, 0.0),)),
+        "load": PolygonLoad(initial_loading=((load, 0.0),)),
         "bodies": bodies,
     }
     return like.vary(**changes)
@@ -87,7 +87,7 @@ def mindlin(bodies, radius=1000.0):
     compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (like.material.lower, like.material.upper))
     normal = np.pi / (4 * radius * compliance)
     tangential = 0.6 * normal * like.friction.coefficient
-    load = PolygonLoad(way_in=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),))
+    load = PolygonLoad(initial_loading=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),))
     return like.vary(bodies=bodies, profile=Hertz(radius=radius), load=load)
 
 

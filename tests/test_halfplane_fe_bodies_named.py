@@ -30,13 +30,13 @@ LOOSE = '{ kind = "block", width = 12.0, height = 6.0, base = "rollers" }'
 SHEARED = "[[500.0, 0.0], [500.0, 60.0]]"
 
 
-def written(folder, lower=BLOCK, upper=PAD, way_in=SHEARED, profile=HERTZ, materials=(STEEL, STEEL)):
+def written(folder, lower=BLOCK, upper=PAD, initial_loading=SHEARED, profile=HERTZ, materials=(STEEL, STEEL)):
     """A scene file: material of the lower body first."""
     text = [
         f"material = {{ lower = {materials[0]}, upper = {materials[1]} }}",
         f"profile = {profile}",
         "friction = { coefficient = 0.4 }",
-        f'load = {{ kind = "polygon", way_in = {way_in} }}',
+        f'load = {{ kind = "polygon", initial_loading = {initial_loading} }}',
         f"bodies.lower = {lower}",
         f"bodies.upper = {upper}",
     ]
@@ -75,8 +75,8 @@ FAULTS = {
         {"upper": '{ kind = "pad", width = 11.0, height = 0.3 }'},
         "bodies.upper.height = 0.3 is refused: the pad's face goes as deep at its sides; make it higher",
     ),
-    "separation": ({"way_in": "[[500.0, 0.0], [0.0, 0.0]]"}, "separation"),
-    "gross sliding": ({"way_in": "[[500.0, 0.0], [500.0, -210.0]]"}, "gross sliding"),
+    "separation": ({"initial_loading": "[[500.0, 0.0], [0.0, 0.0]]"}, "separation"),
+    "gross sliding": ({"initial_loading": "[[500.0, 0.0], [500.0, -210.0]]"}, "gross sliding"),
 }
 
 
@@ -112,7 +112,7 @@ def test_as_a_process_of_its_own_in_an_empty_folder(tmp_path):
 
 def test_without_a_tangential_load_rollers_hold(tmp_path):
     mesh = MeshSettings(element_size=1 / 4, edge_element_size=1 / 8, growth=1.0, order=1)
-    pressed = halfplane_fe.solve(scene(tmp_path, lower=LOOSE, way_in="[[500.0, 0.0]]"), mesh)
+    pressed = halfplane_fe.solve(scene(tmp_path, lower=LOOSE, initial_loading="[[500.0, 0.0]]"), mesh)
     # Elastically the block spreads on its rollers and the pad does not: friction bears that, and nothing is left over.
     assert float(np.abs(pressed.tangential_load).max()) == 0
     assert pressed.pressure[-1] == pytest.approx(pressed.pressure[-1][::-1], rel=1e-8)
@@ -161,7 +161,7 @@ def test_faces_that_overlap_before_any_load_are_refused(turned, tmp_path, monkey
     bodies = (PAD, BLOCK) if turned else (BLOCK, PAD)
     monkeypatch.setattr(solids, "face_of", humped(0.002))
     with pytest.raises(InputError, match=r"^bodies: initial penetration: the faces overlap by 0\.00[12]\d* at x = -?0\.\d+$"):
-        halfplane_fe.solve(scene(tmp_path, *bodies), MeshSettings.swift())
+        halfplane_fe.solve(scene(tmp_path, *bodies), MeshSettings.coarse())
 
 
 @pytest.mark.parametrize("overlap", [0.0, 1e-7, 1e-4])
@@ -187,7 +187,7 @@ def interface_of(question):
 @pytest.mark.parametrize(("profile", "ratio"), [(HERTZ, 0.25), pytest.param(FLAT, 2 / 3, marks=pytest.mark.slow)])
 def test_linear_sides_that_do_not_match_are_no_penetration(profile, ratio, tmp_path):
     """The weighted gap of a linear side is -h^2/6R at the middle: it was taken for an overlap and refused."""
-    question = scene(tmp_path, profile=profile, way_in="[[500.0, 0.0]]")
+    question = scene(tmp_path, profile=profile, initial_loading="[[500.0, 0.0]]")
     mesh = MeshSettings(element_size=1 / 8, edge_element_size=1 / 16, order=1, upper_ratio=ratio, growth=1.0)
     found = halfplane_fe.solve(question, mesh)
     matching = halfplane_fe.solve(question, dataclasses.replace(mesh, upper_ratio=1.0))
@@ -197,8 +197,8 @@ def test_linear_sides_that_do_not_match_are_no_penetration(profile, ratio, tmp_p
 # -------------------------------------------------------------------------------------------------------------- gross sliding
 def test_just_short_of_gross_sliding_every_node_but_a_few_slips(tmp_path):
     """Q = 0.999 f P on real bodies: the stick zone has all but gone, the law holds, the resultants too."""
-    question = scene(tmp_path, way_in="[[500.0, 0.0], [500.0, 199.8]]")
-    found = halfplane_fe.solve(question, MeshSettings.swift())
+    question = scene(tmp_path, initial_loading="[[500.0, 0.0], [500.0, 199.8]]")
+    found = halfplane_fe.solve(question, MeshSettings.coarse())
     state = found.states[-1]
     assert found.tangential_load[-1] == pytest.approx(199.8)
     assert found.stick_half_width[-1] < 0.1 * found.contact_half_width[-1]
@@ -207,7 +207,7 @@ def test_just_short_of_gross_sliding_every_node_but_a_few_slips(tmp_path):
 
 def test_sliding_is_refused_at_the_very_limit(tmp_path):
     with pytest.raises(InadmissibleLoadError, match="gross sliding") as caught:
-        halfplane_fe.solve(scene(tmp_path, way_in="[[500.0, 0.0], [500.0, 200.0]]"), MeshSettings.swift())
+        halfplane_fe.solve(scene(tmp_path, initial_loading="[[500.0, 0.0], [500.0, 200.0]]"), MeshSettings.coarse())
     assert (caught.value.time, caught.value.normal_load, caught.value.tangential_load) == (2.0, 500.0, 200.0)
 
 

@@ -194,7 +194,7 @@ def test_too_few_iterations_raise_with_instant_loads_and_count(monkeypatch):
 
 
 def test_solve_raises_and_keeps_the_steps_solved_so_far(monkeypatch):
-    """Two iterations are enough for the way in, not for slip: what was solved is kept, and says that it did not converge."""
+    """Two iterations are enough for initial loading, not for slip: what was solved is kept, and says that."""
     monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))
     scene = load_scene("hertz-paper")
     with pytest.raises(ConvergenceError, match=r"after \d+ iterations at time .* normal load .* tangential load") as caught:

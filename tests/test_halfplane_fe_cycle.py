@@ -67,8 +67,8 @@ def test_energy_balance_over_the_path(name):
     """Work of P and Q, from the answer's own loads and rigid displacements, is stored or rubbed away: nothing is lost."""
     answer = fe_run(scene_of(name))
     mean = lambda values: (values[1:] + values[:-1]) / 2  # noqa: E731
-    external = mean(answer.normal_load) * np.diff(answer.rigid_approach) + mean(answer.tangential_load) * np.diff(
-        answer.rigid_shift
+    external = mean(answer.normal_load) * np.diff(answer.normal_approach) + mean(answer.tangential_load) * np.diff(
+        answer.tangential_displacement
     )
     np.testing.assert_allclose(answer.record.energy["external"][1:], external, atol=1e-12 * np.abs(external).max())
     energy = answer.record.energy
@@ -85,7 +85,7 @@ def test_dissipation_has_one_value_however_it_is_summed(name):
     assert answer.dissipation == answer.cycle_dissipation[-1]
     assert answer.dissipation_density @ answer.condensed[0].weights == pytest.approx(answer.dissipation, rel=1e-12)
     assert answer.record.energy["dissipation"][cycle[1:]].sum() == pytest.approx(answer.dissipation, rel=1e-9)
-    loop = np.trapezoid(answer.tangential_load[cycle], answer.rigid_shift[cycle])
+    loop = np.trapezoid(answer.tangential_load[cycle], answer.tangential_displacement[cycle])
     check("hysteresis loop", loop / answer.dissipation - 1)
 
 
@@ -232,7 +232,7 @@ def test_units_do_not_matter(stiffer, longer, tolerance):
     plain, settings = load_scene("hertz-paper"), replace(FEW_STEPS, step_tolerance=tolerance)
     one, other = fe_run(plain, COARSE, settings), fe_run(in_other_units(plain, stiffer, longer), COARSE, settings)
     units = {"time": 1.0, "x": longer, "pressure": stiffer, "shear": stiffer, "slip": longer, "contact_edges": longer}
-    units |= {"rigid_approach": longer, "rigid_shift": longer, "dissipation_density": stiffer * longer}
+    units |= {"normal_approach": longer, "tangential_displacement": longer, "dissipation_density": stiffer * longer}
     for name, unit in units.items():
         here = getattr(one, name)
         np.testing.assert_allclose(getattr(other, name) / unit, here, rtol=0, atol=1e-9 * np.abs(here).max(), err_msg=name)
@@ -252,7 +252,9 @@ def test_mirrored_shear_load_mirrors_the_answer():
     np.testing.assert_allclose(other.tangential_load, -one.tangential_load, atol=1e-9 * one.normal_load.max())
     np.testing.assert_allclose(other.pressure, one.pressure[:, ::-1], atol=limit)
     np.testing.assert_allclose(other.shear, -one.shear[:, ::-1], atol=limit)
-    np.testing.assert_allclose(other.rigid_shift, -one.rigid_shift, atol=1e-9 * np.abs(one.rigid_shift).max())
+    np.testing.assert_allclose(
+        other.tangential_displacement, -one.tangential_displacement, atol=1e-9 * np.abs(one.tangential_displacement).max()
+    )
     assert other.dissipation == pytest.approx(one.dissipation, rel=1e-9)
 
 
@@ -263,10 +265,10 @@ def test_symmetric_loading_has_a_symmetric_answer():
 
 
 # ------------------------------------------------------------------------------------------------------------ the rest
-def test_steady_cycle_does_not_depend_on_the_way_in():
+def test_steady_cycle_does_not_depend_on_the_initial_loading():
     plain = load_scene("hertz-paper")
-    found = [fe_run(plain.vary(load={"way_in": way})) for way in ("parabola", "straight")]
-    check("way in", found[0].dissipation / found[1].dissipation - 1)
+    found = [fe_run(plain.vary(load={"initial_loading": way})) for way in ("parabola", "straight")]
+    check("initial loading", found[0].dissipation / found[1].dissipation - 1)
 
 
 def test_friction_zero_is_frictionless_contact():
@@ -289,14 +291,14 @@ def test_progress_is_told():
     told = []
     halfplane_fe.solve(load_scene("hertz-normal"), COARSE, FEW_STEPS, progress=lambda *what: told.append(what))
     assert [text for _, _, text in told][:2] == ["coarse run", "meshing and condensing the bodies"]
-    done = [(done, total) for done, total, text in told if text.startswith("way in")]
+    done = [(done, total) for done, total, text in told if text.startswith("initial loading")]
     assert done[-1][0] == done[-1][1]
 
 
 def test_polygon_and_ellipse_of_one_history_agree():
     """An ellipse without extent in P is a straight line there and back."""
     ellipse = EllipseLoad(mean_normal_load=90, tangential_amplitude=25)
-    line = PolygonLoad(way_in=[(90, -25)], cycle=[(90, 25)])
+    line = PolygonLoad(initial_loading=[(90, -25)], cycle=[(90, 25)])
     scenes = [load_scene("cattaneo-mindlin").vary(load=load) for load in (ellipse, line)]
     found = [fe_run(scene).dissipation for scene in scenes]
     assert found[0] == pytest.approx(found[1], rel=1e-9)

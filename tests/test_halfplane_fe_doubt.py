@@ -94,7 +94,7 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
 
 @pytest.mark.slow
 def test_the_scene_does_not_repeat_within_six_revolutions_on_the_coarse_mesh() -> None:
-    solution = halfplane_fe.solve(Scene.model_validate(ON_ROLLERS), MeshSettings.swift())
+    solution = halfplane_fe.solve(Scene.model_validate(ON_ROLLERS), MeshSettings.coarse())
     assert solution.steady_from is None
     assert "the last of 6" in drift_note(solution)
     assert solution.dissipation_drift == pytest.approx(-3.4e-4, rel=0.2)  # as measured: small, and not rounding

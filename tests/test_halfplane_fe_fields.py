@@ -50,7 +50,7 @@ def test_pressed_like_bodies_are_mirror_images():
     lower, upper = snapshot.bodies
     assert (lower.name, upper.name) == ("lower", "upper")
     np.testing.assert_array_equal(upper.points, lower.points * [1, -1])
-    rigid = np.array([answer.rigid_shift[-1], -answer.rigid_approach[-1]])
+    rigid = np.array([answer.tangential_displacement[-1], -answer.normal_approach[-1]])
     limit, most = 1e-9 * np.abs(lower.displacement).max(), 1e-9 * lower.von_mises.max()
     np.testing.assert_allclose(upper.displacement - rigid, lower.displacement * [1, -1], atol=limit)
     np.testing.assert_allclose(upper.von_mises, lower.von_mises, atol=most)

@@ -117,7 +117,7 @@ def test_each_node_touches_at_an_instant_of_its_own(stiffer: float) -> None:
     """A node that closes does so without a gap or without a force: 5e-12 at most. The two sides of bodies that are hardly unlike
     touch so soon after each other that the second node, still open by 1e-8 to 1e-5, must not be taken for met with the first.
     """
-    lower, load = Elastic(young_modulus=210e3, poisson_ratio=0.3), PolygonLoad(way_in=[(30, 0), (60, 6), (90, -9)])
+    lower, load = Elastic(young_modulus=210e3, poisson_ratio=0.3), PolygonLoad(initial_loading=[(30, 0), (60, 6), (90, -9)])
     upper = lower.model_copy(update={"young_modulus": 210e3 * (1 + stiffer)})
     scene = load_scene("hertz-paper").model_copy(update={"material": Materials(upper=upper, lower=lower), "load": load})
     coarse = MeshSettings(element_size=1 / 4, edge_element_size=1 / 8, far_radius=6.0, growth=0.5)
@@ -152,7 +152,7 @@ def test_the_convex_halves_give_newtons_answer(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_near_gross_sliding_no_node_is_forced_to_stick_beyond_the_cone() -> None:
-    """Unlike bodies, f = 0.039, way in and cycle at 0.999 of gross sliding: a false convergence here once left q > f p."""
+    """Unlike bodies, f = 0.039, initial loading and cycle at 0.999 of gross sliding: a false convergence here once left q > f p."""
     scene = Scene.model_validate(
         {
             "material": {

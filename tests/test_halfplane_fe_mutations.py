@@ -35,7 +35,7 @@ def test_the_right_answer_is_not_refused(problem):
 # ----------------------------------------------------------------------------------------------------------- wrong answers
 def without_friction(answer):
     still = np.zeros_like(answer.shear)
-    return replace(answer, shear=still, dissipation=0.0, rigid_shift=np.zeros_like(answer.rigid_shift))
+    return replace(answer, shear=still, dissipation=0.0, tangential_displacement=np.zeros_like(answer.tangential_displacement))
 
 
 def shear_is_pressure(answer):
@@ -51,7 +51,7 @@ def shear_in_proportion(answer):
 
 
 def shear_turned_round(answer):
-    return replace(answer, shear=-answer.shear, rigid_shift=-answer.rigid_shift)
+    return replace(answer, shear=-answer.shear, tangential_displacement=-answer.tangential_displacement)
 
 
 @pytest.mark.parametrize("problem", SHEARED, ids=lambda problem: problem.name)

@@ -89,7 +89,7 @@ def test_audit_is_what_the_bodies_do():
     height = answer.scene.profile.height(answer.x)
     last = len(answer.time) - 1
     closed = answer.states[last].closed
-    gap = height - answer.rigid_approach[last] + (one + other) @ (answer.pressure[last] * weights)
+    gap = height - answer.normal_approach[last] + (one + other) @ (answer.pressure[last] * weights)
     np.testing.assert_allclose(gap[closed], -layer[last][closed], atol=1e-10 * unit)
     assert audit.penetration_share == pytest.approx(
         audit.penetration / (answer.contact_half_width.max() ** 2 / (2 * answer.scene.profile.radius))

@@ -71,12 +71,12 @@ class TestPlaces:
 class TestWork:
     def test_loop_wider_by_two_per_cent(self) -> None:
         """About its mean: U is as far from it on the one side as on the other."""
-        shift = TRUTH.rigid_shift
+        shift = TRUTH.tangential_displacement
         mean = np.trapezoid(shift, TRUTH.time) / 3
-        found = compare(TRUTH, changed(rigid_shift=1.02 * shift + 5 * np.ptp(shift)))
+        found = compare(TRUTH, changed(tangential_displacement=1.02 * shift + 5 * np.ptp(shift)))
         off = 0.02 * (shift - mean) / np.ptp(shift)
         assert abs(found.metric("hysteresis_distance").value or 0.0) == pytest.approx(np.max(np.abs(off)), rel=1e-9)
-        assert seen(found) == {"hysteresis_distance", "hysteresis", "rigid_shift"}
+        assert seen(found) == {"hysteresis_distance", "hysteresis", "tangential_displacement"}
 
     @pytest.mark.parametrize("points", [-4, 4])
     def test_peak_of_the_pointwise_dissipation_moves(self, points: int) -> None:
@@ -159,7 +159,7 @@ POISON = {
     "shear": {"shear_maximum", "peak_shear", "shear_peak_place", "resultant_tangential"},
     "slip": {"slip", "slip_maximum"},
     "contact_edges": {"contact_edge_right"},
-    "rigid_shift": {"rigid_shift", "hysteresis_distance", "hysteresis"},
+    "tangential_displacement": {"tangential_displacement", "hysteresis_distance", "hysteresis"},
     "dissipation_density": {"dissipation_density_norm", "dissipation_density_peak", "dissipation_density_peak_place"},
     "dissipation": {"dissipation_absolute"},
 }
@@ -189,7 +189,15 @@ def in_other_units(solution: ContactSolution, stress: float, length: float) -> C
     stiffer = {b: m.vary(young_modulus=m.young_modulus * stress) for b, m in material if b in ("upper", "lower")}
     scene = solution.scene.vary(material=Materials.model_construct(**(dict(material) | stiffer)))
     factors = dict.fromkeys(("pressure", "shear"), stress) | dict.fromkeys(("normal_load", "tangential_load"), force)
-    lengths = ("x", "slip", "contact_edges", "stick_edges", "contact_half_width", "rigid_shift", "permanent_stick_half_width")
+    lengths = (
+        "x",
+        "slip",
+        "contact_edges",
+        "stick_edges",
+        "contact_half_width",
+        "tangential_displacement",
+        "permanent_stick_half_width",
+    )
     factors |= dict.fromkeys(lengths, length) | {"dissipation": energy, "dissipation_density": energy / length}
     return with_fields(solution, scene=scene, **{name: factor * getattr(solution, name) for name, factor in factors.items()})
 

@@ -18,7 +18,7 @@ from reports.fields_job import snapshots_of
 from reports.series import Wish, check_series, series_of, shortfall
 from scenes import InputError, load_scene
 from test_cli_commands import everything, refused
-from test_reports_fields import SWIFT, blocks
+from test_reports_fields import ROUGH, blocks
 
 KINDS = ["half-planes", "true faces"]
 FRAMES = 4
@@ -176,7 +176,7 @@ def test_mp4_is_read_back(frames: list[np.ndarray], tmp_path: Path) -> None:
 class TestCommand:
     def test_a_series_and_its_film(self, tmp_path: Path) -> None:
         out = tmp_path / "out"
-        arguments = ["fields", "cattaneo-mindlin", "--frames", "3", "--animate", "--out", str(out), "--quiet", *SWIFT]
+        arguments = ["fields", "cattaneo-mindlin", "--frames", "3", "--animate", "--out", str(out), "--quiet", *ROUGH]
         assert main(arguments) == 0
         assert sorted(path.name for path in (out / "fields").glob("contact_*")) == [f"contact_00{k}.vtu" for k in range(3)]
         assert not (out / "pictures").exists()
@@ -194,7 +194,7 @@ class TestCommand:
 
         monkeypatch.setattr("reports.animation_stage.draw", draw)
         monkeypatch.chdir(tmp_path)
-        assert main(["fields", "cattaneo-mindlin", "--frames", "3", "--animate", "--quiet", *SWIFT]) == 130
+        assert main(["fields", "cattaneo-mindlin", "--frames", "3", "--animate", "--quiet", *ROUGH]) == 130
         assert len(drawn) == 2
         assert everything(tmp_path) == set()
 

@@ -151,7 +151,7 @@ def test_rungs_need_no_coarse_run_of_their_own_and_answer_the_same():
 
 
 def test_meshes_that_leave_no_room_for_a_ladder():
-    assert mesh_ratio(MeshSettings.swift()) == 2.0
+    assert mesh_ratio(MeshSettings.coarse()) == 2.0
     assert mesh_ratio(MeshSettings(element_size=0.1, edge_element_size=0.1)) == pytest.approx(2.5 ** (1 / 3))
     assert mesh_ratio(MeshSettings(element_size=0.25, edge_element_size=0.25)) is None
 

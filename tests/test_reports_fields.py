@@ -23,7 +23,7 @@ from reports.stress_pictures import look
 from scenes import InputError, Scene, load_scene, scene_text
 from test_cli_commands import refused
 
-SWIFT = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
+ROUGH = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
 QUADRILATERALS = MeshSettings(element_size=1 / 8, edge_element_size=1 / 8, far_radius=4, growth=0.5, cells="quadrilaterals")
 BODIES = {
     "lower": {"kind": "block", "width": 20.0, "height": 12.0},
@@ -211,7 +211,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "pads.toml").write_text(scene_text("cattaneo-mindlin").split("[[expected]]")[0] + TOML, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reports.doctor._SCREEN", "print('drawn')")
-        assert main(["fields", str(place / "pads.toml"), "--at", "2", "--out", str(place / "out"), "--quiet", *SWIFT]) == 0
+        assert main(["fields", str(place / "pads.toml"), "--at", "2", "--out", str(place / "out"), "--quiet", *ROUGH]) == 0
     return place
 
 
@@ -243,9 +243,9 @@ class TestCommand:
         """And no field file, while what other commands wrote stays."""
         out = folder / "again"
         scene = str(folder / "pads.toml")
-        assert main(["fe", scene, "--out", str(out), "--quiet", *SWIFT]) == 0
+        assert main(["fe", scene, "--out", str(out), "--quiet", *ROUGH]) == 0
         for times in (("1.5", "2"), ("2",)):
-            assert main(["fields", scene, "--at", *times, "--no-pictures", "--out", str(out), "--quiet", *SWIFT]) == 0
+            assert main(["fields", scene, "--at", *times, "--no-pictures", "--out", str(out), "--quiet", *ROUGH]) == 0
             assert NO_PEAK in capsys.readouterr().out
         assert {path.name for path in (out / "fields").iterdir()} == FILES
         assert (out / "halfplane_fe.nc").is_file()

@@ -130,7 +130,7 @@ def pad(flat: float, curvature: float, ratio: float = 0.6) -> Scene:
         "profile": FlatRounded(radius=1 / curvature, flat_half_length=flat),
         "bodies": bodies,
         "friction": 0.5,
-        "load": PolygonLoad(way_in=((load, 0.0), (load, 0.5 * ratio * load)), cycle=((load, -0.5 * ratio * load),)),
+        "load": PolygonLoad(initial_loading=((load, 0.0), (load, 0.5 * ratio * load)), cycle=((load, -0.5 * ratio * load),)),
     }
     return base.vary(**changes)
 
@@ -177,11 +177,11 @@ LOAD = (steel_load(0.5, 0.05), 0.3 * steel_load(0.5, 0.05))
         (SCENE.vary(bodies={"upper": {"width": 3.0, "height": 20.0}}), "the pad is too small"),
         (SCENE.vary(bodies={"lower": Block(width=90.0, height=45.0)}), "a pad with a flat face on a half-plane"),
         (SCENE.vary(material={"lower": {"young_modulus": 1e5}}), "of one material"),
-        (SCENE.vary(load=PolygonLoad(way_in=(LOAD,), cycle=((0.9 * LOAD[0], 0.0),))), "constant P"),
+        (SCENE.vary(load=PolygonLoad(initial_loading=(LOAD,), cycle=((0.9 * LOAD[0], 0.0),))), "constant P"),
         (pad(0.5, 0.05, 1.2), "the contact slides"),
         (
             SCENE.vary(
-                load=PolygonLoad(way_in=(LOAD,), cycle=tuple((LOAD[0], share * LOAD[1]) for share in (0.0, 0.5, -1.0))),
+                load=PolygonLoad(initial_loading=(LOAD,), cycle=tuple((LOAD[0], share * LOAD[1]) for share in (0.0, 0.5, -1.0))),
             ),
             "turns twice",
         ),
@@ -212,7 +212,9 @@ def without_beta(upper_stiff: bool, curvature: float) -> Scene:
     materials = Materials(upper=stiff if upper_stiff else soft, lower=soft if upper_stiff else stiff)
     base = pad(0.5, curvature)
     load = float(contact_of(base.profile, materials).load(1.0))
-    return base.vary(material=materials, load=PolygonLoad(way_in=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)))
+    return base.vary(
+        material=materials, load=PolygonLoad(initial_loading=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),))
+    )
 
 
 @pytest.mark.parametrize(("upper_stiff", "share"), [(True, 0.7369), (False, 1.2631)])
@@ -247,7 +249,7 @@ def test_finite_elements_count_the_curved_bodys_modulus(upper_stiff: bool) -> No
 
 
 def test_advice_says_where_the_loop_is_another() -> None:
-    _, found = parts(SCENE.vary(load=PolygonLoad(way_in=(LOAD,), cycle=((0.9 * LOAD[0], 0.0),))))
+    _, found = parts(SCENE.vary(load=PolygonLoad(initial_loading=(LOAD,), cycle=((0.9 * LOAD[0], 0.0),))))
     assert found[0].extrapolated
     assert "which this loop is not" in found[0].how
 

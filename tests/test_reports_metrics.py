@@ -70,7 +70,7 @@ def largest_shear(step: int) -> float:
     return float(q[np.argmax(np.abs(q))] / (f * TRUTH.pressure[step].max()))
 
 
-STROKE = float(np.ptp(TRUTH.rigid_shift))
+STROKE = float(np.ptp(TRUTH.tangential_displacement))
 W = TRUTH.dissipation
 W_SCALE = compare(TRUTH, TRUTH).scales.dissipation
 # An instant soon after Q turned at its largest, when q has both signs, and one on the way up.
@@ -127,9 +127,9 @@ FAULTS: dict[str, tuple[Callable[[], ContactSolution], dict[str, float]]] = {
     ),
     # Each reversal is where the other one was: the one to reverse is late by their distance, the one to forward early.
     "forward and reverse exchanged": (swapped_state, {"state": slipping_share(), "slip_reversal": -between_reversals()}),
-    "rigid shift off by a constant": (
-        lambda: changed(rigid_shift=TRUTH.rigid_shift + 0.04 * STROKE),
-        {"rigid_shift": 0.04},
+    "tangential displacement off by a constant": (
+        lambda: changed(tangential_displacement=TRUTH.tangential_displacement + 0.04 * STROKE),
+        {"tangential_displacement": 0.04},
     ),
     "dissipation 1 % low": (
         lambda: changed(dissipation=0.99 * W),
@@ -174,7 +174,7 @@ def test_step_error_stands_apart() -> None:
 
 
 def test_hysteresis_sees_the_loop_and_not_the_dissipation() -> None:
-    found = compare(TRUTH, changed(rigid_shift=1.02 * TRUTH.rigid_shift))
+    found = compare(TRUTH, changed(tangential_displacement=1.02 * TRUTH.tangential_displacement))
     assert found.metric("hysteresis").value == pytest.approx(0.02)
     assert found.metric("dissipation").value == 0.0
 

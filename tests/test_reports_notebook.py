@@ -46,7 +46,9 @@ def test_a_comparison_with_its_verdict() -> None:
 def test_words_from_outside_are_escaped() -> None:
     truth = cattaneo_mindlin(steps_per_leg=12, points=61)
     scene = truth.scene.vary(name=NASTY, title=NASTY, units=NASTY)
-    truth = with_fields(truth, scene=scene, engine=NASTY, rigid_shift=np.full_like(truth.rigid_shift, np.nan))
+    truth = with_fields(
+        truth, scene=scene, engine=NASTY, tangential_displacement=np.full_like(truth.tangential_displacement, np.nan)
+    )
     for shown in (scene, truth, compare(truth, truth)):
         html = shown._repr_html_()
         assert NASTY in "".join(read(html).itertext())

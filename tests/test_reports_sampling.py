@@ -63,7 +63,7 @@ def test_a_reference_that_ends_inside_the_contact_is_refused(least: float) -> No
 
 def test_less_than_a_cycle_is_refused() -> None:
     names = ("pressure", "shear", "slip", "state", "contact_edges", "stick_edges", "normal_load", "tangential_load")
-    names += ("contact_half_width", "stick_half_width", "rigid_shift", "rigid_approach", "time")
+    names += ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach", "time")
     half = with_fields(COARSE, **{name: getattr(COARSE, name)[:1] for name in names})
     with pytest.raises(InputError, match="holds no whole cycle"):
         compare(COARSE, half)
@@ -100,7 +100,7 @@ def test_events_of_the_papers_ellipse() -> None:
     steps = {"time": time, "normal_load": normal, "tangential_load": tangential}
     blank = {name: np.zeros((81, 81)) for name in ("pressure", "shear", "slip")}
     edges = {name: np.zeros((81, 2)) for name in ("contact_edges", "stick_edges")}
-    series = {name: np.zeros(81) for name in ("rigid_shift", "rigid_approach")}
+    series = {name: np.zeros(81) for name in ("tangential_displacement", "normal_approach")}
     state = np.zeros((81, 81), np.int8)
     cycle = last_cycle(with_fields(COARSE, scene=scene, state=state, **steps, **blank, **edges, **series))
     found = events(cycle, 1.0)

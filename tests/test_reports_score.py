@@ -71,8 +71,8 @@ def test_the_history_is_found_without_times(name, by):
     assert any("matched to the load path" in note for note in found.notes)
 
 
-def test_a_result_with_the_way_in_is_matched_from_the_start():
-    """The first cycle is not the steady one; only the way in tells them apart."""
+def test_a_result_with_the_initial_loading_is_matched_from_the_start():
+    """The first cycle is not the steady one; only the initial loading tells them apart."""
     scene = load_scene("hertz-paper")
     path = scene.load.path()
     time = np.concatenate(
@@ -94,7 +94,15 @@ def test_one_instant_alone_is_scored_and_the_rest_said_to_be_missing():
     assert one.metric("shear").value == pytest.approx(
         0.1 * np.sqrt(np.trapezoid(solution.shear[7] ** 2, X) / np.trapezoid(solution.pressure[7] ** 2, X)), rel=1e-9
     )
-    for key in ("dissipation", "dissipation_density", "slip", "rigid_shift", "hysteresis", "permanent_stick", "slip_reversal"):
+    for key in (
+        "dissipation",
+        "dissipation_density",
+        "slip",
+        "tangential_displacement",
+        "hysteresis",
+        "permanent_stick",
+        "slip_reversal",
+    ):
         assert one.metric(key).value is None, key
         assert "not in the result" in one.metric(key).note, key
     whole = _score(solution, time=solution.time)
@@ -116,7 +124,7 @@ def test_part_of_a_cycle_is_scored():
 def test_what_is_missing_is_neither_zero_nor_derived():
     solution = exact("hertz-paper")
     without = _score(solution, time=solution.time)
-    assert set(missing(without.result)) == {"rigid_shift", "slip", "dissipation", "dissipation_density"}
+    assert set(missing(without.result)) == {"tangential_displacement", "slip", "dissipation", "dissipation_density"}
     assert np.isnan(without.result.slip).all()
     assert np.isnan(without.result.dissipation)
     assert without.metric("slip").note == "slip: not in the result (the arrays)"
@@ -315,7 +323,7 @@ def test_our_own_solution_is_scored_as_it_is(tmp_path):
     solution.save(tmp_path / "own.nc")
     found = score_file(tmp_path / "own.nc", Mapping(), solution.scene)
     assert found.metric("dissipation").value == 0.0
-    assert found.metric("rigid_shift").value == 0.0
+    assert found.metric("tangential_displacement").value == 0.0
     with pytest.raises(InputError, match="it answers another scene: profile is"):
         score_file(tmp_path / "own.nc", Mapping(), load_scene("flat-rounded-paper"))
     (tmp_path / "other.nc").write_text("no solution", encoding="utf-8")

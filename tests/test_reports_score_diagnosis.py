@@ -188,7 +188,10 @@ def test_noise_is_no_known_pattern(table: ModuleType) -> None:
 
 def test_a_result_of_tractions_alone_with_holes_is_judged_all_the_same(table: ModuleType) -> None:
     true = table.truth("cattaneo-mindlin")
-    nothing = {name: np.full_like(getattr(true, name), np.nan) for name in ("slip", "contact_edges", "stick_edges", "rigid_shift")}
+    nothing = {
+        name: np.full_like(getattr(true, name), np.nan)
+        for name in ("slip", "contact_edges", "stick_edges", "tangential_displacement")
+    }
     shear = -true.shear
     shear[::3, 5:40] = np.nan
     bare = replace(true, shear=shear, dissipation=float("nan"), dissipation_density=np.full_like(true.x, np.nan), **nothing)

@@ -1,4 +1,4 @@
-"""A file of the first revolution, which starts where the way in ends: scored as the steady one, or as what its times say it is."""
+"""A file of the first revolution, which starts where the initial loading ends: scored as the steady one, or as its times say."""
 
 from __future__ import annotations
 

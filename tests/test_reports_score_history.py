@@ -31,7 +31,7 @@ def test_instants_stay_on_their_branch_in_one_cycle(name: str, count: int, noise
     assert np.max(np.abs(off)) < (0.1 if noise else 0.01) * path.period
 
 
-def test_the_way_in_and_three_cycles_come_one_after_the_other() -> None:
+def test_the_initial_loading_and_three_cycles_come_one_after_the_other() -> None:
     scene = load_scene("cattaneo-mindlin")
     path = scene.load.path()
     assert path.period is not None

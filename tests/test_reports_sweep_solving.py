@@ -107,7 +107,7 @@ def test_a_cheap_uncertainty_covers_the_error_of_half_planes() -> None:
             figures=figures,
             uncertainty="cheap",
             set={"solver.steps_per_cycle": 48},
-            preset="swift",
+            preset="coarse",
         )
     )
     for answer in found:
@@ -121,12 +121,12 @@ def test_one_call_gives_what_solving_one_by_one_gives() -> None:
         {"name": "f", "key": "friction.coefficient", "linear": {"start": 0.9, "stop": 2, "count": 5}},
         {"name": "phase", "key": "load.phase_degrees", "values": [-120.0, 45.0, 90.0]},
     ]
-    at_once = answers(study(axes=axes, set={"load.way_in": "straight", "load.mean_tangential_load": 0.0}))
+    at_once = answers(study(axes=axes, set={"load.initial_loading": "straight", "load.mean_tangential_load": 0.0}))
     assert {answer["record"]["message"] for answer in at_once} == {"a member of a batch"}
     singly = answers(
         study(
             axes=axes,
-            set={"load.way_in": "straight", "load.mean_tangential_load": 0.0},
+            set={"load.initial_loading": "straight", "load.mean_tangential_load": 0.0},
             figures=["exact.dissipation", "exact.loop_work"],
         )
     )

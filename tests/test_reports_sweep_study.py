@@ -124,14 +124,14 @@ class TestPoints:
             engines=["fe"],
             figures=["fe.dissipation"],
             axes=[{"name": "r", "values": [500.0]}, {"name": "n", "key": "solver.steps_per_cycle", "values": [48]}],
-            set={"mesh.element_size": 0.1, "load.way_in": "straight"},
+            set={"mesh.element_size": 0.1, "load.initial_loading": "straight"},
             derived={"k": "1000/r", "profile.radius": "r", "load.mean_normal_load": "90*k"},
-            preset="swift",
+            preset="coarse",
         )
         [point] = expand(asked)
         assert point.scene.profile == load_scene("hertz-paper").profile.vary(radius=500.0)
         assert point.scene.load.model_dump()["mean_normal_load"] == 180.0
-        assert point.scene.load.model_dump()["way_in"] == "straight"
+        assert point.scene.load.model_dump()["initial_loading"] == "straight"
         assert (point.mesh.element_size, point.mesh.growth, point.solver.steps_per_cycle) == (0.1, 0.5, 48)
 
     @pytest.mark.parametrize(

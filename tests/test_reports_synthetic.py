@@ -56,8 +56,8 @@ def cattaneo_mindlin(steps_per_leg: int = 40, points: int = 161, **changed: Any)
         "stick_edges": np.column_stack([-stick, stick]),
         "contact_half_width": np.full_like(time, a),
         "stick_half_width": stick,
-        "rigid_shift": shift,
-        "rigid_approach": np.full_like(time, 0.01),
+        "tangential_displacement": shift,
+        "normal_approach": np.full_like(time, 0.01),
         "dissipation_density": density * work / np.trapezoid(density, x),
         "cycle_dissipation": [work],
     }

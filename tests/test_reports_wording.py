@@ -13,7 +13,7 @@ from reports.wording import question, tolerance_of, unit_of, value_of, verdict
 from scenes import Scene, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 
-CYCLE = {"kind": "polygon", "way_in": [[2.0, 0.0]], "cycle": [[2.0, 1.0]]}
+CYCLE = {"kind": "polygon", "initial_loading": [[2.0, 0.0]], "cycle": [[2.0, 1.0]]}
 TRUTH = cattaneo_mindlin(steps_per_leg=10, points=41)
 
 
@@ -40,12 +40,12 @@ def test_question_names_two_materials() -> None:
     [
         ({"profile": {"kind": "wedge", "tip_radius": 10.0, "tip_half_length": 0.25}}, "a wedge whose tip of half-length 0.25 mm"),
         (
-            {"load": {"kind": "polygon", "way_in": [[2.0, 0.0]], "cycle": [[2.0, 1.0]]}},
+            {"load": {"kind": "polygon", "initial_loading": [[2.0, 0.0]], "cycle": [[2.0, 1.0]]}},
             "round the straight lines through (2, 0), (2, 1)",
         ),
-        ({"load": {"kind": "polygon", "way_in": [[2.0, 0.0]]}}, "along the straight lines through (0, 0), (2, 0) N/mm"),
-        ({"load": {"kind": "polygon", "way_in": [[2.0, 0.0]]}}, "what does the path dissipate?"),
-        ({"load": {"kind": "polygon", "way_in": [[2.0, 0.0]], "cycle": [[2.0, 1.0]]}}, "what does a cycle dissipate?"),
+        ({"load": {"kind": "polygon", "initial_loading": [[2.0, 0.0]]}}, "along the straight lines through (0, 0), (2, 0) N/mm"),
+        ({"load": {"kind": "polygon", "initial_loading": [[2.0, 0.0]]}}, "what does the path dissipate?"),
+        ({"load": {"kind": "polygon", "initial_loading": [[2.0, 0.0]], "cycle": [[2.0, 1.0]]}}, "what does a cycle dissipate?"),
         ({"load": {"kind": "time_series", "rows": [[0.0, 0.0, 0.0], [1.0, 2.0, 0.0]]}}, "what does the path dissipate?"),
         ({"units": "lbf, in, psi"}, "E = 210000 psi"),
         ({"units": "SI"}, "force/length"),

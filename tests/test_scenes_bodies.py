@@ -18,7 +18,7 @@ def written(folder, bodies, profile=HERTZ):
         "material = { young_modulus = 210e3, poisson_ratio = 0.3 }",
         f"profile = {profile}",
         "friction = { coefficient = 0.5 }",
-        'load = { kind = "polygon", way_in = [[500.0, 0.0], [500.0, 100.0]] }',
+        'load = { kind = "polygon", initial_loading = [[500.0, 0.0], [500.0, 100.0]] }',
         *(f"bodies.{name} = {body}" for name, body in bodies.items()),
     ]
     path = folder / "scene.toml"

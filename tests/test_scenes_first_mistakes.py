@@ -4,9 +4,11 @@ from pathlib import Path
 
 import pytest
 
+import semi_analytic
+from meshes import MeshSettings
 from reports.sweep.points import expand
 from reports.sweep.study import load_study, study_of
-from scenes import InputError, load_scene, scene_text
+from scenes import ContactSolution, InputError, load_scene, scene_text
 
 DOCS = Path(__file__).parents[1] / "docs"
 PLAIN = scene_text("hertz-paper").split("[[expected]]")[0]
@@ -100,3 +102,21 @@ def test_a_scene_is_no_study(tmp_path: Path) -> None:
     file.write_text(PLAIN, encoding="utf-8")
     with pytest.raises(InputError, match="this is a scene; a study is a file beside it"):
         load_study(file)
+
+
+def test_names_of_the_version_before_are_read_with_a_warning(tmp_path):
+    """A scene key, a preset, fields and a saved answer of 0.1: read, with one DeprecationWarning that gives the new name."""
+    scene = load_scene("hertz-paper")
+    with pytest.warns(DeprecationWarning, match="way_in is now called initial_loading"):
+        assert scene.vary(load={"way_in": [[50.0, 0.0]]}).load.initial_loading == ((50.0, 0.0),)
+    with pytest.warns(DeprecationWarning, match="swift is now called coarse"):
+        assert MeshSettings.swift() == MeshSettings.coarse()
+    with pytest.warns(DeprecationWarning, match="rigid_shift is now called tangential_displacement"):
+        answer = semi_analytic.solve(scene, x=[0.0], time=[4.0], fields=("rigid_shift",))
+    with pytest.warns(DeprecationWarning, match="rigid_shift is now called"):
+        assert answer.rigid_shift == answer.tangential_displacement != 0
+    names = {"tangential_displacement": "rigid_shift", "normal_approach": "rigid_approach"}
+    answer.to_dataset().rename(names).to_netcdf(tmp_path / "old.nc", engine="h5netcdf")
+    with pytest.warns(DeprecationWarning, match="is now called"):
+        again = ContactSolution.load(tmp_path / "old.nc")
+    assert again.tangential_displacement == answer.tangential_displacement

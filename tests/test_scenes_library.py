@@ -47,7 +47,7 @@ LIBRARY = ROOT / "scenes" / "library"
 NAMES = scene_names()
 FINITE, THEORY = "finite elements", "half-plane theory"
 WANTED = 16
-# Above two and a half seconds each even on the swift mesh.
+# Above two and a half seconds each even on the coarse mesh.
 LONG = (
     "flat-pad-on-block",
     "flight",
@@ -85,7 +85,9 @@ def honest_tags(scene: Scene) -> dict[str, bool]:
     """Tags that the scene's own tables decide."""
     load, kinds = scene.load, {scene.bodies.lower.kind, scene.bodies.upper.kind}
     path = load.path()
-    turns = np.concatenate([np.stack(leg.loads(np.linspace(leg.start, leg.end, 9)), axis=1) for leg in path.cycle or path.way_in])
+    turns = np.concatenate(
+        [np.stack(leg.loads(np.linspace(leg.start, leg.end, 9)), axis=1) for leg in path.cycle or path.initial_loading]
+    )
     wide = np.linalg.svd(turns - turns.mean(axis=0), compute_uv=False)
     periodic = path.period is not None
     pressed = not np.any(turns[:, 1])
@@ -169,7 +171,7 @@ def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
     One number states a larger tolerance of its own: the published roller's stress on linear elements of 1.5 mm.
     """
     scene = load_scene(name)
-    solution = halfplane_fe.solve(scene, mesh=MeshSettings.swift())
+    solution = halfplane_fe.solve(scene, mesh=MeshSettings.coarse())
     assert solution.record.converged
     assert not [check.label for check in certificates(solution) if not check.holds]
     for finding in expected.check(scene, [solution]):
@@ -220,7 +222,7 @@ def test_a_row_of_contacts_far_from_each_other_is_hertz() -> None:
 
 def test_numbers_of_the_row_of_contacts() -> None:
     scene = load_scene("row-of-contacts")
-    e_star, load, distance = modulus(scene), scene.load.way_in[0][0], scene.bodies.lower.width
+    e_star, load, distance = modulus(scene), scene.load.initial_loading[0][0], scene.bodies.lower.width
     half_width = brentq(lambda a: periodic(e_star, scene.profile.radius, distance, a)[0] - load, 0.5, 1.3, xtol=1e-14)
     assert value_of("row-of-contacts", "largest_half_width") == pytest.approx(half_width, rel=1e-10)
     peak = periodic(e_star, scene.profile.radius, distance, half_width)[1]
@@ -243,7 +245,7 @@ def test_numbers_of_the_thin_blocks() -> None:
 def test_numbers_of_the_large_pads(name: str) -> None:
     """P = E* int_0^a x h'/sqrt(a^2 - x^2) dx with the slope of an arc, x/sqrt(R^2 - x^2), by quadrature over x = a sin t."""
     scene = load_scene(name)
-    radius, load = scene.profile.radius, scene.load.way_in[0][0]
+    radius, load = scene.profile.radius, scene.load.initial_loading[0][0]
     a = value_of(name, "largest_half_width")
     carried = (
         modulus(scene) * quad(lambda t: (a * math.sin(t)) ** 2 / math.sqrt(radius**2 - (a * math.sin(t)) ** 2), 0, math.pi / 2)[0]

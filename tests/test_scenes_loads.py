@@ -101,10 +101,12 @@ def test_straight_leg_meets_both_ends_to_the_last_digit():
 
 
 def test_parabola_is_tangent_to_the_ellipse_at_its_end():
-    """The paper's way in: through the origin, and dQ/dP at its end is that of the ellipse where |Q - Q0| is largest: 0."""
-    load = EllipseLoad(mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1, tangential_amplitude=1, way_in="parabola")
+    """The paper's initial loading: through the origin, and dQ/dP at its end is that of the ellipse where |Q - Q0| is largest: 0."""
+    load = EllipseLoad(
+        mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1, tangential_amplitude=1, initial_loading="parabola"
+    )
     path = load.path()
-    (parabola,), (turn,) = path.way_in, path.cycle
+    (parabola,), (turn,) = path.initial_loading, path.cycle
     assert parabola.slope_and_bend(parabola.end)[0] == 0
     assert [float(v) for v in parabola.loads(parabola.start)] == [0.0, 0.0]
     np.testing.assert_allclose(parabola.loads(parabola.end), turn.loads(turn.start), rtol=1e-15, atol=1e-15)
@@ -152,13 +154,13 @@ def test_negative_phase_is_the_mirrored_history(phase):
 
 
 def periodic_loads():
-    corners = PolygonLoad(way_in=[(2, 0)], cycle=[(2, 1), (1, -1), (3, 0.5)])
+    corners = PolygonLoad(initial_loading=[(2, 0)], cycle=[(2, 1), (1, -1), (3, 0.5)])
     ellipse = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 0.2, "tangential_amplitude": 1}
     return {
         "polygon": corners,
-        "straight way in": EllipseLoad(**ellipse),
-        "parabola": EllipseLoad(**ellipse, way_in="parabola"),
-        "points on the way": EllipseLoad(**ellipse, way_in=[(1, 0.5), (2, 0.1)]),
+        "straight initial loading": EllipseLoad(**ellipse),
+        "parabola": EllipseLoad(**ellipse, initial_loading="parabola"),
+        "points on the way": EllipseLoad(**ellipse, initial_loading=[(1, 0.5), (2, 0.1)]),
     }
 
 
@@ -184,15 +186,15 @@ def test_at_agrees_with_the_legs_at_any_revolution(load):
         np.testing.assert_allclose(path.at(times), leg.loads(times), atol=1e-12)
 
 
-def test_points_of_the_way_in_are_passed():
+def test_points_of_the_initial_loading_are_passed():
     load = periodic_loads()["points on the way"]
     path = load.path()
-    assert [leg.last for leg in path.way_in[:2]] == [(1, 0.5), (2, 0.1)]
-    assert [leg.end - leg.start for leg in path.way_in] == pytest.approx([math.pi] * 3)
+    assert [leg.last for leg in path.initial_loading[:2]] == [(1, 0.5), (2, 0.1)]
+    assert [leg.end - leg.start for leg in path.initial_loading] == pytest.approx([math.pi] * 3)
 
 
 def test_path_that_just_ends():
-    path = PolygonLoad(way_in=[(2, 0), (2, 1)]).path()
+    path = PolygonLoad(initial_loading=[(2, 0), (2, 1)]).path()
     assert path.period is None
     assert path.cycle == ()
     assert [leg.last for leg in path.legs(5)] == [(2, 0), (2, 1)]

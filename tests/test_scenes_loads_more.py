@@ -106,18 +106,18 @@ def test_functions_are_followed_to_rounding():
     np.testing.assert_allclose(path.at(7.0), path.at(7.0 - 2 * math.pi), atol=1e-13)
 
 
-def test_a_way_in_leads_to_the_functions_unless_they_start_unloaded():
-    assert len(FUNCTIONS.path().way_in) == 1
+def test_a_initial_loading_leads_to_the_functions_unless_they_start_unloaded():
+    assert len(FUNCTIONS.path().initial_loading) == 1
     once = CallableLoad(normal_load=lambda t: t, tangential_load=lambda t: 0.1 * t**2, duration=2.0)
     assert once.path().start == 0.0
     assert once.path().period is None
-    bent = CallableLoad(normal_load=lambda t: 2 + t, tangential_load=lambda t: 0 * t, duration=2.0, way_in=[(1.0, 0.3)])
+    bent = CallableLoad(normal_load=lambda t: 2 + t, tangential_load=lambda t: 0 * t, duration=2.0, initial_loading=[(1.0, 0.3)])
     assert [float(v) for v in bent.path().at(-1.0)] == pytest.approx([1.0, 0.3])
 
 
 def test_a_corner_becomes_an_edge_between_legs():
     load = CallableLoad(normal_load=lambda t: 2 + 0 * t, tangential_load=lambda t: np.abs(t - 1 / 3), duration=1.0)
-    ends = [leg.end for leg in load.path().way_in]
+    ends = [leg.end for leg in load.path().initial_loading]
     assert min(abs(end - 1 / 3) for end in ends) < 1e-12
     assert len(ends) < 12
 
@@ -160,7 +160,7 @@ def test_a_series_starts_from_nothing():
     cycle = TimeSeriesLoad(rows=[[5, 2, 1], [6, 3, 1], [8, 2, 1]], repeats=True).path()
     assert (cycle.cycle_start, cycle.period) == (5.0, 3.0)
     # A row that repeats the loads of the one before is a pause, not a fault.
-    assert len(TimeSeriesLoad(rows=[[0, 2, 1], [1, 2, 1], [2, 2, 0]]).path().way_in) == 3
+    assert len(TimeSeriesLoad(rows=[[0, 2, 1], [1, 2, 1], [2, 2, 0]]).path().initial_loading) == 3
 
 
 @pytest.mark.parametrize(

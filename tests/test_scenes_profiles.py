@@ -29,7 +29,7 @@ poisson_ratio = 0.3
 coefficient = 0.5
 [load]
 kind = "polygon"
-way_in = [[90.0, 0.0]]
+initial_loading = [[90.0, 0.0]]
 [profile]
 """
 PROFILES = [

@@ -27,7 +27,7 @@ coefficient = 0.5
 
 [load]
 kind = "polygon"
-way_in = [[2.0, 0.0]]
+initial_loading = [[2.0, 0.0]]
 cycle = [[2.0, 0.5], [2.0, -0.5]]
 """
 
@@ -84,7 +84,7 @@ REFUSED = {
         ["bodies is refused", "a pad on a pad"],
     ),
     "unknown bodies": ("[friction]", '[bodies.upper]\nkind = "ball"\n[friction]', ["bodies.upper.kind = 'ball'", "'half_plane'"]),
-    "no point": ("way_in = [[2.0, 0.0]]", "way_in = []", ["load.way_in = []", "at least 1 item"]),
+    "no point": ("initial_loading = [[2.0, 0.0]]", "initial_loading = []", ["load.initial_loading = []", "at least 1 item"]),
     "half a point": ("[2.0, 0.5]", "[2.0]", ["load.cycle.0 = [2.0]", "[P, Q]"]),
     "a point of words": ("[2.0, 0.5]", '[2.0, "x"]', ["load.cycle.0.1 = 'x'", "valid number"]),
     "a point twice": ("[2.0, 0.5]", "[2.0, 0.0]", ["load is refused", "[2.0, 0.0] stands twice in a row"]),
@@ -249,7 +249,7 @@ def test_library_numbers():
         value / load.mean_normal_load * 3 for value in (load.mean_tangential_load, load.normal_amplitude, load.tangential_amplitude)
     ]
     assert ratios == pytest.approx([1.1, 1.0, 1.0], rel=1e-14)
-    assert (load.phase_degrees, load.way_in, scene.friction.coefficient) == (90.0, "parabola", 1.0)
+    assert (load.phase_degrees, load.initial_loading, scene.friction.coefficient) == (90.0, "parabola", 1.0)
     mindlin = load_scene("cattaneo-mindlin")
     (p, q), (_, back) = mindlin.load.cycle
     assert q == pytest.approx(0.6 * mindlin.friction.coefficient * p, rel=1e-14)
@@ -273,7 +273,7 @@ TREES = st.recursive(SIMPLE, lambda inner: st.lists(inner, max_size=3) | st.dict
 
 @given(
     place=st.lists(
-        st.sampled_from(["material", "profile", "friction", "load", "kind", "cycle", "way_in", "coefficient"]), max_size=2
+        st.sampled_from(["material", "profile", "friction", "load", "kind", "cycle", "initial_loading", "coefficient"]), max_size=2
     ),
     value=TREES,
 )

@@ -11,7 +11,14 @@ from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
 STEPS, POINTS = 7, 5
 ARRAYS = (
     *("time", "normal_load", "tangential_load", "x", "pressure", "shear", "slip", "state", "contact_edges", "stick_edges"),
-    *("contact_half_width", "stick_half_width", "rigid_shift", "rigid_approach", "dissipation_density", "cycle_dissipation"),
+    *(
+        "contact_half_width",
+        "stick_half_width",
+        "tangential_displacement",
+        "normal_approach",
+        "dissipation_density",
+        "cycle_dissipation",
+    ),
 )
 
 
@@ -39,8 +46,8 @@ def small_solution(scene_name="hertz-paper", time=None):
         stick_edges=freeze(stick_edges),
         contact_half_width=per_step(),
         stick_half_width=per_step(),
-        rigid_shift=per_step(),
-        rigid_approach=per_step(),
+        tangential_displacement=per_step(),
+        normal_approach=per_step(),
         dissipation_density=freeze(rng.normal(size=POINTS)),
         dissipation=0.1 + 0.2,
         cycle_dissipation=freeze([0.3, 1 / 3]),

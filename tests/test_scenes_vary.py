@@ -54,8 +54,8 @@ WIDE = Bodies(lower=Block(width=40.0, height=20.0))
         ({"friction": Friction(coefficient=0.6)}, "friction.coefficient", 0.6),
         ({"load": {"phase_degrees": 60}}, "load.phase_degrees", 60.0),
         ({"load": {"kind": "ellipse", "phase_degrees": 60}}, "load.phase_degrees", 60.0),
-        ({"load": PolygonLoad(way_in=[(1, 0)])}, "load.way_in", ((1.0, 0.0),)),
-        ({"load": {"kind": "polygon", "way_in": [[1, 0]]}}, "load.way_in", ((1.0, 0.0),)),
+        ({"load": PolygonLoad(initial_loading=[(1, 0)])}, "load.initial_loading", ((1.0, 0.0),)),
+        ({"load": {"kind": "polygon", "initial_loading": [[1, 0]]}}, "load.initial_loading", ((1.0, 0.0),)),
         ({"profile": {"kind": "flat_rounded", "radius": 3, "flat_half_length": 1}}, "profile.flat_half_length", 1.0),
         ({"bodies": WIDE}, "bodies.lower.height", 20.0),
         ({"bodies": {"lower": {"kind": "block", "width": 40, "height": 20}}}, "bodies.lower.height", 20.0),
@@ -98,7 +98,10 @@ def test_a_mapping_keeps_the_keys_that_it_does_not_name_at_every_depth() -> None
         ({"friction": True}, ["friction is refused", "neither a number nor a table"]),
         ({"friction": "0.6"}, ["friction is refused", "neither a number nor a table"]),
         ({"friction": float("nan")}, ["friction = nan", "finite"]),
-        ({"load": {"kind": "polygon"}}, ["load.way_in is missing"]),  # nothing of the ellipse's way_in is taken over
+        (
+            {"load": {"kind": "polygon"}},
+            ["load.initial_loading is missing"],
+        ),  # nothing of the ellipse's initial_loading is taken over
         ({"load": {"kind": "ellips"}}, ["load.kind = 'ellips'", "'ellipse' or 'polygon'"]),
         ({"load": 3}, ["load = 3", "table of keys"]),
         ({"profile": Hertz.model_construct(radius=-1.0)}, ["profile.radius = -1.0", "greater than 0"]),

@@ -175,7 +175,7 @@ def test_what_was_not_found_is_one_sentence_at_the_command_line(monkeypatch, cap
         assert "not converged: no half-width was found for" in " ".join(capsys.readouterr().err.split())
 
 
-def test_last_digits_of_tiny_slip_and_of_the_rigid_shift_are_told():
+def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():
     """Q of 2e-4 f P on a short flat face: slip is 2.0e-11 of its largest off where 6.7e-12 was told, the shift 1.0e-11 where
     nothing was.
     """
@@ -183,10 +183,10 @@ def test_last_digits_of_tiny_slip_and_of_the_rigid_shift_are_told():
     scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 1e-4), (1.0, -1e-4)]), 0.5).vary(profile=profile)
     time, half = np.linspace(4.0, 7.0, 6), 1.13
     x = half * np.array([0.63, 0.93, 0.999, 1.1, 3.0])
-    found = solve(scene, x=x, time=time, fields=("slip", "rigid_shift"))
+    found = solve(scene, x=x, time=time, fields=("slip", "tangential_displacement"))
     oracle = Oracle(scene, time)
     exact = [oracle.at(k, x) for k in range(len(time))]
-    for name in ("slip", "rigid_shift"):
+    for name in ("slip", "tangential_displacement"):
         truth = np.array([each[name] for each in exact])
         off = float(np.max(np.abs(getattr(found, name) - truth)) / np.max(np.abs(truth)))
         assert 1e-13 < off <= found.record.errors[name] < 2e-9, name

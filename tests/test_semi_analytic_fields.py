@@ -40,7 +40,7 @@ def astray(profile, load):
     near = [float(values[0]) * (1 + d) for values in (edges.contact_half_width, edges.stick_half_width) for d in (-1e-3, 1e-3)]
     corners = [b * (1 + d) for b in PROFILES[profile].kinks[:2] for d in (-1e-9, 1e-9)]
     x = np.unique(np.concatenate([half * np.array([1e-8, 0.1, 0.63, 0.93, 1.1, 3.0]), near, corners]))
-    found = solve(scene, x=x, time=times, fields=("pressure", "shear", "slip", "rigid_shift", "rigid_approach"))
+    found = solve(scene, x=x, time=times, fields=("pressure", "shear", "slip", "tangential_displacement", "normal_approach"))
     oracle = Oracle(scene, times)
     exact = [oracle.at(k, x) for k in range(len(times))]
     size = max(float(each["pressure"][1:].max()) for each in exact)
@@ -63,7 +63,7 @@ def agrees(profile, load):
 def test_fields_by_brute_force(profile, load):
     """Tractions over f p, slips and shifts over their largest. Measured: 8e-14; shear on arcs of harmonics was 2e-9 off for two
     curvatures, 2e-11 for |x|^3.5, where the root of the traction lies ahead of the arc; slip 7e-9 where P(a) hardly grows.
-    There the rigid shift of an ellipse was 1e-8 off, its slip 6e-9.
+    There the tangential displacement of an ellipse was 1e-8 off, its slip 6e-9.
     """
     agrees(profile, load)
 

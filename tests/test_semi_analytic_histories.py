@@ -1,4 +1,4 @@
-"""Histories: harmonics, Python functions, time series, degenerate ellipses; steady states that are found, shakedown, ways in."""
+"""Histories: harmonics, Python functions, time series, degenerate ellipses; steady states, shakedown, initial loadings."""
 
 import math
 
@@ -170,7 +170,7 @@ def test_rows_as_a_series_are_rows_as_a_curved_path(flat, repeats, data):
     lean, full = solve(scene, time=time, x=X[:5]), by_spans(scene, time=time, x=X[:5])
     top = max(p for p, _ in corners)
     scale = {"dissipation": (friction * top) ** 2, "cycle_dissipation": (friction * top) ** 2, "dissipation_density": top}
-    for name in ("pressure", "shear", "slip", "rigid_shift", "rigid_approach", *scale):
+    for name in ("pressure", "shear", "slip", "tangential_displacement", "normal_approach", *scale):
         one, two = getattr(lean, name), getattr(full, name)
         np.testing.assert_allclose(one, two, rtol=1e-10, atol=1e-11 * scale.get(name, max(top, 1.0)), err_msg=name)
     # c is the root of P_c: a last digit of P counts for 1e-8 there.
@@ -192,7 +192,7 @@ def test_rows_along_the_limit_of_friction_and_back_along_their_own_lines(seed):
     one, other = (way(scene, x=X[:7], time=time) for way in (solve, by_spans))
     assert one.steady_from == other.steady_from
     np.testing.assert_array_equal(one.state, other.state)
-    for name in ("slip", "rigid_shift", "dissipation", "cycle_dissipation", "dissipation_density"):
+    for name in ("slip", "tangential_displacement", "dissipation", "cycle_dissipation", "dissipation_density"):
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-13, err_msg=name)
 
 
@@ -320,7 +320,7 @@ def test_a_series_that_repeats_is_followed_until_it_is_steady():
 
 
 def test_shakedown_of_a_series_is_told():
-    """Slip on the way in, none ever after."""
+    """Slip on the initial loading, none ever after."""
     load = TimeSeriesLoad(rows=[[0, 2, 1.0], [1, 3, 1.2], [2, 2, 1.0]], repeats=True)
     solution = solve(make_scene(load, friction=0.8))
     assert solution.dissipation == 0
@@ -339,11 +339,13 @@ def test_the_start_is_forgotten(ratio, use, phase, detours):
     friction = 0.7
     amplitude = use * friction * (1 - ratio)
     straight = solve(make_scene(ellipse(1.0, ratio, 0.0, amplitude, phase), friction=friction), fields=("dissipation",))
-    way_in = tuple((p, friction * p * share) for p, share in detours)
-    other = solve(make_scene(ellipse(1.0, ratio, 0.0, amplitude, phase, way_in), friction=friction), fields=("dissipation",))
+    initial_loading = tuple((p, friction * p * share) for p, share in detours)
+    other = solve(
+        make_scene(ellipse(1.0, ratio, 0.0, amplitude, phase, initial_loading), friction=friction), fields=("dissipation",)
+    )
     assert other.steady_from is not None
     assert other.dissipation == pytest.approx(straight.dissipation, rel=1e-10, abs=1e-15)
-    # The dissipation of an ellipse is by formula; the closed integral goes through the memory that the way in left.
+    # The dissipation of an ellipse is by formula; the closed integral goes through the memory that the initial loading left.
     assert other.loop_work == pytest.approx(straight.dissipation, rel=1e-9, abs=1e-14)
 
 

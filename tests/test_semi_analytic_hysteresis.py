@@ -16,7 +16,7 @@ def test_tangent_compliance_is_the_slope_of_the_loop_at_constant_load():
     middle = np.array([1.5, 2.5, 3.7])
     for time, direction in zip(middle, (1, -1, 1), strict=True):
         near = solve(scene, x=[0.0], time=[time - 1e-4, time, time + 1e-4])
-        slope = np.diff(near.rigid_shift[[0, 2]]) / np.diff(near.tangential_load[[0, 2]])
+        slope = np.diff(near.tangential_displacement[[0, 2]]) / np.diff(near.tangential_load[[0, 2]])
         assert slope[0] == pytest.approx(compliance(near)[0][1], rel=1e-6)
         assert np.sign(np.diff(near.tangential_load)[0]) == direction
 
@@ -24,7 +24,7 @@ def test_tangent_compliance_is_the_slope_of_the_loop_at_constant_load():
 def test_stick_compliance_is_the_slope_right_after_a_reversal():
     scene = load_scene("cattaneo-mindlin")
     near = solve(scene, x=[0.0], time=[2.0, 2.0 + 1e-6])
-    slope = np.diff(near.rigid_shift) / np.diff(near.tangential_load)
+    slope = np.diff(near.tangential_displacement) / np.diff(near.tangential_load)
     assert slope[0] == pytest.approx(compliance(near)[1][0], rel=1e-5)
 
 

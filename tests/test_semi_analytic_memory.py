@@ -74,14 +74,14 @@ def test_what_lies_above_the_load_is_forgotten(points, low, use):
 
 
 @given(st.floats(1e-3, 0.95), st.floats(0.02, 0.98), st.floats(5, 175), st.floats(-0.5, 0.5), st.sampled_from([1.0, -1.0]))
-def test_way_in_does_not_matter_above_the_permanent_stick_load(ratio, use, phase, mean, sense):
-    """Three admissible ways in, one steady cycle: the curves differ only below P_T."""
+def test_initial_loading_does_not_matter_above_the_permanent_stick_load(ratio, use, phase, mean, sense):
+    """Three admissible initial loadings, one steady cycle: the curves differ only below P_T."""
     slack = (1 - ratio) * (1 - use)
     q1, q0 = use * FRICTION * (1 - ratio), mean * slack * FRICTION
     ends = []
-    for way_in in ("straight", ((1.2, 0.0),), ((0.7, 0.5 * 0.7 * FRICTION), (1.0, -0.4 * FRICTION))):
-        path = ellipse(1.0, ratio, q0, q1, sense * phase, way_in).path()
-        history = follow(path.way_in, [Turn(path.cycle, 2 * np.pi * k) for k in range(4)], FRICTION)
+    for initial_loading in ("straight", ((1.2, 0.0),), ((0.7, 0.5 * 0.7 * FRICTION), (1.0, -0.4 * FRICTION))):
+        path = ellipse(1.0, ratio, q0, q1, sense * phase, initial_loading).path()
+        history = follow(path.initial_loading, [Turn(path.cycle, 2 * np.pi * k) for k in range(4)], FRICTION)
         assert history.steady_from in (0, 1)
         fronts = [
             span.leg.loads(time)[0] - span.slipped(time) for span in history.cycles[-1] for time in (span.begin.time, span.end.time)
@@ -99,9 +99,9 @@ def test_ellipse_is_the_limit_of_polygons():
     time = np.linspace(path.cycle_start, path.cycle_start + 2 * np.pi, 20001)
     points = list(zip(*(part.tolist() for part in path.at(time)), strict=True))
     eta = np.linspace(0, points[-1][0], 1000)
-    exact = follow(path.way_in, [Turn(path.cycle)], 1.0).states[-1]
+    exact = follow(path.initial_loading, [Turn(path.cycle)], 1.0).states[-1]
     straight = [StraightSegment(k, k + 1.0, points[k - 1], points[k]) for k in range(1, len(points))]
-    rough = follow([*path.way_in, *straight], [], 1.0).states[0]
+    rough = follow([*path.initial_loading, *straight], [], 1.0).states[0]
     np.testing.assert_allclose(values(exact, eta), values(rough, eta), atol=3e-8)
 
 

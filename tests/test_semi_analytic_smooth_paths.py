@@ -53,7 +53,7 @@ def test_slip_on_an_ellipse_that_unloads_nearly_all(least, limit):
     scenes = (make_scene(ellipse(1.0, 1 - least, 0.0, force, 90.0)), make_scene(harmonic))
     x = np.linspace(0, 2.1, 60)
     one, two = (solve(scene, x=x, time=3 * TURN + 1e-9 + TURN * np.linspace(0, 1, 97), fields=("slip",)) for scene in scenes)
-    # From an instant on: the ways in differ.
+    # From an instant on: the initial loadings differ.
     moved, other = (solution.slip - solution.slip[0] for solution in (one, two))
     assert np.max(np.abs(moved - other)) < limit * np.max(np.abs(other))
 
@@ -83,11 +83,15 @@ def test_an_ellipse_in_other_clothes_is_the_same(load, phase, flat):
     assert two.steady_from == 1
     assert two.dissipation == pytest.approx(one.dissipation, rel=1e-12, abs=0)
     assert two.loop_work == pytest.approx(one.dissipation, rel=1e-12, abs=0)
-    # What lies inside the permanent stick zone is the way in's, and that differs.
+    # What lies inside the permanent stick zone is the initial loading's, and that differs.
     outside = x > one.permanent_stick_half_width * (1 + 1e-9)
     np.testing.assert_allclose(two.shear[:, outside], one.shear[:, outside], atol=2e-12)
     np.testing.assert_allclose(two.slip - two.slip[0], one.slip - one.slip[0], atol=2e-12)
-    np.testing.assert_allclose(two.rigid_shift - two.rigid_shift[0], one.rigid_shift - one.rigid_shift[0], atol=2e-12)
+    np.testing.assert_allclose(
+        two.tangential_displacement - two.tangential_displacement[0],
+        one.tangential_displacement - one.tangential_displacement[0],
+        atol=2e-12,
+    )
     np.testing.assert_allclose(two.dissipation_density, one.dissipation_density, atol=1e-11 * np.max(one.dissipation_density))
     np.testing.assert_array_equal(two.state[1:-1], one.state[1:-1])
 
@@ -140,14 +144,14 @@ def test_a_function_that_only_grows_sticks():
 @settings(max_examples=5)
 @given(st.lists(st.tuples(st.floats(0.3, 1.3), st.floats(-0.8, 0.8)), min_size=0, max_size=4))
 def test_start_up_plays_no_part_in_the_steady_cycle(points):
-    """Random admissible ways in: the same steady cycle after one revolution."""
+    """Random admissible initial loadings: the same steady cycle after one revolution."""
     corners = tuple((p, 0.5 * p * share) for p, share in points)
     load = HarmonicLoad(
-        mean_normal_load=1.0, normal_harmonics=[(0.3, 0)], tangential_harmonics=[(0.05, 80), (0.1, 20)], way_in=corners
+        mean_normal_load=1.0, normal_harmonics=[(0.3, 0)], tangential_harmonics=[(0.05, 80), (0.1, 20)], initial_loading=corners
     )
     scene = make_scene(load, 0.5)
     assert history_of(scene.load.path(), 0.5, 6).steady_from in (0, 1)
-    straight = make_scene(load.vary(way_in="straight"), 0.5)
+    straight = make_scene(load.vary(initial_loading="straight"), 0.5)
     expected = solve(straight, x=[0.0], fields=("dissipation",)).dissipation
     assert solve(scene, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(expected, rel=1e-9, abs=0)
 

@@ -31,7 +31,7 @@ def test_hertz_pressed_once():
     assert solution.steady_from is None
     assert solution.record.termination == "end of path"
     # A/pi int_0^P ln(2 L/a) d eta = (2 P/(pi E*)) (ln(2 L/a) + 1/2), L = R = 1000
-    assert solution.rigid_approach[1] == pytest.approx(2 * P / (math.pi * MODULUS) * (math.log(2000) + 0.5), rel=1e-14)
+    assert solution.normal_approach[1] == pytest.approx(2 * P / (math.pi * MODULUS) * (math.log(2000) + 0.5), rel=1e-14)
 
 
 def test_cattaneo_mindlin_first_loading_and_reversal():
@@ -79,7 +79,7 @@ def test_every_library_scene_is_admissible_at_every_point(name):
     assert np.all(solution.pressure[solution.state == SurfaceState.OPEN] == 0)
     assert np.nanmax(solution.stick_half_width - solution.contact_half_width) <= 1e-15 * edge
     assert max(np.max(values) for values in solution.record.certificates.values()) < 1e-12
-    assert solution.time.shape == solution.rigid_shift.shape == solution.pressure.shape[:1]
+    assert solution.time.shape == solution.tangential_displacement.shape == solution.pressure.shape[:1]
 
 
 @pytest.mark.parametrize("name", ["hertz-paper", "cattaneo-mindlin", "motor"])
@@ -109,19 +109,21 @@ def test_tractions_carry_the_loads(name):
         assert np.sum(weight * at.shear[0]) == pytest.approx(own.tangential_load[k], abs=2e-5 * own.normal_load[k])
 
 
-def test_rigid_shift_follows_the_flat_punches():
-    """Full stick along a line: U = (Q/P) times the rigid approach, A being the same for both."""
+def test_tangential_displacement_follows_the_flat_punches():
+    """Full stick along a line: U = (Q/P) times the normal approach, A being the same for both."""
     solution = solve(load_scene("full-stick"))
-    np.testing.assert_allclose(solution.rigid_shift, 0.4 * solution.rigid_approach, rtol=1e-12)
+    np.testing.assert_allclose(solution.tangential_displacement, 0.4 * solution.normal_approach, rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["hertz-paper", "motor"])
 def test_mirrored_path_mirrors_everything(name):
     scene = load_scene(name)
     load = scene.load.vary(
-        mean_tangential_load=-scene.load.mean_tangential_load, phase_degrees=scene.load.phase_degrees - 180, way_in="straight"
+        mean_tangential_load=-scene.load.mean_tangential_load,
+        phase_degrees=scene.load.phase_degrees - 180,
+        initial_loading="straight",
     )
-    one = solve(scene.vary(load={"way_in": "straight"}), x=1.0071 * X)
+    one = solve(scene.vary(load={"initial_loading": "straight"}), x=1.0071 * X)
     two = solve(
         scene.vary(load=load),
         x=1.0071 * X,
@@ -154,7 +156,7 @@ def test_straight_steps_of_a_polygon_change_nothing():
     scene = load_scene("cattaneo-mindlin")
     time = np.arange(0.125, 7.01, 0.125)
     one, two = solve(scene, x=X, time=time), solve(scene, x=X, time=time, straight_steps=True)
-    for name in ("shear", "slip", "rigid_shift", "stick_half_width", "dissipation_density", "cycle_dissipation"):
+    for name in ("shear", "slip", "tangential_displacement", "stick_half_width", "dissipation_density", "cycle_dissipation"):
         np.testing.assert_allclose(getattr(one, name), getattr(two, name), rtol=1e-11, atol=1e-13 * P0, err_msg=name)
 
 
@@ -172,7 +174,7 @@ def test_instants_in_any_order_and_far_ahead():
 def test_only_what_is_asked_for_is_computed():
     scene = load_scene("hertz-paper")
     solution = solve(scene, fields=("dissipation",), cycles="steady")
-    for name in ("pressure", "shear", "slip", "dissipation_density", "rigid_shift"):
+    for name in ("pressure", "shear", "slip", "dissipation_density", "tangential_displacement"):
         assert np.all(np.isnan(getattr(solution, name)))
         assert solution.work.skipped[name] == (len(solution.time), "not asked for")
     assert solution.cycle_dissipation.shape == (1,)

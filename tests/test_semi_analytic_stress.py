@@ -89,7 +89,13 @@ def test_loads_of_any_size(profile_of, longer, stiffer):
         scene = scene.vary(profile=profile_of(length))
         answers.append(solve(scene, x=x * length))
     one, other = answers
-    units = {"pressure": stiffer, "shear": stiffer, "slip": longer, "rigid_shift": longer, "dissipation_density": longer * stiffer}
+    units = {
+        "pressure": stiffer,
+        "shear": stiffer,
+        "slip": longer,
+        "tangential_displacement": longer,
+        "dissipation_density": longer * stiffer,
+    }
     for name, unit in units.items():
         here = getattr(one, name)
         np.testing.assert_allclose(getattr(other, name) / unit, here, rtol=0, atol=1e-12 * np.max(np.abs(here)), err_msg=name)

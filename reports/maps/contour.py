@@ -12,7 +12,8 @@ changes the order of the two and leaves 4 h q/E', which the local part takes awa
 
     du(x) = (4/(pi^2 E')) int K(x, xi) q(xi) dxi,   K = [Phi(x) - Phi(xi)]/(x - xi),   Phi(x) = PV int h(t)/(t - x) dt
 
-Of a parabola Phi is linear, K one number and du a rigid shift: no figure moves. Of the flat with rounded edges, |x| < b,
+Of a parabola Phi is linear, K one number and du a tangential displacement: no figure moves. Of the flat with rounded edges,
+|x| < b,
 
     2 R Phi = (x + b)^2 ln |x + b| - (x - b)^2 ln |x - b|  + a linear part, which is left out
 

@@ -191,7 +191,7 @@ def to_and_fro(scene: Scene) -> ToAndFro:
 
 
 def _sampled(scene: Scene) -> tuple[Array, Array, int]:
-    """P and Q over the way in and two cycles, (n,) each, and how many of these instants the second cycle has after its start."""
+    """P and Q over the initial loading and two cycles, (n,) each, and how many of these instants are of the second cycle."""
     path = scene.load.path()
     if path.period is None:
         raise InputError(f"{scene.name or 'scene'}: load: the path has no cycle, and the correction is that of a cycle")
@@ -201,7 +201,7 @@ def _sampled(scene: Scene) -> tuple[Array, Array, int]:
 
 
 def _times(start: float, cycle_start: float, period: float) -> Array:
-    """Way in and two cycles; the corners of polygons are among them, for legs last one unit."""
+    """Initial loading and two cycles; the corners of polygons are among them, for legs last one unit."""
     legs = max(1, round(period)) if abs(period - round(period)) < 1e-9 else 4
     way = np.linspace(start, cycle_start, _PER_LEG * max(1, round(cycle_start - start)) + 1)[1:]
     return np.concatenate([way, cycle_start + np.linspace(0, 2 * period, 2 * legs * _PER_LEG + 1)[1:]])

@@ -39,7 +39,7 @@ def designers_scene() -> Scene:
         "material": materials,
         "profile": Hertz(radius=8.0),
         "bodies": Bodies(lower=Block(width=8.0, height=4.0), upper=Cylinder(radius=8.0)),
-        "load": PolygonLoad(way_in=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)),
+        "load": PolygonLoad(initial_loading=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)),
     }
     return load_scene("two-cylinders").vary(**changes, name="designer")
 

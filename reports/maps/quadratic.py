@@ -8,7 +8,7 @@ normal and kappa_t of the tangential force. What follows is exact for such a ker
   over a(P0) of half-planes; peak pressure and half-width move by +nu/2 and -nu/2 at first order;
 - tangential: shear is a pile of flat punches of half-widths alpha with the density m(alpha). In stick m - 2 tau Q alpha does not
   change (tau = kappa_t P0 R, Q over P0), for this part alone takes the curvature kappa_t Q away; in slip m is +-f that of pressure;
-- rigid shift U = (A P0/pi) int m [log(1/alpha) + tau alpha^2/2] d alpha, friction work of a closed cycle = closed int Q dU.
+- tangential displacement U = (A P0/pi) int m [log(1/alpha) + tau alpha^2/2] d alpha, work of a closed cycle = closed int Q dU.
 
 Source: memory curve of half-plane theory (docs/numbers.md checks it), Johnson (1985) section 5.8 for layers; derived here.
 """
@@ -70,7 +70,7 @@ def dissipation_error(normal_load: Array, tangential_load: Array, friction: floa
 
 
 def _shifts(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures) -> Array:
-    """Rigid shift (n,) over A P0/pi, its constant part left out: it does no work in a cycle."""
+    """Tangential displacement (n,) over A P0/pi, its constant part left out: it does no work in a cycle."""
     # notation: g = alpha^2 of the cells' borders, M = force of the punches up to alpha, frozen = M less that of the curvature tau Q
     nu, tau = added.normal, added.tangential
     square = normal_load / (1 + nu * normal_load)

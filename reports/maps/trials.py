@@ -143,7 +143,7 @@ def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
         mean_tangential_load=0.0,
         tangential_amplitude=0.5 * p0 * float(np.sqrt(lean**2 - amplitude**2 + (1 - margin) ** 2) - lean),
         phase_degrees=phase,
-        way_in="straight",
+        initial_loading="straight",
     )
     return _blocks("fixed", 8.0, 2.0, base.vary(load=load, friction=0.5))
 

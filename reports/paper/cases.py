@@ -170,7 +170,7 @@ class Case:
 
     def about_no_shear(self, friction: float) -> Case:
         """The same amplitudes about Q0 = 0 with another f: the widest range of f before gross sliding."""
-        return self.with_load(friction=friction, mean_tangential_load=0.0, way_in="straight")
+        return self.with_load(friction=friction, mean_tangential_load=0.0, initial_loading="straight")
 
 
 def sliding_limit(friction: ArrayLike) -> Array:

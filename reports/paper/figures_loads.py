@@ -86,7 +86,7 @@ def _motor() -> list[Part]:
 
 
 def figure_2(case: Case) -> Sheet:
-    """The way in and the ellipse in the plane of the loads, with the letters and the lines that define them."""
+    """The initial loading and the ellipse in the plane of the loads, with the letters and the lines that define them."""
     start = case.scene.load.path().start
     way, turn = np.linspace(start, case.time("A"), 101), case.round_times()
     (p_way, q_way), (p, q) = case.loads(way), case.loads(turn)
@@ -94,7 +94,7 @@ def figure_2(case: Case) -> Sheet:
     parts: list[Part] = [
         Line(cone, case.friction * cone, "sliding, |Q| = f P", FAINT, "dash", 1.0),
         Line(cone, -case.friction * cone, "", FAINT, "dash", 1.0),
-        Line(p_way, q_way, "way in, parabola OA", COLOURS[1], "dashdot"),
+        Line(p_way, q_way, "initial loading, parabola OA", COLOURS[1], "dashdot"),
         *_constructions(case),
         Line(p, q, "ellipse, gone round anticlockwise", INK, width=1.8),
         *_letters(case),
@@ -107,7 +107,7 @@ def figure_2(case: Case) -> Sheet:
         "figure_02",
         "Figure 2. The path of the loads",
         "Letters that share a point (A and H, B and I, C and K, D and L, E and M) are a revolution apart. dQ/dP = f at B, I, E "
-        "and M, −f at G. The line of gradient f through E meets the way in at Z, the one through G the ellipse at J, and the line "
+        "and M, −f at G. The line of gradient f through E meets initial loading at Z, the one through G the ellipse at J, the line "
         "of gradient −f through G meets the first at T: a(P_Z) and a(P_T) bound stick in the first cycle and for good. In this "
         "example K comes before J.",
         "A circle in the P-Q plane with the parabola from the origin and the letters A to M.",

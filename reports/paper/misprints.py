@@ -38,7 +38,7 @@ def corrective_load(case: Case, friction: float = 0.5, part: float = 0.6) -> Mis
     """Equation (2): Cattaneo and Mindlin's problem, Q = 0.6 f P."""
     p = case.load.mean_normal_load
     q = part * friction * p
-    load = PolygonLoad(way_in=((p, 0.0), (p, q)))
+    load = PolygonLoad(initial_loading=((p, 0.0), (p, q)))
     scene = case.scene.vary(load=load, friction=friction)
     x = np.linspace(0.0, 0.999, 200) * case.length
     shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
@@ -136,7 +136,7 @@ def mean_force(case: Case) -> Misprint:
     own = case.steady.loop_work
 
     def change(**loads: float) -> float:
-        return share(case.with_load(way_in="straight", **loads).steady.loop_work, own)
+        return share(case.with_load(initial_loading="straight", **loads).steady.loop_work, own)
 
     load = case.load
     mean = change(mean_tangential_load=load.mean_tangential_load / 2)

@@ -1,4 +1,4 @@
-"""What the paper states about other loads, other ways in and the other profile: the same zones of slip or different ones.
+"""What the paper states about other loads, other initial loadings and the other profile: the same zones of slip or different ones.
 
 Equations and figures are the paper's; x and half-widths are over a0 = a(P0).
 """
@@ -26,7 +26,7 @@ def load_statements(paper: Paper) -> list[Statement]:
         friction_delays(hertz),
         frictions_of_figure_4b(hertz),
         mean_force(hertz),
-        way_in(hertz),
+        initial_loading(hertz),
         rounded_stick(rounded),
         narrow_bands(hertz, rounded),
     ]
@@ -71,7 +71,7 @@ def frictions_of_figure_4b(case: Case) -> Statement:
 
 
 def _zones(case: Case) -> tuple[Array, float]:
-    """Stick half-width through the cycle, and W as closed integral of Q dU: the way to it that knows Q0 and the way in."""
+    """Stick half-width through the cycle, and W as closed integral of Q dU: the way to it that knows Q0 and the initial loading."""
     solution = case.solve(time=case.round_times(73))
     return solution.stick_half_width / case.length, case.steady.loop_work / case.work_unit
 
@@ -79,7 +79,9 @@ def _zones(case: Case) -> tuple[Array, float]:
 def mean_force(case: Case) -> Statement:
     """Other Q0: zones of slip and dissipation stay."""
     own = _zones(case)
-    others = [_zones(case.with_load(mean_tangential_load=mean * case.unit, way_in="straight")) for mean in (-1.0, 0.0, 0.5)]
+    others = [
+        _zones(case.with_load(mean_tangential_load=mean * case.unit, initial_loading="straight")) for mean in (-1.0, 0.0, 0.5)
+    ]
     zone = max(float(np.max(np.abs(other[0] - own[0]))) for other in others)
     work = max(abs(other[1] / own[1] - 1) for other in others)
     return Statement(
@@ -92,19 +94,19 @@ def mean_force(case: Case) -> Statement:
     )
 
 
-def way_in(case: Case) -> Statement:
-    """Other ways in: only tractions within the permanent stick zone remember them."""
+def initial_loading(case: Case) -> Statement:
+    """Other initial loadings: only tractions within the permanent stick zone remember them."""
     own = _zones(case)
     corners = ((1.0, 0.5), (2.0, -0.5))
     polygon = tuple((p * case.unit, q * case.unit) for p, q in corners)
-    others = [case.with_load(way_in=way) for way in ("straight", polygon)]
+    others = [case.with_load(initial_loading=way) for way in ("straight", polygon)]
     zone = max(float(np.max(np.abs(_zones(other)[0] - own[0]))) for other in others)
     work = max(abs(_zones(other)[1] / own[1] - 1) for other in others)
     outside = np.linspace(case.stick_edge * 1.001, case.outer_edge, 50)
     inside = np.linspace(0, case.stick_edge * 0.999, 50)
     residual = [max(_traction_change(case, other, x) for other in others) for x in (inside, outside)]
     return Statement(
-        "way in",
+        "initial loading",
         "section 2",
         "of the initial loading only shear tractions within the permanent stick zone are left",
         f"straight and zigzag instead of the parabola: c moves by {small(zone)} a0, W by a share of {small(work)}; "

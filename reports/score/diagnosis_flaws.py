@@ -158,7 +158,7 @@ def _smooth_times(what: Discrepancy, increments: int) -> tuple[Array, Array]:
     """Times of so many increments a cycle, turns of the path and the discrepancy's instants included; and of the latter alone."""
     path, last = what.scene.load.path(), what.comparison.found.time[-1]
     if path.period is None:
-        turns = [leg.end for leg in path.way_in if leg.end <= last]
+        turns = [leg.end for leg in path.initial_loading if leg.end <= last]
         return np.concatenate([np.linspace(path.start, last, 2 * increments + 1), what.time, turns]), what.time
     begin, period = path.cycle_start, path.period
     wanted = begin + (1 + what.fraction) * period
@@ -168,7 +168,7 @@ def _smooth_times(what: Discrepancy, increments: int) -> tuple[Array, Array]:
 
 
 def _own_times(what: Discrepancy) -> tuple[Array, Array]:
-    """Times of the result's own increments, from the way in where it has that, else of its cycle, twice; and of the instants."""
+    """Times of the result's own increments, from initial loading where it has that, else of its cycle, twice; of the instants."""
     path, own = what.scene.load.path(), what.comparison.found
     whole = what.comparison.result.time
     if path.period is None or whole[0] <= path.cycle_start:

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 STATED, INTEGRATED = 0.005, 0.05
 CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
 PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
-_SAMPLES = 720  # of a revolution and of the way in
+_SAMPLES = 720  # of a revolution and of the initial loading
 _SAME = 1e-6  # over the largest P: places as near as that are equally near
 _AHEAD = 1e-9  # of the squared distance, for each revolution gone ahead: among equal matches the earliest
 
@@ -116,7 +116,7 @@ def _missed(result: SurfaceResult, scene: Scene, found: History) -> tuple[Array,
 def _by_time(result: SurfaceResult, path: LoadPath, scene: Scene) -> History:
     assert result.time is not None
     time, first = result.time, path.start
-    last = path.way_in[-1].end if path.period is None else path.cycle_start + scene.cycles * path.period
+    last = path.initial_loading[-1].end if path.period is None else path.cycle_start + scene.cycles * path.period
     time = _snapped(time, path, scene)
     if np.any(np.diff(time) <= 0):
         step = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1

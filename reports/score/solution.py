@@ -89,8 +89,8 @@ def _series(result: SurfaceResult, history: History, found: Zones) -> dict[str, 
         "stick_edges": found.stick_edges,
         "contact_half_width": np.diff(found.contact_edges, axis=1)[:, 0] / 2,
         "stick_half_width": np.diff(found.stick_edges, axis=1)[:, 0] / 2,
-        "rigid_shift": nothing,
-        "rigid_approach": nothing,
+        "tangential_displacement": nothing,
+        "normal_approach": nothing,
     }
     return {name: freeze(values) for name, values in series.items()}  # type: ignore[arg-type]
 
@@ -105,8 +105,8 @@ def _last_cycle(scene: Scene, history: History) -> NDArray[np.intp]:
     """Indices of the last whole cycle (of a path that is not periodic: all, if they go from its start to its end); or none."""
     path, time = scene.load.path(), history.time
     if path.period is None:
-        tolerance = 1e-6 * (path.way_in[-1].end - path.start)
-        whole = time[0] <= path.start + tolerance and time[-1] >= path.way_in[-1].end - tolerance
+        tolerance = 1e-6 * (path.initial_loading[-1].end - path.start)
+        whole = time[0] <= path.start + tolerance and time[-1] >= path.initial_loading[-1].end - tolerance
         return np.arange(len(time) if whole else 0)
     tolerance = 1e-9 * path.period
     end = path.cycle_start + np.floor((time[-1] - path.cycle_start + tolerance) / path.period) * path.period
@@ -135,7 +135,7 @@ def friction_work(shear: Array, slip: Array) -> Array:
 
 def _skipped(result: SurfaceResult, history: History, steps: NDArray[np.intp], density: Array) -> dict[str, tuple[int, str]]:
     count = len(history.time)
-    lacking = dict.fromkeys(("rigid_shift", "rigid_approach", "loop_work"), (count, LACKING))
+    lacking = dict.fromkeys(("tangential_displacement", "normal_approach", "loop_work"), (count, LACKING))
     if result.slip is None:
         lacking["slip"] = (count, LACKING)
     if not len(steps):

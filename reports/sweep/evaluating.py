@@ -117,7 +117,11 @@ def _shared_scales(scene: Scene) -> Scales:
     """Those of the same bodies under the largest load alone, without friction: one for a group, whichever points it has."""
     from halfplane_fe.scales import largest_load
 
-    changed = {"friction": Friction(coefficient=0.0), "load": PolygonLoad(way_in=((largest_load(scene), 0.0),)), "cycles": 1}
+    changed = {
+        "friction": Friction(coefficient=0.0),
+        "load": PolygonLoad(initial_loading=((largest_load(scene), 0.0),)),
+        "cycles": 1,
+    }
     # Words move no number, and would keep points of one group apart.
     words = {name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS}
     still = scene.vary(**(words | changed))

@@ -79,7 +79,11 @@ QUANTITIES: dict[str, Quantity] = {
     "permanent_stick_half_width": Quantity(
         lambda s: s.permanent_stick_half_width, "half-width that sticks through the cycle [length]"
     ),
-    "stroke": Quantity(lambda s: float(np.ptp(s.rigid_shift[s.last_cycle])), "range of the rigid shift [length]", ("rigid_shift",)),
+    "stroke": Quantity(
+        lambda s: float(np.ptp(s.tangential_displacement[s.last_cycle])),
+        "range of the tangential displacement [length]",
+        ("tangential_displacement",),
+    ),
     "loop_work": Quantity(lambda s: s.loop_work, "closed integral of Q dU [energy / thickness]", ("dissipation",)),
 }
 _CONTACT, _STICK = "contact_edge_uncertainty", "stick_edge_uncertainty"

@@ -174,7 +174,7 @@ def _settings(preset: str, mesh: dict[str, Any], solver: dict[str, Any]) -> tupl
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-    start = {"default": MeshSettings, "swift": MeshSettings.swift, "fine": MeshSettings.fine}[preset]()
+    start = {"default": MeshSettings, "coarse": MeshSettings.coarse, "fine": MeshSettings.fine}[preset]()
     made: list[Any] = []
     for name, base, given in (("mesh", start, mesh), ("solver", SolverSettings(), solver)):
         if unknown := sorted(set(given) - set(asdict(base))):

@@ -6,16 +6,17 @@ import json
 from pathlib import Path
 from typing import Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from reports.sweep.axes import Axis, Value
 from reports.sweep.figures import check_figures
 from scenes import InputError, Scene, load_scene
+from scenes.errors import present_name
 from scenes.files import keys_of
 from scenes.frozen import Frozen, refusal
 
 Engine = Literal["fe", "exact"]
-Preset = Literal["default", "swift", "fine"]
+Preset = Literal["default", "coarse", "fine"]
 Uncertainty = Literal["none", "cheap", "budget"]
 
 
@@ -50,6 +51,11 @@ class Study(Frozen):
     samples: int = Field(0, ge=0, le=1_000_000)
     seed: int = Field(0, ge=0)
     preset: Preset = "default"
+
+    @field_validator("preset", mode="before")
+    @classmethod
+    def _present_preset(cls, preset: Any) -> Any:
+        return present_name(preset) if isinstance(preset, str) else preset
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -168,7 +168,7 @@ def touch(deck: Deck) -> Iterator[Block]:
 def history(deck: Deck, first: Iterable[Block]) -> Iterator[Block]:
     """A step to each instant of output; `first` is what the first of them says and the others keep."""
     words = (
-        "Step 2 and all others, the scene's loads: way in and cycles, a step to each instant of output. Every step is one "
+        "Step 2 and all others, the scene's loads: initial loading and cycles, a step to each instant of output. Every step is one "
         "increment, halved where need be; its last one is written. What is said here holds in every step that follows."
     )
     for duration in deck.increments.tolist():

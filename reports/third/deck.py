@@ -21,11 +21,11 @@ from scenes.frozen import validated
 
 Array = NDArray[np.float64]
 
-# The touch: this share of the first increment of the way in is spent on a prescribed approach, so that friction and load control
+# The touch: this share of the first increment of initial loading is spent on a prescribed approach: friction and load control
 # find the faces in contact.
 _TOUCH = 0.25
-# Increments of the way in, over those of a revolution.
-_WAY_IN = 0.25
+# Increments of the initial loading, over those of a revolution.
+_INITIAL_LOADING = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +132,10 @@ def instants(scene: Scene, settings: DeckSettings) -> Array:
     """(n + 1,) the unloaded instant, then the end of every increment: turning points of the path, and even ones between them."""
     path, steps = scene.load.path(), settings.steps_per_cycle
     turns = min(settings.cycles, scene.cycles) if path.period is not None else 0
-    pieces = [(path.way_in, max(_WAY_IN * steps, 4.0)), *((path.cycle_legs(k), float(steps)) for k in range(turns))]
+    pieces = [
+        (path.initial_loading, max(_INITIAL_LOADING * steps, 4.0)),
+        *((path.cycle_legs(k), float(steps)) for k in range(turns)),
+    ]
     found = [path.start]
     for legs, count in pieces:
         duration = legs[-1].end - legs[0].start

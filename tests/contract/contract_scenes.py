@@ -30,7 +30,7 @@ PROFILES: dict[str, dict[str, Any]] = {
     "table": {"kind": "tabulated", "points": ROWS},
 }
 VERTICES = [[1.9, 0.2], [1.0, 0.45], [0.05, -0.02], [1.3, -0.6], [1.7, 0.1]]
-POLYGON = {"kind": "polygon", "way_in": VERTICES[:1], "cycle": VERTICES[1:]}
+POLYGON = {"kind": "polygon", "initial_loading": VERTICES[:1], "cycle": VERTICES[1:]}
 SERIES = {"kind": "time_series", "rows": [[float(k), *point] for k, point in enumerate([*VERTICES, VERTICES[0]])], "repeats": True}
 
 
@@ -76,7 +76,9 @@ def drawn() -> dict[str, dict[str, Any]]:
     scenes |= {f"{name}, harmonics": question(PROFILES[name], WAVES) for name in ("hertz", "long-flat", "table")}
     for seed, profile in enumerate((hertz, middle_flat, PROFILES["power-20"]), 1):
         rows = random_rows(seed, 9, 0.7)
-        scenes[f"random polygon {seed}"] = question(profile, {"kind": "polygon", "way_in": rows[:2], "cycle": rows[2:]}, 0.7)
+        scenes[f"random polygon {seed}"] = question(
+            profile, {"kind": "polygon", "initial_loading": rows[:2], "cycle": rows[2:]}, 0.7
+        )
     scenes["rows 400"] = question(hertz, random_series(4, 400, 0.3, False), 0.3)
     scenes["rows 1500, repeated"] = question(hertz, random_series(5, 1500, 0.3, True), 0.3)
     scenes["rows 1200 on a flat"] = question(middle_flat, random_series(6, 1200, 0.3, False), 0.3)
@@ -91,7 +93,9 @@ def drawn() -> dict[str, dict[str, Any]]:
     scenes["metres and pascals"] = question({"kind": "hertz", "radius": 0.05}, ellipse(2e5, 5e4, 1e4, 4e4, 70.0), 0.5, steel)
     scenes["separates"] = question(hertz, ellipse(1.0, 1.1, 0.0, 0.1, 90.0))
     scenes["slides"] = question(middle_flat, ellipse(1.0, 0.5, 0.0, 0.6, 45.0))
-    scenes["slides on a line"] = question(hertz, {"kind": "polygon", "way_in": [[1.0, 0.2]], "cycle": [[0.3, 0.2], [1.1, 0.2]]})
+    scenes["slides on a line"] = question(
+        hertz, {"kind": "polygon", "initial_loading": [[1.0, 0.2]], "cycle": [[0.3, 0.2], [1.1, 0.2]]}
+    )
     return scenes
 
 

@@ -21,7 +21,7 @@ from scenes import ContactSolution, InadmissibleLoadError, Scene, load_scene
 
 HERE = Path(__file__).parent
 GRIDS = ("pressure", "shear", "slip")
-SERIES = ("rigid_shift", "rigid_approach", "contact_half_width", "stick_half_width")
+SERIES = ("tangential_displacement", "normal_approach", "contact_half_width", "stick_half_width")
 SHARES = (0.0, 0.13, 0.37, 0.61, 0.745, 0.83, 0.91, 0.97, 1.02)  # places, as shares of the largest half-width
 INSTANTS = 12
 SOLVER_NODES, SOLVER_STEPS = 9, 8
@@ -142,7 +142,7 @@ def places_and_instants(scene: Scene) -> tuple[list[float], list[float]]:
 @cache
 def finite_elements(name: str) -> ContactSolution:
     """The answer on the coarse mesh."""
-    return halfplane_fe.solve(load_scene(name), mesh=MeshSettings.swift())
+    return halfplane_fe.solve(load_scene(name), mesh=MeshSettings.coarse())
 
 
 def fe_values(answer: ContactSolution) -> dict[str, Any]:
