@@ -91,10 +91,15 @@ class Arc:
         loads = contact.break_loads
         loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
         self._corners = front_time(piece, loads) if len(loads) else loads
-        self._middle = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
         self._turns = _turn(self._leg, first, last), _turn(self._leg, last, first)
-        even = np.linspace(first, last, _PANELS + 1)
-        self._follow(np.unique(np.clip(np.concatenate([self._corners, [self._middle], even]), first, last)))
+        # Even between the corners: a panel that began just behind one would not be smooth.
+        ends = np.unique(np.clip([first, *self._corners, last], first, last))
+        counts = np.maximum(np.ceil(np.diff(ends) / (last - first) * _PANELS), 1).astype(int)
+        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
+        marks = np.append(np.concatenate(parts), last)
+        half_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
+        self._middle = float(marks[np.argmin(np.abs(marks - half_load))])
+        self._follow(marks)
 
     def up_to(self, time: Array) -> Array:
         """From the begin of the arc to each time (n,): shape (n, k)."""

@@ -16,8 +16,12 @@ from numpy.typing import NDArray
 from semi_analytic.arcs import Arc, Kernel
 from semi_analytic.memory import Curve, Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import Contact
+from semi_analytic.quadrature import gauss
 
 Array = NDArray[np.float64]
+
+# Share of a load up to which a line of the memory is short: differences of slips keep 1e-15 of the whole, over its power 3/2.
+_SHORT = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,19 +48,16 @@ class Integrals:
 
     def over(self, snapshot: Snapshot) -> Array:
         """Over the curves of a snapshot: shape (n, k)."""
-        front = snapshot.load - snapshot.slipped
-        at_front = self.moment(0, front)
-        total = np.zeros(at_front.shape)
-        slid = np.flatnonzero(snapshot.slipped)
-        if len(slid):
-            line = np.asarray(snapshot.direction[slid] * snapshot.friction, dtype=float)[:, None]
-            total[slid] = _rise(line, self.moment(0, snapshot.load[slid]), at_front[slid])
+        front, slopes, bottoms = snapshot.load - snapshot.slipped, np.zeros(len(snapshot.load)), np.zeros(len(snapshot.load))
         groups = list(snapshot.groups())
+        for piece, here in groups:
+            slopes[here], bottoms[here] = _slope(piece), piece.bottom
+        slip_line = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
+        total = self._line(slip_line, front, snapshot.load) + self._line(slopes, bottoms, front)
         self._remember([piece.below for piece, _ in groups])
-        bottoms = self.moment(0, np.array([piece.bottom for piece, _ in groups]))
         curved = self._curved([(piece, front[here]) for piece, here in groups])
-        for (piece, here), bottom, arc in zip(groups, bottoms, curved, strict=True):
-            total[here] += self.whole(piece.below) + _rise(_slope(piece), at_front[here], bottom) + arc
+        for (piece, here), arc in zip(groups, curved, strict=True):
+            total[here] += self.whole(piece.below) + arc
         return total
 
     def _remember(self, curves: list[Curve]) -> None:
@@ -69,12 +70,12 @@ class Integrals:
                 unknown[id(piece)] = piece
         if not unknown:
             return
-        tops = self.moment(0, np.array([piece.top for piece in unknown.values()]))
-        bottoms = self.moment(0, np.array([piece.bottom for piece in unknown.values()]))
+        slopes, bottoms, tops = (
+            np.array(part) for part in zip(*((_slope(p), p.bottom, p.top) for p in unknown.values()), strict=True)
+        )
         curved = self._curved([(piece, np.array([piece.top])) for piece in unknown.values()])
-        own = {}
-        for piece, top, bottom, arc in zip(unknown.values(), tops, bottoms, curved, strict=True):
-            own[id(piece)] = _rise(_slope(piece), top, bottom) + (arc[0] if isinstance(arc, np.ndarray) else arc)
+        lines = self._line(slopes, bottoms, tops)
+        own = {id(piece): line + np.ravel(arc) for piece, line, arc in zip(unknown.values(), lines, curved, strict=True)}
         for piece in unknown.values():
             self._add_up(piece, own)
 
@@ -88,6 +89,48 @@ class Integrals:
         for piece in reversed(chain):
             below = self._known[id(piece.below)][1] if piece.below is not None else np.zeros(len(self.x))
             self._known[id(piece)] = (piece, below + own[id(piece)])
+
+    def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
+        """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines of no slope or no length.
+
+        A short line is integrated by itself: of a difference of two long ones little more than round-off would be left.
+        """
+        total = np.zeros((len(top), len(self.x)))
+        there = np.flatnonzero((slope != 0) & (top != bottom))
+        short = np.zeros(len(there), dtype=bool)
+        if self.kernel == "slip" and not self.contact.closed_form:
+            length = top[there] - bottom[there]
+            # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
+            below, above = (np.searchsorted(self.contact.break_loads, ends) for ends in (bottom[there] - length, top[there]))
+            short = (length < _SHORT * top[there]) & (below == above)
+        for here, between in ((there[~short], self._difference), (there[short], self._by_itself)):
+            if len(here):
+                total[here] = slope[here, None] * between(bottom[here], top[here])
+        return total
+
+    def _difference(self, bottom: Array, top: Array) -> Array:
+        different, fold = np.unique(np.concatenate([bottom, top]), return_inverse=True)
+        moments = self.moment(0, different)
+        return np.asarray(moments[fold[len(bottom) :]] - moments[fold[: len(bottom)]])
+
+    def _by_itself(self, bottom: Array, top: Array) -> Array:
+        """int arccosh(|x|/a) d eta, eta = end - v^2, v = e sinh(s): sqrt(P_x - eta) becomes smooth, e^2 = P_x - end >= 0."""
+        contact, edge = self.contact, self.contact.load(self.x)
+        end = np.minimum(top[:, None], edge)
+        width = np.sqrt(np.maximum(end - bottom[:, None], 0.0))
+        result = np.zeros(end.shape)
+        beyond = np.sqrt(np.maximum(edge - end, 0.0))
+        near = beyond < 0.5 * width
+        for some, count in ((~near, 12), (near, 32)):
+            row, point = np.nonzero((width > 0) & some)
+            e = np.maximum(beyond[row, point], 1e-4 * width[row, point])
+            node, weight = gauss(count)
+            reach = np.arcsinh(width[row, point] / e)[:, None]
+            v, root = e[:, None] * np.sinh(reach * node), e[:, None] * np.cosh(reach * node)
+            excess = np.square(v) + np.square(beyond[row, point])[:, None]
+            ratio = contact.arccosh_ratio(self.x[point, None], excess, contact.advance(end[row, point, None] - np.square(v)))
+            result[row, point] = np.sum(weight * reach * 2 * v * root * ratio, axis=1)
+        return result
 
     def _curved(self, fronts: list[tuple[Piece, Array]]) -> list[Array | float]:
         """What each piece from its lower end to the loads of its front (n,) has beyond its straight part: shape (n, k), or 0.
@@ -126,12 +169,6 @@ class Integrals:
             # All moments are taken as differences between two loads.
             return (contact.pressure_rise, contact.pressure_moment)[order](self.x, column)
         return (contact.spread, contact.spread_moment)[order](self.x, column)
-
-
-def _rise(slope: float | Array, top: Array, bottom: Array) -> Array:
-    """Slope times rise; 0 where either is, also where the kernel is infinite: no load at the tip of a wedge."""
-    moved = (top != bottom) & (slope != 0)
-    return slope * np.subtract(top, bottom, out=np.zeros(moved.shape), where=moved)
 
 
 def _slope(piece: Piece) -> float:

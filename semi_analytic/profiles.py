@@ -21,7 +21,6 @@ import numpy as np
 from numpy.polynomial import Polynomial, polynomial
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import beta
 
 from scenes import (
     CallableProfile,
@@ -112,7 +111,9 @@ def load_factor(exponent: float) -> float:
     >>> round(load_factor(1.0), 15), round(load_factor(2.0), 15)  # 1 and pi/4
     (1.0, 0.785398163397448)
     """
-    return float(beta((exponent + 1) / 2, 0.5)) / 2
+    upper, lower = (exponent + 1) / 2, exponent / 2 + 1
+    ratio = math.gamma(upper) / math.gamma(lower) if exponent < 300 else math.exp(math.lgamma(upper) - math.lgamma(lower))
+    return math.sqrt(math.pi) / 2 * ratio
 
 
 def power_law(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:

@@ -271,6 +271,8 @@ class PunchSuperposition:
         front = np.maximum(p - d, 0.0)
         number = np.maximum(np.searchsorted(self._begin_loads, front, side="right") - 1, 0)
         smooth = (d < _NEARBY * (front - self._begin_loads[number])) & (p <= np.append(self._begin_loads, np.inf)[number + 1])
+        if self.bends_anywhere:
+            smooth &= d <= _APART * p  # twelve nodes would miss a half-width at which P hardly grows
         far = ~smooth & (d > _APART * p)
         result = np.zeros(p.shape)
         for here, area in ((smooth, self._area_nearby), (far, self._area_apart), (~smooth & ~far & (d > 0), self._area_across)):

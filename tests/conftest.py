@@ -22,6 +22,8 @@ os.environ["HALFPLANE_CACHE"] = "off"
 
 IN_CI = os.environ.get("CI", "").lower() in {"1", "true"}
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
+# Cases of families that stay among the fast tests, of two seconds and more each: `make test` takes minutes less without them.
+COSTLY = frozenset(Path(__file__).with_name("costly.txt").read_text(encoding="utf-8").splitlines())
 SLOW_REASON = "slow: run by make slow, --slow or -m slow"
 
 matplotlib.use("Agg")
@@ -38,6 +40,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.nodeid.removeprefix("tests/") in COSTLY:
+            item.add_marker(pytest.mark.slow)
     if _slow_wanted(config):
         return
     for item in items:

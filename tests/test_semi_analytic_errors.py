@@ -176,8 +176,9 @@ def test_what_was_not_found_is_one_sentence_at_the_command_line(monkeypatch, cap
 
 
 def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():
-    """Q of 2e-4 f P on a short flat face: slip is 2.0e-11 of its largest off where 6.7e-12 was told, the shift 1.0e-11 where
-    nothing was.
+    """Q of 2e-4 f P on a short flat face: the error of slip, 5e-15 of its largest, and that of the displacement, 1e-11, are stated.
+
+    As a difference of two long lines the slip was off by 9e-10.
     """
     profile = FlatRounded(radius=1.0, flat_half_length=1e-3)
     scene = make_scene(polygon([(1.0, 0.0)], [(1.0, 1e-4), (1.0, -1e-4)]), 0.5).vary(profile=profile)
@@ -189,4 +190,5 @@ def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():
     for name in ("slip", "tangential_displacement"):
         truth = np.array([each[name] for each in exact])
         off = float(np.max(np.abs(getattr(found, name) - truth)) / np.max(np.abs(truth)))
-        assert 1e-13 < off <= found.record.errors[name] < 2e-9, name
+        assert off <= found.record.errors[name] < 2e-9, name
+        assert off < {"slip": 1e-13, "tangential_displacement": 1e-10}[name]

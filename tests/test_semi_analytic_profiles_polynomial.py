@@ -72,3 +72,18 @@ def test_height_is_the_initial_gap():
     profile = EvenPolynomial(length=2.0, rises=(0.5, 0.25, 0.1))
     x = np.array([0.4, 1.0, 7.0])
     np.testing.assert_allclose(2 / np.pi * profile_contact(profile).spread(x, 1e9), profile.height(x), rtol=1e-13)
+
+
+def test_slip_area_where_p_hardly_grows():
+    """Across a half-width at which dP/da is nearly 0 twelve nodes of Gauss' rule left 1e-7 of Lam, and did not say so."""
+    contact = profile_contact(EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43)))
+    node, weight = np.polynomial.legendre.leggauss(12)
+    for half in np.linspace(0.4, 1.4, 41):
+        load = float(contact.load(half))
+        for part in (1e-3, 0.019, 0.03, 0.1, 0.25):
+            front = float(contact.half_width(load * (1 - part)))
+            marks = np.linspace(front, half, 201)
+            step = np.diff(marks)[:, None] / 2
+            a = marks[:-1, None] + step * (1 + node)
+            exact = np.sum(step * weight * contact.stiffness(a) * np.log1p((a - front) / front))
+            assert float(contact.log_area(load, part * load)) == pytest.approx(exact, rel=2e-11), (half, part)
