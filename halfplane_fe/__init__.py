@@ -7,13 +7,13 @@ In the order in which a scene passes through::
     scales.py                              the coarse run: half-width, innermost edge
     pair.py                                the two bodies: meshed, condensed, supported, their gap
     assembly.py                            the stiffness of a body by elements that do not lock
-    elasticity.py, far_field.py, store.py  a body condensed to its contact nodes, Flamant on its arc, kept on disk
-    interface.py, mortar.py                both bodies as one compliance; sides that do not match, or are curved
+    elasticity.py, far_field.py, store.py  static condensation (Schur complement) to the contact nodes, Flamant far field, cache
+    interface.py, mortar.py                both bodies as one compliance; dual mortar for sides that do not match, or are curved
     mirror.py, datum.py                    symmetric faces on one half; the datum of approach and shift
-    law.py                                 Signorini and Coulomb as one projection
-    contact.py                             one increment: the active set
-    systems.py, nested.py, coupled.py      its linear systems, of like and of unlike bodies, with factors that kept.py keeps
-    tresca.py                              the two convex halves, where the sets do not settle
+    law.py                                 Signorini and Coulomb as one projection: return mapping
+    contact.py                             one increment: active set, semismooth Newton
+    systems.py, nested.py, coupled.py      its linear systems, of like and unlike bodies: Woodbury updates, cached by kept.py
+    tresca.py                              the two convex halves (Signorini, Tresca), where the sets do not settle
     events.py, stepping.py, run.py         to the next touch or release, along a stretch, over the whole path
     energy.py                              balance, friction work, step error, certificates
     edges.py, visible.py                   edges of contact and stick, states as a reader sees them

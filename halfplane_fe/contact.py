@@ -1,4 +1,4 @@
-"""Contact and friction of two condensed bodies at one load: the active set that meets the law at every node.
+"""Active set (semismooth Newton): contact and friction of two condensed bodies at one load, the law met at every node.
 
 All in scaled variables: lengths over the half-width, forces over the largest load P, displacements over P/E*.
 """
@@ -96,12 +96,20 @@ class ContactProblem:
     def equilibrium(
         self, history: InterfaceState, time: float, loads: tuple[float, float], start: States | None = None
     ) -> tuple[InterfaceState, int]:
-        """The state at `loads` that follows `history` in one increment, and the iterations it took, from the states `start`.
+        """The state at `loads` that follows `history` in one increment (active set), from states `start`, and its iterations.
 
         Raises
         ------
         ConvergenceError
             With instant, loads and the number of nodes still changing.
+
+        >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
+        >>> flat = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0.0, 0.0], [1.0, 1.0]]), none, springs, springs, None)
+        >>> problem = ContactProblem(flat, np.array([0.0, 1.0]), 0.5, Layer(none, none))
+        >>> pressed, _ = problem.equilibrium(untouched(problem.height, 0.0), 1.0, (3.0, 0.0))
+        >>> sheared, _ = problem.equilibrium(pressed, 2.0, (3.0, 1.2))
+        >>> pressed.pressure.tolist(), sheared.shear.round(12).tolist(), sheared.state.tolist()  # the second node slips at f p
+        ([2.0, 1.0], [0.7, 0.5], [1, 2])
         """
         answer, iterations, changing = self._active_set(history.state if start is None else start, history, time, loads)
         if answer is None and self.tangential:
@@ -122,7 +130,7 @@ class ContactProblem:
     def _active_set(
         self, states: States, history: InterfaceState, time: float, loads: tuple[float, float]
     ) -> tuple[InterfaceState | None, int, int]:
-        """Semi-smooth Newton: states -> forces that meet them -> states that these want, until they agree."""
+        """Semismooth Newton: states -> forces that meet them -> states that these want, until they agree."""
         seen: set[bytes] = set()
         changing = 0
         for iteration in range(1, self.max_iterations + 1):

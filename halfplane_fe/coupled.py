@@ -1,4 +1,4 @@
-r"""Normal and tangential problem of unlike bodies in one system, for many sets of node states from a few factorisations.
+r"""Normal and tangential problem of unlike bodies in one system, for many sets of node states (Sherman-Morrison-Woodbury).
 
 Unknowns z = (p, q, delta, U); each node has two rows, by its state:
 

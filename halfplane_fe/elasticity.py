@@ -1,4 +1,4 @@
-"""Plane-strain elasticity of one body, condensed to the nodes that may touch."""
+"""Static condensation: plane-strain elasticity of one body, reduced by a Schur complement to the nodes that may touch."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> 
 
 
 def _interface_stiffness(system: System) -> tuple[Array, Inside]:
-    """Stiffness of the contact and arc nodes (2 n + 2 m), all others eliminated, and the way back to these.
+    """Schur complement: stiffness of the contact and arc nodes (2 n + 2 m), all others eliminated, and the way back to these.
 
     The kept nodes stand last in the order of elimination, so that their stiffness is the trailing block of the factors: three to
     five times faster than solving for each unit force.
@@ -194,7 +194,9 @@ def truncated_compliance(body: BodyMesh, material: Elastic, datum_length: float,
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
-    """Condense a body to its contact nodes; the arc of a half-disc carries the tractions of the nodal forces by half-plane theory.
+    """Static condensation of a body to its contact nodes; the arc of a half-disc carries the half-plane's tractions.
+
+    With i the inner and c the contact nodes: stiffness S = K_cc - K_ci K_ii^-1 K_ic (Schur complement), compliance S^-1.
 
     Parameters
     ----------
@@ -208,6 +210,14 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         For linear elements of a nearly incompressible body: they lock.
     ConvergenceError
         If rounding leaves no stiffness, or a compliance that is not that of the mesh to 1e-6 (`condensation_error`).
+
+    >>> from meshes import SurfaceGrading
+    >>> block = skfem.MeshQuad.init_tensor(np.array([-1.0, 1.0]), np.array([-3.0, 0.0]))  # one element, 2 wide and 3 high
+    >>> block = block.with_boundaries({"contact": lambda x: x[1] == 0, "base": lambda x: x[1] == -3})
+    >>> body = BodyMesh("block", block, SurfaceGrading(0.0, 1.0, 1.0, 1.0), {}, {"base": "rollers"})
+    >>> condensed = condense(body, Elastic(young_modulus=2.0, poisson_ratio=0.0), 1.0)
+    >>> (condensed.compliance[1, :, 1] @ [1.0, 1.0]).round(12).tolist()  # stress 1 over E = 2, times 3
+    [1.5, 1.5]
     """
     system = assemble(body, material)
     stiffness, inside = _interface_stiffness(system)

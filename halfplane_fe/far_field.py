@@ -1,4 +1,4 @@
-r"""Half-planes under point forces on their surface (Flamant): the piece of half-plane theory inside the FE model.
+r"""Flamant far field: half-planes under point forces on their surface, the piece of half-plane theory inside the FE model.
 
 The arc of the half-disc carries the tractions t of the very nodal forces f on the contact, each at its own place. So the multipoles
 of every order are there. With w(f) the displacement of the half-plane, t(f) its tractions on the arc and B the work of these on the
@@ -61,6 +61,10 @@ def surface_force_displacement(
         Displacement component (x, y), point, force component (x, y), place [length per force per thickness].
 
     Source: Johnson, Contact Mechanics (1985), sections 2.2 and 2.3, in Cartesian form.
+
+    >>> on_surface = surface_force_displacement(np.array([1.0]), np.zeros(1), np.zeros(1), 2.0, 0.0, datum_length=2.0)
+    >>> on_surface[1, 0, 1, 0].round(12).tolist(), round(float(np.log(2)) / np.pi, 12)  # at r = L/2: (2/(pi E)) ln 2
+    (0.220635600153, 0.220635600153)
     """
     # notation: c = 1/(2 pi G), k = 1 - 2 nu
     shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
@@ -98,6 +102,10 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     -------
     (2, n, 2, m)
         Traction component (x, y), point, force component (x, y), place [1/length per force per thickness].
+
+    >>> below = surface_force_traction(np.zeros(1), np.array([-1.0]), np.array([[0.0], [-1.0]]), np.zeros(1))
+    >>> round(float(below[1, 0, 1, 0]) * np.pi, 12)  # a pull of 1 along +y is held by 2/(pi r) below it
+    -2.0
     """
     radius = np.stack([x[:, None] - force_at, np.broadcast_to(y[:, None], (len(y), len(force_at)))])
     across = radius[0] * normal[0][:, None] + radius[1] * normal[1][:, None]

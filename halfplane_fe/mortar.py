@@ -1,4 +1,4 @@
-r"""Mortar coupling of two contact sides on their common refinement: flat or curved, matching or not.
+r"""Dual mortar coupling of two contact sides on their common refinement: flat or curved, matching or not.
 
 Points of the two sides that lie above each other are compared along the normal n and the tangent t of the line half-way between
 the sides, in the mean over the multipliers of the lower side:

@@ -1,4 +1,4 @@
-r"""Solutions of M_AA f = b for many sets A of nodes, from one Cholesky factor of M.
+r"""Solutions of M_AA f = b for many sets A of nodes from one Cholesky factor of M, updated as by Sherman-Morrison-Woodbury.
 
 With the nodes ordered from the middle of the contact outwards, M = L L^T, the factor of the first k of them is the leading block of
 L: every contact and every stick zone that is symmetric about the middle needs no factorisation of its own. Any other set is such a

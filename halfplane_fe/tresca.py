@@ -24,12 +24,21 @@ _ITERATIONS = 200
 def pressure_at_known_shear(
     systems: Systems, height: Array, load: float, closed: Mask, rounding: float
 ) -> tuple[Array, float, Mask]:
-    """Pressure (n,), approach and closed nodes of g = height - n_y delta + N p >= 0, p >= 0, g p = 0, n_y p = load.
+    """Pressure (n,), approach and closed nodes of g = height - n_y delta + N p >= 0, p >= 0, g p = 0, n_y p = load (active set).
 
     Parameters
     ----------
     height : (n,) initial gap with the parts of the known shear and shift in it
     closed : where to start
+
+    >>> from halfplane_fe.interface import Interface
+    >>> from halfplane_fe.systems import Layer
+    >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
+    >>> flat = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0.0, 0.0], [1.0, 1.0]]), none, springs, springs, None)
+    >>> height, start = np.array([0.0, 1.0]), np.array([True, False])
+    >>> pressure, approach, closed = pressure_at_known_shear(Systems(flat, Layer(none, none), 0.5), height, 3.0, start, 1e-12)
+    >>> pressure.tolist(), approach, closed.tolist()  # approach 2, the second node meets after 1
+    ([2.0, 1.0], 2.0, [True, True])
     """
 
     def step(closed: Mask) -> tuple[Array, Array, Mask]:
@@ -49,6 +58,15 @@ def shear_at_known_pressure(
     """Shear (n,), shift and states of |q| <= f p, slip n_y U - T q - known_slip only where |q| = f p and along q, n_y q = load.
 
     The sum of n_y q grows with the shift U from -f P to f P, so U is found by bracketing.
+
+    >>> from halfplane_fe.interface import Interface
+    >>> from halfplane_fe.systems import Layer
+    >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
+    >>> flat = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0.0, 0.0], [1.0, 1.0]]), none, springs, springs, None)
+    >>> systems, pressure = Systems(flat, Layer(none, none), 0.5), np.array([0.2, 1.0])
+    >>> shear, shift, states = shear_at_known_pressure(systems, pressure, none, 0.5, 1e-12)
+    >>> shear.round(12).tolist(), round(shift, 12), states.tolist()  # the first node slips at f p = 0.1, the second holds the rest
+    ([0.1, 0.4], 0.4, [2, 1])
     """
     n_y = systems.interface.normals[1]
     limit = systems.friction * pressure

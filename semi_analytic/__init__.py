@@ -1,41 +1,37 @@
 """The half-plane engine: partial slip of any symmetric profile under any history of P and Q, exact to rounding.
 
-Normal contact, one profile a file, `Contact` being what the rest asks of each::
+Normal contact::
 
-    contact.py                             what is asked of a profile, and who answers for which
-    elasticity.py                          E*, Dundurs' beta
-    hertz.py, power_law.py, polynomial.py  closed forms
-    flat_rounded.py                        with flat_law.py (load and logarithm) and flat_integrals.py
-    compound.py, wedge.py                  two curvatures, with tip.py (the rounded tip)
-    tabulated.py, callable_profile.py      measured rows, Python functions
-    pile.py, sheets.py                     any P(a) by quadrature, where there is no closed form
+    elasticity.py           composite modulus E*, Dundurs' beta
+    hertz.py                Hertz law: the parabola in closed form
+    profiles.py             P(a) of every profile: flat and rounded, power law, two curvatures; Abel transform of tables
+    punch_superposition.py  Ciavarella-Jaeger superposition of flat punches: p, outer displacement and slip kernel of any P(a)
 
 The history of P and Q::
 
-    legs.py, turning.py                    P, Q and Q -+ f P along a leg: changes, turning points, inverses
-    memory.py                              the memory curve M(eta), Masing's rule: what a load does to it
-    load_series.py                         straight paths of any length: knots of the curve, W and W(x) of each step
-    history.py                             curved paths: spans of stick, slip and unloading, the steady cycle, gross sliding
-    event_times.py                         the instants A to M
-    roundoff.py                            what the last digits of P cost
+    memory.py               memory curve M(eta): full stick, slip up to the Coulomb limit, reversal (Masing rule), unloading
+    history.py              curved paths: spans of stick and slip, the steady cycle, gross sliding and separation
+    load_series.py          straight paths of any length: knots of the memory curve, slip of each step
+    event_times.py          events: the instants A to M
+    roundoff.py             round-off error where next to nothing slips
 
 From a request to an answer::
 
-    request.py                             points, instants and fields that are asked for
-    fields.py                              q, s and the relative tangential displacement U: Ciavarella-Jaeger superposition
-    arcs.py, curved.py                     q, s and U of arcs of ellipses, of other legs
-    friction_work.py                       W, W(x), the closed integral of Q dU, W as the integral of W(x); convergence by halving
-    quadrature.py, panels.py               the rules of quadrature
-    solution.py                            all of it together: `solve`, and what a solution says of itself
-    errors.py                              estimated errors
-    damping.py                             stiffness and damping of the loop
+    request.py              options: points, instants and fields
+    fields.py               shear traction q (Cattaneo-Mindlin), slip s, relative tangential displacement U by superposition
+    arcs.py                 the same integrals along curved segments in full stick
+    friction_work.py        global and pointwise dissipation W and W(x), the area of the loop of Q over U
+    quadrature.py           Gauss' rule; trapezoidal rule for singular ends
+    solution.py             `solve`: all of it together
+    errors.py               error estimates
+    damping.py              hysteresis: secant stiffness, damping ratio, tangential compliance
 
 Arrays of ellipses in one call::
 
-    batches.py                             `dissipation` and `peak_dissipation`: arguments in blocks, profiles in units of their own
-    steady_ellipse.py                      angles and loads of steady ellipses; W and W(x) of each, however small the slip
-    slip_work.py                           W of many: over the contact (slip moment), or by Lam and one Gauss rule for each phase
-    density_peaks.py                       the maxima of W(x)
+    batches.py              `dissipation` and `peak_dissipation` of arrays of loads and profiles
+    steady_ellipse.py       W and W(x) of a steady ellipse, its permanent stick zone
+    slip_work.py            W of many steady ellipses: an integral over the contact, or one Gauss rule for each phase
+    density_peaks.py        the maxima of W(x)
 """
 
 from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipation, peak_dissipation

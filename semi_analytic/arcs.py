@@ -102,7 +102,18 @@ class Arc:
         self._follow(marks)
 
     def up_to(self, time: Array) -> Array:
-        """From the begin of the arc to each time (n,): shape (n, k)."""
+        """From the begin of the arc to each time (n,): shape (n, k).
+
+        >>> from scenes import ellipse_segment
+        >>> from semi_analytic.hertz import HertzContact
+        >>> from semi_analytic.memory import append, instant
+        >>> leg = ellipse_segment(-math.pi, 0.0, (3.0, 1.0), (1.0, 0.25), 0.0)  # P from 2 to 4, dQ = dP/4
+        >>> below = Piece(None, 2.0, instant(leg, -math.pi), 0.0)
+        >>> contact = HertzContact(modulus=math.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
+        >>> arc = Arc(contact, "shear", append(below, leg, -math.pi, instant(leg, 0.0)), np.zeros(1))
+        >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
+        [[0.146446609407]]
+        """
         marks = self._marks
         time = np.clip(time, marks[0], marks[-1])
         stops, fold = np.unique(time, return_inverse=True)

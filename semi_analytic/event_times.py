@@ -96,7 +96,7 @@ def event(scene: Scene, letter: str) -> Event:
     >>> from scenes import load_scene
     >>> found = event(load_scene("hertz-paper"), "G")
     >>> round(found.time / math.pi, 12), round(found.front_load / found.normal_load, 6)
-    (3.25, 0.69161)
+    (3.25, 0.691609)
     """
     for found in events(scene):
         if letter and found.letter == letter:

@@ -1,9 +1,10 @@
-"""From memory curves to tractions, slips and tangential displacements, for many instants and points at once.
+"""Ciavarella-Jaeger superposition: shear traction q, slip s and relative tangential displacement U from memory curves.
 
 # notation: M'(eta) slope of the memory curve, A = 2/E*, P_x load at which a = |x|
 
 q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d eta: one sum over the pieces
-of the curve with three kernels. What instants have in common, the pieces under the uppermost, is summed once.
+of the curve with three kernels, for many instants and points at once. What instants have in common, the pieces under the
+uppermost, is summed once.
 """
 
 from __future__ import annotations
@@ -42,12 +43,33 @@ class Integrals:
     _arcs: dict[tuple[int, float, float], tuple[Piece, Arc]] = field(default_factory=dict)
 
     def whole(self, curve: Curve) -> Array:
-        """Over a whole curve: shape (k,)."""
+        """Over a whole curve: shape (k,).
+
+        >>> from scenes.segments import straight_segments
+        >>> from semi_analytic.hertz import HertzContact
+        >>> from semi_analytic.history import march
+        >>> contact = HertzContact(modulus=np.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
+        >>> stuck = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 1.0)]), 0.5, 0.0)[1]
+        >>> Integrals(contact, np.zeros(1), "shear").whole(stuck).round(12).tolist()  # M' = 1/4: q = p/4
+        [0.5]
+        """
         self._remember([curve])
         return self._known[id(curve)][1] if curve is not None else np.zeros(len(self.x))
 
     def over(self, snapshot: Snapshot) -> Array:
-        """Over the curves of a snapshot: shape (n, k)."""
+        """Over the curves of a snapshot: shape (n, k).
+
+        At constant P this is the traction of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
+
+        >>> from scenes.segments import straight_segments
+        >>> from semi_analytic.hertz import HertzContact
+        >>> from semi_analytic.history import march, take
+        >>> contact = HertzContact(modulus=np.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
+        >>> loading, slip = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 0.0), (2.0, 4.0, 1.5)]), 0.5, 0.0)[0]
+        >>> shear = Integrals(contact, np.zeros(1), "shear").over(take([(slip, np.array([2.0]))]))
+        >>> shear.round(12).tolist()  # 0.5 (sqrt 4 - sqrt 1)
+        [[0.5]]
+        """
         front, slopes, bottoms = snapshot.load - snapshot.slipped, np.zeros(len(snapshot.load)), np.zeros(len(snapshot.load))
         groups = list(snapshot.groups())
         for piece, here in groups:

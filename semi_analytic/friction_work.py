@@ -66,7 +66,19 @@ class Split(NamedTuple):
 
 
 def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
-    """Friction work of the spans [energy per unit thickness]."""
+    """Friction work of the spans over the whole contact [energy per unit thickness].
+
+    Of Q from 0 to k f P at constant P: (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
+
+    >>> from scenes.segments import straight_segments
+    >>> from semi_analytic.hertz import HertzContact
+    >>> from semi_analytic.history import march
+    >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
+    >>> spans, _ = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3)]), 0.5, 0.0)  # k = 0.6
+    >>> closed = 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
+    >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(closed, 12)
+    (0.004256098192, 0.004256098192)
+    """
     slipping = [span for span in smooth_spans(contact, spans) if span.direction and span.active is not None]
     works = np.array([_work_of_span(contact, span, [span.begin.time], [span.end.time])[0] for span in slipping])
     # One size for all: a short span by itself may be all rounding, and would never converge to its own.
@@ -113,7 +125,20 @@ def uneven(contact: Contact, span: Span) -> bool:
 
 
 def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span], x: Array) -> Split:
-    """Friction work of the spans at |x| = `x` (k,): shape (k,) [energy per area]."""
+    """Friction work of the spans at |x| = `x` (k,): shape (k,) [energy per area].
+
+    While Q grows at constant P it is f p(x) s(x), with the slip s = (f A/pi) [S(x, P) - S(x, P_c)] of `HertzContact.spread`.
+
+    >>> from scenes.segments import straight_segments
+    >>> from semi_analytic.hertz import HertzContact
+    >>> from semi_analytic.history import march
+    >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
+    >>> spans, _ = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3)]), 0.5, 0.0)  # P_c = 0.4
+    >>> slip = 0.5 * 2 / math.pi * (contact.spread(1.0, 1.0) - contact.spread(1.0, 0.4))
+    >>> work = pointwise_dissipation(contact, 1.0, spans, np.array([0.3, 1.0])).total  # 0.3 sticks
+    >>> float(work[0]), round(float(work[1]), 12), round(float(0.5 * contact.pressure(1.0, 1.0) * slip), 12)
+    (0.0, 0.008438314611, 0.008438314611)
+    """
     work = {1: np.zeros(len(x)), -1: np.zeros(len(x))}
     edge_load = contact.load(x)
     todo = []
@@ -173,7 +198,20 @@ def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Ar
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> float:
-    """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness]."""
+    """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness]: the area of the hysteresis loop.
+
+    Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2].
+
+    >>> from scenes.segments import straight_segments
+    >>> from semi_analytic.hertz import HertzContact
+    >>> from semi_analytic.history import march
+    >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
+    >>> rows = [(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3), (3.0, 1.0, -0.3), (4.0, 1.0, 0.3)]  # k = 0.6
+    >>> spans, _ = march(None, straight_segments(rows), 0.5, 0.0)
+    >>> closed = 4 * 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
+    >>> round(closed_integral(contact, 1.0, [span for span in spans if span.begin.time >= 2.0]), 12), round(closed, 12)
+    (0.017024392768, 0.017024392768)
+    """
     return closed_integral_and_rounding(contact, modulus, spans)[0]
 
 

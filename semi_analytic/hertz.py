@@ -1,4 +1,4 @@
-"""Normal contact of the parabola h = x^2 / (2 R), everything in closed form."""
+"""Hertz law: normal contact of the parabola h = x^2 / (2 R), everything in closed form."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def log_excess(ratio: ArrayLike) -> Array:
     With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r = r^2/(2 - r), so that nothing cancels.
 
     >>> float(log_excess(1e-9)) * 2e18, round(float(log_excess(0.5)), 12)
-    (1.000000000..., 0.193147180560)
+    (1.000000000..., 0.19314718056)
     """
     r = np.asarray(ratio, dtype=float)
     if not np.any(r > _SERIES_UP_TO):
@@ -78,7 +78,11 @@ class HertzContact:
         return np.sqrt(self.stretch * np.asarray(load, dtype=float))
 
     def load(self, half_width: ArrayLike) -> Array:
-        """P(a) [force per thickness], the inverse of `half_width`."""
+        """P(a) = pi E* a^2/(4 R) [force per thickness], the Hertz law, the inverse of `half_width`.
+
+        >>> round(float(HertzContact(modulus=100.0, radius=1.0, datum_length=1.0).load(1.0)) / np.pi, 12)
+        25.0
+        """
         return np.square(np.asarray(half_width, dtype=float)) / self.stretch
 
     def stiffness(self, half_width: ArrayLike) -> Array:
@@ -86,7 +90,11 @@ class HertzContact:
         return 2 * np.abs(np.asarray(half_width, dtype=float)) / self.stretch
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) >= 0 [stress], 0 outside the contact; equation (22) of the paper."""
+        """p(x, P) >= 0 [stress], 0 outside the contact; equation (22) of the paper.
+
+        >>> float(HertzContact(modulus=100.0, radius=1.0, datum_length=1.0).pressure(0.0, 25 * np.pi).round(12))  # 2 P/(pi a)
+        50.0
+        """
         excess = np.maximum(np.asarray(load, dtype=float) - self.load(x), 0.0)
         return np.sqrt(excess / self.stretch) * (2 / np.pi)
 
@@ -100,6 +108,12 @@ class HertzContact:
         """S(x, eta) = int_0^eta arccosh(|x|/a) d eta' over the loads at which x is outside [force per thickness].
 
         S = eta arccosh(sqrt(P_x/eta)) + P_x - sqrt(P_x (P_x - eta)) for eta < P_x, and P_x beyond.
+
+        The gap closes where the edge comes: h = x^2/(2 R) = (A/pi) S(x, P_x).
+
+        >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
+        >>> round(2 / np.pi * float(contact.spread(0.6, contact.load(0.6))), 12)  # 0.6^2/2
+        0.18
         """
         edge = self.load(x)
         inner = np.minimum(np.asarray(load, dtype=float), edge)
@@ -175,7 +189,7 @@ class HertzContact:
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(float(contact.log_area(2.0, 1.0)), 12)  # ln 2 - 1/2
-        0.193147180560
+        0.19314718056
         """
         p = np.asarray(load, dtype=float)
         return p / 2 * log_excess(np.asarray(slipped, dtype=float) / np.where(p > 0, p, 1.0))

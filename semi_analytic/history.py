@@ -1,4 +1,4 @@
-"""Curved paths: which part of a leg sticks, which slips, which piece of the memory is being erased, and when (Masing's rule).
+"""Curved paths: which part of a leg sticks, which slips, which piece of the memory is being erased, and when (Masing rule).
 
 A history is a sequence of spans, in each of which the memory curve keeps its structure: an uppermost piece `active` up to a load
 that moves with time (the load itself while P follows the piece, the front P_c in slip), what lies below it untouched, and in slip a
@@ -110,9 +110,18 @@ class Span:
 
 
 def check(legs: Sequence[LoadSegment], friction: float) -> None:
-    """Raise InadmissibleLoadError at the first instant of gross sliding or separation on `legs`.
+    """Raise InadmissibleLoadError at the first instant of gross sliding, |Q| > f P, or separation, P < 0, on `legs`.
 
     |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any f.
+
+    >>> from scenes import StraightSegment
+    >>> check([StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5))], 0.5)  # |Q| = f P is reached at the end, not exceeded
+    >>> check([StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.6))], 0.3)
+    Traceback (most recent call last):
+    scenes.errors.InadmissibleLoadError: load: gross sliding from time 0.5 on, at time 1 with P = 1, Q = 0.6, f = 0.3: ...
+    >>> check([StraightSegment(0.0, 1.0, (1.0, 0.0), (-1.0, 0.0))], 0.3)
+    Traceback (most recent call last):
+    scenes.errors.InadmissibleLoadError: load: separation from time 0.5 on, at time 1 with P = -1, Q = 0: ...
     """
     scale = max(abs(float(leg.loads(time)[0])) for leg in legs for time in (leg.start, leg.end))
     for leg in legs:
@@ -168,7 +177,14 @@ def stretches(leg: LoadSegment, friction: float) -> list[tuple[float, float]]:
 
 
 def march(curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: float) -> tuple[tuple[Span, ...], Curve]:
-    """Spans of the legs, and the memory curve at their end."""
+    """Spans of the legs, each of one state of stick or slip, and the memory curve at their end.
+
+    >>> from scenes.segments import straight_segments
+    >>> legs = straight_segments([(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3), (3.0, 1.0, 0.1)])  # rows of t, P, Q
+    >>> spans, curve = march(None, legs, 0.5, 0.0)
+    >>> [(span.direction, round(float(span.slipped(span.end.time)), 12)) for span in spans]  # dQ/f, after a reversal dQ/(2 f)
+    [(0, 0.0), (1, 0.6), (-1, 0.2)]
+    """
     spans: list[Span] = []
     for leg in legs:
         for begin, end in stretches(leg, friction):

@@ -1,4 +1,4 @@
-"""The frictional memory of a contact: the curve M(eta), an immutable value, and the three things that a load does to it.
+"""The frictional memory of a contact: the curve M(eta), an immutable value, and what a load does to it (Masing rule).
 
 # notation: eta normal load in [0, P]; M(eta) tangential force of the flat punches up to eta, M(0) = 0, M(P) = Q, |dM/d eta|
 #           <= f;
@@ -109,7 +109,13 @@ def front_time(piece: Piece, front: ArrayLike) -> Array:
 
 
 def values(curve: Curve, eta: ArrayLike) -> Array:
-    """M(eta) of a curve at eta in [0, P], any shape."""
+    """M(eta) of a memory curve at eta in [0, P], any shape.
+
+    >>> from scenes import StraightSegment
+    >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))  # full stick: M runs along the path of loads
+    >>> values(append(None, leg, 0.0, instant(leg, 1.0)), [0.5, 2.0]).tolist()
+    [0.25, 1.0]
+    """
     wanted = np.asarray(eta, dtype=float)
     result = np.zeros(wanted.shape)
     for piece in pieces(curve):
@@ -120,7 +126,14 @@ def values(curve: Curve, eta: ArrayLike) -> Array:
 
 
 def cut(curve: Curve, load: float) -> Curve:
-    """The curve with everything above `load` taken away: what unloading along the curve itself leaves."""
+    """The curve with everything above `load` taken away: what unloading along the curve itself leaves.
+
+    >>> from scenes import StraightSegment
+    >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
+    >>> left = cut(append(None, leg, 0.0, instant(leg, 1.0)), 0.5)
+    >>> left.top, float(values(left, 0.5))
+    (0.5, 0.25)
+    """
     while curve is not None and curve.bottom >= load:
         curve = curve.below
     if curve is None or curve.top <= load:
@@ -133,6 +146,7 @@ def cut(curve: Curve, load: float) -> Curve:
 def append(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
     """The curve with a stretch of `leg`, travelled in full stick, on top.
 
+    >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
     >>> piece = append(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
     >>> piece.top, piece.slope, values(piece, [1.0]).tolist()
@@ -143,7 +157,18 @@ def append(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
 
 
 def clip(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
-    """The curve after slip up to `end` whose front is at P - P_c = `slipped` inside the uppermost piece of `curve`."""
+    """The curve after slip up to `end` whose front is at P - P_c = `slipped` inside the uppermost piece of `curve`.
+
+    The Masing rule: after a reversal at constant P the front returns at half the speed, P - P_c = dQ/(2 f), and below it the curve
+    is what it was.
+
+    >>> from scenes import StraightSegment
+    >>> forward = Piece(None, 1.0, Instant(StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5)), 1.0, 1.0, 0.5), 0.5)  # M = f eta
+    >>> back = StraightSegment(1.0, 2.0, (1.0, 0.5), (1.0, 0.3))
+    >>> slipped = float(slipped_load(forward, -1, 0.5, back, 2.0))
+    >>> round(slipped, 12), values(clip(forward, -1, 0.5, instant(back, 2.0), slipped), [0.4, 0.8, 1.0]).round(12).tolist()
+    (0.2, [0.2, 0.4, 0.3])
+    """
     if curve is not None:
         curve = cut(curve, min(end.normal - slipped, curve.top))
     if end.normal <= (curve.top if curve is not None else 0.0):
@@ -152,7 +177,14 @@ def clip(curve: Curve, direction: int, friction: float, end: Instant, slipped: f
 
 
 def flat(piece: Piece, direction: int, friction: float) -> bool:
-    """Whether the piece is at the friction limit in `direction` already: a front passes it at once."""
+    """Whether the piece is at the Coulomb limit dM/d eta = +-f, |q| = f p, in `direction` already: a front passes it at once.
+
+    >>> from scenes import StraightSegment
+    >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
+    >>> piece = append(None, leg, 0.0, instant(leg, 1.0))  # Q/P = 0.5
+    >>> flat(piece, 1, 0.5), flat(piece, -1, 0.5), flat(piece, 1, 0.6)
+    (True, False, False)
+    """
     return piece.arc is None and piece.bend == 0 and piece.slope == direction * friction
 
 
@@ -169,6 +201,12 @@ def slipped_load(piece: Piece, direction: int, friction: float, leg: LoadSegment
 
     The front is where s M(eta) - f eta equals the path's s Q - f P. On a line through the anchor `a` that gives
     P - P_c = s [(Q - Q_a) - slope (P - P_a)] / (f - s slope).
+
+    >>> from scenes import StraightSegment
+    >>> leg = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
+    >>> pressed = Piece(None, 1.0, instant(leg, 0.0), 0.0)  # P = 1, Q = 0
+    >>> round(float(slipped_load(pressed, 1, 0.5, leg, 1.0)), 12)  # Q/f
+    0.6
     """
     if piece.arc is not None:
         return _slipped_on_arc(piece, direction, friction, leg, time)

@@ -1,8 +1,8 @@
-"""The law P(a) of every profile: load, its inverse and its slope as functions of the advance of the edge, with the corners.
+"""The law P(a) of every profile by the Abel transform of its slope: load, its inverse and its slope, with the corners.
 
 # notation: a half-width, a_0 that of no load, d = a - a_0, P normal load per unit thickness, E* composite modulus, h(x) profile
 
-Of any symmetric profile (Abel transform of the slope h'):
+As functions of the advance d of the edge; of any symmetric profile (Abel transform of the slope h'):
 
     P = E* a int cos(angle) h'(x) d angle,    dP/da = E* int cos(angle) (x h')' d angle,    x = a cos(angle), 0 < angle < pi/2
 
@@ -356,6 +356,10 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     ------
     InputError
         For rows under which the contact would split, with the row and what to do; later for a load that needs a wider table.
+
+    >>> rows = [(0.1 * k, (0.1 * k) ** 2 / 2) for k in range(11)]  # Hertz with R = 1
+    >>> round(float(tabulated(100.0, Tabulated(points=rows)).load(np.array(0.6))) / np.pi, 9)  # 25 a^2
+    9.0
     """
     spline = profile.spline()
     first = int(np.flatnonzero(spline.curvature > 0)[0])

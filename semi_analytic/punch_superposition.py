@@ -1,7 +1,8 @@
-"""Normal contact as a superposition of flat punches (Ciavarella-Jaeger): all fields from P(a), its inverse and its slope.
+"""Ciavarella-Jaeger superposition: normal contact as a sum of flat punches, all fields from P(a), its inverse and its slope.
 
 Between two half-planes every increment dP of the load adds the pressure dP/(pi sqrt(a^2 - x^2)) of a flat punch of half-width a.
-So one law P(a) gives pressure, normal approach and what the tangential problem needs (Ciavarella 1998, Jaeger 1998):
+So one law P(a) gives pressure, normal approach and what the tangential problem needs (Ciavarella 1998, Jaeger 1998; in
+axisymmetric contact the sum of flat punches goes by the name of Mossakovskii too):
 
     p(x, P)  = (1/pi) int_x^a g/sqrt(alpha^2 - x^2) d alpha             g = dP/d alpha
     S(x, P)  = int g arccosh(|x|/alpha) d alpha,  alpha < min(a, |x|)   displacement outside a punch
@@ -168,7 +169,13 @@ class PunchSuperposition:
     # --- fields of the normal problem
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) >= 0 [stress], 0 outside the contact; infinite at the tip of a sharp wedge."""
+        """p(x, P) >= 0 [stress], 0 outside the contact; infinite at the tip of a sharp wedge.
+
+        >>> from semi_analytic.profiles import power_law
+        >>> contact = PunchSuperposition(power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0)  # Hertz
+        >>> round(float(contact.pressure(0.6, np.pi / 4)), 12)  # (E*/2 R) sqrt(a^2 - x^2), a = 1
+        0.4
+        """
         value = self.pressure_rise(x, load)
         return np.where((as_is(x) == 0) & (as_is(load) > 0), np.inf, np.maximum(value, 0.0)) if self._sharp else value
 
@@ -182,7 +189,15 @@ class PunchSuperposition:
         return np.maximum(self._pressure(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
     def spread(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness]."""
+        """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness].
+
+        The slip of x outside the stick zone is (f A/pi) [S(x, P) - S(x, P_c)] after first loading by Q = f (P - P_c).
+
+        >>> from semi_analytic.profiles import power_law
+        >>> contact = PunchSuperposition(power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0)  # Hertz
+        >>> round(2 / np.pi * float(contact.spread(0.6, contact.load(0.6))), 12)  # h = 0.6^2/2 at the edge of contact
+        0.18
+        """
         return np.maximum(self._outside(0, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
     def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
@@ -194,7 +209,13 @@ class PunchSuperposition:
         return self._log_ratio(self.law.advance(as_is(load)))
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per thickness]."""
+        """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per thickness].
+
+        >>> from semi_analytic.profiles import power_law
+        >>> contact = PunchSuperposition(power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0)  # Hertz
+        >>> round(float(contact.log_distance(np.pi / 4) * 4 / np.pi - np.log(2)), 12)  # a = 1 = L: ln 2 + 1/2
+        0.5
+        """
         p = as_is(load)
         advance = self.law.advance(p)
         return p * self._log_ratio(advance) + self._logarithm(0, advance)[0]
@@ -266,6 +287,11 @@ class PunchSuperposition:
         """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta from P and P - P_c [force per thickness].
 
         Far apart P ln(a/c) less the rise of int P/alpha; close together int (P - eta) d ln(a), by Gauss' rule where that is smooth.
+
+        >>> from semi_analytic.profiles import power_law
+        >>> contact = PunchSuperposition(power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0)  # Hertz
+        >>> round(float(contact.log_area(2.0, 1.0)), 12)  # ln 2 - 1/2
+        0.19314718056
         """
         p, d = np.broadcast_arrays(as_is(load), as_is(slipped))
         front = np.maximum(p - d, 0.0)

@@ -1,4 +1,4 @@
-"""Steady ellipses of P and Q: their angles and loads, and W and W(x) of each on any profile, however small the slip.
+"""Steady ellipses of P and Q: their angles and loads, and permanent stick zone, W and W(x) of each on any profile.
 
 # notation: P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), r = Q1/f, A = 2/E*; u and v amplitudes of (Q -+ f P)/f;
 #           E largest Q - f P, G least Q + f P, I least Q - f P, J slip front passes G, M = E a turn later;
@@ -103,7 +103,12 @@ class Ellipses:
 
 
 def ellipses_of(mean: Array, amplitude: Array, tangential: Array, phase: Array, friction: Array) -> Ellipses:
-    """The geometry of the loops; arrays (m,) of admissible values, friction > 0."""
+    """The geometry of the loops, the permanent stick load P_T among it; arrays (m,) of admissible values, friction > 0.
+
+    >>> loop = ellipses_of(*(np.array([value]) for value in (3.0, 1.0, 0.5, math.pi / 2, 0.5)))  # P0, P1, Q1, phase, f
+    >>> loop.permanent.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
+    [1.585786437627]
+    """
     p1, ratio = amplitude, tangential / friction
     # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other way: phase + pi.
     half = np.tan(phase / 2)
@@ -166,6 +171,14 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
 
     The phases are cut at the corners; next to singular ends the rule is graded; pieces that have not converged are halved. NaN
     where that does not help.
+
+    At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
+
+    >>> from semi_analytic.hertz import HertzContact
+    >>> loop = ellipses_of(*(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5)))  # k = 0.6
+    >>> forward, reverse = works_over_time(loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0))
+    >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
+    (0.106967414501, 0.106967414501)
     """
     pieces = []
     for number, ends in enumerate(corner_angles(e, contact.break_loads[:, None]).values()):

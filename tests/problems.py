@@ -213,6 +213,7 @@ def hertz_ellipse(scene: Scene) -> HertzEllipse:
     load = scene.load
     assert isinstance(load, EllipseLoad)
     ((parabola,), _) = load.path().initial_loading, load.path().cycle
+    slope, bend = parabola.slope_and_bend(parabola.end)
     return HertzEllipse(
         load.mean_normal_load,
         load.normal_amplitude,
@@ -222,7 +223,7 @@ def hertz_ellipse(scene: Scene) -> HertzEllipse:
         scene.friction.coefficient,
         scene.profile.radius,
         contact_modulus(scene),
-        parabola.coefficients,
+        (slope - 2 * bend * float(parabola.loads(parabola.end)[0]), bend),  # Q = alpha P + beta P^2
     )
 
 
