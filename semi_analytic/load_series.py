@@ -1,4 +1,4 @@
-"""Load series: paths of straight steps, two or a million of them, and the memory curve as a list of knots (Masing's rule).
+"""Load series: paths of straight steps, two or a million of them, and the memory curve as a list of knots (Masing rule).
 
 # notation: (P, Q) loads; M(eta) memory curve, its knots joined by straight lines; s direction of slip; P_c load at the front of
 #           slip; level s Q - f P, which grows in slip

@@ -105,8 +105,7 @@ def test_a_missing_function_a_missing_example_and_a_wrong_one_are_seen() -> None
         3
         """
 
-    module = importlib.import_module(__name__) if __name__ in __import__("sys").modules else doctest
     assert "no such function" in fault("semi_analytic.hertz.no_such_function")
     assert "no such function" in fault("no_such_package.function")
-    assert "no example" in fault("bare", lambda _: (module, bare))
-    assert "Expected:\n    3" in fault("wrong", lambda _: (module, wrong))
+    assert "no example" in fault("bare", lambda _: (None, bare))
+    assert "Expected:\n    3" in fault("wrong", lambda _: (None, wrong))
