@@ -52,6 +52,8 @@ class Integrals:
         >>> stuck = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 1.0)]), 0.5, 0.0)[1]
         >>> Integrals(contact, np.zeros(1), "shear").whole(stuck).round(12).tolist()  # M' = 1/4: q = p/4
         [0.5]
+        >>> Integrals(contact, np.zeros(1), "shift").whole(stuck).round(12).tolist()  # U pi/A = (P/4) [ln(2 L/a) + 1/2], a = 4/pi
+        [0.95158270529]
         """
         self._remember([curve])
         return self._known[id(curve)][1] if curve is not None else np.zeros(len(self.x))
