@@ -53,7 +53,7 @@ class Integrals:
         >>> Integrals(contact, np.zeros(1), "shear").whole(stuck).round(12).tolist()  # M' = 1/4: q = p/4
         [0.5]
         >>> Integrals(contact, np.zeros(1), "shift").whole(stuck).round(12).tolist()  # U pi/A = (P/4) [ln(2 L/a) + 1/2], a = 4/pi
-        [0.95158270529]
+        [0.951582705289]
         """
         self._remember([curve])
         return self._known[id(curve)][1] if curve is not None else np.zeros(len(self.x))
