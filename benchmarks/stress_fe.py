@@ -21,8 +21,8 @@ from semi_analytic.profiles import contact_of
 
 ENGINE = "Finite elements"
 COARSE, FEW = MeshSettings.coarse(), SolverSettings(steps_per_cycle=32)
-COARSE = replace(COARSE, element_size=1 / 4, edge_element_size=1 / 8)
-COARSEST = replace(COARSE, edge_element_size=1 / 4)
+ROUGH = replace(COARSE, element_size=1 / 4, edge_element_size=1 / 8)
+COARSEST = replace(ROUGH, edge_element_size=1 / 4)
 LOOP = (3.0, 1.0, 0.2, 0.8, 70.0)
 
 
@@ -167,7 +167,7 @@ def step_trials(*counts: int) -> Iterator[Trial]:
         )
 
 
-def many_steps(corners: int, count: int, mesh: MeshSettings = COARSE) -> Found:
+def many_steps(corners: int, count: int, mesh: MeshSettings = ROUGH) -> Found:
     """P, then Q to and fro between 0.6 and -0.6 f P over so many lines, `count` increments each: against 16 each, and the laws."""
     lines = tuple((1.0, 0.3 * (-1) ** number) for number in range(corners))
     scene = scene_of(PolygonLoad(initial_loading=((1.0, 0.0), *lines)))
@@ -264,7 +264,7 @@ def _of_steps() -> Iterator[Case]:
     yield _against_theory("step sizes", "4, 8, 1000 increments a cycle", partial(step_trials, 4, 8, 1000))
     yield _refused("too few or many steps", "1 and 10^6 a cycle", partial(step_trials, 1, 1_000_000))
     # Two lines on a mesh of 41 contact nodes, nine of 12,500 increments each on one of 25.
-    trials = [("10^4", partial(many_steps, 1, 10_000, COARSE)), ("10^5", partial(many_steps, 8, 12_500, COARSEST))]
+    trials = [("10^4", partial(many_steps, 1, 10_000, ROUGH)), ("10^5", partial(many_steps, 8, 12_500, COARSEST))]
     measure = "p, q, slip at the ends of lines and W, against 16 increments a line; laws, energy balance among them"
     yield Case(ENGINE, "many increments", "10^4 a line, 10^5 in all, Q to and fro", measure, 1e-9, lambda: trials)
     yield _against_theory("tangency within rounding", "dQ/dP = f (1 + e), e = -1e-12 ... 1e-12", tangent_trials)

@@ -142,6 +142,8 @@ class HertzContact:
         """How far the edge is beyond that of no load: a itself [length]."""
         return self.half_width(load)
 
+    load_at = load
+
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """arccosh(|x|/a(eta)) from P_x - eta >= 0 and a(eta)."""
         del x

@@ -153,6 +153,10 @@ class PunchSuperposition:
         """a(P) - a(0), with all its digits beside a flat too [length]."""
         return self.law.advance(as_is(load))
 
+    def load_at(self, advance: ArrayLike) -> Array:
+        """P from the advance of the edge, the inverse of `advance` [force per thickness]."""
+        return self.law.load(as_is(advance))
+
     def stiffness(self, half_width: ArrayLike) -> Array:
         """dP/da >= 0 [stress]."""
         return self.law.stiffness(self._beyond(half_width))

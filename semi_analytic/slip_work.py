@@ -54,13 +54,14 @@ def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> A
     >>> round(float(works.sum()), 9), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 9)  # theory, constant load
     (0.106967415, 0.106967415)
     """
-    corners = np.array(getattr(contact, "breaks", ()), dtype=float)[:, None]
+    # Half-widths by how far they are beyond that of no load: beside a flat the rest has no digits.
+    corners = np.array(contact.breaks, dtype=float)[:, None] - contact.least
     chunk = max(_ELEMENTS // (16 * (5 + len(corners))), 8)
     if len(e.mean) > chunk:
         parts = [e.take(slice(first, first + chunk)) for first in range(0, len(e.mean), chunk)]
         return np.concatenate([dissipation_of(part, contact, careful=careful) for part in parts], axis=1)
     loads = [e.permanent, *(e.load(cosine) for cosine in (-1.0, e.cosine, -e.cosine, np.cos(e.start + e.turn), 1.0))]
-    events = contact.half_width(np.clip(loads, loads[0], loads[-1]))
+    events = contact.advance(np.clip(loads, loads[0], loads[-1]))
     ends = np.sort(np.concatenate([events, np.clip(corners, events[0], events[-1])]), axis=0)
     row, member = np.nonzero(np.diff(ends, axis=0) > 1e-15 * ends[-1])
     low, high, loops = ends[row, member], ends[row + 1, member], e.take(member)
@@ -72,9 +73,9 @@ def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> A
         turns = 2 * math.pi * np.minimum(place, 1 - place)
         share = turns / (2 * math.pi) - (45 * np.sin(turns) - 9 * np.sin(2 * turns) + np.sin(3 * turns)) / (60 * math.pi)
         weights = 16 / 5 * np.sin(math.pi * place[:, 0]) ** 6 / count
-        half = np.where(place < 0.5, low + (high - low) * share, high - (high - low) * share)
-        terms = slip_moment(loops, np.maximum(contact.load(half) - loops.permanent, 0.0))
-        terms *= (high - low) / half
+        advance = np.where(place < 0.5, low + (high - low) * share, high - (high - low) * share)
+        terms = slip_moment(loops, np.maximum(contact.load_at(advance) - loops.permanent, 0.0))
+        terms *= (high - low) / (contact.least + advance)
         sums = sums / 2 + weights @ terms
         if count == 16:
             trail = np.stack([k * weights[k - 1 :: k] @ np.sum(terms[:, k - 1 :: k], axis=0) for k in (1, 2, 4)])

@@ -52,7 +52,7 @@ from semi_analytic.memory import Snapshot, pieces, value_on
 from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
-from semi_analytic.roundoff import PROMISED, rounding_of_shift, rounding_of_slip
+from semi_analytic.roundoff import LAST_DIGITS, PROMISED, rounding_of_shift, rounding_of_slip
 from semi_analytic.slip_work import dissipation_of
 from semi_analytic.steady_ellipse import density_of, ellipses_of
 
@@ -150,7 +150,8 @@ def solve(
     counts = {"instants": len(asked), "points": len(points), "points_evaluated": len(request.distance)}
     seconds = {"history": followed - started, "fields": evaluated - worked}
     seconds["dissipation"] = worked - followed + clock.perf_counter() - evaluated
-    stick = float(contact.half_width(max(found.least, 0.0)))
+    # A front that is nothing but the last digits of P is none.
+    stick = float(contact.half_width(found.least if found.least > LAST_DIGITS * path.largest else 0.0))
     termination, message = _ending(path)
     return ContactSolution(
         engine="semi_analytic",
