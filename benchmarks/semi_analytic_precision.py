@@ -102,7 +102,7 @@ def plain_gauss(case: Case, contact: Contact, nodes: int) -> float:
         (j, m, abs(u), e, lambda t: abs(v) * np.sin((t - g) / 2) ** 2 / f),
     ):
         t = (begin + end) / 2 + (end - begin) / 2 * node
-        area = contact.log_area(case.mean + case.amplitude * np.cos(t), slipped(t))
+        area = contact.dissipation_kernel(case.mean + case.amplitude * np.cos(t), slipped(t))
         total += (end - begin) / 2 * float(np.sum(weight * size * np.abs(np.sin(t - turn)) * area))
     return 2 * f / math.pi * total
 

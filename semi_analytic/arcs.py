@@ -106,11 +106,11 @@ class Arc:
 
         >>> from scenes import ellipse_segment
         >>> from semi_analytic.hertz import HertzContact
-        >>> from semi_analytic.memory import append, instant
+        >>> from semi_analytic.memory import load_in_stick, instant
         >>> leg = ellipse_segment(-math.pi, 0.0, (3.0, 1.0), (1.0, 0.25), 0.0)  # P from 2 to 4, dQ = dP/4
         >>> below = Piece(None, 2.0, instant(leg, -math.pi), 0.0)
         >>> contact = HertzContact(modulus=math.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
-        >>> arc = Arc(contact, "shear", append(below, leg, -math.pi, instant(leg, 0.0)), np.zeros(1))
+        >>> arc = Arc(contact, "shear", load_in_stick(below, leg, -math.pi, instant(leg, 0.0)), np.zeros(1))
         >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
         [[0.146446609407]]
         """

@@ -78,7 +78,7 @@ def field_errors(
     if not asked.fields.isdisjoint(("pressure", "shear")) and top > _TINY:
         found |= _of_tractions(contact, asked.distance, x, loads, top, lines, knots, arcs["shear"])
     if "slip" in asked.fields:
-        found["slip"] = arcs["slip"] + knots * friction * _largest(contact.quadrature_error("spread", x, loads)) / size
+        found["slip"] = arcs["slip"] + knots * friction * _largest(contact.quadrature_error("slip_integral", x, loads)) / size
     return {name: value for name, value in found.items() if name.removesuffix(" at the edge") in asked.fields}
 
 
@@ -127,7 +127,7 @@ def dissipation_error(contact: Contact, spans: Sequence[Span], modulus: float, f
             times = np.linspace(span.begin.time, span.end.time, 9)[1:-1]
             load, slipped = span.leg.loads(times)[0], span.slipped(times)
             growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
-            error = contact.quadrature_error("log_area", load, slipped)
+            error = contact.quadrature_error("dissipation_kernel", load, slipped)
             left += span.friction * _largest(growth * error) * (span.end.time - span.begin.time)
     apart = abs(second - first) / first if math.isfinite(second) else 0.0
     return apart + 2 / (math.pi * modulus) * left / first

@@ -192,7 +192,7 @@ class Integrals:
         if self.kernel == "shear":
             # All moments are taken as differences between two loads.
             return (contact.pressure_rise, contact.pressure_moment)[order](self.x, column)
-        return (contact.spread, contact.spread_moment)[order](self.x, column)
+        return (contact.slip_integral, contact.slip_integral_moment)[order](self.x, column)
 
 
 def _slope(piece: Piece) -> float:

@@ -89,7 +89,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
             def part(_: Indices, begin: Array, end: Array, span: Span = span) -> Array:
                 return _work_of_span(contact, span, begin, end)
 
-            allowed = max(CONVERGED * size, float(_rounding(span, contact.log_area)[0]))
+            allowed = max(CONVERGED * size, float(_rounding(span, contact.dissipation_kernel)[0]))
             found = by_halving(part, [span.begin.time], [span.end.time], allowed)
             works[number] = found.value[0]
             error += float(found.error[0])
@@ -101,7 +101,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
 def _work_of_span(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike) -> Array:
     """f int w' Lam dt over parts of one span, from begin[k] to end[k]: (n,)."""
     times, weights = graded(begin, end)
-    area = contact.log_area(span.leg.loads(times)[0], span.slipped(times))
+    area = contact.dissipation_kernel(span.leg.loads(times)[0], span.slipped(times))
     growth = span.leg.rate_of(level(span.direction, span.friction), times)
     return np.asarray(span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1))
 
@@ -127,14 +127,14 @@ def uneven(contact: Contact, span: Span) -> bool:
 def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span], x: Array) -> Split:
     """Friction work of the spans at |x| = `x` (k,): shape (k,) [energy per area].
 
-    While Q grows at constant P it is f p(x) s(x), with the slip s = (f A/pi) [S(x, P) - S(x, P_c)] of `HertzContact.spread`.
+    While Q grows at constant P it is f p(x) s(x), with the slip s = (f A/pi) [S(x, P) - S(x, P_c)] of `HertzContact.slip_integral`.
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.history import march
     >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
     >>> spans, _ = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3)]), 0.5, 0.0)  # P_c = 0.4
-    >>> slip = 0.5 * 2 / math.pi * (contact.spread(1.0, 1.0) - contact.spread(1.0, 0.4))
+    >>> slip = 0.5 * 2 / math.pi * (contact.slip_integral(1.0, 1.0) - contact.slip_integral(1.0, 0.4))
     >>> work = pointwise_dissipation(contact, 1.0, spans, np.array([0.3, 1.0])).total  # 0.3 sticks
     >>> float(work[0]), round(float(work[1]), 12), round(float(0.5 * contact.pressure(1.0, 1.0) * slip), 12)
     (0.0, 0.008438314611, 0.008438314611)
@@ -325,7 +325,7 @@ def _split(contact: Contact, records: Records) -> Records:
 
 def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
     """int Lam dw of each record of slip, (m,) [force^2 per thickness^2], and how many nodes it took."""
-    means, nodes = _means(contact, records, lambda _, load, slipped: contact.log_area(load, slipped))
+    means, nodes = _means(contact, records, lambda _, load, slipped: contact.dissipation_kernel(load, slipped))
     return records.rise * means, nodes
 
 
@@ -335,7 +335,7 @@ def work_error(contact: Contact, records: Records) -> float:
         return 0.0
     some = records.take(np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int)))
     load, slipped = np.append(some.load, some.load_after), np.append(some.slipped, some.slipped_after)
-    left = contact.quadrature_error("log_area", load, slipped) + _RULE * contact.log_area(load, slipped)
+    left = contact.quadrature_error("dissipation_kernel", load, slipped) + _RULE * contact.dissipation_kernel(load, slipped)
     if not np.all(np.isfinite(left)):
         raise NotFoundError("the error of a slip area is not a number: neither is the dissipation of these rows")
     return float(np.max(left, initial=0.0) * np.sum(records.rise))

@@ -104,7 +104,7 @@ class HertzContact:
         """int_0^P eta dp(x, eta) [stress * load] = p(x, P) (P + 2 P_x)/3."""
         return self.pressure(x, load) * (np.asarray(load, dtype=float) + 2 * self.load(x)) / 3
 
-    def spread(self, x: ArrayLike, load: ArrayLike) -> Array:
+    def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """S(x, eta) = int_0^eta arccosh(|x|/a) d eta' over the loads at which x is outside [force per thickness].
 
         S = eta arccosh(sqrt(P_x/eta)) + P_x - sqrt(P_x (P_x - eta)) for eta < P_x, and P_x beyond.
@@ -112,7 +112,7 @@ class HertzContact:
         The gap closes where the edge comes: h = x^2/(2 R) = (A/pi) S(x, P_x).
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
-        >>> round(2 / np.pi * float(contact.spread(0.6, contact.load(0.6))), 12)  # 0.6^2/2
+        >>> round(2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12)  # 0.6^2/2
         0.18
         """
         edge = self.load(x)
@@ -120,7 +120,7 @@ class HertzContact:
         gap = edge - inner
         return inner * _arc(gap, inner) + edge * inner / (edge + np.sqrt(edge * gap) + _TINY)
 
-    def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
+    def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^eta eta' arccosh(|x|/a) d eta' over the loads at which x is outside [force^2 per thickness^2].
 
         (eta^2/2) arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta), in parts:
@@ -156,11 +156,6 @@ class HertzContact:
         square = self.stretch * np.asarray(excess, dtype=float)
         return 1 / np.sqrt(np.where(square > 0, square, np.inf))
 
-    def root_quotient(self, x: ArrayLike, excess: ArrayLike, load: ArrayLike) -> Array:
-        """sqrt((eta - P_x)/(a(eta)^2 - x^2)), given the excess eta - P_x > 0: what the inverse root of a traction leaves behind."""
-        del x, load
-        return np.full(np.shape(excess), 1 / np.sqrt(self.stretch))
-
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
         """0: closed forms keep 1e-13 of their own value, which is less than what counts as an error."""
         del name
@@ -186,11 +181,11 @@ class HertzContact:
         p = np.asarray(load, dtype=float)
         return -0.5 * np.log(np.where(p > 0, p, 1.0) * self.stretch / (2 * self.datum_length) ** 2)
 
-    def log_area(self, load: ArrayLike, slipped: ArrayLike) -> Array:
+    def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
         """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness] from P and P - P_c: [P ln(P/P_c) - P + P_c]/2.
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
-        >>> round(float(contact.log_area(2.0, 1.0)), 12)  # ln 2 - 1/2
+        >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056
         """
         p = np.asarray(load, dtype=float)

@@ -23,17 +23,17 @@ from semi_analytic.memory import (
     Instant,
     Piece,
     Snapshot,
-    append,
     change_from,
-    clip,
-    cut,
     flat,
     instant,
     level,
     level_on,
+    load_in_stick,
     pieces,
     same,
+    slip_to,
     slipped_load,
+    unload_to,
     value_on,
 )
 from semi_analytic.profiles import Contact
@@ -105,8 +105,8 @@ class Span:
         """The memory curve at a time of the leg."""
         now = instant(self.leg, time)
         if self.direction == 0:
-            return cut(self.active, now.normal)
-        return clip(self.active, self.direction, self.friction, now, float(self.slipped(time)))
+            return unload_to(self.active, now.normal)
+        return slip_to(self.active, self.direction, self.friction, now, float(self.slipped(time)))
 
 
 def check(legs: Sequence[LoadSegment], friction: float) -> None:
@@ -202,7 +202,7 @@ def _stretch(curve: Curve, leg: LoadSegment, begin: float, end: float, friction:
     forward, reverse = (float(leg.rate_of(level(s, friction), middle)) > noise for s in (1, -1))
     first, last = instant(leg, begin), instant(leg, end)
     if normal > 0 and not (forward or reverse):
-        yield Span(first, last, delay, 0, append(curve, leg, begin, last), friction)
+        yield Span(first, last, delay, 0, load_in_stick(curve, leg, begin, last), friction)
     elif normal < 0 and forward == reverse:
         yield from _unload(curve, first, last, friction, delay)
     elif forward or reverse:
@@ -255,7 +255,7 @@ def _unload(curve: Curve, first: Instant, last: Instant, friction: float, delay:
                 curve = span.curve(span.end.time)
         else:
             yield from _retrace(curve, a, b, friction, delay)
-            curve = cut(curve, b.normal)
+            curve = unload_to(curve, b.normal)
 
 
 def _retrace(curve: Curve, first: Instant, last: Instant, friction: float, delay: float) -> Iterator[Span]:

@@ -113,7 +113,7 @@ def values(curve: Curve, eta: ArrayLike) -> Array:
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))  # full stick: M runs along the path of loads
-    >>> values(append(None, leg, 0.0, instant(leg, 1.0)), [0.5, 2.0]).tolist()
+    >>> values(load_in_stick(None, leg, 0.0, instant(leg, 1.0)), [0.5, 2.0]).tolist()
     [0.25, 1.0]
     """
     wanted = np.asarray(eta, dtype=float)
@@ -125,12 +125,12 @@ def values(curve: Curve, eta: ArrayLike) -> Array:
     return result
 
 
-def cut(curve: Curve, load: float) -> Curve:
+def unload_to(curve: Curve, load: float) -> Curve:
     """The curve with everything above `load` taken away: what unloading along the curve itself leaves.
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    >>> left = cut(append(None, leg, 0.0, instant(leg, 1.0)), 0.5)
+    >>> left = unload_to(load_in_stick(None, leg, 0.0, instant(leg, 1.0)), 0.5)
     >>> left.top, float(values(left, 0.5))
     (0.5, 0.25)
     """
@@ -143,12 +143,12 @@ def cut(curve: Curve, load: float) -> Curve:
     return curve._replace(top=load, arc=(curve.arc[0], float(front_time(curve, load))))
 
 
-def append(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
+def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
     """The curve with a stretch of `leg`, travelled in full stick, on top.
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    >>> piece = append(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
+    >>> piece = load_in_stick(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
     >>> piece.top, piece.slope, values(piece, [1.0]).tolist()
     (2.0, 0.5, [0.5])
     """
@@ -156,7 +156,7 @@ def append(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
     return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time)) if form is None else Piece(curve, end.normal, end, *form)
 
 
-def clip(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
+def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
     """The curve after slip up to `end` whose front is at P - P_c = `slipped` inside the uppermost piece of `curve`.
 
     The Masing rule: after a reversal at constant P the front returns at half the speed, P - P_c = dQ/(2 f), and below it the curve
@@ -166,11 +166,11 @@ def clip(curve: Curve, direction: int, friction: float, end: Instant, slipped: f
     >>> forward = Piece(None, 1.0, Instant(StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5)), 1.0, 1.0, 0.5), 0.5)  # M = f eta
     >>> back = StraightSegment(1.0, 2.0, (1.0, 0.5), (1.0, 0.3))
     >>> slipped = float(slipped_load(forward, -1, 0.5, back, 2.0))
-    >>> round(slipped, 12), values(clip(forward, -1, 0.5, instant(back, 2.0), slipped), [0.4, 0.8, 1.0]).round(12).tolist()
+    >>> round(slipped, 12), values(slip_to(forward, -1, 0.5, instant(back, 2.0), slipped), [0.4, 0.8, 1.0]).round(12).tolist()
     (0.2, [0.2, 0.4, 0.3])
     """
     if curve is not None:
-        curve = cut(curve, min(end.normal - slipped, curve.top))
+        curve = unload_to(curve, min(end.normal - slipped, curve.top))
     if end.normal <= (curve.top if curve is not None else 0.0):
         return curve
     return Piece(curve, end.normal, end, direction * friction)
@@ -181,7 +181,7 @@ def flat(piece: Piece, direction: int, friction: float) -> bool:
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    >>> piece = append(None, leg, 0.0, instant(leg, 1.0))  # Q/P = 0.5
+    >>> piece = load_in_stick(None, leg, 0.0, instant(leg, 1.0))  # Q/P = 0.5
     >>> flat(piece, 1, 0.5), flat(piece, -1, 0.5), flat(piece, 1, 0.6)
     (True, False, False)
     """

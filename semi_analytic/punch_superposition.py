@@ -192,19 +192,19 @@ class PunchSuperposition:
         """int_0^P eta dp(x, eta) [stress * load]."""
         return np.maximum(self._pressure(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
-    def spread(self, x: ArrayLike, load: ArrayLike) -> Array:
+    def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness].
 
         The slip of x outside the stick zone is (f A/pi) [S(x, P) - S(x, P_c)] after first loading by Q = f (P - P_c).
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0)  # Hertz
-        >>> round(2 / np.pi * float(contact.spread(0.6, contact.load(0.6))), 12)  # h = 0.6^2/2 at the edge of contact
+        >>> round(2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12)  # h = 0.6^2/2 at the edge of contact
         0.18
         """
         return np.maximum(self._outside(0, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
-    def spread_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
+    def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int eta arccosh(|x|/a(eta)) d eta over eta < min(P, P_x)."""
         return np.maximum(self._outside(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
@@ -253,10 +253,6 @@ class PunchSuperposition:
         half = low + self.least
         return np.arcsinh(np.sqrt(gap) / np.where(half > 0, half, np.inf))
 
-    def root_quotient(self, x: ArrayLike, excess: ArrayLike, load: ArrayLike) -> Array:
-        """sqrt((eta - P_x)/(a(eta)^2 - x^2)) from eta and eta - P_x > 0."""
-        return np.sqrt(as_is(excess)) * self.inverse_root(x, excess, self.law.advance(as_is(load)))
-
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0 and the advance d(eta): pi times the pressure of a flat punch of unit load."""
         distance, rise, high = np.broadcast_arrays(np.abs(as_is(x)), as_is(excess), as_is(advance))
@@ -287,14 +283,14 @@ class PunchSuperposition:
 
     # --- the slip area
 
-    def log_area(self, load: ArrayLike, slipped: ArrayLike) -> Array:
+    def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
         """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta from P and P - P_c [force per thickness].
 
         Far apart P ln(a/c) less the rise of int P/alpha; close together int (P - eta) d ln(a), by Gauss' rule where that is smooth.
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0)  # Hertz
-        >>> round(float(contact.log_area(2.0, 1.0)), 12)  # ln 2 - 1/2
+        >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056
         """
         p, d = np.broadcast_arrays(as_is(load), as_is(slipped))
@@ -345,17 +341,17 @@ class PunchSuperposition:
         """Estimated error of the method `name` for these arguments; not below the true one."""
         values = np.broadcast_arrays(*(as_is(v) for v in arguments))
         order, kind = int(name.endswith("_moment")), name.removesuffix("_moment")
-        advance = self.law.advance(values[0] if name == "log_area" else values[-1])
+        advance = self.law.advance(values[0] if name == "dissipation_kernel" else values[-1])
         half = self.least + advance
         if kind == "pressure":
             value, left = self._pressure(order, np.abs(values[0]), values[1])
             near = np.abs(half - np.abs(values[0]))
-        elif kind == "spread":
+        elif kind == "slip_integral":
             value, left = self._outside(order, np.abs(values[0]), values[1])
             near = np.minimum(half, np.abs(values[0])) - self.least
-        elif name == "log_area":
+        elif name == "dissipation_kernel":
             load, slipped = values
-            value, left = self.log_area(load, slipped), self._logarithm(0, advance)[1]
+            value, left = self.dissipation_kernel(load, slipped), self._logarithm(0, advance)[1]
             # Far apart it is a difference of larger numbers; close together the last digit of P counts.
             left = left + 8 * _EPS * load * (1 + np.abs(np.log(np.maximum(half, _EPS))))
             near = np.abs(half - self.half_width(load - slipped))

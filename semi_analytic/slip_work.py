@@ -307,14 +307,14 @@ class LamTable:
         self._first = (1023 + first) << _CELL_BITS
         octave, cell = (grid.ravel() for grid in np.mgrid[first : last + 2, :_CELLS])
         load = np.ldexp(1 + (cell[:, None] + (1 + _POINTS) / 2) / _CELLS, octave[:, None])
-        area = contact.log_area(load, load)
+        area = contact.dissipation_kernel(load, load)
         # One octave on the loads are twice as much.
         load, area, double = load[:-_CELLS], area[:-_CELLS], area[_CELLS:]
-        log = (double - area - contact.log_area(2 * load, load)) / load
+        log = (double - area - contact.dissipation_kernel(2 * load, load)) / load
         # Of a short way about the load Lam is half of its square times L', but for a share of 3e-14.
         way = 1e-6 * load
         with np.errstate(all="ignore"):
-            rate = 2 * contact.log_area(load + way * (2 / 3), way) / (way * way)
+            rate = 2 * contact.dissipation_kernel(load + way * (2 / 3), way) / (way * way)
         self._area, self._log, self._rate = (_TO_POWERS @ values.T for values in (area, log, rate))
 
     def _place(self, load: Array) -> tuple[NDArray[np.int64], Array]:

@@ -193,7 +193,7 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
             for here in (those[k : k + _PIECES] for k in range(0, len(those), _PIECES)):
                 s, weight = graded(begin[here], end[here])
                 rate, slipped, load = phase_of(name, e.take(member[here, None]), s)
-                terms = weight * rate * contact.log_area(load, np.minimum(slipped, load))
+                terms = weight * rate * contact.dissipation_kernel(load, np.minimum(slipped, load))
                 values[:, here] = [2**k * np.sum(terms[:, :: 2**k], axis=1) for k in range(3)]
         size = size if level else np.asarray(np.bincount(member, values[0], len(size)), dtype=float)
         error = quadrature_error(values, size[member])

@@ -72,7 +72,7 @@ class Truth:
 
         return float(self.modulus * integrate(strip, self.marks(begin, end)))
 
-    def spread(self, x, a, weight=None):
+    def slip_integral(self, x, a, weight=None):
         x = mp.mpf(x)
         return self.total(lambda alpha: mp.acosh(x / alpha) if alpha < x else mp.mpf(0), self.least, min(a, float(x)), weight)
 
@@ -103,9 +103,9 @@ def worst(contact, truth, widths, relative_x=(0.0, 0.3, 0.9, 0.999, 1.3), moment
                 if moments:
                     note("pressure_moment", contact.pressure_moment(x, load), truth.pressure(x, a, weight))
             if x > truth.least:
-                note("spread", contact.spread(x, load), truth.spread(x, a))
+                note("slip_integral", contact.slip_integral(x, load), truth.slip_integral(x, a))
                 if moments:
-                    note("spread_moment", contact.spread_moment(x, load), truth.spread(x, a, weight))
+                    note("slip_integral_moment", contact.slip_integral_moment(x, load), truth.slip_integral(x, a, weight))
         note("log_distance", contact.log_distance(load), truth.logarithm(a, contact.datum_length))
         if moments:
             note("log_moment", contact.log_moment(load), truth.logarithm(a, contact.datum_length, weight))
@@ -113,12 +113,14 @@ def worst(contact, truth, widths, relative_x=(0.0, 0.3, 0.9, 0.999, 1.3), moment
             c = truth.least + part * (a - truth.least)
             slipped = load - float(contact.load(c))
             if front := load - slipped:  # as P - P_c has it: for |x|^20 nothing is left of 1e-20 P
-                note("log_area", contact.log_area(load, slipped), truth.area(a, float(contact.half_width(front))))
+                note(
+                    "dissipation_kernel", contact.dissipation_kernel(load, slipped), truth.area(a, float(contact.half_width(front)))
+                )
     return found
 
 
 def check_close_pairs(contact, widths, tolerance):
-    """`reach` and `root_quotient` of loads that are close: against their definitions, as far as these have digits."""
+    """`reach` and `inverse_root` of loads that are close: against their definitions, as far as these have digits."""
     for a in widths:
         load = float(contact.load(a))
         for part in (0.5, 1e-2, 1e-4, 1e-6):
@@ -129,7 +131,9 @@ def check_close_pairs(contact, widths, tolerance):
             reach = np.arccosh(outer / a) if part > 1e-3 else np.arcsinh(np.sqrt((outer - a) * (outer + a)) / a)
             np.testing.assert_allclose(contact.reach(outer, excess, load), reach, rtol=100 * digits)
             quotient = np.sqrt(excess / ((a - inner) * (a + inner)))
-            np.testing.assert_allclose(contact.root_quotient(inner, excess, load), quotient, rtol=100 * digits)
+            np.testing.assert_allclose(
+                np.sqrt(excess) * contact.inverse_root(inner, excess, contact.advance(load)), quotient, rtol=100 * digits
+            )
 
 
 def profile_contact(profile, modulus=1.0):
@@ -144,12 +148,12 @@ def check_errors_are_honest(contact, truth, widths, limit, relative_x=(0.3, 0.99
         load = float(contact.load(a))
         front = float(contact.load(truth.least + 0.6 * (a - truth.least)))
         cases = [("log_distance", (load,), truth.logarithm(a, contact.datum_length))]
-        cases.append(("log_area", (load, load - front), truth.area(a, float(contact.half_width(front)))))
+        cases.append(("dissipation_kernel", (load, load - front), truth.area(a, float(contact.half_width(front)))))
         for x in (part * a for part in relative_x):
             if x < a:
                 cases.append(("pressure", (x, load), truth.pressure(x, a)))
             elif x > truth.least:
-                cases.append(("spread", (x, load), truth.spread(x, a)))
+                cases.append(("slip_integral", (x, load), truth.slip_integral(x, a)))
         for name, arguments, exact in cases:
             value = float(getattr(contact, name)(*arguments))
             estimate = float(contact.quadrature_error(name, *arguments))

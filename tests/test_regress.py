@@ -49,8 +49,8 @@ def has_field_references(scene: Scene) -> bool:
 @pytest.mark.parametrize(
     ("method", "scene", "quantity"),
     [
-        ("spread_moment", "hertz-paper", "slip at 3"),
-        ("spread", "cattaneo-mindlin", "slip at 3"),
+        ("slip_integral_moment", "hertz-paper", "slip at 3"),
+        ("slip_integral", "cattaneo-mindlin", "slip at 3"),
         ("pressure_moment", "hertz-paper", "shear at 1"),
         ("log_moment", "hertz-paper", "tangential displacement"),
         ("log_distance", "unload-reload", "tangential displacement"),

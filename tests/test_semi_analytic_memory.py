@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from scenes import NORMAL_LOAD, Combination, StraightSegment, ellipse_segment, parabola_segment
 from semi_analytic.history import Turn, follow, stretches
-from semi_analytic.memory import cut, instant, level, pieces, same, values
+from semi_analytic.memory import instant, level, pieces, same, unload_to, values
 from semi_analytic_cases import brute_force_curve, ellipse
 
 FRICTION = 0.7
@@ -107,9 +107,9 @@ def test_ellipse_is_the_limit_of_polygons():
 
 def test_unloading_along_the_curve_leaves_it_and_full_unloading_leaves_nothing():
     curve = final_curve([(1.0, 0.3), (2.0, 0.4)])
-    assert same(cut(curve, 0.5), final_curve([(0.5, 0.15)]), FRICTION)
+    assert same(unload_to(curve, 0.5), final_curve([(0.5, 0.15)]), FRICTION)
     assert same(final_curve([(1.0, 0.3), (2.0, 0.4), (1.0, 0.3)]), final_curve([(1.0, 0.3)]), FRICTION)
-    assert cut(curve, 0.0) is None
+    assert unload_to(curve, 0.0) is None
     assert same(final_curve([(1.0, 0.6), (0.0, 0.0), (1.0, 0.1)]), final_curve([(1.0, 0.1)]), FRICTION)
 
 

@@ -80,8 +80,8 @@ def flip_change_of_shear(monkeypatch):
 
 def forget_friction(monkeypatch):
     """The line of slip has slope 0."""
-    clip = semi_analytic.history.clip
-    monkeypatch.setattr(semi_analytic.history, "clip", lambda curve, s, f, end, slipped: clip(curve, s, 0.0, end, slipped))
+    slip_to = semi_analytic.history.slip_to
+    monkeypatch.setattr(semi_analytic.history, "slip_to", lambda curve, s, f, end, slipped: slip_to(curve, s, 0.0, end, slipped))
     slip = semi_analytic.load_series._slip
     monkeypatch.setattr(semi_analytic.load_series, "_slip", lambda *given: slip(*given)._replace(rise=0.0))
 

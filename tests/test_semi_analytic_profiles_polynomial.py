@@ -31,7 +31,7 @@ def test_kernels_against_quadrature(rises):
     """Measured: 8e-16, the slip area 6e-12 where a last digit of a counts a thousand times."""
     contact, truth = contact_and_truth(rises)
     for name, error in worst(contact, truth, (1e-8, 0.7, 40.0)).items():
-        assert error < (3e-11 if name == "log_area" else 4e-14), name
+        assert error < (3e-11 if name == "dissipation_kernel" else 4e-14), name
     check_close_pairs(contact, (1e-8, 0.7, 2.0, 40.0), 1e-13)
     check_errors_are_honest(contact, truth, (0.7, 40.0), 1e-10)
 
@@ -48,11 +48,11 @@ def test_one_term_is_the_power_law(k):
     one = profile_contact(EvenPolynomial(length=2.0, rises=(*[0.0] * (k - 1), 0.5)))
     law = profile_contact(PowerLaw(exponent=2.0 * k, length=2.0, rise=0.5))
     x, load = np.array([0.0, 0.2, 0.9, 2.5]), 0.4
-    for name in ("pressure", "pressure_moment", "spread", "spread_moment"):
+    for name in ("pressure", "pressure_moment", "slip_integral", "slip_integral_moment"):
         np.testing.assert_allclose(getattr(one, name)(x, load), getattr(law, name)(x, load), rtol=1e-12, atol=1e-16)
     for name in ("half_width", "log_distance", "log_moment"):
         assert float(getattr(one, name)(load)) == pytest.approx(float(getattr(law, name)(load)), rel=1e-14)
-    assert float(one.log_area(load, 0.1)) == pytest.approx(float(law.log_area(load, 0.1)), rel=1e-12)
+    assert float(one.dissipation_kernel(load, 0.1)) == pytest.approx(float(law.dissipation_kernel(load, 0.1)), rel=1e-12)
 
 
 def test_a_rising_profile_under_which_the_contact_splits_is_refused():
@@ -71,7 +71,7 @@ def test_a_falling_or_flat_profile_is_refused(rises):
 def test_height_is_the_initial_gap():
     profile = EvenPolynomial(length=2.0, rises=(0.5, 0.25, 0.1))
     x = np.array([0.4, 1.0, 7.0])
-    np.testing.assert_allclose(2 / np.pi * profile_contact(profile).spread(x, 1e9), profile.height(x), rtol=1e-13)
+    np.testing.assert_allclose(2 / np.pi * profile_contact(profile).slip_integral(x, 1e9), profile.height(x), rtol=1e-13)
 
 
 def test_slip_area_where_p_hardly_grows():
@@ -86,4 +86,4 @@ def test_slip_area_where_p_hardly_grows():
             step = np.diff(marks)[:, None] / 2
             a = marks[:-1, None] + step * (1 + node)
             exact = np.sum(step * weight * contact.stiffness(a) * np.log1p((a - front) / front))
-            assert float(contact.log_area(load, part * load)) == pytest.approx(exact, rel=2e-11), (half, part)
+            assert float(contact.dissipation_kernel(load, part * load)) == pytest.approx(exact, rel=2e-11), (half, part)

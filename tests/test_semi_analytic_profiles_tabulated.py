@@ -39,7 +39,7 @@ def test_kernels_of_the_spline_against_quadrature():
     truth = Truth(1, lambda x: sum(k * (min(max(x, a), b) - a) for k, a, b in pieces), rate, contact.breaks)
     found = worst(contact, truth, (1e-6, 0.4, 0.9), relative_x=(0.0, 0.9, 1.05))
     for name, error in found.items():
-        assert error < {"log_area": 1e-11, "pressure": 1e-12, "pressure_moment": 1e-12}.get(name, 1e-13), name
+        assert error < {"dissipation_kernel": 1e-11, "pressure": 1e-12, "pressure_moment": 1e-12}.get(name, 1e-13), name
 
 
 def test_moments_of_many_rows():
@@ -63,12 +63,14 @@ def test_rows_of_a_parabola_are_hertz(sides):
     contact = profile_contact(table(lambda x: x * x / 4, 3.0, 41, sides))
     hertz = HertzContact(modulus=1.0, radius=2.0, datum_length=3.0)
     x, load = np.array([0.0, 0.2, 0.9, 2.5]), 0.8
-    for name in ("pressure", "spread"):
+    for name in ("pressure", "slip_integral"):
         np.testing.assert_allclose(getattr(contact, name)(x, load), getattr(hertz, name)(x, load), rtol=1e-12, atol=1e-15)
     for name in ("half_width", "log_distance"):
         assert float(getattr(contact, name)(load)) == pytest.approx(float(getattr(hertz, name)(load)), rel=1e-13)
     for slipped in (1e-6, 0.01, 0.3):
-        assert float(contact.log_area(load, slipped)) == pytest.approx(float(hertz.log_area(load, slipped)), rel=1e-9)
+        assert float(contact.dissipation_kernel(load, slipped)) == pytest.approx(
+            float(hertz.dissipation_kernel(load, slipped)), rel=1e-9
+        )
 
 
 def test_more_rows_come_closer_with_the_square_of_the_step():
@@ -109,7 +111,7 @@ def test_height_goes_through_the_rows_and_is_the_initial_gap():
     smooth = table(lambda x: np.cosh(x) - 1, 2.0, 21)
     x = np.array([0.33, 1.0, 1.9])
     contact = profile_contact(smooth)
-    np.testing.assert_allclose(2 / np.pi * contact.spread(x, float(contact.load(1.99))), smooth.height(x), rtol=1e-13)
+    np.testing.assert_allclose(2 / np.pi * contact.slip_integral(x, float(contact.load(1.99))), smooth.height(x), rtol=1e-13)
     np.testing.assert_allclose(smooth.height(x), np.cosh(x) - 1, rtol=1e-3)
     np.testing.assert_allclose(
         Tabulated(points=[[0, 0], [1, 0.5], [2, 2.0]]).height([0.7, 1.5]), Hertz(radius=1.0).height([0.7, 1.5])
@@ -150,7 +152,9 @@ def test_beside_a_flat_small_loads_keep_their_digits(load):
     # What the last digit of a is worth over a - b: all that half-widths can tell.
     digits = 1e-11 + 4e-16 / (float(flat.half_width(small)) - contact.least)
     np.testing.assert_allclose(contact.pressure(x, small), flat.pressure(x, small), rtol=digits)
-    assert float(contact.log_area(small, 0.3 * small)) == pytest.approx(float(flat.log_area(small, 0.3 * small)), rel=10 * digits)
+    assert float(contact.dissipation_kernel(small, 0.3 * small)) == pytest.approx(
+        float(flat.dissipation_kernel(small, 0.3 * small)), rel=10 * digits
+    )
 
 
 def test_work_across_knots_is_cut_at_those_between_alone(monkeypatch):

@@ -189,11 +189,11 @@ def test_only_what_is_asked_for_is_computed():
 def test_full_stick_takes_no_quadrature_and_the_figure_alone_no_field(monkeypatch):
     """Nothing slips: no slip area is asked of the profile. The global figure alone: no pointwise kernel is."""
     stuck = load_scene("full-stick")
-    monkeypatch.setattr(HertzContact, "log_area", None)
+    monkeypatch.setattr(HertzContact, "dissipation_kernel", None)
     counts = solve(stuck, x=X, fields=("dissipation", "dissipation_density")).work.counts
     assert counts["slip_quadratures"] == counts["quadrature_nodes"] == 0
     monkeypatch.undo()
-    for kernel in ("pressure", "spread", "reach", "root_quotient"):
+    for kernel in ("pressure", "slip_integral", "reach", "inverse_root"):
         monkeypatch.setattr(HertzContact, kernel, None)
     assert solve(load_scene("hertz-paper"), fields=("dissipation",)).dissipation > 0
 
