@@ -39,7 +39,7 @@ def imported(file, package):
     return {name.split(".")[1] for name in names if name and name.startswith(f"{package}.")}
 
 
-@pytest.mark.parametrize("package", ["scenes", "meshes", "halfplane_fe"])
+@pytest.mark.parametrize("package", ["scenes", "semi_analytic", "meshes", "halfplane_fe"])
 def test_imports_go_round_in_no_circle(package):
     """Taking away, again and again, the modules that import none of those left leaves nothing."""
     folder = Path(import_module(package).__file__).parent
