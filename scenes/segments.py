@@ -448,10 +448,12 @@ class ChebyshevSegment(LoadSegment):
 def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:
     """Re[sum c_k exp(i k t)] by Horner's scheme, shape of t."""
     # Never a number without a shape: the last digit of its products is another one.
-    z = np.exp(1j * np.atleast_1d(time))
-    *others, value = coefficients.tolist()
-    for coefficient in reversed(others):
-        value = value * z + coefficient
+    t = np.atleast_1d(time)
+    z, value, above = np.exp(1j * t), np.zeros(t.shape, dtype=complex), len(coefficients) - 1
+    # Waves without an amplitude are passed over: one of a thousand harmonics may be all there is.
+    for k in [*np.flatnonzero(coefficients[1:])[::-1] + 1, 0]:
+        value = value * (z if above - k == 1 else np.exp(1j * (above - k) * t)) + coefficients[k]
+        above = k
     return np.reshape(value.real, np.shape(time))
 
 

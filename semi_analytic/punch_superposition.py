@@ -53,6 +53,8 @@ _CLOSEST = 1e-24
 _RESOLVED, _HALVINGS, _NOISE = 4e-15, 12, 0.9
 # Panels that are integrated at a time, and primitives that are kept.
 _AT_ONCE, _KEPT = 20_000, 8
+# Points that one primitive serves.
+_POINTS = 4096
 # Share of a^2 below which a difference of squares is taken from the rise of P.
 _CLOSE = 0.01
 # Share of P - P_b up to which Lam is one smooth integral, and of P from which on it is a difference.
@@ -384,6 +386,13 @@ class PunchSuperposition:
         if top <= 0 or not np.size(x):
             nothing = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(advance)))
             return nothing, nothing
+        if np.ndim(x) and np.shape(x)[-1] > _POINTS:  # a primitive takes some kilobytes a point
+            cuts = range(_POINTS, np.shape(x)[-1], _POINTS)
+            places = np.split(np.arange(np.shape(x)[-1]), cuts)
+            each = advance if np.ndim(advance) == 0 or np.shape(advance)[-1] == 1 else None
+            parts = [self._primitive(kind, order, x[..., here], advance[..., here] if each is None else each) for here in places]
+            value, error = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
+            return value, error
         points, fold = np.unique(np.ravel(x), return_inverse=True)
         kept = self._primitives.setdefault((kind, order), [])
         for found in kept:
