@@ -6,9 +6,8 @@ A field is a sum of M' times differences of a kernel at the knots of the memory:
 knot. Integrals over arcs come with their error. The dissipation of a steady cycle is found as f int Lam dw and as closed-int Q dU:
 what the two differ by counts as error. Long series are integrated once, their sample of slip areas counts.
 
-The kernels of closed forms (Hertz, flat and rounded, power laws) have no entry: their special functions and one quadrature keep
-1e-13 of their own value against forty digits (1.4e-13 for n = 20). Of them only what arcs may have lost beyond 1e-12 is told, by a
-smaller sample.
+The kernels of Hertz are closed forms and have no entry: they keep 1e-13 of their own value against forty digits. Of them only what
+arcs may have lost beyond 1e-12 is stated.
 """
 
 from __future__ import annotations

@@ -387,10 +387,9 @@ class PunchSuperposition:
             nothing = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(advance)))
             return nothing, nothing
         if np.ndim(x) and np.shape(x)[-1] > _POINTS:  # a primitive takes some kilobytes a point
-            cuts = range(_POINTS, np.shape(x)[-1], _POINTS)
-            places = np.split(np.arange(np.shape(x)[-1]), cuts)
-            each = advance if np.ndim(advance) == 0 or np.shape(advance)[-1] == 1 else None
-            parts = [self._primitive(kind, order, x[..., here], advance[..., here] if each is None else each) for here in places]
+            upto = np.broadcast_to(advance, np.broadcast_shapes(np.shape(x), np.shape(advance)))
+            places = [slice(k, k + _POINTS) for k in range(0, np.shape(x)[-1], _POINTS)]
+            parts = [self._primitive(kind, order, x[..., here], upto[..., here]) for here in places]
             value, error = (np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True))
             return value, error
         points, fold = np.unique(np.ravel(x), return_inverse=True)
