@@ -25,8 +25,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.budget import Budget, error_budget
-from reports.ladders import climb
+from reports.comparison.budget import Budget, climb, error_budget
 from scenes import ContactSolution, Materials, Scene, load_scene
 
 SOLVE = import_module("halfplane_fe.solve")

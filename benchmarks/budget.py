@@ -26,10 +26,9 @@ from claim import Row, table
 import halfplane_fe
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.body_words import are_half_planes
-from reports.budget import Budget, ErrorBudget, error_budget
-from reports.convergence import Ladder, extrapolate, grid_convergence
-from reports.ladders import climb, coarser, without_steps
+from reports.comparison.budget import Budget, ErrorBudget, climb, coarser, error_budget, without_steps
+from reports.comparison.convergence import Ladder, extrapolate, grid_convergence
+from reports.comparison.metrics import are_half_planes
 from scenes import Scene, load_scene, scene_names
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -28,8 +28,8 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import compare
 from reports.comparison import Comparison
-from reports.score.diagnosis import UNKNOWN, diagnose
-from reports.score.diagnosis_theory import stiffer, with_friction
+from reports.scoring.diagnosis import UNKNOWN, diagnose
+from reports.scoring.diagnosis_theory import stiffer, with_friction
 from scenes import Bodies, ContactSolution, EllipseLoad, Materials, Scene, load_scene
 
 SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")

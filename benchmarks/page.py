@@ -31,7 +31,7 @@ def imports() -> float:
     """Process time of importing what writes the page, in a process of its own that has the engines already."""
     code = (
         "import halfplane_fe, semi_analytic, reports.comparison, time\n"
-        "begun = time.process_time()\nimport reports.writing\nprint(time.process_time() - begun)\n"
+        "begun = time.process_time()\nimport reports.page.writing\nprint(time.process_time() - begun)\n"
         f"import sys\nheavy = [name for name in {_DRAWN} if name in sys.modules]\nassert not heavy, heavy"
     )
     return float(subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout)

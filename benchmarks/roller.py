@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from claim import commit
 
-from reports.score.calculix_frd import FrdFile, read_frd
+from reports.scoring.calculix_frd import FrdFile, read_frd
 from reports.third.blocks import Block
 from reports.third.calculix import calculix_deck
 from reports.third.deck import Deck, build_deck

@@ -15,15 +15,15 @@ from claim import ROOT, Row, table
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution
+from reports.comparison.metrics import scales
 from reports.fields import instants_of, write_fields
-from reports.metrics import scales
-from reports.score.mapping import Mapping
-from reports.score.reading import read
-from reports.score.rule import UNTOLD
-from reports.score.scoring import score
-from reports.score.solution import friction_work
-from reports.score.surface import SurfaceResult
-from reports.score.zones import TOUCHES, zones
+from reports.scoring.against import score
+from reports.scoring.mapping import Mapping
+from reports.scoring.reading import read
+from reports.scoring.rule import UNTOLD
+from reports.scoring.solution import friction_work
+from reports.scoring.surface import SurfaceResult
+from reports.scoring.zones import TOUCHES, zones
 from scenes import ContactSolution, Scene, load_scene
 
 SCENE = "hertz-paper"

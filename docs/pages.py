@@ -18,6 +18,7 @@ from typing import Any
 import architecture
 import quoting
 
+from reports.comparison.metrics import are_half_planes, tolerances_of
 from reports.paper.cases import Paper, paper
 from reports.paper.page import misprints
 from reports.paper.tables import proven_in_words
@@ -143,7 +144,7 @@ def _scene(name: str, content: Mapping[str, Any]) -> Iterator[str]:
     scene = load_scene(name)
     yield from ("", f"### {name}", "", f"{scene.title}. {_verdict(content)} [Its page](published/{name}.md).", "")
     yield from ("| figure | finite elements less theory | tolerance | verdict |", "|---|---|---|---|")
-    tolerances = scene.tolerances.model_dump()
+    tolerances = tolerances_of(scene, are_half_planes(scene))
     for key, kept in content["accurate"].items():
         value = content["frozen"].get(f"metric.{key}")
         shown = "does not apply" if value is None else f"{value:+.3g}".replace("-", "−")

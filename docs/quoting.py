@@ -19,7 +19,7 @@ from typing import Any
 from meshes import foreign, limits
 from reports.paper.cases import Paper
 from reports.paper.page import misprints, statements, tally
-from reports.score import calculix_frd, reading_csv
+from reports.scoring import calculix_frd, reading_csv
 from scenes import files
 from scenes.errors import in_words
 

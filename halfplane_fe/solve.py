@@ -122,7 +122,7 @@ def _beside_a_coarse_mesh(
     except (ConvergenceError, InputError) as failure:
         return noted(f"the dissipation has no uncertainty: the coarse mesh that it is taken from has no answer: {failure}")
     watch.lap("coarse mesh")
-    apart, tolerance = abs(other.dissipation - answer.dissipation), answer.scene.tolerances.dissipation
+    apart, tolerance = abs(other.dissipation - answer.dissipation), answer.scene.tolerances.limit("dissipation") or 0.0
     counts = {f"coarse mesh, {name}": other.work.counts[name] for name in ("contact nodes", "steps solved", "contact iterations")}
     found = replace(
         answer,

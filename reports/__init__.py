@@ -1,7 +1,7 @@
 """Comparison of two solutions, the page about it, and the command line.
 
 `compare`, `score` and `write` are all that a script needs. The names are loaded when they are first asked for:
-`halfplane --help` must not wait for matplotlib.
+`halfplane --help` must not wait for numpy.
 """
 
 from __future__ import annotations
@@ -10,30 +10,29 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from reports import score
-    from reports.certificates import Certificate
-    from reports.comparison import Comparison, compare
-    from reports.verdicts import Metric
-    from reports.writing import write
+    from reports.comparison import Comparison, Report, compare
+    from reports.comparison.laws import Certificate
+    from reports.comparison.metrics import Metric
+    from reports.page.writing import write
+    from reports.scoring.against import score
 
-__all__ = ["Certificate", "Comparison", "Metric", "compare", "score", "write"]
+__all__ = ["Certificate", "Comparison", "Metric", "Report", "compare", "score", "write"]
 
 _HOME = {
-    "Certificate": "reports.certificates",
+    "Certificate": "reports.comparison.laws",
     "Comparison": "reports.comparison",
-    "Metric": "reports.verdicts",
+    "Metric": "reports.comparison.metrics",
+    "Report": "reports.comparison",
     "compare": "reports.comparison",
-    "score": "reports.score",
-    "write": "reports.writing",
+    "score": "reports.scoring.against",
+    "write": "reports.page.writing",
 }
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'reports' has no attribute {name!r}")
-    module = import_module(_HOME[name])
-    # `score` is a package that can be called; Python gives it this name as soon as anything in it is imported.
-    return module if name == "score" else getattr(module, name)
+    return getattr(import_module(_HOME[name]), name)
 
 
 def __dir__() -> list[str]:

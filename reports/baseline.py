@@ -74,8 +74,10 @@ def read(source: str | Path) -> Findings:
 
 
 def of_content(content: Mapping[str, Any], source: str) -> Findings:
-    """The findings in what comparison.json, <engine>.json or a baseline hold."""
-    readers = {BASELINE: _of_baseline, COMPARISON: _of_comparison, SOLUTION: _of_answers}
+    """The findings in what comparison.json (of this format or the one before), <engine>.json or a baseline hold."""
+    from reports.comparison.content import FORMAT
+
+    readers = {BASELINE: _of_baseline, COMPARISON: _of_comparison, FORMAT: _of_comparison, SOLUTION: _of_answers}
     kind = content.get("format")
     if kind not in readers:
         raise InputError(f"{source}: format is {kind!r}; it is one of {', '.join(map(repr, readers))}")

@@ -47,6 +47,6 @@ def score(
     mapping_example: Annotated[bool, Parameter(negative="", help="Print a commented mapping file and stop.")] = False,
 ) -> int:
     """Somebody else's result against the reference: verdict, what it suffers from, page."""
-    from reports.score import command
+    from reports.scoring import command
 
     return command.score(result, scene, mapping, against, out, quiet=quiet, as_json=json, example=mapping_example)

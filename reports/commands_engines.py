@@ -71,9 +71,9 @@ def run(
         return _not_converged(failure, scene, folder, as_json)
     if as_json:
         return _say_json(report)
-    show_verdict(report.comparison)
+    show_verdict(report.found)
     show_notes(report.comparison)
-    show_budget(report.comparison)
+    show_budget(report.found)
     show_third(report)
     met = show_expected(scene, (report.comparison.reference, report.comparison.result))
     show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in report.seconds.items()], right=(1,))

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.instants import events
-from reports.sampling import last_cycle
+from reports.comparison.cycles import events, last_cycle
 from scenes import ContactSolution, InputError
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,17 +19,27 @@ from scenes import ContactSolution, InputError, Interrupted, Scene, load_scene
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
+    from reports.comparison import Report as Found
     from reports.third.opinion import ThirdOpinion
 
 
 @dataclass(frozen=True)
 class Report:
-    """What a run leaves: the comparison, the path of the page, and the wall time of each stage."""
+    """What a run leaves: the report, the path of its page, and the wall time of each stage."""
 
-    comparison: Comparison
+    found: Found
     page: Path
     seconds: Mapping[str, float]
-    third: ThirdOpinion | None = None
+
+    @property
+    def comparison(self) -> Comparison:
+        """What was compared."""
+        return self.found.comparison
+
+    @property
+    def third(self) -> ThirdOpinion | None:
+        """The answer of another code, if that was asked."""
+        return self.found.third
 
 
 def read(source: str) -> Scene:
@@ -117,29 +127,31 @@ def run(
         reference = solve_half_plane(scene, stages, result)
         polygon = solve_half_plane(scene, stages, result, straight_steps=True)
         with stages.stage("comparison"):
+            from reports.comparison import Report as Found
             from reports.comparison import compare
 
             comparison = compare(reference, result, polygon_reference=polygon)
+        found = Found(comparison)
         if budget:
-            comparison = _with_budget(comparison, options, stages, time.process_time() - begun)
-        third = None if third_limit is None else _third(scene, options, result, third_limit, stages, command)
+            found = _with_budget(comparison, options, stages, time.process_time() - begun)
+        if third_limit is not None:
+            found = replace(found, third=_third(scene, options, result, third_limit, stages, command))
         with stages.stage("report"):
             from reports.fields import instants_of
-            from reports.writing import write
+            from reports.page.writing import write
 
             instants = [instant.time for instant in instants_of(vtu, result, "--vtu")]
             page = write(
-                comparison,
+                found,
                 out,
                 vtu_instants=instants,
                 command=command,
                 seconds=dict(stages.seconds),
-                third=third,
                 stress_instants=instants_of(stress, result, "--stress"),
                 pdf=pdf,
                 log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
             )
-        return Report(comparison, page, stages.seconds, third)
+        return Report(found, page, stages.seconds)
 
 
 @contextmanager
@@ -165,10 +177,9 @@ def _third(
     return ask_calculix(scene, settings, limit, stages, getattr(result, "scales", None), command)
 
 
-def _with_budget(comparison: Comparison, options: FiniteElementOptions, stages: Stages, plain_seconds: float) -> Comparison:
+def _with_budget(comparison: Comparison, options: FiniteElementOptions, stages: Stages, plain_seconds: float) -> Found:
     """The comparison with its error budget: every rung a stage of its own."""
-    from reports.budget import error_budget, with_budget
-    from reports.ladders import climb
+    from reports.comparison.budget import climb, error_budget, with_budget
 
     ladders = climb(comparison, *options.settings(), stages.stage)
     return with_budget(comparison, error_budget(comparison, ladders, plain_seconds))

@@ -7,10 +7,10 @@ import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from reports.body_words import bodies_in_words, idealisation, unlike_materials
+from reports.comparison.metrics import are_half_planes, tolerances_of
+from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 from reports.console import width
 from reports.thumbnails import font_for, thumbnail
-from reports.wording import question
 from scenes import InputError, Scene, load_scene, scene_companions, scene_names, tags
 
 
@@ -60,7 +60,11 @@ def details(scene: Scene) -> Iterator[str]:
         ("tags", ", ".join(scene.tags)),
         ("question", question(scene)),
         ("bodies", " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))))),
-        ("tolerances", ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in scene.tolerances.model_dump().items())),
+        (
+            "tolerances",
+            ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in tolerances_of(scene, are_half_planes(scene)).items())
+            or "none: nothing is judged",
+        ),
         *(("files", ", ".join(files)) for files in [list(_companions(scene))] if files),
         *(("expected", text) for text in expected_in_words(scene) or ["no number"]),
     )

@@ -40,11 +40,11 @@ def verdict_json(report: Report, findings: Sequence[Finding], exit_code: int) ->
         "passed": comparison.passed,
         "accurate": comparison.accurate,
         "verdict": comparison.verdict,
-        "judged": how_judged(comparison),
+        "judged": how_judged(report.found),
         "admissible": comparison.admissible,
-        "honest": comparison.honest,
-        "lead": lead(comparison),
-        "sentence": verdict(comparison),
+        "honest": report.found.honest,
+        "lead": lead(report.found),
+        "sentence": verdict(report.found),
         "metrics": {
             metric.key: {
                 "value": metric.value,
@@ -53,7 +53,7 @@ def verdict_json(report: Report, findings: Sequence[Finding], exit_code: int) ->
                 "tolerance": metric.tolerance,
                 "accurate": metric.accurate,
                 "verdict": metric.verdict,
-                "honest": {"yes": True, "no": False}.get(honest_of(comparison, metric)),
+                "honest": {"yes": True, "no": False}.get(honest_of(report.found, metric)),
             }
             for metric in comparison.headlines
         },

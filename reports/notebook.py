@@ -8,37 +8,26 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.budget_words import honest_of
-from reports.comparison import Comparison
-from reports.wording import accuracy_of, how_judged, lead, open_value_of, tolerance_of, unit_of, verdict
+from reports.comparison import Report
+from reports.comparison.words import first_table, headline, how_judged, lead, verdict
 from scenes import ContactSolution, Scene
 
 Array = NDArray[np.float64]
 
-_HEADS = ("metric", "value ± u", "as a share", "tolerance", "accurate", "honest")
 # Pixels.
 _WIDTH, _HEIGHT, _MARGIN = 220.0, 150.0, 22.0
 
 
-def comparison_html(comparison: Comparison) -> str:
-    """Title, verdict in a sentence, and a line for each headline metric; every word escaped."""
-    rows = (
-        (
-            metric.label,
-            open_value_of(metric),
-            unit_of(metric),
-            tolerance_of(metric),
-            accuracy_of(metric),
-            honest_of(comparison, metric),
-        )
-        for metric in comparison.headlines
-    )
-    heads = "".join(f"<th>{head}</th>" for head in _HEADS)
-    cells = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    scene = comparison.scene
+def comparison_html(report: Report) -> str:
+    """Title, headline, the table of absolute values, and the verdict; every word escaped."""
+    heads, rows = first_table(report)
+    keys = ("label", "reference", "result", "difference", "verdict")
+    head = "".join(f"<th>{escape(one)}</th>" for one in heads)
+    cells = "".join("<tr>" + "".join(f"<td>{escape(row[key])}</td>" for key in keys) + "</tr>" for row in rows)
+    scene = report.comparison.scene
     return (
-        f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(lead(comparison))}</b> {escape(verdict(comparison))}</p>"
-        f"<table><tr>{heads}</tr>{cells}</table><p>{escape(how_judged(comparison))}</p></div>"
+        f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(headline(report))}</b></p>"
+        f"<table><tr>{head}</tr>{cells}</table><p>{escape(' '.join((lead(report), verdict(report), how_judged(report))))}</p></div>"
     )
 
 

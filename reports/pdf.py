@@ -15,7 +15,7 @@ from typing import Any
 from reports.body_words import bodies_in_words, unlike_materials
 from reports.budget_words import heads, honest_of, rows
 from reports.charts.plate import Plate
-from reports.comparison import Comparison
+from reports.comparison import Report
 from reports.definitions import name_of
 from reports.provenance import commit
 from reports.verdicts import Metric
@@ -45,7 +45,7 @@ def require_typst(option: str) -> None:
         raise InputError(f"{option}: it needs typst, which is not installed here; `pip install halfplane[pdf]` brings it")
 
 
-def write_pdf(comparison: Comparison, plates: Sequence[Plate], path: Path, command: str) -> None:
+def write_pdf(report: Report, plates: Sequence[Plate], path: Path, command: str) -> None:
     """Write the PDF; InputError where typst is missing.
 
     Words from outside go to typst as data, never as text of its language.
@@ -56,25 +56,26 @@ def write_pdf(comparison: Comparison, plates: Sequence[Plate], path: Path, comma
     with tempfile.TemporaryDirectory(prefix="halfplane-") as name:
         folder = Path(name)
         figures = [_figure(plate, folder) for plate in plates if plate.name != "cycle"]  # it is for who can move it
-        content = json.dumps(_content(comparison, figures, command), ensure_ascii=False)
+        content = json.dumps(_content(report, figures, command), ensure_ascii=False)
         (folder / "data.json").write_text(content, encoding="utf-8")
         (folder / "report.typ").write_text((_TEMPLATES / "report.typ").read_text("utf-8"), encoding="utf-8")
         typst.compile(str(folder / "report.typ"), output=str(path), root=str(folder))
 
 
-def _content(comparison: Comparison, figures: Sequence[Mapping[str, Any]], command: str) -> dict[str, Any]:
+def _content(report: Report, figures: Sequence[Mapping[str, Any]], command: str) -> dict[str, Any]:
     """Everything that the document says."""
-    scene, budget = comparison.scene, comparison.budget
+    comparison, budget = report.comparison, report.budget
+    scene = comparison.scene
     return {
         "title": scene.title or scene.name,
         "name": scene.name,
         "claim": CLAIM,
         "standing": standing(comparison),
-        "judged": how_judged(comparison),
-        "lead": lead(comparison),
-        "verdict": verdict(comparison),
+        "judged": how_judged(report),
+        "lead": lead(report),
+        "verdict": verdict(report),
         "words": [w for w in (question(scene), bodies_in_words(scene), unlike_materials(scene), beyond_theory(comparison)) if w],
-        "metrics": [_metric(comparison, metric) for metric in comparison.headlines],
+        "metrics": [_metric(report, metric) for metric in comparison.headlines],
         "notes": list(comparison.notes),
         "budget": {"heads": heads(budget), "rows": rows(budget)} if budget else None,
         "figures": list(figures),
@@ -87,10 +88,10 @@ def _content(comparison: Comparison, figures: Sequence[Mapping[str, Any]], comma
     }
 
 
-def _metric(comparison: Comparison, metric: Metric) -> list[str]:
+def _metric(report: Report, metric: Metric) -> list[str]:
     """A row of the verdict table."""
-    admissible = "yes" if comparison.admissible else "no"
-    verdicts = [accuracy_of(metric), admissible, honest_of(comparison, metric)]
+    admissible = "yes" if report.comparison.admissible else "no"
+    verdicts = [accuracy_of(metric), admissible, honest_of(report, metric)]
     return [metric.label, open_value_of(metric), unit_of(metric), tolerance_of(metric), *verdicts]
 
 

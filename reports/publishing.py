@@ -84,8 +84,8 @@ def half_plane_findings(name: str) -> Findings:
 
 def findings(comparison: Comparison) -> Findings:
     """The figures of a scene: the metrics, the finite elements', and the half-plane engine's on its own points."""
-    from reports.expected import measure
-    from reports.summary import as_json
+    from reports.comparison.content import as_json
+    from reports.comparison.expected import measure
 
     name = comparison.scene.name
     both, alone = of_content(json.loads(as_json(comparison)), name), half_plane_findings(name)
@@ -110,7 +110,7 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
     ----------
     largest_load : P at the instant at which it is largest [force / thickness]
     """
-    from reports.metrics import compliance
+    from reports.comparison.metrics import compliance
     from scenes import Hertz
 
     truths = json.loads(TRUTHS.read_text(encoding="utf-8")).get(scene.name, {})
@@ -119,7 +119,9 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
         source = "half-plane theory in 30-digit arithmetic, an independent evaluation (benchmarks/regress.py)"
         yield External("semi_analytic.dissipation", truths["reference"], EXACT, source)
         if not real:
-            yield External("halfplane_fe.dissipation", truths["reference"], scene.tolerances.dissipation, source)
+            yield External(
+                "halfplane_fe.dissipation", truths["reference"], float(scene.tolerances.limit("dissipation") or 0.0), source
+            )
     if isinstance(scene.profile, Hertz):
         # notation: P = pi E* a^2/(4 R), A = 2/E*
         half_width = math.sqrt(2 * compliance(scene.material) * largest_load * scene.profile.radius / math.pi)
@@ -127,9 +129,17 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
         yield External("semi_analytic.largest_half_width", repr(half_width), CLOSED, "Hertz: P = π E* a²/(4 R)")
         if not real:
             yield External(
-                "halfplane_fe.largest_half_width", repr(half_width), scene.tolerances.contact_edge, "Hertz: P = π E* a²/(4 R)"
+                "halfplane_fe.largest_half_width",
+                repr(half_width),
+                float(scene.tolerances.limit("contact_edge") or 0.0),
+                "Hertz: P = π E* a²/(4 R)",
             )
-            yield External("halfplane_fe.largest_pressure", repr(pressure), scene.tolerances.peak_pressure, "Hertz: 2 P/(π a)")
+            yield External(
+                "halfplane_fe.largest_pressure",
+                repr(pressure),
+                float(scene.tolerances.limit("peak_pressure") or 0.0),
+                "Hertz: 2 P/(π a)",
+            )
     if scene.name == "layer":
         yield from LAYER
     for one in published_by_others(scene):
@@ -138,7 +148,7 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
 
 def error_of(external: External, figures: Mapping[str, float | None], scene: Scene, largest_load: float) -> float:
     """Difference of our figure from an external one, in the measure of its tolerance."""
-    from reports.metrics import compliance
+    from reports.comparison.metrics import compliance
 
     ours, theirs = figures[external.key], float(external.value)
     if ours is None:

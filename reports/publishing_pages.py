@@ -8,12 +8,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from reports.baseline import COUNTS
-from reports.body_words import are_half_planes, bodies_in_words, idealisation, unlike_materials
-from reports.definitions import DEFINITIONS, name_of
+from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
+from reports.comparison.words import (
+    CLAIM,
+    accuracy_of,
+    bodies_in_words,
+    idealisation,
+    question,
+    sentence,
+    tolerance_of,
+    unlike_materials,
+    value_of,
+)
 from reports.publishing import ROLLER, External, error_of
 from reports.units import energy_unit, units
-from reports.verdicts import Metric, verdict_on
-from reports.wording import CLAIM, accuracy_of, question, sentence, tolerance_of, value_of
 from scenes import Scene, load_scene
 
 _QUANTITIES = {
@@ -85,14 +93,16 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
 
 def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
     """The metrics with their values and tolerances; a published run has no budget, so |E| alone is judged."""
-    found = []
+    found, tolerances = [], tolerances_of(scene, are_half_planes(scene))
     for key, value in stored["frozen"].items():
         part, _, name = key.partition(".")
         if part == "metric" and not name.endswith(".finite"):
             number = math.nan if f"{key}.finite" in stored["frozen"] else value
-            tolerance = getattr(scene.tolerances, name, None)
+            tolerance = tolerances.get(name, tolerances.get(METRICS[name].judged_by))
             absolute, unmatched = name in stored["absolute"], name not in stored["accurate"]
-            found.append(Metric(DEFINITIONS[name], number, tolerance=tolerance, absolute=absolute, unmatched=unmatched))
+            found.append(
+                Metric(definition=METRICS[name], value=number, tolerance=tolerance, absolute=absolute, unmatched=unmatched)
+            )
     return found
 
 

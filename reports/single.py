@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from reports.certificates import certificates
+from reports.comparison.metrics import normal_work
 from reports.definitions import name_of
 from reports.drawing import table_text
 from reports.folder import filled
-from reports.metrics_work import normal_work
 from reports.summary import solution_content, strict
 from reports.units import energy_unit, load_unit, units
 from scenes import ContactSolution

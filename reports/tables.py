@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from reports.application import OUTSIDE, WITHIN
@@ -11,36 +11,32 @@ from scenes import ContactSolution, Scene
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison
+    from reports.comparison import Report as Found
     from reports.fields_job import FieldsReport
     from reports.jobs import Report
-    from reports.verdicts import Metric
 
 # A series of more instants than this is told by the one with the largest stress.
 _ROWS = 12
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
 
 
-def show_verdict(comparison: Comparison) -> None:
-    """The headline metrics with their tolerances, and the verdict in a sentence."""
-    from reports.wording import how_judged, lead, standing, verdict
+def show_verdict(report: Found) -> None:
+    """The headline, the table of absolute values, and the verdict in a sentence."""
+    from reports.comparison.words import first_table, headline, how_judged, lead, standing, verdict
 
-    scene = comparison.scene
-    show_metrics(scene.title or scene.name, comparison.headlines)
-    say(f"{lead(comparison)} {verdict(comparison)}", _STYLES[standing(comparison)])
-    say(how_judged(comparison))
-
-
-def show_metrics(title: str, metrics: Iterable[Metric]) -> None:
-    """A line for each metric: value with uncertainty, tolerance, verdict."""
-    from reports.wording import accuracy_of, open_value_of, tolerance_of, unit_of
-
-    rows = [(m.label, open_value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m)) for m in metrics]
-    show_table(title, ("metric", "discrepancy", "as a share", "tolerance", "accurate"), rows, right=(1, 3))
+    scene = report.comparison.scene
+    heads, rows = first_table(report)
+    keys = ("label", "reference", "result", "difference", "verdict")
+    say(headline(report), "bold")
+    show_table(scene.title or scene.name, heads, [tuple(row[key] for key in keys) for row in rows], right=(1, 2, 3))
+    say(f"{lead(report)} {verdict(report)}".strip(), _STYLES.get(standing(report.comparison) or "", ""))
+    if words := how_judged(report):
+        say(words)
 
 
 def exit_code(comparison: Comparison) -> int:
     """0 if the comparison passed, else 1; where that is for undecided metrics alone, the last line on stderr says so."""
-    from reports.wording import standing
+    from reports.comparison.words import standing
 
     if standing(comparison) == "undecided":
         keys = ", ".join(metric.key for metric in comparison.metrics if metric.verdict == "undecided")
@@ -50,7 +46,7 @@ def exit_code(comparison: Comparison) -> int:
 
 def show_notes(comparison: Comparison) -> None:
     """What the dissipation of the finite elements is uncertain by, and what these say of their answer."""
-    from reports.wording import uncertain_work
+    from reports.comparison.words import uncertain_work
 
     if words := uncertain_work(comparison):
         say(words)
@@ -58,16 +54,16 @@ def show_notes(comparison: Comparison) -> None:
         say(f"Note: {note}.")
 
 
-def show_budget(comparison: Comparison) -> None:
+def show_budget(report: Found) -> None:
     """Where the errors come from, if that was measured."""
-    if comparison.budget is None:
+    if report.budget is None:
         return
-    from reports.budget_words import cost, heads, narrow, rows
+    from reports.comparison.words import cost, heads, narrow, rows
 
-    columns, lines = narrow(heads(comparison.budget, full=False), rows(comparison.budget, full=False))
+    columns, lines = narrow(heads(report.budget, full=False), rows(report.budget, full=False))
     show_table("Where the discrepancy comes from", columns, lines, right=range(1, len(columns) - 1))
-    say(f"Honest: {comparison.honest}")
-    say(cost(comparison.budget))
+    say(f"Honest: {report.honest}")
+    say(cost(report.budget))
 
 
 def show_third(report: Report) -> None:
@@ -83,7 +79,7 @@ def show_third(report: Report) -> None:
 
 def show_expected(scene: Scene, solutions: Sequence[ContactSolution]) -> bool:
     """The numbers that the scene expects beside those found; whether all are met."""
-    from reports import expected
+    from reports.comparison import expected
 
     findings = list(expected.check(scene, solutions))
     if findings:

@@ -36,12 +36,13 @@ TOML, TEXT, SOLUTION = 2**20, 2**28, 2**31
 # Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes up to 1 kB for each of its
 # parts. A number of so many hexadecimal digits is still a float.
 _DEEPEST, _MOST_KEYS, _LONGEST = 8, 10_000, 250
-_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\[^\n])*+"?|'[^'\n]*+'?)"""
+# Only repeats of single characters are possessive: those of groups match wrongly before Python 3.11.5 (Debian 12 has 3.11.2).
+_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*"?|'[^'\n]*+'?)"""
 # What is not closed ends with its line or the text: nothing behind it is read by the parser either.
 _TOML = re.compile(
     rf"""\#[^\n]*+                                                     # a comment
-    | "{{3}}(?:[^"\\]|\\.|"(?!""))*+(?:"{{3,5}}|\\?\Z)                 # strings of several lines
-    | '{{3}}(?:[^']|'(?!''))*+(?:'{{3,5}}|\Z)
+    | "{{3}}[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*(?:"{{3,5}}|\\?\Z)     # strings of several lines
+    | '{{3}}[^']*+(?:'(?!'')[^']*+)*(?:'{{3,5}}|\Z)
     | (?P<deep>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST},}})     # keys; numbers and words look like them
     | (?P<long>[A-Za-z0-9_-]{{{_LONGEST},}}+)
     | {_PART}

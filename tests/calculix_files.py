@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from reports.score.mapping import Mapping
-from reports.score.reading import read
+from reports.scoring.mapping import Mapping
+from reports.scoring.reading import read
 
 DATA = Path(__file__).parent / "data"
 

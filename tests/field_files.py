@@ -5,8 +5,8 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from reports.score.mapping import Mapping
-from reports.score.reading import read
+from reports.scoring.mapping import Mapping
+from reports.scoring.reading import read
 
 HALF = 2.0
 

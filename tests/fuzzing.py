@@ -15,12 +15,12 @@ from field_files import mesh, pressure_at, shear_at
 from reports import baseline
 from reports.checking import require_admissible
 from reports.folder import MANIFEST, claim
-from reports.score.guesses import whole_path
-from reports.score.mapping import Mapping as ScoreMapping
-from reports.score.mapping import load_mapping
-from reports.score.reading import read
-from reports.score.scoring import own_solution
-from reports.score.solution import contact_solution
+from reports.scoring.against import own_solution
+from reports.scoring.guesses import whole_path
+from reports.scoring.mapping import Mapping as ScoreMapping
+from reports.scoring.mapping import load_mapping
+from reports.scoring.reading import read
+from reports.scoring.solution import contact_solution
 from reports.sweep.index import read_index
 from reports.sweep.study import load_study
 from scenes import InputError, load_scene, scene_text
@@ -253,7 +253,7 @@ def _found(kind: str) -> Callable[[Path], list[bytes]]:
         if kind == "baseline":
             baseline.write(findings, folder / "seed.json", {"semi_analytic.*": 1e-9})
             return [(folder / "seed.json").read_bytes()]
-        from reports.summary import solution_content, strict
+        from reports.comparison.content import solution_content, strict
 
         solution = exact(steps=3, points=5)
         content = {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}

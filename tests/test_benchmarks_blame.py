@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from reports.budget import Budget, Term
-from reports.definitions import DEFINITIONS
-from reports.verdicts import Metric
+from reports.comparison.budget import Budget, Term
+from reports.comparison.metrics import METRICS, Metric
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
@@ -19,7 +18,7 @@ sys.path.remove(str(BENCHMARKS))
 
 
 def found(value: float, *terms: Term) -> blame.Found:
-    one = Budget(Metric(DEFINITIONS["dissipation"], value), terms, half_planes=True)
+    one = Budget(Metric(definition=METRICS["dissipation"], value=value), terms, half_planes=True)
     return blame.Found({"dissipation": value, blame.STEP: 0.0}, {"dissipation": one})
 
 

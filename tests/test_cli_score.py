@@ -14,8 +14,8 @@ import pytest
 import halfplane_fe
 from problems import COARSE, FEW_STEPS
 from reports.cli import main
-from reports.score.mapping import Mapping
-from reports.score.scoring import score
+from reports.scoring.against import score
+from reports.scoring.mapping import Mapping
 from scenes import InputError, load_scene
 from score_results import exact, rows, written
 

@@ -21,7 +21,7 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings, SurfaceGrading, foreign, half_disc, read_frames
 from meshes.limits import body_nodes, check_count, contact_nodes
 from reports import baseline
-from reports.score.scoring import own_solution
+from reports.scoring.against import own_solution
 from scenes import InputError, load_scene, scene_text
 from scenes.files import parsed_toml
 from score_results import exact

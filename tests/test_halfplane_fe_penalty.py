@@ -10,7 +10,7 @@ import halfplane_fe
 from halfplane_fe import SolverSettings
 from halfplane_fe.law import project
 from problems import COARSE, fe_run
-from reports.certificates import certificates
+from reports.comparison.laws import certificates
 from scenes import SurfaceState, load_scene
 from tolerances import check, check_order
 

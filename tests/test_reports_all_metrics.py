@@ -11,9 +11,9 @@ import pytest
 import semi_analytic
 from reports import compare
 from reports.comparison import Comparison
-from reports.definitions import DEFINITIONS, markdown
-from reports.summary import as_json
-from reports.wording import unit_of
+from reports.comparison.content import as_json
+from reports.comparison.metrics import METRICS, markdown
+from reports.comparison.words import unit_of
 from scenes import ContactSolution, Materials, Record, freeze, load_scene
 from test_reports_metrics import FAULTS, TRUTH, changed
 from test_reports_synthetic import with_fields
@@ -254,10 +254,10 @@ def test_frictionless_says_so() -> None:
 
 def test_every_metric_has_its_row_and_every_row_its_metric() -> None:
     found = compare(TRUTH, TRUTH, polygon_reference=TRUTH)
-    assert [metric.key for metric in found.metrics] == list(DEFINITIONS)
+    assert [metric.key for metric in found.metrics] == list(METRICS)
     assert [*found.headlines, *found.others] == list(found.metrics)
-    assert len(found.headlines) == 13
-    assert {row.key for row in DEFINITIONS.values() if not row.signed} == {
+    assert len(found.headlines) == 6
+    assert {row.key for row in METRICS.values() if not row.signed} == {
         *("pressure", "shear", "state", "stick_set", "slip", "dissipation_density_norm", "energy_balance")
     }
 

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from reports.budget_words import narrow
+from reports.comparison.words import narrow
 from reports.console import show_table
 
 HEADS = ("metric", "E", "mesh", "penalty", "step", "far field", "idealisation", "± u", "verdict", "accurate")

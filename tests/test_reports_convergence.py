@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reports.convergence import Ladder, extrapolate, grid_convergence, kind_of, observed_order
+from reports.comparison.convergence import Ladder, extrapolate, grid_convergence, kind_of, observed_order
 
 DOUBLING = (1.0, 2.0, 4.0, 8.0)
 

@@ -9,9 +9,9 @@ import pytest
 
 from reports import baseline, compare
 from reports.cli import main
+from reports.comparison.content import as_json
 from reports.difference import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, difference, tolerances_of
 from reports.single import write_solution
-from reports.summary import as_json
 from scenes import InputError, load_scene
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -147,7 +147,9 @@ def test_a_tolerance_is_a_key_and_a_number(word: str) -> None:
 
 
 def test_an_unknown_key_is_refused_with_the_keys_there_are(a: baseline.Findings) -> None:
-    with pytest.raises(InputError, match=r"no figure is called so; there are metric\.peak_pressure, .*halfplane_fe\.dissipation"):
+    with pytest.raises(
+        InputError, match=r"no figure is called so; there are metric\.largest_pressure, .*halfplane_fe\.dissipation"
+    ):
         difference(a, a, {"metric.sheer": 1.0})
 
 

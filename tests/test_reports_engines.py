@@ -9,9 +9,9 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from meshes import MeshSettings
-from reports import compare, write
+from reports import Report, compare, write
 from reports.comparison import Comparison
-from reports.writing import draw
+from reports.page.writing import draw
 from scenes import ContactSolution, InputError, Scene, load_scene
 from test_reports_synthetic import with_fields
 
@@ -118,7 +118,7 @@ def test_full_stick_dissipates_nothing(paper: Comparison) -> None:
     assert metric.value is not None
     assert abs(metric.value) < 1e-12
     assert not found.metric("stick_edge").note
-    drawn = {drawing.name for drawing in draw(found)}
+    drawn = {drawing.name for drawing in draw(Report(found))}
     assert {"tractions", "hysteresis"} <= drawn
     assert "dissipation_density" not in drawn
 
@@ -127,7 +127,7 @@ def test_report_of_a_contact_that_is_only_pressed(tmp_path: Path) -> None:
     """No loop, no work, no cycle: fewer figures, and instants too light to be judged, which is said."""
     found = both("hertz-normal")
     page = write(found, tmp_path / "out").read_text(encoding="utf-8")
-    assert not {"hysteresis", "dissipation_density"} & {drawing.name for drawing in draw(found)}
+    assert not {"hysteresis", "dissipation_density"} & {drawing.name for drawing in draw(Report(found))}
     assert "Nothing slips under load" in page
     assert "less than 0.1 P_ref" in page
 
@@ -138,7 +138,7 @@ def test_report_of_both_engines(paper: Comparison, tmp_path: Path) -> None:
     assert {"mesh.csv", "energy.csv", "certificates_result.csv"} <= names
     assert not (tmp_path / "out" / "fields").exists()
     assert page.stat().st_size < 8e6
-    assert f"All other metrics ({len(paper.others)})" in page.read_text(encoding="utf-8")
+    assert f"All metrics ({len(paper.metrics)})" in page.read_text(encoding="utf-8")
     stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
     assert stored["result"]["skipped"]["condensations"]["count"] == 1
     assert stored["result"]["versions"]["numpy"] == np.__version__

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from reports import compare, pdf, write
-from reports.writing import draw
+from reports import Report, compare, pdf, write
+from reports.page.writing import draw
 from scenes import InputError
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 
@@ -36,7 +36,7 @@ def test_a_pdf_is_written_beside_the_page_whatever_the_words(tmp_path: Path) -> 
 
 def test_panels_stand_alone() -> None:
     """No variable of the page, nothing of other panels, no mark that only a slider moves."""
-    for plate in draw(compare(TRUTH, TRUTH)):
+    for plate in draw(Report(compare(TRUTH, TRUTH))):
         for panel in plate.panels:
             if panel.startswith("<svg"):
                 alone = pdf.standalone(panel, plate.svg())

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from reports import compare
-from reports.instants import events
-from reports.sampling import last_cycle, sample
+from reports.comparison.cycles import events, last_cycle, sample
 from scenes import InputError, load_scene
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 

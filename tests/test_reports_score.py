@@ -11,11 +11,11 @@ import pytest
 
 import reports
 import semi_analytic
-from reports.missing import missing
-from reports.score.diagnosis_hypothesis import Hypothesis
-from reports.score.diagnosis_words import sentence_of
-from reports.score.mapping import Mapping
-from reports.score.scoring import score_file
+from reports.comparison.metrics import missing
+from reports.scoring.against import score_file
+from reports.scoring.diagnosis_hypothesis import Hypothesis
+from reports.scoring.diagnosis_words import sentence_of
+from reports.scoring.mapping import Mapping
 from scenes import InputError, load_scene
 from score_results import X, exact, rows, written
 
@@ -37,7 +37,7 @@ def test_an_exact_result_scores_nothing(name):
     assert found.passed
     assert found.diagnoses == ()
     assert found.guesses == ()
-    for metric in found.metrics:
+    for metric in found.comparison.metrics:
         if metric.value is not None and metric.key not in ("resultant_normal", "resultant_tangential"):
             assert abs(metric.value) < SAME, metric.key
 
@@ -45,7 +45,7 @@ def test_an_exact_result_scores_nothing(name):
 @pytest.fixture
 def undiagnosed(monkeypatch):
     """Metrics and sentences alone: the diagnosis has tests of its own (test_reports_score_diagnosis.py)."""
-    monkeypatch.setattr("reports.score.scoring.diagnosed", lambda comparison: comparison)
+    monkeypatch.setattr("reports.scoring.against.diagnosed", lambda comparison: comparison)
 
 
 @pytest.mark.usefixtures("undiagnosed")
@@ -68,7 +68,7 @@ def test_the_history_is_found_without_times(name, by):
     found = _score(solution, **loads)
     assert found.passed
     assert abs(found.metric("peak_pressure").value) < (BY_LOADS if by == "loads" else BY_INTEGRALS)
-    assert any("matched to the load path" in note for note in found.notes)
+    assert any("matched to the load path" in note for note in found.comparison.notes)
 
 
 def test_a_result_with_the_initial_loading_is_matched_from_the_start():
@@ -81,7 +81,7 @@ def test_a_result_with_the_initial_loading_is_matched_from_the_start():
     solution = semi_analytic.solve(scene, x=X, time=time)
     found = _score(solution, loads=(solution.normal_load, solution.tangential_load))
     # The square of a distance is flat to 1e-16, its place known to 1e-8 of a cycle.
-    np.testing.assert_allclose(found.result.time, time, atol=1e-6)
+    np.testing.assert_allclose(found.comparison.result.time, time, atol=1e-6)
     assert found.passed
     assert abs(found.metric("shear").value) < 1e-6
 
@@ -107,8 +107,8 @@ def test_one_instant_alone_is_scored_and_the_rest_said_to_be_missing():
         assert "not in the result" in one.metric(key).note, key
     whole = _score(solution, time=solution.time)
     # a(P0) = 1 mm by the choice of the loads; linear between theory's own 905 instants.
-    assert one.scales == whole.scales
-    assert one.scales.half_width == pytest.approx(1.0, rel=1e-6)
+    assert one.comparison.scales == whole.comparison.scales
+    assert one.comparison.scales.half_width == pytest.approx(1.0, rel=1e-6)
 
 
 def test_part_of_a_cycle_is_scored():
@@ -124,9 +124,9 @@ def test_part_of_a_cycle_is_scored():
 def test_what_is_missing_is_neither_zero_nor_derived():
     solution = exact("hertz-paper")
     without = _score(solution, time=solution.time)
-    assert set(missing(without.result)) == {"tangential_displacement", "slip", "dissipation", "dissipation_density"}
-    assert np.isnan(without.result.slip).all()
-    assert np.isnan(without.result.dissipation)
+    assert set(missing(without.comparison.result)) == {"tangential_displacement", "slip", "dissipation", "dissipation_density"}
+    assert np.isnan(without.comparison.result.slip).all()
+    assert np.isnan(without.comparison.result.dissipation)
     assert without.metric("slip").note == "slip: not in the result (the arrays)"
     assert without.metric("dissipation").note == "dissipation: not in the result; it takes slip (the arrays)"
     assert without.passed
@@ -138,9 +138,9 @@ def test_dissipation_from_the_results_own_slip_is_that_of_its_shear():
     found = _score(solution, time=solution.time, slip=1.03 * solution.slip)
     assert found.metric("dissipation").value == pytest.approx(0.03, abs=1e-9)
     # Of 97 instants and 105 points the rule itself: -1.62e-3 of the engine's own figure.
-    assert found.result.dissipation / 1.03 == pytest.approx(solution.dissipation, rel=2e-3)
-    assert any("Dissipation is compared by one rule" in note for note in found.notes)
-    assert found.reference.dissipation == solution.dissipation
+    assert found.comparison.result.dissipation / 1.03 == pytest.approx(solution.dissipation, rel=2e-3)
+    assert any("Dissipation is compared by one rule" in note for note in found.comparison.notes)
+    assert found.comparison.reference.dissipation == solution.dissipation
 
 
 def test_few_instants_of_a_cycle_give_no_dissipation():
@@ -204,7 +204,7 @@ def test_tension_at_some_points_stays_and_is_named():
     pressure = np.where(solution.pressure > 0, solution.pressure, -0.02 * solution.pressure.max())
     found = _score(solution, p=pressure, time=solution.time)
     assert any(sentence.startswith("the pressure is tension at some points") for sentence in found.guesses)
-    assert not found.admissible
+    assert not found.comparison.admissible
 
 
 def test_shear_on_the_upper_body_is_scored_as_it_is_and_named():
@@ -310,7 +310,7 @@ def test_states_and_edges_are_those_of_the_engine_within_what_is_stated():
     """With slip, in 25 instants and 105 points: edges to the stated few thousandths, states of all but some points."""
     for name in ("hertz-paper", "flat-rounded-paper", "cattaneo-mindlin"):
         solution = exact(name, 49)
-        found = _score(solution, time=solution.time, slip=solution.slip).result
+        found = _score(solution, time=solution.time, slip=solution.slip).comparison.result
         length = np.nanmax(solution.contact_half_width)
         assert np.nanmax(np.abs(found.contact_edges - solution.contact_edges)) < 2e-3 * length, name
         settled = np.isfinite(found.stick_edges[:, 0]) & np.isfinite(solution.stick_edges[:, 0])
@@ -345,7 +345,7 @@ def test_theory_is_solved_once_for_the_scales_and_once_for_the_reference(tmp_pat
 
 
 def test_the_package_can_be_called_before_and_after_its_parts_are_imported():
-    import reports.score.mapping
+    import reports.scoring.mapping
 
     assert callable(reports.score)
     assert "score" in dir(reports)

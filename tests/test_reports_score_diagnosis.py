@@ -15,11 +15,11 @@ import semi_analytic
 from meshes import MeshSettings
 from reports import compare
 from reports.comparison import Comparison
-from reports.score.diagnosis import UNKNOWN, Diagnosis, diagnose
-from reports.score.diagnosis_discrepancy import discrepancy
-from reports.score.diagnosis_model import Flaws, Grid, NotSettledError, grid, march
-from reports.score.diagnosis_theory import stiffer, with_friction
-from reports.score.diagnosis_words import FAULTS
+from reports.scoring.diagnosis import UNKNOWN, Diagnosis, diagnose
+from reports.scoring.diagnosis_discrepancy import discrepancy
+from reports.scoring.diagnosis_model import Flaws, Grid, NotSettledError, grid, march
+from reports.scoring.diagnosis_theory import stiffer, with_friction
+from reports.scoring.diagnosis_words import FAULTS
 from scenes import Materials, load_scene
 from semi_analytic.elasticity import coupling_constant
 
@@ -93,7 +93,7 @@ def test_flaws_of_the_model_are_not_looked_for_where_theory_explains_all(
     table: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = []
-    monkeypatch.setattr("reports.score.diagnosis.flaw_faults", lambda *given: asked.append(given) or ())
+    monkeypatch.setattr("reports.scoring.diagnosis.flaw_faults", lambda *given: asked.append(given) or ())
     assert keys(diagnose(planted(table, "friction", "cattaneo-mindlin"))) == ["friction"]
     assert not asked
     diagnose(planted(table, "steps", "cattaneo-mindlin"))
@@ -106,7 +106,7 @@ def test_a_fault_whose_model_does_not_settle_is_told(table: ModuleType, monkeypa
 
     wrong = planted(table, "elastic_slip", "cattaneo-mindlin")
     assert "not all was tried" not in " ".join(diagnose(wrong)[0].evidence)
-    monkeypatch.setattr("reports.score.diagnosis_flaws.march", march)
+    monkeypatch.setattr("reports.scoring.diagnosis_flaws.march", march)
     assert diagnose(wrong)[0].evidence[-1] == (
         "not all was tried: a model with this fault does not settle (coupling, elastic slip, small body, soft normal, steps)"
     )

@@ -11,8 +11,8 @@ import semi_analytic
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.fields import write_fields
-from reports.score.mapping import Mapping
-from reports.score.scoring import score_file
+from reports.scoring.against import score_file
+from reports.scoring.mapping import Mapping
 from scenes import Bodies, load_scene
 
 
@@ -60,13 +60,13 @@ def test_our_own_field_files_come_back_as_they_were_written(tmp_path, bodies):
     steps = run.last_cycle[:: max(1, len(run.last_cycle) // 5)]
     write_fields(run, halfplane_fe.fields(run, run.time[steps]), tmp_path)
     found = score_file(tmp_path / "fields.pvd", Mapping(), scene)
-    np.testing.assert_array_equal(found.result.time, run.time[steps])
+    np.testing.assert_array_equal(found.comparison.result.time, run.time[steps])
     for name in ("pressure", "shear", "slip"):
-        np.testing.assert_array_equal(getattr(found.result, name), getattr(run, name)[steps], err_msg=name)
-    np.testing.assert_allclose(found.result.x, run.x, rtol=0, atol=1e-12)
+        np.testing.assert_array_equal(getattr(found.comparison.result, name), getattr(run, name)[steps], err_msg=name)
+    np.testing.assert_allclose(found.comparison.result.x, run.x, rtol=0, atol=1e-12)
     assert found.guesses == ()
     for part in ("lower", "upper"):
-        assert any(f"{part}_000.vtu has no 'pressure', 'shear': left out" in note for note in found.notes)
+        assert any(f"{part}_000.vtu has no 'pressure', 'shear': left out" in note for note in found.comparison.notes)
     by_arrays = reports.score(run.x, run.pressure[steps], run.shear[steps], slip=run.slip[steps], scene=scene, time=run.time[steps])
     for key in ("peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"):
         assert found.metric(key).value == pytest.approx(by_arrays.metric(key).value, rel=1e-9), key
@@ -79,7 +79,7 @@ def test_the_finite_elements_can_be_the_reference(monkeypatch):
     steps = result.last_cycle[::40]
     exact = semi_analytic.solve(result.scene, x=np.linspace(-1.3, 1.3, 105), time=result.time[steps])
     found = reports.score(exact.x, exact.pressure, exact.shear, scene=result.scene, time=exact.time, against="fe")
-    assert found.reference.engine == "halfplane_fe"
-    assert any("was interpolated" in note for note in found.notes)
+    assert found.comparison.reference.engine == "halfplane_fe"
+    assert any("was interpolated" in note for note in found.comparison.notes)
     # A mesh of a/10 and linear interpolation between its nodes.
     assert 1e-4 < found.metric("pressure").value < 0.05

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reports.score.mapping import Mapping, Signs, load_mapping
-from reports.score.reading import read
-from reports.score.scoring import score_file
+from reports.scoring.against import score_file
+from reports.scoring.mapping import Mapping, Signs, load_mapping
+from reports.scoring.reading import read
 from scenes import load_scene
 
 FOLDER = Path(__file__).parents[1] / "docs" / "examples" / "score"

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from reports.score.diagnosis import diagnose
-from reports.score.mapping import Mapping
-from reports.score.scoring import score_file
+from reports.scoring.against import score_file
+from reports.scoring.diagnosis import diagnose
+from reports.scoring.mapping import Mapping
 from scenes import load_scene
 
 SCENE = load_scene("cattaneo-mindlin")  # (P, 0) at time 1, corners at 2 and 3
@@ -33,7 +33,7 @@ def first_cycle(tmp_path: Path) -> Path:
 def test_it_is_taken_for_steady_and_told_what_it_is_and_what_would_say_so(first_cycle: Path) -> None:
     found = score_file(first_cycle, Mapping(), SCENE)
     assert not found.passed
-    first = diagnose(found)[0]
+    first = diagnose(found.comparison)[0]
     assert first.fault == "not_steady"
     assert "state its times on the scene's path (times of a mapping)" in first.sentence
 
@@ -41,7 +41,7 @@ def test_it_is_taken_for_steady_and_told_what_it_is_and_what_would_say_so(first_
 def test_with_its_times_it_is_right(first_cycle: Path) -> None:
     found = score_file(first_cycle, Mapping(times=tuple(TIMES.tolist())), SCENE)
     assert found.passed
-    assert not diagnose(found)
+    assert not diagnose(found.comparison)
     off = found.metric("shear").value
     assert off is not None
     assert off < 1e-6

@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from reports.score.history import matched
-from reports.score.surface import SurfaceResult
+from reports.scoring.history import matched
+from reports.scoring.surface import SurfaceResult
 from scenes import load_scene
 
 

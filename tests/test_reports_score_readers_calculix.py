@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calculix_files import DATA, edited, result
-from reports.score.guesses import oddities
-from reports.score.resultants import free_face, tension, unbalanced
+from reports.scoring.guesses import oddities
+from reports.scoring.resultants import free_face, tension, unbalanced
 from scenes import InputError, load_scene
 
 P, Q, FRICTION = 400.0, 60.0, 0.3

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from field_files import HALF, bodies, check, fields, mesh, pressure_at, result, scalars, shear_at
-from reports.score.calculix_frd import read_frd
-from reports.score.calculix_mesh import CalculixMesh
+from reports.scoring.calculix_frd import read_frd
+from reports.scoring.calculix_mesh import CalculixMesh
 from scenes import InputError
 
 DATA = Path(__file__).parent / "data"

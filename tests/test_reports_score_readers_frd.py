@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reports.score import calculix_frd
-from reports.score.calculix_dat import read_dat
-from reports.score.calculix_frd import read_frd
+from reports.scoring import calculix_frd
+from reports.scoring.calculix_dat import read_dat
+from reports.scoring.calculix_frd import read_frd
 from scenes import InputError
 
 DATA = Path(__file__).parent / "data"

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.score.mapping import Mapping, load_mapping
-from reports.score.reading import read
+from reports.scoring.mapping import Mapping, load_mapping
+from reports.scoring.reading import read
 from scenes import InputError, load_scene
 from score_results import exact, rows, written
 

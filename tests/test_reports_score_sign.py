@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from reports.score.mapping import Mapping, Signs
-from reports.score.scoring import score_file
+from reports.scoring.against import score_file
+from reports.scoring.mapping import Mapping, Signs
 from scenes import load_scene
 
 TOLD = "the shear acts on the lower body: its instants were found from the shear itself"

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from reports.console import Stages
-from reports.score.mapping import Mapping
-from reports.score.scoring import score_surface
-from reports.score.study import Level, element_size, study
-from reports.score.study_files import results_in, score_folder
-from reports.score.tidying import surface_result
+from reports.scoring.against import score_surface
+from reports.scoring.mapping import Mapping
+from reports.scoring.study import Level, element_size, study
+from reports.scoring.study_files import results_in, score_folder
+from reports.scoring.tidying import surface_result
 from scenes import InputError
 from score_results import exact, rows, written
 
@@ -26,7 +26,7 @@ def _level(points, order, amount, rest):
     factor = 1 + rest + amount * size**order
     fields = {"pressure": factor * solution.pressure, "shear": factor * solution.shear}
     result = surface_result(f"run{points}.csv", "", solution.x, fields, {"time": solution.time})
-    return Level(f"run{points}.csv", size, "planted", score_surface(result, Mapping(), solution.scene))
+    return Level(f"run{points}.csv", size, "planted", score_surface(result, Mapping(), solution.scene).comparison)
 
 
 @pytest.mark.parametrize(("order", "amount"), [(2.0, 0.3), (1.0, 0.05), (1.5, 0.2)])
@@ -80,7 +80,7 @@ def test_a_folder_is_scored_and_its_sizes_come_from_the_points(tmp_path):
     folder = _folder(tmp_path, {27: "a.csv", 53: "b.csv", 105: "c.csv"})
     (folder / "notes.md").write_text("not a result", encoding="utf-8")
     found = score_folder(folder, Mapping(), exact().scene, Stages(quiet=True))
-    assert found.result.engine == "c.csv"
+    assert found.comparison.result.engine == "c.csv"
     assert [level.size for level in found.study.levels] == pytest.approx([0.025, 0.05, 0.1])
     assert found.study.line("peak_pressure").found.order == pytest.approx(2.0, abs=0.02)
     assert any("Left out of the folder: notes.md" in sentence for sentence in found.study.sentences)

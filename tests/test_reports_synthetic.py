@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reports.metrics import compliance
-from reports.metrics_work import loop_work
-from reports.sampling import last_cycle
+from reports.comparison.cycles import last_cycle
+from reports.comparison.metrics import compliance, loop_work
 from scenes import ContactSolution, Record, Scene, SurfaceState, Work, freeze, load_scene
 
 LOAD_RATIO = 0.6

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reports import compare, write
+from reports import Report, compare, write
 from reports.comparison import Comparison
+from reports.comparison.words import value_of
 from reports.folder import MANIFEST, claim, default_folder, filled
-from reports.wording import value_of
-from reports.writing import draw
+from reports.page.writing import draw
 from scenes import ContactSolution, InputError
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 
@@ -96,7 +96,7 @@ def test_solutions_and_scene_can_be_read_back(folder: Path) -> None:
 
 
 def test_tables_hold_what_the_figures_draw(folder: Path, comparison: Comparison) -> None:
-    for drawing in draw(comparison):
+    for drawing in draw(Report(comparison)):
         with (folder / "figures" / f"{drawing.name}.csv").open(encoding="utf-8", newline="") as stream:
             rows = list(csv.DictReader(stream))
         assert list(rows[0]) == list(drawing.table)
@@ -119,7 +119,7 @@ def test_the_map_of_states_and_the_table_say_one_share() -> None:
     sticks = np.where((TRUTH.state > 1) & (TRUTH.x > 0), 1, TRUTH.state).astype(TRUTH.state.dtype)
     found = compare(TRUTH, with_fields(TRUTH, state=sticks), polygon_reference=TRUTH)
     assert found.metric("state").value
-    captions = {plate.name: plate.caption for plate in draw(found)}
+    captions = {plate.name: plate.caption for plate in draw(Report(found))}
     assert f" They differ over {value_of(found.metric('state'))} of the length in contact" in captions["state_map"]
 
 
@@ -193,7 +193,7 @@ def test_words_from_outside_are_escaped(page: Tags, folder: Path) -> None:
 
 
 def test_figures_are_the_same_for_the_same_data(comparison: Comparison) -> None:
-    first, second = (draw(comparison)[0].svg() for _ in range(2))
+    first, second = (draw(Report(comparison))[0].svg() for _ in range(2))
     assert first == second
 
 

@@ -23,9 +23,9 @@ import layer_truth
 import semi_analytic
 from meshes import MeshSettings
 from reports import expected, library, library_page, thumbnails
-from reports.certificates import certificates
 from reports.comparison import compare
-from reports.summary import as_json
+from reports.comparison.content import as_json
+from reports.comparison.laws import certificates
 from scenes import (
     ContactSolution,
     EllipseLoad,

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from reports import jobs
 from reports.application import OUTSIDE, WITHIN
+from reports.comparison.metrics import Verdict, verdict_on
 from reports.console import say, show_table
 from reports.maps.advising import FIGURES, Part, parts
 from reports.maps.answers import percent
 from reports.maps.atlas import WORDS
-from reports.verdicts import Verdict, verdict_on
 from scenes import InputError, Scene
 
 

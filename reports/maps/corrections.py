@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.comparison.metrics import compliance
 from reports.maps.contour import work_constant
 from reports.maps.layers import curvature_sum
 from reports.maps.quadratic import Curvatures, dissipation_error
-from reports.metrics import compliance
 from scenes import Block, FlatRounded, HalfPlane, Hertz, InputError, Pad, Scene
 from scenes.frozen import validated
 from semi_analytic.profiles import contact_of

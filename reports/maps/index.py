@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from reports.comparison.metrics import compliance
 from reports.maps.advice import cells, total
 from reports.maps.advising import FIGURES, parts
 from reports.maps.answers import answer, percent
 from reports.maps.atlas import WORDS, Map
 from reports.maps.readings import read
 from reports.maps.tabling import table
-from reports.metrics import compliance
 from scenes import Block, Bodies, Cylinder, Elastic, Hertz, Materials, PolygonLoad, Scene, load_scene
 
 

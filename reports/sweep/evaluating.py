@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, SolverSettings
     from halfplane_fe.scales import Scales
     from meshes import MeshSettings
-    from reports.verdicts import Metric
+    from reports.comparison.metrics import Metric
 
 
 @dataclass(frozen=True)

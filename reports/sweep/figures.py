@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from reports.definitions import DEFINITIONS
+from reports.comparison.metrics import METRICS
 from reports.units import energy_unit, units
 from scenes import ContactSolution, EllipseLoad, Scene
 
@@ -99,7 +99,7 @@ PREFIXES = ("fe", "exact", "error")
 
 def is_metric(name: str) -> bool:
     """Whether a figure needs the whole comparison."""
-    return name in DEFINITIONS
+    return name in METRICS
 
 
 def is_error(name: str) -> bool:
@@ -120,7 +120,7 @@ def unit_of(name: str) -> str:
     ('dissipation of the last cycle: finite elements over half-plane theory, less 1', 'Stick edge: of a_ref')
     """
     if is_metric(name):
-        return f"{DEFINITIONS[name].label}: {DEFINITIONS[name].unit}"
+        return f"{METRICS[name].label}: {METRICS[name].unit}"
     prefix, quantity = parts(name)
     words = QUANTITIES[quantity].words
     return f"{words.rpartition(' [')[0]}: finite elements over half-plane theory, less 1" if prefix == "error" else words
@@ -134,7 +134,7 @@ def axis_label(name: str, scene: Scene) -> str:
     ['fe.p0  [MPa]', 'exact.dissipation  [N·mm/mm]', "error.p0  [share of theory's]", 'stick_edge  [share of a_ref]']
     """
     if is_metric(name):
-        return f"{name}  [share {DEFINITIONS[name].unit}]"
+        return f"{name}  [share {METRICS[name].unit}]"
     prefix, quantity = parts(name)
     if prefix == "error":
         return f"{name}  [share of theory's]"

@@ -29,7 +29,7 @@ def cheap_uncertainty(
     solution itself says of its edges where that is more; the far field's as `_FAR` times the change.
     """
     import halfplane_fe
-    from reports.ladders import coarser
+    from reports.comparison.budget import coarser
 
     scene = question.scene
     mesh, solver = coarser(question.mesh, question.solver, 2.0)
@@ -69,9 +69,8 @@ def _names(asked: Asked) -> list[str]:
 def budget(question: Question, fe: FiniteElementSolution, values: Values, notes: dict[str, str]) -> Values:
     """The rest of each metric that no numerical error accounts for, and how uncertain it is."""
     import semi_analytic
-    from reports.budget import error_budget
     from reports.comparison import compare
-    from reports.ladders import climb
+    from reports.comparison.budget import climb, error_budget
 
     exact, polygon = (semi_analytic.solve(question.scene, x=fe.x, time=fe.time, straight_steps=way) for way in (False, True))
     comparison = compare(exact, fe, polygon_reference=polygon)

@@ -13,7 +13,7 @@ from scenes.files import source_digest, source_files
 _PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe")
 _TASK = "reports.sweep.solving"
 # How a comparison shows itself moves no number.
-_SHOWN = "reports.notebook"
+_SHOWN = ("reports.comparison.words", "reports.notebook")
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh", "pydantic")
 
 
@@ -41,13 +41,13 @@ def difference(ours: dict[str, str], theirs: dict[str, str]) -> str:
 @cache
 def task_modules() -> tuple[str, ...]:
     """Modules of `reports` that the figures of a point depend on: what its task imports, what these import, and so on."""
-    source_files(_SHOWN)  # what is left out has this name still
+    source_files(*_SHOWN)  # what is left out has this name still
     found: set[str] = set()
     waiting = {_TASK}
     while waiting:  # each turn finds one module more, and there are so many files
         name = waiting.pop()
         found.add(name)
-        waiting |= _imported(name) - found - {_SHOWN}
+        waiting |= _imported(name) - found - {*_SHOWN}
     return tuple(sorted(found))
 
 
@@ -63,4 +63,11 @@ def _imported(name: str) -> set[str]:
             case ast.ImportFrom(module=str(module), names=imported):  # `from a import b`: b may be a module or a name in a
                 names |= {module, *(f"{module}.{one.name}" for one in imported)}
     root = source_files(_TASK)[0].parents[2]
-    return {name for name in names if name.startswith("reports.") and root.joinpath(*name.split(".")).with_suffix(".py").is_file()}
+    found = set()
+    for one in names:
+        place = root.joinpath(*one.split("."))
+        if one.startswith("reports.") and place.with_suffix(".py").is_file():
+            found.add(one)
+        elif one.startswith("reports.") and (place / "__init__.py").is_file():
+            found.add(f"{one}.__init__")  # the file alone: of what else is in the package, only what is imported
+    return found

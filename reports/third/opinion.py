@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from halfplane_fe.scales import Scales
 from halfplane_fe.solve import versions
-from reports.comparison import Comparison
+from reports.comparison import Comparison, Report
 from reports.console import Stages
-from reports.score.guesses import whole_path
-from reports.score.mapping import Mapping
-from reports.score.reading import read
-from reports.score.scoring import score_solution
-from reports.score.solution import contact_solution
-from reports.score.surface import SurfaceResult
+from reports.scoring.against import score_solution
+from reports.scoring.guesses import whole_path
+from reports.scoring.mapping import Mapping
+from reports.scoring.reading import read
+from reports.scoring.solution import contact_solution
+from reports.scoring.surface import SurfaceResult
 from reports.third.calculix import calculix_deck
 from reports.third.deck import Deck, build_deck
 from reports.third.running import Done, calculix_version, find_calculix, run_calculix
@@ -42,6 +42,7 @@ class ThirdOpinion:
     done : how the run went; None where it failed
     failure : the sentence, "" where it did not
     limits : known limits of its numbers, in sentences
+    guesses : what was taken for granted in reading its answer
     """
 
     code: str
@@ -51,6 +52,7 @@ class ThirdOpinion:
     done: Done | None
     failure: str
     limits: tuple[str, ...]
+    guesses: tuple[str, ...] = ()
 
 
 def ask_calculix(
@@ -78,11 +80,11 @@ def ask_calculix(
         except ConvergenceError as failure:
             return ThirdOpinion(comparison=None, done=None, failure=str(failure), **known)  # type: ignore[arg-type]
         with stages.stage("reading CalculiX"):
-            comparison = judged(folder / f"{NAME}.frd", deck, code)
-    return ThirdOpinion(comparison=comparison, done=done, failure="", **known)  # type: ignore[arg-type]
+            found = judged(folder / f"{NAME}.frd", deck, code)
+    return ThirdOpinion(comparison=found.comparison, guesses=found.guesses, done=done, failure="", **known)  # type: ignore[arg-type]
 
 
-def judged(path: Path, deck: Deck, code: str) -> Comparison:
+def judged(path: Path, deck: Deck, code: str) -> Report:
     """The result of a deck in a .frd file, against half-plane theory at its own points and instants."""
     mapping = Mapping(code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size)
     result = replace(

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from reports.comparison import Comparison
-from reports.summary import strict
+from reports.comparison.content import strict
+from reports.comparison.words import percent, value_of
 from reports.third.opinion import ThirdOpinion
 from reports.units import energy_unit, number, units
-from reports.wording import percent, value_of
 from scenes import ContactSolution
 
 HEADLINES = ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge")
@@ -69,7 +69,7 @@ def sentences(opinion: ThirdOpinion) -> list[str]:
 def page_words(comparison: Comparison, opinion: ThirdOpinion) -> dict[str, Any]:
     """What the page's block is filled with."""
     notes = list(opinion.comparison.result.record.notes) if opinion.comparison else []
-    guesses = list(opinion.comparison.guesses) if opinion.comparison else []
+    guesses = list(opinion.guesses)
     said = sentences(opinion)
     return {
         "heads": heads(opinion),
@@ -109,7 +109,7 @@ def as_json(comparison: Comparison, opinion: ThirdOpinion) -> str:
         },
         "metrics": {metric.key: {"ours": metric.value, "third": known.get(metric.key)} for metric in comparison.metrics},
         "limits": opinion.limits,
-        "notes": list(theirs.result.record.notes) + list(theirs.guesses) if theirs else [],
+        "notes": list(theirs.result.record.notes) + list(opinion.guesses) if theirs else [],
     }
     return json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False) + "\n"
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reports.comparison import Comparison
-from reports.score.mapping import load_mapping
-from reports.score.scoring import diagnosed, score_file
-from reports.wording import tolerance_of, value_of
+from reports.comparison import Report
+from reports.comparison.words import tolerance_of, value_of
+from reports.scoring.against import diagnosed, score_file
+from reports.scoring.mapping import load_mapping
 from scenes import load_scene
 
 HERE = Path(__file__).parent
@@ -45,7 +45,7 @@ EXAMPLES = (
 )
 
 
-def scored(example: Example) -> Comparison:
+def scored(example: Example) -> Report:
     """The result against half-plane theory, with diagnoses."""
     folder = HERE / example.name
     mapping = load_mapping(folder / example.mapping if example.mapping else None)
@@ -58,24 +58,24 @@ def scored(example: Example) -> Comparison:
         return diagnosed(score_file(path, mapping, load_scene(SCENE)))
 
 
-def numbers(comparison: Comparison) -> dict[str, Any]:
+def numbers(report: Report) -> dict[str, Any]:
     """The headline figures (None: not in the result), whether all keep their tolerance, and what the result suffers from."""
     return {
-        "metrics": {key: comparison.metric(key).value for key in HEADLINES},
-        "passed": comparison.passed,
-        "diagnoses": [one.fault for one in comparison.diagnoses],
+        "metrics": {key: report.metric(key).value for key in HEADLINES},
+        "passed": report.passed,
+        "diagnoses": [one.fault for one in report.diagnoses],
     }
 
 
-def told(comparison: Comparison, made: dict[str, Any]) -> str:
+def told(report: Report, made: dict[str, Any]) -> str:
     """The block of a README."""
     lines = [f"{made['code']}, {made['increments']} increments, {made['seconds']:.3g} s of CPU on one thread.", ""]
-    lines += ["| against half-plane theory | off by | tolerance of the scene |", "|---|---|---|"]
+    lines += ["| against half-plane theory | difference | tolerance |", "|---|---|---|"]
     for key in HEADLINES:
-        metric = comparison.metric(key)
+        metric = report.metric(key)
         lines.append(f"| {metric.label} | {value_of(metric)} | {tolerance_of(metric)} |")
-    lines += ["", "What it most likely suffers from:", ""]
-    for one in comparison.diagnoses:
+    lines += ["", "Likely faults of the result:", ""]
+    for one in report.diagnoses:
         lines += [f"- {one.sentence}", *(f"  - {evidence}" for evidence in one.evidence)]
     return "\n".join(lines) + "\n"
 
@@ -83,11 +83,11 @@ def told(comparison: Comparison, made: dict[str, Any]) -> str:
 def main() -> None:
     found = {}
     for example in EXAMPLES:
-        comparison = scored(example)
-        found[example.name] = numbers(comparison)
+        report = scored(example)
+        found[example.name] = numbers(report)
         made = json.loads((HERE / example.name / "made.json").read_text("utf-8"))
         readme = HERE / example.name / "README.md"
-        block = told(comparison, made).replace("\\", r"\\")
+        block = told(report, made).replace("\\", r"\\")
         readme.write_text(MARKS.sub(lambda _, text=block: text, readme.read_text("utf-8")), encoding="utf-8")
         print(f"{example.name}: {found[example.name]}")
     NUMBERS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

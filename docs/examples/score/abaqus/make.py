@@ -19,8 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
-from reports.score.mapping import Mapping
-from reports.score.reading import read
+from reports.scoring.mapping import Mapping
+from reports.scoring.reading import read
 from reports.third.running import calculix_version, find_calculix, status
 from scenes import load_scene
 

@@ -1,0 +1,250 @@
+"""What was compared: two solutions of one scene side by side, every metric with its uncertainty and verdict.
+
+cycles.py       the last cycle of a solution, and one solution put on the points and instants of another
+metrics.py      the metrics: one table of words, needs, functions and tolerances
+laws.py         the laws of contact that an answer obeys, whoever is right
+convergence.py  order and value at size zero of a ladder of solutions
+budget.py       where the error of each metric comes from: mesh, steps, penalty, far field, idealisation
+expected.py     the numbers that a scene expects
+words.py        all of that in sentences and cells
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from reports.comparison.cycles import last_cycle, sample, sample_instants
+from reports.comparison.laws import Certificate, certificates
+from reports.comparison.metrics import (
+    LIGHT,
+    METRICS,
+    Metric,
+    Pair,
+    Verdict,
+    are_half_planes,
+    judge,
+    missing,
+    name_of,
+    scales,
+    tolerances_of,
+)
+from scenes import ContactSolution, InputError, Scene
+
+if TYPE_CHECKING:
+    from reports.comparison.budget import ErrorBudget
+    from reports.scoring.diagnosis import Diagnosis
+    from reports.scoring.study import Study
+    from reports.third.opinion import ThirdOpinion
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison(Pair):
+    """Reference and result side by side, with the verdict.
+
+    Attributes
+    ----------
+    reference, result : the two solutions
+    polygon_reference : the reference's answer on the very polygon that the result stepped through, or None
+    scales : what makes it dimensionless
+    expected, found : last cycle of the reference (on the result's points and instants) and of the result
+    metrics : in the order of the table
+    reference_certificates, result_certificates : the laws of contact, needing no reference
+    notes : everything that a reader must not miss
+    """
+
+    metrics: tuple[Metric, ...]
+    reference_certificates: tuple[Certificate, ...]
+    result_certificates: tuple[Certificate, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def scene(self) -> Scene:
+        """The question."""
+        return self.result.scene
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Outside if one metric is, else undecided if one is, else within; None where no tolerance judges any."""
+        found = {metric.verdict for metric in self.metrics}
+        return next((one for one in (Verdict.OUTSIDE, Verdict.UNDECIDED, Verdict.WITHIN) if one in found), None)
+
+    @property
+    def accurate(self) -> bool:
+        """Whether every metric that is judged is within its tolerance: undecided counts as outside, nothing to judge as within."""
+        return self.verdict in (Verdict.WITHIN, None)
+
+    @property
+    def admissible(self) -> bool:
+        """Whether both solutions obey every law of contact that was checked."""
+        return all(check.holds for check in (*self.reference_certificates, *self.result_certificates))
+
+    @property
+    def passed(self) -> bool:
+        """Accurate and admissible."""
+        return self.accurate and self.admissible
+
+    @property
+    def headlines(self) -> tuple[Metric, ...]:
+        """The metrics of the first table, those with absolute values."""
+        return tuple(metric for metric in self.metrics if metric.definition.headline)
+
+    @property
+    def others(self) -> tuple[Metric, ...]:
+        """The metrics of the second table."""
+        return tuple(metric for metric in self.metrics if not metric.definition.headline)
+
+    def _repr_html_(self) -> str:
+        """For a notebook."""
+        from reports.notebook import comparison_html
+
+        return comparison_html(Report(self))
+
+    def metric(self, key: str) -> Metric:
+        """The metric of that key; KeyError for an unknown one."""
+        return {metric.key: metric for metric in self.metrics}[key]
+
+    def summary(self) -> str:
+        """The first table of the page as text: theory, finite elements, difference with its uncertainty, verdict; in units."""
+        from reports.comparison.words import summary
+
+        return summary(Report(self))
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What a page is written of: a comparison, and what was worked out from it.
+
+    Attributes
+    ----------
+    comparison : what was compared; its metrics have the uncertainties of the budget
+    budget : where the error of every metric comes from, where that was measured
+    guesses : what was taken for granted of somebody else's result, to be read before anything else
+    diagnoses : the likely faults of somebody else's result, the strongest first
+    study : what the result's own coarser meshes say, where it came as a folder of them
+    third : the answer of another code to the same scene
+    """
+
+    comparison: Comparison
+    budget: ErrorBudget | None = None
+    guesses: tuple[str, ...] = ()
+    diagnoses: tuple[Diagnosis, ...] = ()
+    study: Study | None = None
+    third: ThirdOpinion | None = None
+
+    @property
+    def honest(self) -> str:
+        """Whether the stated uncertainties cover the known errors, in words."""
+        return "not assessed: the run was made without a budget" if self.budget is None else self.budget.honest
+
+    @property
+    def passed(self) -> bool:
+        """Whether the comparison is accurate and admissible."""
+        return self.comparison.passed
+
+    def metric(self, key: str) -> Metric:
+        """The metric of that key; KeyError for an unknown one."""
+        return self.comparison.metric(key)
+
+    def summary(self) -> str:
+        """The first table of the page as text."""
+        from reports.comparison.words import summary
+
+        return summary(self)
+
+    def _repr_html_(self) -> str:
+        """For a notebook."""
+        from reports.notebook import comparison_html
+
+        return comparison_html(self)
+
+
+def compare(
+    reference: ContactSolution,
+    result: ContactSolution,
+    *,
+    polygon_reference: ContactSolution | None = None,
+    scales_from: ContactSolution | None = None,
+    tolerances: Mapping[str, float] | None = None,
+) -> Comparison:
+    """How far `result` is from `reference` in the last cycle, metric by metric.
+
+    Parameters
+    ----------
+    reference : the answer taken for true; best on the points and instants of `result`, otherwise it is interpolated
+        and the interpolation error stated in the notes
+    result : the answer judged
+    polygon_reference : the reference on the straight steps between the result's instants, which sets the error of
+        the steps apart from all others
+    scales_from : what the scales are read off, where the reference holds few instants; the reference if None
+    tolerances : key of a metric -> largest |E| admitted, before those of the scene; where neither says anything, the tolerances
+        of the project's own engines judge bodies for which half-plane theory is exact, and real bodies are not judged
+
+    Raises
+    ------
+    InputError
+        If the two (or three) answer different questions or hold no whole cycle, or a tolerance is of no metric.
+
+    >>> import semi_analytic
+    >>> from scenes import load_scene
+    >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"))
+    >>> compare(exact, exact).metric("dissipation").value
+    0.0
+    """
+    for key in tolerances or {}:
+        if key not in METRICS:
+            raise InputError(f"tolerances: {key!r} is no metric; the metrics are {', '.join(METRICS)}")
+    for other in (reference, *([polygon_reference] if polygon_reference else [])):
+        _refuse_other_question(other, result)
+    found = last_cycle(result)
+    expected = sample(last_cycle(reference), found, reference.engine) if found.whole else sample_instants(reference, found)
+    pair = Pair(reference, result, polygon_reference, scales(scales_from or reference), expected, found)
+    return Comparison(
+        **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
+        metrics=judge(pair, tolerances_of(result.scene, are_half_planes(result.scene), tolerances)),
+        reference_certificates=certificates(reference),
+        result_certificates=certificates(result),
+        notes=tuple(_notes(pair)),
+    )
+
+
+def _refuse_other_question(reference: ContactSolution, result: ContactSolution) -> None:
+    for part in ("material", "profile", "friction", "load"):
+        theirs, ours = getattr(reference.scene, part), getattr(result.scene, part)
+        if theirs != ours:
+            raise InputError(
+                f"{reference.engine} and {result.engine} answer different questions: {part} is {theirs!r} in the one "
+                f"and {ours!r} in the other; solve both from one scene"
+            )
+
+
+def _notes(pair: Pair) -> Iterator[str]:
+    """What a reader must not miss, as sentences."""
+    if pair.expected.interpolation:
+        errors = ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in pair.expected.interpolation.items())
+        yield (
+            "The reference is not on the result's points and instants and was interpolated; error of the interpolation "
+            f"over the largest value, estimated by leaving out every second sample: {errors}."
+        )
+    if light := int((pair.touching & ~pair.judged).sum()):
+        yield (
+            f"{light} of {int(pair.touching.sum())} instants carry less than {LIGHT:g} P_ref; they are shown and not judged, "
+            "for a contact of a few elements has no relative error worth the name."
+        )
+    periodic = pair.result.scene.load.path().period is not None
+    for solution in (pair.reference, pair.result):
+        name = name_of(solution.engine)
+        if not solution.record.converged:
+            yield f"{name}: not converged: {solution.record.message}"
+        # Our finite elements note it themselves, with how the dissipation changes.
+        if solution.steady_from is None and periodic and solution.engine != "halfplane_fe" and not missing(solution):
+            yield f"{name}: no cycle repeats yet, so the last cycle still holds some of the initial loading."
+        yield from (f"{name}: {note}" for note in solution.record.notes)
+    if not pair.result.scene.bodies.half_planes and "tangential_displacement" not in missing(pair.result):
+        yield (
+            "Tangential displacement and approach of finite bodies are counted from their supports, of half-planes from a place "
+            "that does not move: their difference is for the most part that of the two, whatever the contact does."
+        )
+    if not pair.result.scene.friction.coefficient:
+        yield "Frictionless scene: shear and dissipation are over p and A P², without f."

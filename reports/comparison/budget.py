@@ -1,0 +1,414 @@
+"""Where an error comes from, metric by metric: mesh, penalty, steps, far field, solver, half-plane theory's own, idealisation.
+
+They add up to the metric. Every term is measured by itself, everything else fixed, on runs beside the run: coarser meshes, other
+far fields, the contact law without a layer. These runs (rungs) are compared with half-plane theory on the polygon of their own
+increments, so that no step error is in them. What is left over is the idealisation; for half-planes there is none by construction,
+and what is left over must be less than its own uncertainty, which tests the whole budget.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from reports.comparison import Comparison, Report, compare
+from reports.comparison.convergence import Extrapolation, Ladder, extrapolate
+from reports.comparison.metrics import Metric, are_half_planes
+from scenes import ConvergenceError, InputError
+
+if TYPE_CHECKING:
+    from halfplane_fe import SolverSettings
+    from meshes import MeshSettings
+
+ROUNDING = 1e-12
+# They are the step's part and the rest of another metric: a budget of them would count it twice.
+_PARTS = ("dissipation_polygon", "dissipation_step")
+# What `record.errors` of the reference says of a metric.
+_FIELDS = {
+    "largest_pressure": "pressure",
+    "dissipation_density_peak": "dissipation_density",
+    "peak_pressure": "pressure",
+    "pressure": "pressure",
+    "shear": "shear",
+    "dissipation": "dissipation",
+    "hysteresis": "dissipation",
+    "dissipation_density": "dissipation_density",
+}
+
+
+# Of one stage: its name in, a context that yields report(done, total, text) out; `Stages.stage` is one.
+Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
+
+_LARGEST = 0.25  # of MeshSettings, over the contact half-width
+_LEAST_RATIO = 1.2
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """One run of a ladder.
+
+    Attributes
+    ----------
+    label : "2h", "L/2": what is different from the run
+    size : that size over the run's; of the far field 1/L
+    values : metric -> its value without the error of the steps; empty where the run failed
+    failure : why there are none
+    seconds : CPU time
+    steps, nodes : of the path, of the contact
+    """
+
+    label: str
+    size: float
+    values: Mapping[str, float | None]
+    failure: str = ""
+    seconds: float = 0.0
+    steps: int = 0
+    nodes: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Ladders:
+    """Every rung by the term that it measures.
+
+    Attributes
+    ----------
+    mesh : at h and coarser; far_field : at 2 L, L, L/2 on the coarse mesh, empty for bodies with a size of their own
+    penalty : (with the layer, without) on the coarse mesh and on the one coarser still; empty where the law is met exactly
+    coarse : label of the mesh on which all but the mesh ladder stand
+    not_measured : term -> why
+    seconds : CPU time of all rungs but the run's own
+    """
+
+    mesh: tuple[Rung, ...]
+    far_field: tuple[Rung, ...]
+    penalty: tuple[tuple[Rung, Rung], ...]
+    coarse: str
+    not_measured: Mapping[str, str]
+    seconds: float
+
+
+def without_steps(comparison: Comparison) -> dict[str, float | None]:
+    """Metric -> value against theory on the polygon of the result's own increments."""
+    if comparison.polygon_reference is None:
+        raise InputError("a budget needs the reference on the polygon of the result's steps: give compare polygon_reference")
+    return _values(compare(comparison.polygon_reference, comparison.result))
+
+
+def _values(comparison: Comparison) -> dict[str, float | None]:
+    return {metric.key: metric.value for metric in comparison.metrics}
+
+
+def mesh_ratio(mesh: MeshSettings) -> float | None:
+    """Ratio of neighbouring rungs: 2, or what three coarsenings leave room for; None where that is less than 1.2.
+
+    >>> from meshes import MeshSettings
+    >>> mesh_ratio(MeshSettings()), mesh_ratio(MeshSettings(element_size=0.2, edge_element_size=0.2))
+    (2.0, None)
+    """
+    room = (_LARGEST / mesh.edge_element_size) ** (1 / 3)
+    return None if room < _LEAST_RATIO else min(2.0, room)
+
+
+def coarser(mesh: MeshSettings, settings: SolverSettings, factor: float) -> tuple[MeshSettings, SolverSettings]:
+    """All surface elements `factor` times larger (in the middle to 0.25 a at most); a penalty layer stays the same layer."""
+    middle, edges = (min(_LARGEST, factor * size) for size in (mesh.element_size, mesh.edge_element_size))
+    if settings.method == "penalty":
+        stiffness = (settings.normal_stiffness * factor, settings.tangential_stiffness * factor)
+        settings = replace(settings, normal_stiffness=stiffness[0], tangential_stiffness=stiffness[1])
+    return replace(mesh, element_size=middle, edge_element_size=edges), settings
+
+
+def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, stage: Stage, coarsenings: int = 3) -> Ladders:
+    """Solve every rung of a run that was cut by `mesh` and iterated by `settings`.
+
+    With three coarser meshes, their size ratio r, the rungs are h, r h, r^2 h, r^3 h; with two, the least that shows an order, they
+    cost a third of that. Far field and penalty are measured at r^2 h.
+    """
+    begun = time.process_time()
+    missing: dict[str, str] = {}
+    ratio = mesh_ratio(mesh)
+    own = Rung("h", 1.0, without_steps(comparison), "", 0.0, len(comparison.result.time), len(comparison.result.x))
+    if ratio is None:
+        why = "the run's own elements leave no room for three coarser meshes"
+        return Ladders((own,), (), (), "none", dict.fromkeys(("mesh", "far field", "penalty"), why), 0.0)
+    scene, scales = comparison.scene, getattr(comparison.result, "scales", None)
+
+    def solved(label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Rung:
+        import halfplane_fe
+        import semi_analytic
+
+        began = time.process_time()
+        with stage(f"budget, {label}") as report:
+            try:
+                result = halfplane_fe.solve(scene, mesh, settings, report, scales=scales)
+            except ConvergenceError as failure:
+                return Rung(label, size, {}, f"{label} did not converge: {failure}", time.process_time() - began)
+            polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=True)
+            values = _values(compare(polygon, result))
+        return Rung(label, size, values, "", time.process_time() - began, len(result.time), len(result.x))
+
+    sizes = [ratio**power for power in range(1, coarsenings + 1)]
+    meshes = (own, *(solved(f"{size:.3g}h", size, *coarser(mesh, settings, size)) for size in sizes))
+    middle = meshes[2]
+    far_field: tuple[Rung, ...] = ()
+    if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind):
+        radius, (cut, law) = mesh.far_radius, coarser(mesh, settings, ratio**2)
+        if 4 <= radius <= 500:
+            large, small = (
+                solved(f"{middle.label}, {words}", size, replace(cut, far_radius=radius / size), law)
+                for words, size in (("2 L", 0.5), ("L/2", 2.0))
+            )
+            far_field = (large, replace(middle, size=1.0), small)
+        else:
+            missing["far field"] = f"a half-disc of radius {radius:g} a leaves no room for one of half and one of twice"
+    pairs = []
+    if settings.method == "penalty":
+        # With the layer and without it, on the two coarsest meshes: the second shows what the mesh does to the difference.
+        exact = replace(settings, method="augmented_lagrangian", normal_stiffness=1e3, tangential_stiffness=1e3)
+        for rung in meshes[-2:]:
+            cut, _ = coarser(mesh, settings, rung.size)
+            pairs.append((rung, solved(f"{rung.label}, law met exactly", rung.size, cut, exact)))
+    return Ladders(meshes, far_field, tuple(pairs), middle.label, missing, time.process_time() - begun)
+
+
+@dataclass(frozen=True)
+class Term:
+    """One source of error in one metric.
+
+    Attributes
+    ----------
+    name : "mesh", "step", ...
+    value : its share of the metric, signed; None where nothing stands out of the scatter, or nothing was measured
+    uncertainty : of that share; None where nothing was measured
+    how : by what it was measured, or why not
+    bound : the uncertainty is one that is never exceeded: bounds add up, the others go by the root of the sum of squares
+    order, kind : of the ladder, where it has one
+    """
+
+    name: str
+    value: float | None
+    uncertainty: float | None
+    how: str
+    bound: bool = False
+    order: float | None = None
+    kind: str = ""
+
+    @property
+    def measured(self) -> bool:
+        """Whether anything is known of it."""
+        return self.uncertainty is not None
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The error of one metric and where it comes from.
+
+    Attributes
+    ----------
+    metric : the whole error, with its tolerance
+    terms : every source but the idealisation
+    half_planes : whether the bodies are the half-planes of theory, so that there is no idealisation, see `are_half_planes`
+    """
+
+    metric: Metric
+    terms: tuple[Term, ...]
+    half_planes: bool
+
+    @property
+    def total(self) -> float:
+        """E: what the metric says."""
+        return float("nan") if self.metric.value is None else self.metric.value
+
+    @property
+    def rest(self) -> float:
+        """What no term accounts for: the idealisation error, or of half-planes what is unexplained."""
+        return self.total - sum(term.value or 0.0 for term in self.terms)
+
+    @property
+    def uncertainty(self) -> float | None:
+        """u of the rest; None where a term was not measured."""
+        if not all(term.measured for term in self.terms):
+            return None
+        doubts = [(term.uncertainty or 0.0, term.bound) for term in self.terms]
+        return math.hypot(*(u for u, bound in doubts if not bound)) + sum(u for u, bound in doubts if bound)
+
+    @property
+    def judged(self) -> Metric:
+        """The metric with u for its uncertainty; as it is where u is not known."""
+        return self.metric if self.uncertainty is None else replace(self.metric, uncertainty=self.uncertainty)
+
+    @property
+    def resolved(self) -> bool | None:
+        """Whether an idealisation error stands out, |rest| > u; None where that is not known."""
+        return None if self.uncertainty is None or not math.isfinite(self.rest) else abs(self.rest) > self.uncertainty
+
+    @property
+    def honest(self) -> bool | None:
+        """Whether the stated uncertainty covers the error: known for half-planes only, where the rest must be nothing."""
+        return None if not self.half_planes or self.resolved is None else not self.resolved
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorBudget:
+    """Budgets of all metrics, the rungs they rest on, and CPU seconds of the plain run and of the rungs."""
+
+    budgets: tuple[Budget, ...]
+    ladders: Ladders
+    plain_seconds: float
+
+    @property
+    def cost(self) -> float:
+        """CPU time of the run with its budget over that of the plain run."""
+        return 1 + self.ladders.seconds / self.plain_seconds
+
+    def budget(self, key: str) -> Budget:
+        """The budget of a metric; KeyError where it has none."""
+        return {budget.metric.key: budget for budget in self.budgets}[key]
+
+    @property
+    def honest(self) -> str:
+        """What can be said of the stated uncertainties."""
+        known = [budget.honest for budget in self.budgets if budget.honest is not None]
+        if not known:
+            return "not assessed: the true error is known for half-planes only, and where every term was measured"
+        return f"{sum(known)} of {len(known)} metrics: the stated uncertainty covers what the measured terms leave unexplained"
+
+
+def error_budget(comparison: Comparison, ladders: Ladders, plain_seconds: float) -> ErrorBudget:
+    """The budgets of every metric of `comparison` that has a finite value."""
+    half_planes = are_half_planes(comparison.scene)
+    budgets = tuple(
+        Budget(metric, tuple(_terms(metric, comparison, ladders)), half_planes)
+        for metric in comparison.metrics
+        if metric.key not in _PARTS and metric.value is not None and math.isfinite(metric.value)
+    )
+    return ErrorBudget(budgets, ladders, plain_seconds)
+
+
+def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
+    """A report of `comparison` with its budget, every metric with the uncertainty that it is judged with."""
+    judged = {one.metric.key: one.judged for one in budget.budgets}
+    metrics = tuple(judged.get(metric.key, metric) for metric in comparison.metrics)
+    return Report(replace(comparison, metrics=metrics), budget)
+
+
+def _terms(metric: Metric, comparison: Comparison, ladders: Ladders) -> Iterator[Term]:
+    yield _mesh(metric, comparison, ladders)
+    yield _penalty(metric, ladders, str(comparison.result.settings.get("solver", {}).get("method", "")))
+    yield _step(metric, ladders)
+    yield _far_field(metric, comparison, ladders)
+    yield _solver(comparison)
+    yield _theory(metric, comparison)
+
+
+def _ladder(name: str, metric: Metric, rungs: tuple[Rung, ...], formal_order: float) -> Ladder | Term:
+    """The ladder of a metric, or a term that says why there is none."""
+    found = [(rung.size, rung.values.get(metric.key)) for rung in rungs if not rung.failure]
+    values = [(size, value) for size, value in found if value is not None and math.isfinite(value)]
+    if len(values) < 3 or values[0][0] != rungs[0].size:
+        why = "; ".join(rung.failure for rung in rungs if rung.failure) or "a rung has no finite value"
+        return _not_measured(name, why)
+    sizes, heights = zip(*values, strict=True)
+    return Ladder(sizes, heights, formal_order, ROUNDING)
+
+
+def _not_measured(name: str, why: str) -> Term:
+    return Term(name, None, None, f"not measured: {why}")
+
+
+def _mesh(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
+    """phi(h) - phi(0); no less doubtful than the run itself says."""
+    if "mesh" in ladders.not_measured:
+        return _not_measured("mesh", ladders.not_measured["mesh"])
+    ladder = _ladder("mesh", metric, ladders.mesh, 2.0)
+    if isinstance(ladder, Term):
+        return ladder
+    found = extrapolate(ladder)
+    how = f"{', '.join(rung.label for rung in ladders.mesh if not rung.failure)}: {found.kind}; {found.rule}"
+    uncertainty, least = found.uncertainty or 0.0, _own_doubt(metric, comparison)
+    if least > uncertainty:
+        uncertainty, how = least, f"{how}; uncertainty that the run itself states"
+    return Term("mesh", _share(ladder.values[0], found), uncertainty, how, order=found.order, kind=found.kind)
+
+
+def _share(value: float, found: Extrapolation) -> float | None:
+    """What a value has over the extrapolated one; None where the ladder only scatters."""
+    if found.kind in ("oscillating", "diverging") or found.value is None:
+        return None
+    return value - found.value
+
+
+def _own_doubt(metric: Metric, comparison: Comparison) -> float:
+    """What the result says of the metric's uncertainty: of the edges at its instant over a_ref, else the metric's own; or 0."""
+    stated = getattr(comparison.result, f"{metric.key}_uncertainty", None)
+    doubt = metric.uncertainty or 0.0
+    if stated is not None and metric.time is not None:
+        step = int(abs(comparison.result.time - metric.time).argmin())
+        doubt = max(doubt, float(max(stated[step])) / comparison.scales.half_width)
+    return doubt if math.isfinite(doubt) else 0.0
+
+
+def _step(metric: Metric, ladders: Ladders) -> Term:
+    """What the metric loses when theory steps through the same polygon as the result: exact, for every metric."""
+    polygon = ladders.mesh[0].values.get(metric.key)
+    if polygon is None or not math.isfinite(polygon) or metric.value is None:
+        return _not_measured("step", "theory on the polygon of the steps has no such value")
+    how = "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
+    return Term("step", metric.value - polygon, ROUNDING, how, bound=True)
+
+
+def _penalty(metric: Metric, ladders: Ladders, method: str) -> Term:
+    """With the layer less without; uncertain by what one coarser mesh makes of that, twice."""
+    if method != "penalty":
+        return Term("penalty", None, 0.0, "none by construction: the law is met exactly", bound=True)
+    if "penalty" in ladders.not_measured:
+        return _not_measured("penalty", ladders.not_measured["penalty"])
+    pairs = [[rung.values.get(metric.key) for rung in pair] for pair in ladders.penalty]
+    shares = [soft - hard for soft, hard in pairs if soft is not None and hard is not None and math.isfinite(soft - hard)]
+    if len(shares) < 2:
+        why = "; ".join(rung.failure for pair in ladders.penalty for rung in pair if rung.failure) or "a rung has no finite value"
+        return _not_measured("penalty", why)
+    how = f"with the layer less without it, at {ladders.coarse}; twice what that changes by at the next coarser mesh"
+    return Term("penalty", shares[0], 2 * abs(shares[0] - shares[1]), how)
+
+
+def _far_field(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term:
+    """phi(L) - phi(infinity) on the coarse mesh."""
+    bodies = comparison.scene.bodies
+    if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
+        return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
+    if why := ladders.not_measured.get("far field"):
+        return _not_measured("far field", why)
+    ladder = _ladder("far field", metric, ladders.far_field, 4.0)
+    if isinstance(ladder, Term):
+        return ladder
+    found = extrapolate(ladder)
+    how = f"radius 2 L, L, L/2 on the mesh of {ladders.coarse}: {found.kind}"
+    if found.kind == "exact" or ladder.plausible(found.order):
+        return Term("far field", _share(ladder.values[1], found), found.uncertainty, how, order=found.order, kind=found.kind)
+    how += "; lost in the scatter of meshing anew, of that size"
+    return Term("far field", None, ladder.spread, how, order=found.order, kind=found.kind)
+
+
+def _solver(comparison: Comparison) -> Term:
+    """The worst residual of any step: dimensionless, a bound for what rounding and termination may do."""
+    checks = [check for check in comparison.result_certificates if check.source == "record"]
+    if not checks:
+        return _not_measured("solver", "the result states no residuals")
+    worst = max(checks, key=lambda check: check.value)
+    return Term("solver", None, worst.value, f"worst residual of any step: {worst.name}", bound=True)
+
+
+def _theory(metric: Metric, comparison: Comparison) -> Term:
+    """What the reference states of its own quadratures and series."""
+    field = _FIELDS.get(metric.key, metric.key)
+    polygon = comparison.polygon_reference
+    records = [comparison.reference.record, *([polygon.record] if polygon else [])]
+    stated = max((value for record in records for name, value in record.errors.items() if name.startswith(field)), default=None)
+    if stated is None:
+        return Term("half-plane theory", None, ROUNDING, "closed forms: rounding", bound=True)
+    return Term("half-plane theory", None, stated + ROUNDING, "its own estimate of quadratures and series", bound=True)

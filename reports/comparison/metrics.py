@@ -1,0 +1,1325 @@
+"""The metrics: one table. Each row has its key, its words, what it needs, the function that measures it and its tolerance.
+
+Every metric is a pure function of two last cycles on the same points and instants (a `Pair`), dimensionless: result less reference
+over a scale, signed wherever a sign has a meaning. A NaN in a solution means "no such thing at this instant" only where it is
+said so; any other NaN comes from the data and goes on to the verdict, where it fails.
+
+# notation: ref the reference, E the value of a metric, u its uncertainty
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.comparison.cycles import Cycle
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, EllipseLoad, Materials, Scene
+from scenes.scene import OWN_TOLERANCES
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+# Instants with less than this share of P_ref are shown and not judged: on its way from or to the unloaded state a contact
+# passes through sizes of a few elements and of one, where an error relative to its own traction measures the mesh only.
+LIGHT = 0.1
+# Peaks of the reference within this share of its largest count as equal: a flat and rounded face has one at each edge, and it
+# is the points that decide which of the two comes out higher.
+EQUAL_PEAKS = 0.05
+# Below this, in f p_ref, the shear of an instant is rounding and has no peak.
+NO_SHEAR = 1e-9
+# Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth is 0.
+NO_DISSIPATION = 1e-12
+# Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
+_NO_COUPLING = 1e-9
+SIDES = ("left", "right")
+FULL_STICK = 2
+# What a metric needs of a solution beside its fields: a whole cycle.
+WHOLE_CYCLE = "whole_cycle"
+
+_ENGINES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
+
+
+def name_of(engine: str) -> str:
+    """What an engine is called on the page.
+
+    >>> name_of("halfplane_fe"), name_of("somebody's code")
+    ('finite elements', "somebody's code")
+    """
+    return _ENGINES.get(engine, engine)
+
+
+def coupled(scene: Scene) -> bool:
+    """Whether normal and shear tractions of these materials feel each other: Dundurs' beta is not 0, and there is friction."""
+    if scene.material.alike or not scene.friction.coefficient:
+        return False
+    from halfplane_fe.dundurs import dundurs
+
+    return abs(dundurs(scene.material).beta) >= _NO_COUPLING
+
+
+def are_half_planes(scene: Scene) -> bool:
+    """Whether theory is exact for the bodies of `scene`: half-planes whose normal and shear tractions do not feel each other.
+
+    Unlike materials couple the two by Dundurs' beta, which theory leaves out: that is an idealisation too.
+    """
+    return scene.bodies.half_planes and not coupled(scene)
+
+
+# ---------------------------------------------------------------------------------------------------------------- values
+
+
+class Verdict(StrEnum):
+    """What an error and its uncertainty say of a tolerance."""
+
+    WITHIN = "within"
+    OUTSIDE = "outside"
+    UNDECIDED = "undecided"
+
+
+def verdict_on(error: float, tolerance: float, uncertainty: float | None = None) -> Verdict:
+    """Whether `error` lies within `tolerance`, both in one unit.
+
+    Within if |E| + u <= tolerance, outside if |E| - u > tolerance, else undecided. Where no uncertainty u is known, |E| alone
+    decides. An error that is not finite is outside; an uncertainty that is not finite decides nothing.
+
+    >>> print(verdict_on(-0.016, 0.05), verdict_on(-0.016, 0.05, 0.75), verdict_on(0.9, 0.05, 0.75))
+    within undecided outside
+    """
+    if not math.isfinite(error):
+        return Verdict.OUTSIDE
+    doubt = 0.0 if uncertainty is None else uncertainty
+    if abs(error) + doubt <= tolerance:
+        return Verdict.WITHIN
+    return Verdict.OUTSIDE if abs(error) - doubt > tolerance else Verdict.UNDECIDED
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What makes the comparison dimensionless.
+
+    Attributes
+    ----------
+    normal_load : P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
+    half_width : a_ref = a(P_ref) of the reference [length]
+    pressure : p_ref = 2 P_ref/(pi a_ref) [stress], the peak of a Hertz contact of that size
+    friction : f, or 1 for a frictionless scene, so that a shear that should not be there still shows
+    compliance : A = 2/E* [1/stress]
+    """
+
+    normal_load: float
+    half_width: float
+    pressure: float
+    friction: float
+    compliance: float
+
+    @property
+    def shear(self) -> float:
+        """f p_ref [stress]."""
+        return self.friction * self.pressure
+
+    @property
+    def shift(self) -> float:
+        """A f P_ref [length]."""
+        return self.compliance * self.friction * self.normal_load
+
+    @property
+    def dissipation(self) -> float:
+        """A f^2 P_ref^2 [energy / thickness]."""
+        return self.compliance * (self.friction * self.normal_load) ** 2
+
+
+def compliance(materials: Materials) -> float:
+    """A = 2/E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [1/stress].
+
+    >>> steel = Materials.model_validate({"young_modulus": 210e3, "poisson_ratio": 0.3})
+    >>> round(2 / compliance(steel), 1)
+    115384.6
+    """
+    return 2 * sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (materials.upper, materials.lower))
+
+
+def scales(reference: ContactSolution) -> Scales:
+    """The scales of `reference`; a(P_ref) is read off its own half-widths, linear in P between its instants."""
+    load, friction = reference.scene.load, reference.scene.friction.coefficient
+    if isinstance(load, EllipseLoad):
+        normal_load = load.mean_normal_load
+    else:
+        normal_load = float(np.max(reference.normal_load[reference.last_cycle]))
+    order = np.argsort(reference.normal_load, kind="stable")
+    half_width = float(np.interp(normal_load, reference.normal_load[order], reference.contact_half_width[order]))
+    return Scales(
+        normal_load=normal_load,
+        half_width=half_width,
+        pressure=2 * normal_load / (np.pi * half_width),
+        friction=friction or 1.0,
+        compliance=compliance(reference.scene.material),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Reference and result, the one put on the other's points and instants: see `Comparison` for the names."""
+
+    reference: ContactSolution
+    result: ContactSolution
+    polygon_reference: ContactSolution | None
+    scales: Scales
+    expected: Cycle
+    found: Cycle
+
+    @cached_property
+    def touching(self) -> Mask:
+        """(k,) instants at which either carries pressure (a NaN counts as pressure: it must not hide)."""
+        return (self.expected.pressure != 0).any(axis=1) | (self.found.pressure != 0).any(axis=1)
+
+    @cached_property
+    def judged(self) -> Mask:
+        """(k,) instants that a verdict is taken from."""
+        return self.touching & (self.expected.normal_load >= LIGHT * self.scales.normal_load)
+
+    @cached_property
+    def periodic(self) -> bool:
+        """Whether the load path repeats."""
+        return self.result.scene.load.path().period is not None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Measured:
+    """What the function of a metric finds.
+
+    Attributes
+    ----------
+    value : of the last cycle, the worst where there is one at every instant; None where there is nothing to compare;
+        not finite where the data is not
+    time : instant of the worst value; None for a figure of the whole cycle
+    series : (k,) values at the instants of the last cycle (NaN: nothing to compare), or None
+    note : what a reader must not miss
+    elements : value in local element sizes of the result, where it states one
+    absolute : whether the value is in the row's absolute unit, the reference's own figure being 0
+    place : where on the surface the worst value is, x/a_ref; None for what has no place
+    uncertainty : how far the error budget, else the result's own statement or the spacing of points or instants, leaves the
+        value open, in its unit; None where nobody states it
+    spacings : value in local spacings of the result's points
+    unmatched : whether a value that is not finite means an event without a counterpart, and not data that is no number
+    amounts : (reference, result) of a row with a quantity, in units of the scene; None for the others
+    """
+
+    value: float | None
+    time: float | None = None
+    series: Array | None = None
+    note: str = ""
+    elements: float | None = None
+    absolute: bool = False
+    place: float | None = None
+    uncertainty: float | None = None
+    spacings: float | None = None
+    unmatched: bool = False
+    amounts: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Definition:
+    """A row of the table.
+
+    Attributes
+    ----------
+    key, label : for programs and for people
+    unit : what its value is a share of
+    norm : how the differences at points and instants become one figure
+    region : which points and instants count
+    text : how it is computed
+    needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` among them
+    measure : the function, of a `Pair`
+    signed : whether its sign has a meaning (result less reference); a norm has none
+    absolute_unit : unit where the reference's own figure is 0 and nothing can be relative to it
+    quantity : what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a
+        quantity stands in the first table, the others are folded below it
+    judged_by : key of the tolerance that judges it; the row's own
+    """
+
+    key: str
+    label: str
+    unit: str
+    norm: str
+    region: str
+    text: str
+    needs: tuple[str, ...]
+    measure: Callable[[Pair], Measured]
+    signed: bool = True
+    absolute_unit: str = ""
+    quantity: str = ""
+    judged_by: str = ""
+
+    @property
+    def headline(self) -> bool:
+        """Whether it stands in the first table."""
+        return bool(self.quantity)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Metric(Measured):
+    """One discrepancy: what was measured, its row of the table, and the largest |value| admitted (None: not judged)."""
+
+    definition: Definition
+    tolerance: float | None = None
+
+    @property
+    def key(self) -> str:
+        """Name for programs."""
+        return self.definition.key
+
+    @property
+    def label(self) -> str:
+        """Name for people."""
+        return self.definition.label
+
+    @property
+    def unit(self) -> str:
+        """What the value is a share of, or its unit."""
+        return self.definition.absolute_unit if self.absolute else self.definition.unit
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """`verdict_on` value, tolerance and uncertainty; None without a tolerance or a value. What is not finite is outside,
+        tolerance or none, unless the only reason is that something has no counterpart.
+        """
+        if self.value is None:
+            return None
+        if self.tolerance is None:
+            return None if np.isfinite(self.value) or self.unmatched else Verdict.OUTSIDE
+        return verdict_on(self.value, self.tolerance, self.uncertainty)
+
+    @property
+    def accurate(self) -> bool | None:
+        """Whether the verdict is "within": undecided counts as outside; None where there is no verdict."""
+        return None if self.verdict is None else self.verdict is Verdict.WITHIN
+
+
+METRICS: dict[str, Definition] = {}
+
+
+def metric(
+    key: str, label: str, unit: str, norm: str, region: str, text: str, *needs: str, **more: object
+) -> Callable[[Callable[[Pair], Measured]], Callable[[Pair], Measured]]:
+    """Puts the function below it into the table, with its words and the fields that it needs."""
+
+    def register(measure: Callable[[Pair], Measured]) -> Callable[[Pair], Measured]:
+        METRICS[key] = Definition(
+            key=key,
+            label=label,
+            unit=unit,
+            norm=norm,
+            region=region,
+            text=text,
+            needs=needs,
+            measure=measure,
+            **{"judged_by": key, **more},  # type: ignore[arg-type]
+        )
+        return measure
+
+    return register
+
+
+def missing(solution: ContactSolution) -> dict[str, str]:
+    """Quantity -> why the solution does not hold it.
+
+    An engine that was not asked for a field, and a foreign result that lacks one, say so alike: in `work.skipped`.
+    """
+    known = {quantity for row in METRICS.values() for quantity in row.needs}
+    return {name: reason for name, (_, reason) in solution.work.skipped.items() if name in known}
+
+
+def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
+    """Every metric of the table in its order: the first table's, then the others; by `tolerances`, key -> |E| admitted.
+
+    Of one that needs what a solution does not hold, the reason; never a guess.
+    """
+    lacking = [(name_of(solution.engine), missing(solution)) for solution in (pair.result, pair.reference)]
+    found = []
+    for row in sorted(METRICS.values(), key=lambda row: not row.headline):
+        if row.key in ("dissipation_polygon", "dissipation_step") and pair.polygon_reference is None:
+            continue
+        absent = [(quantity, engine, why[quantity]) for engine, why in lacking for quantity in row.needs if quantity in why]
+        if absent:
+            quantity, engine, reason = absent[0]
+            words = "pointwise dissipation" if quantity == "dissipation_density" else quantity.replace("_", " ")
+            found.append(Metric(definition=row, value=None, note=f"{words}: {reason} ({engine})"))
+        else:
+            measured = row.measure(pair)
+            tolerance = None if measured.value is None else tolerances.get(row.key, tolerances.get(row.judged_by))
+            found.append(Metric(definition=row, tolerance=tolerance, **vars(measured)))
+    return tuple(found)
+
+
+def tolerances_of(scene: Scene, exact: bool, given: Mapping[str, float] | None = None) -> dict[str, float]:
+    """Key -> largest |E| admitted: `given`, else the scene's, else the engines' own where theory is `exact` for the bodies."""
+    stated = {key: value for key, value in scene.tolerances.model_dump().items() if value is not None}
+    return {**(OWN_TOLERANCES if exact else {}), **stated, **(given or {})}
+
+
+def markdown() -> str:
+    """The table of docs/metrics.md: one row for each metric, in the order of the tables."""
+
+    def unit(row: Definition) -> str:
+        return f"{row.unit}; {row.absolute_unit} where that is 0" if row.absolute_unit else row.unit
+
+    def tolerance(row: Definition) -> str:
+        limit = OWN_TOLERANCES.get(row.judged_by)
+        return "–" if limit is None else f"{limit:g}" + ("" if row.judged_by == row.key else f" (`{row.judged_by}`)")
+
+    rows = (
+        f"| `{row.key}` | {row.label} | {unit(row)} | {row.norm} | {row.region} | {'yes' if row.signed else 'no'} | "
+        f"{tolerance(row)} | {row.text} |"
+        for row in sorted(METRICS.values(), key=lambda row: not row.headline)
+    )
+    return "\n".join(
+        ("| Key | Label | Unit | Norm | Region | Signed | Tolerance | How |", "|---|---|---|---|---|---|---|---|", *rows)
+    )
+
+
+# -------------------------------------------------------------------------------------------------- what the metrics share
+
+
+def norm(x: Array, values: Array) -> Array:
+    """L2 norm over x, sqrt(int values^2 dx) by the trapezoidal rule: (..., n) -> (...)."""
+    return np.sqrt(np.trapezoid(np.square(values), x, axis=-1))
+
+
+def over(numerator: Array, denominator: Array) -> Array:
+    """Quotient; 0/0 is NaN ("nothing to compare"), anything else over 0 is infinite."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return np.asarray(numerator / denominator, dtype=float)
+
+
+def shares(at: Array) -> Array:
+    """Weights of the trapezoidal rule on the points or instants `at`: (n,) -> (n,); 1 each where all are one, as loads alike are.
+
+    >>> shares(np.array([0.0, 1.0, 3.0])).tolist(), shares(np.array([2.0])).tolist()
+    ([0.5, 1.5, 1.0], [1.0])
+    """
+    if at[-1] == at[0]:
+        return np.ones(len(at))
+    steps = np.diff(at)
+    return np.asarray(np.concatenate([steps, [0.0]]) + np.concatenate([[0.0], steps])) / 2
+
+
+def spacing_at(x: Array, place: float) -> float:
+    """Distance of the two points around `place` (at the ends of `x`: of the last two) [length].
+
+    >>> spacing_at(np.array([0.0, 1.0, 3.0]), 2.5)
+    2.0
+    """
+    right = int(np.clip(np.searchsorted(x, place, side="right"), 1, len(x) - 1))
+    return float(x[right] - x[right - 1])
+
+
+def worst(series: Array, applies: Mask, time: Array) -> tuple[float | None, float | None]:
+    """The value of largest size and its instant among those that apply; a NaN among these is the worst there is.
+
+    >>> worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
+    (-3.0, 0.5)
+    """
+    if not applies.any():
+        return None, None
+    size = np.where(applies, np.where(np.isnan(series), np.inf, np.abs(series)), -1.0)
+    at = int(np.argmax(size))
+    return float(series[at]), float(time[at])
+
+
+def worst_point(difference: Array, x: Array) -> tuple[Array, Array]:
+    """The entry of largest size in each row of (k, n) and its place: (k,), (k,). A NaN is the worst there is.
+
+    >>> values, places = worst_point(np.array([[1.0, -3.0]]), np.array([0.0, 0.5]))
+    >>> values.tolist(), places.tolist()
+    ([-3.0], [0.5])
+    """
+    column = np.argmax(np.where(np.isnan(difference), np.inf, np.abs(difference)), axis=1)
+    return np.asarray(difference[np.arange(len(difference)), column]), np.asarray(x[column])
+
+
+def peak_place(expected: Array, found: Array, x: Array) -> Array:
+    """Place of the largest `found` less that of `expected` in each row of (k, n), to a point: (k,) [length].
+
+    Where several peaks of `expected` lie within `EQUAL_PEAKS` of its largest, the nearest of them counts. NaN where a row
+    holds a NaN or where nothing of `expected` is above 0.
+
+    >>> twin = np.array([[0.0, 1.0, 0.0, 0.99, 0.0]])
+    >>> peak_place(twin, np.array([[0.0, 1.0, 0.0, 0.0, 2.0]]), np.arange(5.0)).tolist()
+    [1.0]
+    """
+    rim = np.full((len(expected), 1), -np.inf)
+    rises, falls = expected >= np.hstack([rim, expected[:, :-1]]), expected >= np.hstack([expected[:, 1:], rim])
+    high = (expected >= (1 - EQUAL_PEAKS) * expected.max(axis=1, keepdims=True)) & (expected > 0)
+    apart = x[np.argmax(found, axis=1)][:, None] - x
+    size = np.where(rises & falls & high, np.abs(apart), np.inf)
+    nearest = np.argmin(size, axis=1)
+    rows = np.arange(len(expected))
+    known = np.isfinite(size[rows, nearest]) & ~np.isnan(found).any(axis=1) & ~np.isnan(expected).any(axis=1)
+    return np.where(known, apart[rows, nearest], np.nan)
+
+
+def _at_worst(
+    pair: Pair, series: Array, applies: Mask | None = None, *, places: Array | None = None, to_a_point: bool = False, **more: object
+) -> Measured:
+    """`series` (k,) at the worst of the instants that are judged, or of those that apply.
+
+    `places` (k,) [length] gives the place of that value; `to_a_point`: the spacing of the points there is the uncertainty.
+    """
+    value, time = worst(series, pair.judged if applies is None else applies, pair.found.time)
+    length, place, doubt = pair.scales.half_width, None, None
+    if places is not None and time is not None:
+        place = float(places[pair.found.time == time][0]) / length
+        doubt = spacing_at(pair.found.x, place * length) / length if to_a_point else None
+    return Measured(value=value, time=time, series=series, place=place, uncertainty=doubt, **more)  # type: ignore[arg-type]
+
+
+def _none(why: str) -> Measured:
+    """Nothing to compare, with the reason in words."""
+    return Measured(value=None, note=why)
+
+
+def _of_amounts(expected: float, found: float, scale: float, **more: object) -> Measured:
+    """Found less expected over expected; over `scale` where that is nothing beside it (1e-12)."""
+    nothing = abs(expected) <= 1e-12 * scale
+    value = (found - expected) / (scale if nothing else expected)
+    return Measured(value=value, absolute=nothing, amounts=(expected, found), **more)  # type: ignore[arg-type]
+
+
+_POINTS = "every point, edges kept; judged instants"
+_INSTANTS = "judged instants"
+_WHOLE = "last cycle"
+_WORST_INSTANT = "value at the worst instant"
+_WORST_POINT = "value at the worst point and instant"
+_L2 = "L2 over x; worst instant"
+_FIGURE = "one figure"
+_WORK_SCALE = "A f² P_ref²"
+_NEAREST = "where several peaks of the reference lie within 5 % of its largest, the nearest of them"
+
+# ---------------------------------------------------------------------------------- the first table: absolute values of both
+
+
+@metric(
+    "largest_pressure",
+    "Peak pressure",
+    "of the reference",
+    _FIGURE,
+    "every point; last cycle",
+    "largest p of the cycle less that of the reference, over the latter, both over the same points",
+    "pressure",
+    quantity="stress",
+    judged_by="peak_pressure",
+)
+def _(pair: Pair) -> Measured:
+    return _of_amounts(float(pair.expected.pressure.max()), float(pair.found.pressure.max()), pair.scales.pressure)
+
+
+@metric(
+    "largest_half_width",
+    "Contact half-width, largest",
+    "of the reference",
+    _FIGURE,
+    _WHOLE,
+    "largest half of the distance between the contact edges less that of the reference, over the latter",
+    "pressure",
+    quantity="length",
+    judged_by="contact_edge",
+)
+def _(pair: Pair) -> Measured:
+    expected, found = (float(np.nanmax(np.diff(c.contact_edges, axis=1), initial=0.0)) / 2 for c in (pair.expected, pair.found))
+    return _of_amounts(expected, found, pair.scales.half_width)
+
+
+@metric(
+    "permanent_stick",
+    "Permanent stick half-width",
+    "of a_ref",
+    _FIGURE,
+    _WHOLE,
+    "half-width that sticks through the whole last cycle less the reference's",
+    "state",
+    WHOLE_CYCLE,
+    quantity="length",
+)
+def _(pair: Pair) -> Measured:
+    expected, found = (float(s.permanent_stick_half_width) for s in (pair.reference, pair.result))
+    lacking = [name_of(s.engine) for s in (pair.reference, pair.result) if math.isnan(s.permanent_stick_half_width)]
+    if lacking:
+        amounts = None if len(lacking) == 2 else (expected, found)
+        return Measured(value=None, note=f"none in {' and '.join(lacking)}", amounts=amounts)
+    return Measured(value=(found - expected) / pair.scales.half_width, amounts=(expected, found))
+
+
+@metric(
+    "largest_slip",
+    "Largest slip",
+    "of the reference",
+    _FIGURE,
+    "points in contact in both; last cycle",
+    "largest range of s of a point through the cycle less that of the reference, over the latter",
+    "slip",
+    "state",
+    WHOLE_CYCLE,
+    quantity="slip",
+    absolute_unit="f p_ref a_ref/E*",
+)
+def _(pair: Pair) -> Measured:
+    """Of the instants at which a point is in contact in both: out of contact s is a displacement and nothing slips."""
+    touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
+    if not pair.result.scene.friction.coefficient or not touching.any():
+        return _none("nothing resists slip" if touching.any() else "no instant has points in contact in both")
+    strokes = [
+        np.max(c.slip, axis=0, where=touching, initial=-np.inf) - np.min(c.slip, axis=0, where=touching, initial=np.inf)
+        for c in (pair.expected, pair.found)
+    ]
+    theirs, ours = (np.where(touching.any(axis=0), stroke, 0.0) for stroke in strokes)
+    scale = pair.scales.compliance * pair.scales.shear * pair.scales.half_width / 2
+    place = float(pair.found.x[np.argmax(ours)]) / pair.scales.half_width
+    return _of_amounts(float(theirs.max()), float(ours.max()), scale, place=place)
+
+
+@metric(
+    "dissipation",
+    "Dissipation",
+    "of W_ref",
+    _FIGURE,
+    _WHOLE,
+    "W less W_ref",
+    "dissipation",
+    WHOLE_CYCLE,
+    quantity="energy",
+    absolute_unit=_WORK_SCALE,
+)
+def _(pair: Pair) -> Measured:
+    found = _of_amounts(pair.reference.dissipation, pair.result.dissipation, pair.scales.dissipation)
+    return replace(found, note="the reference dissipates nothing, so the value is absolute") if found.absolute else found
+
+
+@metric(
+    "dissipation_density_peak",
+    "Largest pointwise dissipation",
+    "of largest w_ref",
+    _FIGURE,
+    "every point, edges kept; last cycle",
+    "largest w less largest w_ref, over largest w_ref, both over the same points; with its place",
+    "dissipation_density",
+    WHOLE_CYCLE,
+    quantity="energy density",
+    absolute_unit=f"{_WORK_SCALE}/a_ref",
+)
+def _(pair: Pair) -> Measured:
+    length = pair.scales.half_width
+    expected, found = (float(cycle.dissipation_density.max()) for cycle in (pair.expected, pair.found))
+    place = float(pair.found.x[np.argmax(pair.found.dissipation_density)]) / length
+    return _of_amounts(expected, found, pair.scales.dissipation / length, place=place)
+
+
+# --------------------------------------------------------------------------------------------------- pressure and shear
+
+
+@metric(
+    "peak_pressure",
+    "Peak pressure, worst instant",
+    "of peak p_ref",
+    _WORST_INSTANT,
+    _POINTS,
+    "largest p less largest p_ref, over largest p_ref, both over the same points",
+    "pressure",
+)
+def _(pair: Pair) -> Measured:
+    # Both maxima over the same points: where these lie beside the true peak cancels. A reference at its own peak would make
+    # every result look too low by up to (h/a)^2/8.
+    expected, found = pair.expected.pressure.max(axis=1), pair.found.pressure.max(axis=1)
+    return _at_worst(pair, over(found - expected, expected))
+
+
+@metric(
+    "pressure",
+    "Pressure, L2",
+    "of ‖p_ref‖",
+    _L2,
+    _POINTS,
+    "L2 norm over x of p less p_ref, over the norm of p_ref",
+    "pressure",
+    signed=False,
+)
+def _(pair: Pair) -> Measured:
+    x, expected = pair.found.x, pair.expected.pressure
+    return _at_worst(pair, over(norm(x, pair.found.pressure - expected), norm(x, expected)))
+
+
+@metric(
+    "shear",
+    "Shear traction, L2",
+    "of f ‖p_ref‖",
+    _L2,
+    _POINTS,
+    "L2 norm over x of q less q_ref, over f times the norm of p_ref, since q changes sign on the way",
+    "shear",
+    signed=False,
+)
+def _(pair: Pair) -> Measured:
+    x, expected = pair.found.x, pair.expected
+    return _at_worst(pair, over(norm(x, pair.found.shear - expected.shear), pair.scales.friction * norm(x, expected.pressure)))
+
+
+def _edge(expected: Array, found: Array, length: float) -> Array:
+    """Outward shift of the worse of two edges over `length`, (k,) from (k, 2); NaN where either lacks the edge.
+
+    >>> _edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]]), 1.0).round(12).tolist()
+    [0.02]
+    """
+    outward = (found - expected) * np.array([-1.0, 1.0]) / length
+    worse = np.argmax(np.abs(outward), axis=1)
+    return np.asarray(outward[np.arange(len(outward)), worse])
+
+
+def _elements(pair: Pair, value: float | None) -> float | None:
+    """An edge's shift in local element sizes of the result, which it states as `settings["element_size"]` [length]."""
+    size = pair.result.settings.get("element_size")
+    return value * pair.scales.half_width / float(size) if size and value is not None else None
+
+
+@metric(
+    "contact_edge",
+    "Contact edge",
+    "of a_ref",
+    _WORST_INSTANT,
+    _INSTANTS,
+    "outward shift of the worse edge",
+)
+def _(pair: Pair) -> Measured:
+    found = _at_worst(pair, _edge(pair.expected.contact_edges, pair.found.contact_edges, pair.scales.half_width))
+    return replace(found, elements=_elements(pair, found.value))
+
+
+def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
+    """What the whole contact does at each instant, (k,): 0 full slip, 1 partial slip, 2 full stick, -1 out of contact.
+
+    Full stick is told by stick edges that are the contact edges (to 1e-9 `length`), full slip by NaN.
+    """
+    apart = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
+    status = np.where(np.isnan(apart), 0, np.where(apart <= 1e-9 * length, 2, 1))
+    return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
+
+
+@metric(
+    "stick_edge",
+    "Stick edge",
+    "of a_ref",
+    _WORST_INSTANT,
+    f"{_INSTANTS} at which both have one",
+    "outward shift of the worse edge, where both have one (in full stick: the contact edge)",
+)
+def _(pair: Pair) -> Measured:
+    """Instants at which the two differ in full stick, partial slip or full slip are counted, not hidden."""
+    length = pair.scales.half_width
+    theirs, ours = (stick_status(cycle, length) for cycle in (pair.expected, pair.found))
+    series = _edge(pair.expected.stick_edges, pair.found.stick_edges, length)
+    found = _at_worst(pair, series, pair.judged & (theirs != 0) & (ours != 0))
+    differing, instants = int((theirs != ours)[pair.judged].sum()), int(pair.judged.sum())
+    note = f"{differing} of {instants} instants differ in full stick, partial slip or full slip" if differing else ""
+    if found.value is None and differing:
+        return replace(found, value=math.nan, note=f"no instant has a stick edge in both: {note}")
+    return replace(found, note=note, elements=_elements(pair, found.value))
+
+
+@metric(
+    "state",
+    "Stick/slip map",
+    "of the contact",
+    "mean over the cycle",
+    "points in contact in either; instants in contact",
+    "share of the length in contact whose state (open, stick, forward or reverse slip) differs",
+    "state",
+    signed=False,
+)
+def _(pair: Pair) -> Measured:
+    expected, found, length = pair.expected.state, pair.found.state, np.gradient(pair.found.x)
+    touching = (expected != OPEN) | (found != OPEN)
+    series = over(((expected != found) * length).sum(axis=1), (touching * length).sum(axis=1))
+    time = pair.found.time[pair.touching]
+    passed = len(time) and time[-1] != time[0]
+    value = float(np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])) if passed else None
+    return Measured(value=value, series=series)
+
+
+def _stroke(pair: Pair) -> tuple[Array, Mask, str]:
+    """(U - U_ref) over the range of U_ref, (k,), NaN where that is nothing; the instants that count; a note."""
+    expected, found = pair.expected.tangential_displacement, pair.found.tangential_displacement
+    stroke = float(np.ptp(expected))
+    # Asked the other way round, a NaN would count as standing still and hide.
+    moves = not stroke <= 1e-12 * pair.scales.shift
+    difference = (found - expected) / stroke if stroke > 1e-12 * pair.scales.shift else np.full_like(expected, np.nan)
+    return difference, pair.judged & moves, "" if (pair.judged & moves).any() else "the reference does not move sideways"
+
+
+@metric(
+    "tangential_displacement",
+    "Tangential displacement",
+    "of U_ref's stroke",
+    _WORST_INSTANT,
+    _INSTANTS,
+    "U less U_ref over the range of U_ref in the cycle",
+    "tangential_displacement",
+)
+def _(pair: Pair) -> Measured:
+    difference, moves, note = _stroke(pair)
+    return _at_worst(pair, difference, moves, note=note)
+
+
+@metric(
+    "dissipation_polygon",
+    "Dissipation, steps' error out",
+    "of W_ref",
+    _FIGURE,
+    _WHOLE,
+    "W less the reference's W on the straight lines between the instants: every error but that of the steps",
+    "dissipation",
+    WHOLE_CYCLE,
+    absolute_unit=_WORK_SCALE,
+)
+def _(pair: Pair) -> Measured:
+    polygon = pair.polygon_reference or pair.reference
+    return replace(_of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation), amounts=None)
+
+
+@metric(
+    "dissipation_step",
+    "Dissipation, steps' error only",
+    "of W_ref",
+    _FIGURE,
+    _WHOLE,
+    "the reference's W on the straight lines between the instants less its W on the smooth path",
+    absolute_unit=_WORK_SCALE,
+)
+def _(pair: Pair) -> Measured:
+    polygon = pair.polygon_reference or pair.reference
+    return replace(_of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation), amounts=None)
+
+
+def loop_work(cycle: Cycle) -> float:
+    """Closed integral of Q dU by the trapezoidal rule over the instants [energy / thickness]: a second way to W."""
+    return float(np.trapezoid(cycle.tangential_load, cycle.tangential_displacement))
+
+
+def normal_work(solution: ContactSolution) -> float | None:
+    """Closed integral of P dV over the last cycle, V the normal approach, by the trapezoidal rule [energy / thickness].
+
+    What the normal load puts in: with Q dU it adds up to the dissipation. None where it is 0 by nature (P constant, half-planes of
+    like materials, where V hangs on P only) and where the solution is not of our finite elements, which alone know V.
+    """
+    steps = solution.last_cycle
+    still = np.ptp(solution.normal_load[steps]) == 0
+    if still or are_half_planes(solution.scene) or solution.engine != "halfplane_fe" or np.isnan(solution.loop_work):
+        return None
+    return float(np.trapezoid(solution.normal_load[steps], solution.normal_approach[steps]))
+
+
+@metric(
+    "hysteresis",
+    "Hysteresis loop",
+    "of its area",
+    _FIGURE,
+    _WHOLE,
+    "closed integral of Q dU less that of the reference, both by the trapezoidal rule over the same instants",
+    "tangential_displacement",
+    WHOLE_CYCLE,
+    absolute_unit=_WORK_SCALE,
+)
+def _(pair: Pair) -> Measured:
+    if not pair.periodic:
+        return _none("the path is not periodic: no loop")
+    return replace(_of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation), amounts=None)
+
+
+def _density(pair: Pair) -> tuple[float, bool]:
+    """Scale of w, A f^2 P_ref^2/a_ref, and whether the reference does no friction work anywhere (a NaN counts as work)."""
+    scale = pair.scales.dissipation / pair.scales.half_width
+    return scale, bool(np.max(np.abs(pair.expected.dissipation_density)) <= NO_DISSIPATION * scale)
+
+
+@metric(
+    "dissipation_density",
+    "Pointwise dissipation",
+    "of largest w_ref",
+    "value at the worst point",
+    "every point, edges kept; last cycle",
+    "w(x) less w_ref(x) over the largest w_ref; with its place",
+    "dissipation_density",
+    WHOLE_CYCLE,
+    absolute_unit=f"{_WORK_SCALE}/a_ref",
+)
+def _(pair: Pair) -> Measured:
+    scale, nothing = _density(pair)
+    expected, found = pair.expected.dissipation_density, pair.found.dissipation_density
+    difference = (found - expected) / (scale if nothing else np.max(np.abs(expected)))
+    value, place = worst(difference, np.ones(len(difference), bool), pair.found.x)
+    return Measured(value=value, absolute=nothing, place=None if place is None else place / pair.scales.half_width)
+
+
+@metric(
+    "pressure_maximum",
+    "Pressure, maximum",
+    "of peak p_ref",
+    _WORST_POINT,
+    _POINTS,
+    "p less p_ref where it is largest in size, over the largest p_ref of the instant; with its place",
+    "pressure",
+)
+def _(pair: Pair) -> Measured:
+    peak = pair.expected.pressure.max(axis=1, keepdims=True)
+    series, places = worst_point(over(pair.found.pressure - pair.expected.pressure, peak), pair.found.x)
+    return _at_worst(pair, series, places=places)
+
+
+@metric(
+    "pressure_peak_place",
+    "Place of peak pressure",
+    "of a_ref",
+    _WORST_INSTANT,
+    _POINTS,
+    f"x of the largest p less x of the largest p_ref, to a point; {_NEAREST}",
+    "pressure",
+)
+def _(pair: Pair) -> Measured:
+    x, found = pair.found.x, pair.found.pressure
+    series = peak_place(pair.expected.pressure, found, x) / pair.scales.half_width
+    return _at_worst(pair, series, places=x[np.argmax(found, axis=1)], to_a_point=True)
+
+
+@metric(
+    "shear_maximum",
+    "Shear traction, maximum",
+    "of f peak p_ref",
+    _WORST_POINT,
+    _POINTS,
+    "q less q_ref where it is largest in size, over f times the largest p_ref of the instant; with its place",
+    "shear",
+)
+def _(pair: Pair) -> Measured:
+    peak = pair.scales.friction * pair.expected.pressure.max(axis=1, keepdims=True)
+    series, places = worst_point(over(pair.found.shear - pair.expected.shear, peak), pair.found.x)
+    return _at_worst(pair, series, places=places)
+
+
+@metric(
+    "peak_shear",
+    "Peak shear traction",
+    "of f peak p_ref",
+    _WORST_INSTANT,
+    _POINTS,
+    "largest size of q less that of q_ref, over f times the largest p_ref of the instant",
+    "shear",
+)
+def _(pair: Pair) -> Measured:
+    difference = np.abs(pair.found.shear).max(axis=1) - np.abs(pair.expected.shear).max(axis=1)
+    return _at_worst(pair, over(difference, pair.scales.friction * pair.expected.pressure.max(axis=1)))
+
+
+@metric(
+    "shear_peak_place",
+    "Place of peak shear traction",
+    "of a_ref",
+    _WORST_INSTANT,
+    f"{_POINTS} that carry shear",
+    f"x where q is largest in size less that of q_ref, to a point; {_NEAREST}",
+    "shear",
+)
+def _(pair: Pair) -> Measured:
+    x, expected, found = pair.found.x, np.abs(pair.expected.shear), np.abs(pair.found.shear)
+    # Asked the other way round, a NaN would count as no shear and hide.
+    sheared = pair.judged & ~(expected.max(axis=1) <= NO_SHEAR * pair.scales.shear)
+    if not sheared.any():
+        return _none("the reference carries no shear")
+    series = peak_place(expected, found, x) / pair.scales.half_width
+    return _at_worst(pair, series, sheared, places=x[np.argmax(found, axis=1)], to_a_point=True)
+
+
+def resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tuple[Array, Array]:
+    """P and Q that the tractions of `cycle` carry, (k,) and (k,) [force / thickness].
+
+    Parameters
+    ----------
+    weights : (n,) share of the surface of each point [length]; None: the trapezoidal rule
+    normals : (2, n) out of the lower body, p acting along it and q across it; None: (0, 1) everywhere
+    """
+    surface = shares(cycle.x) if weights is None else weights
+    along, across = (np.zeros_like(cycle.x), np.ones_like(cycle.x)) if normals is None else normals
+    normal = cycle.pressure @ (surface * across) + cycle.shear @ (surface * along)
+    return normal, cycle.shear @ (surface * across) - cycle.pressure @ (surface * along)
+
+
+def _resultant(pair: Pair, component: int) -> Measured:
+    """With the result's own weights nothing of the reference enters; by the trapezoidal rule the rule's own error is taken off."""
+    weights, normals = (getattr(pair.result, name, None) for name in ("weights", "normals"))
+    loads = [(cycle.normal_load, cycle.tangential_load)[component] for cycle in (pair.found, pair.expected)]
+    lacking, note = resultants(pair.found, weights, normals)[component] - loads[0], ""
+    if weights is None:
+        lacking = lacking - resultants(pair.expected, None, None)[component] + loads[1]
+        note = "the result states no weights, so by the trapezoidal rule, less what that misses of the reference"
+    return _at_worst(pair, over(lacking, pair.found.normal_load), note=note)
+
+
+metric(
+    "resultant_normal",
+    "Normal resultant",
+    "of P",
+    _WORST_INSTANT,
+    _INSTANTS,
+    "resultant of the result's tractions less P, over P: with the result's own weights and normals where it has them "
+    "(needs no reference), else by the trapezoidal rule less what the same rule misses of the reference",
+    "pressure",
+)(partial(_resultant, component=0))
+metric(
+    "resultant_tangential",
+    "Tangential resultant",
+    "of P",
+    _WORST_INSTANT,
+    _INSTANTS,
+    "resultant of the result's tractions less Q, over P: by the rule of the normal resultant",
+    "shear",
+)(partial(_resultant, component=1))
+
+# ------------------------------------------------------------------------------------------------ contact, stick and slip
+
+_FRICTIONLESS = "frictionless: nothing sticks and nothing resists slip"
+
+
+def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
+    """One edge by itself, also in local spacings, with the uncertainty that the result states."""
+    length, column, applies = pair.scales.half_width, SIDES.index(side), pair.judged
+    if kind == "stick":
+        if not pair.result.scene.friction.coefficient:
+            return _none(_FRICTIONLESS)
+        applies = applies & np.all([stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
+        if not applies.any():
+            return _none("no instant has a stick edge in both")
+    expected, found = (getattr(cycle, f"{kind}_edges")[:, column] for cycle in (pair.expected, pair.found))
+    measured = _at_worst(pair, (found - expected) * (-1.0, 1.0)[column] / length, applies, places=found)
+    if measured.place is None or measured.value is None or not np.isfinite(measured.place):
+        return measured
+    stated = getattr(pair.result, f"{kind}_edge_uncertainty", None)
+    at = pair.found.time == measured.time
+    return replace(
+        measured,
+        spacings=measured.value * length / spacing_at(pair.found.x, measured.place * length),
+        uncertainty=None if stated is None else float(stated[pair.result.last_cycle][at, column][0]) / length,
+    )
+
+
+for _kind in ("contact", "stick"):
+    for _side in SIDES:
+        metric(
+            f"{_kind}_edge_{_side}",
+            f"{_kind.capitalize()} edge, {_side}",
+            "of a_ref",
+            _WORST_INSTANT,
+            _INSTANTS if _kind == "contact" else f"{_INSTANTS} at which both have one",
+            f"outward shift of the {_side} edge; also over the local spacing h of the result's points, and with the "
+            "uncertainty that the result states",
+        )(partial(_edge_of_side, kind=_kind, side=_side))
+
+
+@metric(
+    "stick_set",
+    "Stick set, not shared",
+    "of the union",
+    "Jaccard distance over x and time",
+    "points that stick in either; last cycle",
+    "1 less the quotient of what sticks in both and what sticks in either, each measured by length times time",
+    "state",
+    WHOLE_CYCLE,
+    signed=False,
+)
+def _(pair: Pair) -> Measured:
+    if not pair.result.scene.friction.coefficient:
+        return _none(_FRICTIONLESS)
+    theirs, ours = pair.expected.state == STICK, pair.found.state == STICK
+    times, lengths = shares(pair.found.time), shares(pair.found.x)
+    both, either = (float(times @ sticks @ lengths) for sticks in (theirs & ours, theirs | ours))
+    return Measured(value=1 - both / either) if either else _none("nothing sticks in either")
+
+
+@dataclass(frozen=True, eq=False)
+class _Changes:
+    """Instants of the result less those of the reference that they belong to.
+
+    late : (m,) differences over the length of the cycle, positive where the result is late; NaN without a counterpart
+    index : (m,) instants of the reference as indices into the cycle
+    missing, extra : how many instants of the one have no counterpart in the other
+    """
+
+    late: Array
+    index: NDArray[np.intp]
+    missing: int = 0
+    extra: int = 0
+
+
+def intervals(applies: Mask, periodic: bool) -> list[NDArray[np.intp]]:
+    """The runs of at least two instants at which `applies` (k,), as indices in the order of time; none if it does always.
+
+    In a periodic cycle, whose last instant is the first of the next, a run may go on across the end.
+
+    >>> [run.tolist() for run in intervals(np.array([True, False, True, True, True]), True)]
+    [[2, 3, 0]]
+    >>> [run.tolist() for run in intervals(np.array([True, False, True, True]), False)]
+    [[2, 3]]
+    """
+    order = np.arange(len(applies) - 1 if periodic else len(applies))
+    if applies[order].all():
+        return []
+    if periodic:
+        order = np.roll(order, -int(np.argmin(applies[order])))
+    ordered = applies[order]
+    runs = np.split(order, np.flatnonzero(np.diff(ordered)) + 1)
+    return [run for run in runs if applies[run[0]] and len(run) >= 2]
+
+
+def _late(fraction: Array, expected: int, found: int, periodic: bool) -> float:
+    """How much later in the cycle `found` is than `expected`, in a periodic one the shorter way round."""
+    late = float(fraction[found] - fraction[expected])
+    return (late + 0.5) % 1 - 0.5 if periodic and abs(late) > 0.5 else late
+
+
+def _change(pair: Pair, change: _Changes, none: str) -> Measured:
+    """The worst of the differences of instants; those without a counterpart are counted in the note."""
+    counts = ((change.missing, "the reference's", "result"), (change.extra, "the result's", "reference"))
+    notes = [f"{count} of {whose} without a counterpart in the {other}" for count, whose, other in counts if count]
+    if not len(change.late):
+        return _none("; ".join([none, *notes]))
+    value, time = worst(change.late, np.ones(len(change.late), dtype=bool), pair.found.time[change.index])
+    step = float(np.max(np.diff(pair.found.fraction), initial=0.0))
+    unmatched = bool(change.missing + change.extra)
+    return Measured(value=value, time=time, note="; ".join(notes), uncertainty=step, unmatched=unmatched)
+
+
+def _full_stick(pair: Pair, at: int, none: str) -> Measured:
+    """Starts (at = 0) or ends (at = -1) of full stick, each of the reference against the result's that shares most instants."""
+    if not pair.result.scene.friction.coefficient:
+        return _none(_FRICTIONLESS)
+    length, fraction = pair.scales.half_width, pair.found.fraction
+    theirs, ours = (intervals(stick_status(cycle, length) == FULL_STICK, pair.periodic) for cycle in (pair.expected, pair.found))
+    pairs = [(run, max(ours, key=lambda other: len(np.intersect1d(run, other)), default=run[:0])) for run in theirs]
+    pairs = [(run, other if len(np.intersect1d(run, other)) else other[:0]) for run, other in pairs]
+    used = {int(other[0]) for _, other in pairs if len(other)}
+    late = [_late(fraction, run[at], other[at], pair.periodic) if len(other) else np.nan for run, other in pairs]
+    index = np.array([run[at] for run, _ in pairs], dtype=np.intp)
+    missing = sum(not len(other) for _, other in pairs)
+    return _change(pair, _Changes(np.array(late), index, missing, len(ours) - len(used)), none)
+
+
+for _key, _word, _at, _out in (("full_stick_start", "Start", 0, "into"), ("full_stick_end", "End", -1, "out of")):
+    metric(
+        _key,
+        f"{_word} of full stick",
+        "of the period",
+        _WORST_INSTANT,
+        _WHOLE,
+        f"{'first' if _at == 0 else 'last'} instant of full stick less that of the reference, known to the step between two "
+        "instants; full stick is an interval of at least two instants whose stick edges are the contact edges; each of the "
+        "reference's is compared with the one of the result that shares most instants with it",
+        "state",
+        WHOLE_CYCLE,
+    )(partial(_full_stick, at=_at, none=f"the reference does not come {_out} full stick"))
+
+
+def slip_sense(cycle: Cycle) -> NDArray[np.int8]:
+    """(k,) 1 where more of the length slips forward than in reverse, -1 where less, 0 where neither."""
+    forward, reverse = ((cycle.state == s) @ shares(cycle.x) for s in (SLIP_FORWARD, SLIP_REVERSE))
+    return np.sign(forward - reverse).astype(np.int8)
+
+
+def _turns(senses: NDArray[np.int8], sense: int, periodic: bool) -> NDArray[np.intp]:
+    """Indices at which slip begins to go in `sense` after it last went in the other, whatever stick there was in between."""
+    slipping = np.flatnonzero(senses[:-1] if periodic else senses)
+    before = np.roll(senses[slipping], 1)
+    turned = (senses[slipping] == sense) & (before == -sense)
+    if not periodic:
+        turned[:1] = False
+    return np.asarray(slipping[turned])
+
+
+def _reversals_to(sense: int, pair: Pair) -> _Changes:
+    """First instants of slip in `sense`, in turn; NaN where there are not as many in both."""
+    theirs, ours = (_turns(slip_sense(cycle), sense, pair.periodic) for cycle in (pair.expected, pair.found))
+    if len(theirs) != len(ours):
+        absent, extra = max(len(theirs) - len(ours), 0), max(len(ours) - len(theirs), 0)
+        return _Changes(np.full(max(len(theirs), 1), np.nan), theirs if len(theirs) else ours[:1], absent, extra)
+    starts = range(len(ours)) if pair.periodic else range(min(len(ours), 1))
+    matches = [
+        np.array([_late(pair.found.fraction, a, b, pair.periodic) for a, b in zip(theirs, np.roll(ours, k), strict=True)])
+        for k in starts
+    ]
+    return _Changes(min(matches, key=lambda late: float(np.max(np.abs(late))), default=np.zeros(0)), theirs)
+
+
+@metric(
+    "slip_reversal",
+    "Reversal of slip",
+    "of the period",
+    _WORST_INSTANT,
+    _WHOLE,
+    "first instant of slip in the new sense less that of the reference, the sense being that of the longer slip zone, "
+    "known to the step between two instants",
+    "state",
+    WHOLE_CYCLE,
+)
+def _(pair: Pair) -> Measured:
+    if not pair.result.scene.friction.coefficient:
+        return _none(_FRICTIONLESS)
+    found = [_reversals_to(sense, pair) for sense in (1, -1)]
+    both = _Changes(
+        np.concatenate([change.late for change in found]),
+        np.concatenate([change.index for change in found]),
+        sum(change.missing for change in found),
+        sum(change.extra for change in found),
+    )
+    return _change(pair, both, "slip does not reverse in either")
+
+
+def _slip(pair: Pair) -> tuple[Array, Array, bool]:
+    """s - s_ref over the range of s_ref in contact, (k, n); what each point in contact in both stands for, (k, n) [length].
+
+    And whether it is absolute: over f p_ref a_ref/E* where the range of s_ref is below 1e-12 of that.
+    """
+    scale = pair.scales.compliance * pair.scales.shear * pair.scales.half_width / 2
+    touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
+    largest = np.ptp(pair.expected.slip[touching]) if touching.any() else 0.0
+    nothing = bool(largest <= 1e-12 * scale)
+    return (pair.found.slip - pair.expected.slip) / (scale if nothing else largest), touching * shares(pair.found.x), nothing
+
+
+def _slip_metric(pair: Pair, maximum: bool) -> Measured:
+    """Where both are in contact: apart from there it is a displacement and nothing slips."""
+    if not pair.result.scene.friction.coefficient:
+        return _none(_FRICTIONLESS)
+    difference, lengths, nothing = _slip(pair)
+    applies = pair.judged & (lengths.sum(axis=1) > 0)
+    if not applies.any():
+        return _none("no instant has points in contact in both")
+    difference = np.where(lengths > 0, difference, 0.0)
+    if maximum:
+        series, places = worst_point(difference, pair.found.x)
+        return _at_worst(pair, series, applies, places=places, absolute=nothing)
+    mean = over((difference**2 * lengths).sum(axis=1), lengths.sum(axis=1))
+    return _at_worst(pair, np.sqrt(mean), applies, absolute=nothing)
+
+
+metric(
+    "slip",
+    "Slip, L2",
+    "of the range of s_ref",
+    _L2,
+    "points in contact in both; judged instants",
+    "root of the mean square over x of s less s_ref, over the range of s_ref in the cycle",
+    "slip",
+    signed=False,
+    absolute_unit="f p_ref a_ref/E*",
+)(partial(_slip_metric, maximum=False))
+metric(
+    "slip_maximum",
+    "Slip, maximum",
+    "of the range of s_ref",
+    _WORST_POINT,
+    "points in contact in both; judged instants",
+    "s less s_ref where it is largest in size, over the range of s_ref in the cycle; with its place",
+    "slip",
+    absolute_unit="f p_ref a_ref/E*",
+)(partial(_slip_metric, maximum=True))
+
+# ------------------------------------------------------------------------------------------------------- work and energy
+
+
+@metric(
+    "dissipation_absolute",
+    "Dissipation, absolute",
+    f"of {_WORK_SCALE}",
+    _FIGURE,
+    _WHOLE,
+    "W less W_ref over A f² P_ref², which stays of use near full stick, where W_ref goes to 0",
+    "dissipation",
+    WHOLE_CYCLE,
+)
+def _(pair: Pair) -> Measured:
+    return Measured(value=(pair.result.dissipation - pair.reference.dissipation) / pair.scales.dissipation)
+
+
+@metric(
+    "hysteresis_distance",
+    "Hysteresis loop, distance",
+    "of U_ref's stroke",
+    _WORST_INSTANT,
+    _INSTANTS,
+    "U less U_ref less the mean of that over time: how far the loops are apart in U at the same phase (and so at the same "
+    "Q), laid on each other",
+    "tangential_displacement",
+    WHOLE_CYCLE,
+)
+def _(pair: Pair) -> Measured:
+    difference, moves, note = _stroke(pair)
+    weight = shares(pair.found.time)
+    return _at_worst(pair, difference - (weight @ difference) / weight.sum(), moves, note=note)
+
+
+@metric(
+    "dissipation_density_norm",
+    "Pointwise dissipation, L2",
+    "of ‖w_ref‖",
+    "L2 over x",
+    "every point, edges kept; last cycle",
+    "L2 norm over x of w less w_ref, over the norm of w_ref",
+    "dissipation_density",
+    WHOLE_CYCLE,
+    signed=False,
+    absolute_unit=f"{_WORK_SCALE}/√a_ref",
+)
+def _(pair: Pair) -> Measured:
+    scale, nothing = _density(pair)
+    x, expected, found = pair.found.x, pair.expected.dissipation_density, pair.found.dissipation_density
+    whole = scale * np.sqrt(pair.scales.half_width) if nothing else norm(x, expected)
+    return Measured(value=float(norm(x, found - expected) / whole), absolute=nothing)
+
+
+@metric(
+    "dissipation_density_peak_place",
+    "Pointwise dissipation, place of peak",
+    "of a_ref",
+    _FIGURE,
+    "every point, edges kept; last cycle",
+    f"x of the largest w less x of the largest w_ref, to a point; {_NEAREST}",
+    "dissipation_density",
+    WHOLE_CYCLE,
+)
+def _(pair: Pair) -> Measured:
+    if _density(pair)[1]:
+        return _none("the reference dissipates nothing")
+    x, length = pair.found.x, pair.scales.half_width
+    expected, found = (np.atleast_2d(cycle.dissipation_density) for cycle in (pair.expected, pair.found))
+    place = float(x[np.argmax(found)])
+    shift = float(peak_place(expected, found, x)[0] / length)
+    return Measured(value=shift, place=place / length, uncertainty=spacing_at(x, place) / length)
+
+
+@metric(
+    "energy_balance",
+    "Energy balance",
+    "of the work of the loads",
+    _WORST_INSTANT,
+    _WHOLE,
+    "what the loads put in less what the bodies store and friction takes, step by step, over the "
+    "largest that the loads have put in so far, as the result's record states it; needs no reference",
+    signed=False,
+)
+def _(pair: Pair) -> Measured:
+    """From the record of the result, which alone knows what its bodies store."""
+    balance = pair.result.record.certificates.get("energy_balance")
+    if balance is None:
+        return _none("the result records none")
+    series = np.asarray(balance, dtype=float)[pair.result.last_cycle]
+    return _at_worst(pair, series, np.ones(len(series), bool))

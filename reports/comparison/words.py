@@ -1,0 +1,582 @@
+"""What was compared in sentences and cells: what the page, the terminal, a notebook and comparison.json say alike."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from reports.comparison import Comparison, Report
+from reports.comparison.budget import Budget, ErrorBudget, Term
+from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
+from reports.units import energy_unit, load_unit, minus, number, signed, units
+from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, Pad, PolygonLoad, Scene, Shape
+
+CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
+# Terms that are nothing but bounds of rounding in nearly every run: on the page and in the file, not in the terminal.
+_SMALL = ("solver", "half-plane theory")
+_SIDES = {"free": "its sides free", "guided": "its sides guided by smooth walls"}
+_BASE = {"fixed": "its base fixed to a rigid plane", "rollers": "its base on rollers along a rigid plane"}
+
+
+def question(scene: Scene) -> str:
+    """What is asked, in a sentence: bodies, material, friction, loads, with units."""
+    _, length, stress = units(scene)
+    match scene.profile:
+        case Hertz(radius=radius):
+            kind = "circular" if scene.bodies.faces_are_true else "parabolic"
+            shape = f"a {kind} profile of relative radius {number(radius)} {length}"
+        case FlatRounded(radius=radius, flat_half_length=half):
+            shape = f"a flat face of half-length {number(half)} {length} with edges of radius {number(radius)} {length}"
+        case _:
+            shape = scene.profile.in_words(length)
+    upper, lower = (
+        f"E = {number(m.young_modulus)} {stress}, ν = {number(m.poisson_ratio)}"
+        for m in (scene.material.upper, scene.material.lower)
+    )
+    material = f"both {upper}" if scene.material.alike else f"upper {upper}; lower {lower}"
+    return (
+        f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
+        f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}. "
+        f"What do they transmit, where do they slip, and what does {'a cycle' if _repeats(scene) else 'the path'} dissipate?"
+    )
+
+
+def _repeats(scene: Scene) -> bool:
+    load = scene.load
+    return bool(load.cycle) if isinstance(load, PolygonLoad) else getattr(load, "repeats", True)
+
+
+def _loads(scene: Scene, unit: str) -> str:
+    load = scene.load
+    if isinstance(load, EllipseLoad):
+        return (
+            f"the loads go round an ellipse, P = {number(load.mean_normal_load)} + "
+            f"{number(load.normal_amplitude)} cos t and Q = {number(load.mean_tangential_load)} + "
+            f"{number(load.tangential_amplitude)} cos(t − {number(load.phase_degrees)}°) {unit}"
+        )
+    if not isinstance(load, PolygonLoad):
+        return load.in_words(unit)
+    corners = (load.initial_loading[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.initial_loading)
+    points = ", ".join(f"({number(p)}, {number(q)})" for p, q in corners)
+    return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"
+
+
+def shape_words(shape: Shape, length: str) -> str:
+    """A body with its sizes and supports.
+
+    >>> shape_words(Block(width=40.0, height=20.0, sides="guided"), "mm")
+    'a block 40 mm wide and 20 mm high, its base fixed to a rigid plane, its sides guided by smooth walls'
+    """
+    match shape:
+        case HalfPlane():
+            return "a half-plane"
+        case Cylinder(radius=radius):
+            return f"half of a solid cylinder of radius {number(radius)} {length}, bonded to a rigid plane at its middle"
+        case Block() | Pad():
+            face = " whose face is the true profile" if isinstance(shape, Pad) else ""
+            size = f"{number(shape.width)} {length} wide and {number(shape.height)} {length} high"
+            return f"a {shape.kind} {size}{face}, {_BASE[shape.base]}, {_SIDES[shape.sides]}"
+
+
+def bodies_in_words(scene: Scene) -> str:
+    """Both bodies, what holds them, where the load acts and where the gap comes from."""
+    lower, upper = scene.bodies.lower, scene.bodies.upper
+    if scene.bodies.half_planes:
+        return "Both bodies are half-planes, and the profile is the gap between their flat faces."
+    length = units(scene)[1]
+    parts = f"The lower body is {shape_words(lower, length)}; the upper body is {shape_words(upper, length)}."
+    load = "" if isinstance(upper, HalfPlane) else " The loads act through what holds the upper body, which does not tilt."
+    gap = (
+        "The gap is that of the faces as they are made"
+        if scene.bodies.faces_are_true
+        else "The profile is the gap between flat faces"
+    )
+    return f"{parts}{load} {gap}."
+
+
+def idealisation(scene: Scene) -> str:
+    """What the discrepancy of the two engines holds beside their errors; empty for half-planes for which theory is exact."""
+    if are_half_planes(scene):
+        return ""
+    if scene.bodies.half_planes:
+        return (
+            "The finite elements solve the half-planes with this coupling, half-plane theory without it: the discrepancy contains "
+            "that idealisation error, and a tolerance missed is a finding about the idealisation, not a fault of the engines."
+        )
+    causes = [
+        "the size of the bodies",
+        "their supports",
+        *(["the true shape of their faces"] if scene.bodies.faces_are_true else []),
+        *(["the coupling of normal and shear tractions by unlike materials"] if coupled(scene) else []),
+    ]
+    listed = ", ".join(causes[:-1]) + " and " + causes[-1]
+    return (
+        "The finite elements solve these real bodies, half-plane theory the half-planes that stand for them: the discrepancy "
+        f"contains the idealisation error ({listed}), and a tolerance missed is a finding about the idealisation, not a fault of "
+        "the engines."
+    )
+
+
+def unlike_materials(scene: Scene) -> str:
+    """Dundurs' parameters and what they mean for half-plane theory; empty for like materials."""
+    if scene.material.alike:
+        return ""
+    from halfplane_fe.dundurs import dundurs
+
+    found = dundurs(scene.material)
+    neglect = (
+        ": half-plane theory as used here neglects the coupling of normal and shear tractions that goes with it"
+        if coupled(scene)
+        else ", so normal and shear tractions of half-planes are not coupled"
+        if scene.friction.coefficient
+        else ", which has nothing to couple without friction"
+    )
+    return (
+        f"Unlike materials: Dundurs' parameters are α = {signed(found.alpha)} (positive where the upper body is the more "
+        f"compliant) and β = {signed(found.beta)}{neglect}."
+    )
+
+
+# A share of the whole that double precision can't tell from none, summed over a cycle's instants; comparison.json has every digit.
+_ROUNDING = 1e-13
+
+
+def percent(value: float, *, signed: bool = True) -> str:
+    """Three significant digits in per cent; rounding, below 1e-13 of the whole, is 0.
+
+    >>> percent(-0.00123456), percent(0.5, signed=False), percent(-1.87e-16), percent(float("nan"))
+    ('−0.123 %', '50 %', '0 %', 'not a number')
+    """
+    return _number(100 * _settled(value), signed) + (" %" if math.isfinite(value) else "")
+
+
+def _settled(value: float) -> float:
+    return 0.0 if abs(value) < _ROUNDING else value
+
+
+def _number(value: float, signed: bool) -> str:
+    if not math.isfinite(value):
+        return "not a number" if math.isnan(value) else "infinite"
+    sign = "" if value == 0 else "−" if value < 0 else "+" if signed else ""
+    return sign + minus(f"{abs(value):.3g}")
+
+
+def value_of(metric: Metric) -> str:
+    """The value of a metric, in per cent unless it is absolute."""
+    if metric.value is None:
+        return "–"
+    signed = metric.definition.signed
+    return _number(_settled(metric.value), signed) if metric.absolute else percent(metric.value, signed=signed)
+
+
+def unit_of(metric: Metric) -> str:
+    """What the value is a share of; an edge's shift in elements, or in local spacings h of the points, beside it."""
+    counts = (metric.elements, "elements"), (metric.spacings, "h")
+    return metric.unit + "".join(f" ({_number(count, signed=True)} {of})" for count, of in counts if count is not None)
+
+
+def uncertainty_of(metric: Metric) -> str:
+    """How far the value is open, to two digits: by the error budget, the result or its points; empty where nothing is stated."""
+    if metric.uncertainty is None:
+        return ""
+    size = metric.uncertainty * (1 if metric.absolute else 100)
+    return f"± {minus(f'{size:.2g}' if size < 99.5 else f'{size:.0f}')}{'' if metric.absolute else ' %'}"
+
+
+def open_value_of(metric: Metric) -> str:
+    """The value with its uncertainty, where one is known."""
+    return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
+
+
+def tolerance_of(metric: Metric) -> str:
+    """The tolerance of a metric, or a dash."""
+    if metric.tolerance is None:
+        return "–"
+    return f"{metric.tolerance:.3g}" if metric.absolute else f"{100 * metric.tolerance:.3g} %"
+
+
+def accuracy_of(metric: Metric) -> str:
+    """Within, outside, undecided, or a dash where nothing is judged."""
+    return metric.verdict or "–"
+
+
+def with_uncertainty(value: float, uncertainty: float | None) -> str:
+    """A size with its uncertainty, as many digits as that leaves it: one of u, two where that begins with 1.
+
+    >>> (
+    ...     with_uncertainty(2.8512, 0.0614),
+    ...     with_uncertainty(0.5231, 0.0113),
+    ...     with_uncertainty(12.0, 35.2),
+    ...     with_uncertainty(2.8512, None),
+    ... )
+    ('2.85 ± 0.06', '0.523 ± 0.011', '12 ± 35', '2.85')
+    """
+    if uncertainty is None:
+        return minus(f"{value:.3g}")
+    if not (math.isfinite(uncertainty) and math.isfinite(value)):
+        return f"{minus(f'{value:.3g}')} ± {minus(f'{uncertainty:.2g}')}"
+    if uncertainty == 0:
+        return f"{minus(f'{value:.3g}')} ± 0"
+    power = math.floor(math.log10(uncertainty))
+    digits = max(0, -power + (round(uncertainty / 10**power, 6) < 2))
+    if digits > 6:  # rounding: a row of zeros says less than a power of ten
+        return f"{minus(f'{value:.2g}')} ± {minus(f'{uncertainty:.1g}')}"
+    return f"{minus(f'{value:.{digits}f}')} ± {uncertainty:.{digits}f}"
+
+
+def headline(report: Report) -> str:
+    """The answer in a sentence: how wrong half-plane theory is for these bodies, or how far the two solutions agree.
+
+    Of real bodies theory is judged, so the figures are theory/finite elements - 1; the metrics are finite elements/theory - 1.
+    """
+    comparison = report.comparison
+    shown = [comparison.metric(key) for key in ("dissipation", "largest_pressure")]
+    if shown[0].value is None or shown[0].absolute:
+        shown = [comparison.metric(key) for key in ("largest_pressure", "largest_half_width")]
+    metrics = [metric for metric in shown if metric.value is not None and math.isfinite(metric.value)]
+    if not metrics:
+        return "Neither dissipation nor pressure nor contact width can be compared: the notes below say why."
+    ours = _both_ours(comparison)
+    judge_theory = ours and not are_half_planes(comparison.scene) and comparison.result.engine == "halfplane_fe"
+    unknown = all(metric.uncertainty is None for metric in metrics)
+    told = "; no uncertainty was measured" if unknown else ""
+    if ours and are_half_planes(comparison.scene):
+        sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
+        parts = [f"{percent(size, signed=False)} in the {_words_of(metric)}" for metric, size in sizes]
+        return f"The two solutions agree to {' and '.join(parts)}{told}."
+    parts = [_claim(metric, judge_theory) for metric in metrics]
+    if judge_theory:
+        basis = f" (theory/finite elements − 1{told})"
+        kind = "these bodies" if not comparison.scene.bodies.half_planes else "these materials"
+        return f"Half-plane theory {' and '.join(parts)} for {kind}{basis}."
+    found, theirs = _first_large(name_of(comparison.result.engine)), name_of(comparison.reference.engine)
+    return f"{found}, measured by {theirs}, {' and '.join(parts)}{f' ({told[2:]})' if told else ''}."
+
+
+def _claim(metric: Metric, theory: bool) -> str:
+    """What one side makes of a figure: "overestimates the dissipation by 2.85 ± 0.06 %"."""
+    value, doubt = metric.value or 0.0, metric.uncertainty
+    if theory:
+        value, doubt = 1 / (1 + value) - 1 if value != -1 else math.inf, None if doubt is None else doubt / (1 + value) ** 2
+    words = _words_of(metric)
+    if doubt is not None and abs(value) <= doubt:
+        return f"gives the {words} to within its uncertainty ({with_uncertainty(100 * value, 100 * doubt)} %)"
+    verb = "overestimates" if value > 0 else "underestimates"
+    size = with_uncertainty(100 * abs(value), None if doubt is None else 100 * doubt)
+    return f"{verb} the {words} by {size} %"
+
+
+def _words_of(metric: Metric) -> str:
+    return {"largest_half_width": "contact half-width"}.get(metric.key, _inside(metric.label))
+
+
+def _shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
+    """Factor and unit in which a quantity is shown: slip in µm where lengths are in mm, the others in units of the scene."""
+    force, length, stress = units(scene)
+    match quantity:
+        case "stress":
+            return 1.0, stress
+        case "slip":
+            return (1e3, "µm") if length == "mm" else (1.0, length)
+        case "energy":
+            return 1.0, energy_unit(scene)
+        case "energy density":
+            return 1.0, f"{force}·{length}/{length}²"
+    return 1.0, length
+
+
+def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
+    """The table of absolute values: its heads, and a row for each quantity that either solution has.
+
+    Keys of a row: label, reference, result, difference, verdict, tolerance, note, key.
+    """
+    comparison = report.comparison
+    heads = (
+        "",
+        _short(comparison.reference.engine),
+        _short(comparison.result.engine),
+        "difference",
+        "verdict",
+    )
+    found = []
+    for metric in comparison.headlines:
+        factor, unit = _shown_unit(comparison.scene, metric.definition.quantity)
+        reference, result = metric.amounts or (math.nan, math.nan)
+        place = "" if metric.place is None or metric.value is None else f", at x = {signed(float(f'{metric.place:.2g}'))} a"
+        found.append(
+            {
+                "key": metric.key,
+                "label": f"{metric.label} [{unit}]",
+                "reference": _amount_words(reference * factor),
+                "result": _amount_words(result * factor) + (place if metric.key == "dissipation_density_peak" else ""),
+                "difference": difference_of(metric),
+                "verdict": metric.verdict or ("not judged" if metric.value is not None else "–"),
+                "tolerance": tolerance_of(metric),
+                "note": metric.note,
+            }
+        )
+    return heads, found
+
+
+def _short(engine: str) -> str:
+    return {"semi_analytic": "theory"}.get(engine, name_of(engine))
+
+
+def _amount_words(value: float) -> str:
+    """Five digits; a dash where there is none."""
+    return "–" if math.isnan(value) else minus(f"{value:.5g}")
+
+
+def difference_of(metric: Metric) -> str:
+    """A difference with its uncertainty, in per cent unless the metric is absolute; a length of stick in per cent of a."""
+    if metric.value is None:
+        return "–"
+    if not math.isfinite(metric.value) or metric.absolute:
+        return open_value_of(metric)
+    value = 100 * _settled(metric.value)
+    doubt = None if metric.uncertainty is None else 100 * metric.uncertainty
+    sign = "+" if value > 0 else ""
+    return f"{sign}{with_uncertainty(value, doubt)} %{' of a' if metric.definition.unit == 'of a_ref' else ''}"
+
+
+def summary(report: Report) -> str:
+    """The first table as plain text, with the headline above it and the verdict below."""
+    heads, found = first_table(report)
+    cells = [heads, *((row["label"], row["reference"], row["result"], row["difference"], row["verdict"]) for row in found)]
+    widths = [max(len(row[column]) for row in cells) for column in range(len(heads))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
+    return "\n".join([headline(report), "", lines[0], "-" * len(lines[0]), *lines[1:], "", verdict(report)])
+
+
+def verdict(report: Report) -> str:
+    """What was judged: what is outside, what is undecided, or that all is within; and whether the laws of contact hold."""
+    comparison = report.comparison
+    theirs, ours = name_of(comparison.reference.engine), name_of(comparison.result.engine)
+    outside, undecided = (_listed(comparison, state) for state in (Verdict.OUTSIDE, Verdict.UNDECIDED))
+    judged = sum(metric.tolerance is not None and metric.value is not None for metric in comparison.metrics)
+    broken = [
+        f"{check.label} in {name_of(engine)}"
+        for engine, checks in (
+            (comparison.reference.engine, comparison.reference_certificates),
+            (comparison.result.engine, comparison.result_certificates),
+        )
+        for check in checks
+        if not check.holds
+    ]
+    if outside or undecided:
+        differ = f"{_first_large(ours)} and {theirs} differ by more than the tolerance in {outside}"
+        reaches = f"The uncertainty reaches across the tolerance in {undecided}; undecided counts as outside"
+        first = ". ".join(words for words, metrics in ((differ, outside), (reaches, undecided)) if metrics)
+    elif not judged:
+        first = (
+            "No tolerance was given, so nothing is judged (`--tolerance 5%` judges dissipation, peak pressure and both half-widths)"
+        )
+    else:
+        verb = "agree" if ours == "finite elements" else "agrees"
+        first = f"{_first_large(ours)} {verb} with {theirs} within all {judged} tolerances"
+        known = comparison.metric("dissipation").value is not None
+        first += (
+            f"; dissipation differs by {value_of(comparison.metric('dissipation'))}" if known else "; dissipation was not compared"
+        )
+    second = f" A law of contact is violated: {', '.join(broken)}." if broken else " Both answers obey the laws of contact."
+    return f"{first}.{second}"
+
+
+def _listed(comparison: Comparison, state: Verdict) -> str:
+    """The metrics of that verdict with value, uncertainty and tolerance; empty where there are none."""
+    return ", ".join(
+        f"{_inside(metric.label)} ({open_value_of(metric)} {unit_of(metric)}, tolerance {tolerance_of(metric)})"
+        for metric in comparison.metrics
+        if metric.verdict is state
+    )
+
+
+def how_judged(report: Report) -> str:
+    """What the verdicts rest on: sizes and uncertainties, or sizes alone where no uncertainty is known."""
+    judged = [metric for metric in report.comparison.metrics if metric.tolerance is not None and metric.value is not None]
+    unknown = [metric for metric in judged if metric.uncertainty is None]
+    if not judged:
+        return ""
+    if not unknown:
+        return "Within: |E| + u ≤ tolerance. Outside: |E| − u > tolerance. Undecided: neither, and it counts as outside."
+    if report.budget is not None:
+        names = ", ".join(_inside(metric.label) for metric in unknown)
+        return f"No uncertainty is known for {names}: a term was not measured. There |E| alone is judged."
+    asked = "requested for these values; `--budget` measures it" if _both_ours(report.comparison) else "stated for these values"
+    return f"No uncertainty was {asked}. Each verdict is by |E| alone."
+
+
+def uncertain_work(comparison: Comparison) -> str:
+    """The result's dissipation with what it is uncertain by at least, in a sentence; empty where that was not looked for."""
+    found = comparison.result
+    if math.isnan(found.dissipation_uncertainty):
+        return ""
+    share = f" ({percent(found.dissipation_uncertainty / found.dissipation, signed=False)})" if found.dissipation else ""
+    return (
+        f"Dissipation of a cycle by {name_of(found.engine)}: {found.dissipation:.6g} {energy_unit(comparison.scene)} ± at least "
+        f"{found.dissipation_uncertainty:.2g}{share}: so far it is from that of a coarse mesh."
+    )
+
+
+def lead(report: Report) -> str:
+    """The verdict in a few words; empty where nothing is judged.
+
+    A tolerance missed by answers that obey every law is a finding where theory is an idealisation: real bodies, or half-planes of
+    unlike materials. Of somebody else's result it may be a fault as well.
+    """
+    comparison = report.comparison
+    if comparison.passed:
+        return "" if comparison.verdict is None else "Within tolerance."
+    if comparison.admissible and comparison.verdict is Verdict.UNDECIDED:
+        return "Undecided."
+    if not comparison.admissible or not beyond_theory(comparison):
+        return "Not within tolerance."
+    if _both_ours(comparison):
+        return "Outside tolerance: a finding about the idealisation."
+    return "Outside tolerance: by the idealisation, by the result, or by both."
+
+
+def standing(comparison: Comparison) -> Verdict | None:
+    """The verdict as a colour: of a comparison in which a law of contact is violated, outside; None where nothing is judged."""
+    return comparison.verdict if comparison.admissible else Verdict.OUTSIDE
+
+
+def beyond_theory(comparison: Comparison) -> str:
+    """What the discrepancy holds beside errors of the engines, in a sentence; empty where the reference is exact for the bodies."""
+    if _both_ours(comparison):
+        return idealisation(comparison.scene)
+    if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
+        return ""
+    return (
+        "Half-plane theory is an idealisation of these bodies: the discrepancy contains its error beside that of "
+        f"{name_of(comparison.result.engine)}, and nothing here tells the two apart; `--against fe` takes finite elements of the "
+        "bodies for the reference."
+    )
+
+
+def _both_ours(comparison: Comparison) -> bool:
+    return {comparison.reference.engine, comparison.result.engine} == {"semi_analytic", "halfplane_fe"}
+
+
+def sentence(text: str) -> str:
+    """`text` with a capital and a full stop; nothing of nothing.
+
+    >>> sentence("to compare"), sentence("Why?"), sentence("")
+    ('To compare.', 'Why?', '')
+    """
+    return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
+
+
+def _first_large(name: str) -> str:
+    """An engine at the start of a sentence; other people's codes and files keep the letters that they have."""
+    return name.capitalize() if name in ("finite elements", "half-plane theory") else name
+
+
+def _inside(label: str) -> str:
+    """A label inside a sentence: its first letter small."""
+    return label[:1].lower() + label[1:]
+
+
+def heads(budget: ErrorBudget, *, full: bool = True) -> tuple[str, ...]:
+    """Column heads of the table."""
+    names = [term.name for term in budget.budgets[0].terms if full or term.name not in _SMALL] if budget.budgets else []
+    rest = "unexplained" if all(one.half_planes for one in budget.budgets) else "idealisation"
+    return ("metric", "E", *names, rest, "± u", "verdict", "accurate")
+
+
+def narrow(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Both for a terminal: without the verdict on accuracy, which the table above has, and without what is none everywhere."""
+    kept = [k for k, head in enumerate(heads) if head != "accurate" and any(row[k] != "none" for row in rows)]
+    return tuple(heads[k] for k in kept), [tuple(row[k] for k in kept) for row in rows]
+
+
+def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> list[tuple[str, ...]]:
+    """One row for each metric, as `heads` has the columns."""
+    return [
+        (
+            one.metric.label,
+            value_of(one.metric),
+            *(share(term, one.metric) for term in one.terms if full or term.name not in _SMALL),
+            _amount(one.rest, one.metric, signed=True),
+            "not measured" if one.uncertainty is None else _amount(one.uncertainty, one.metric),
+            judgement(one),
+            accuracy_of(one.judged),
+        )
+        for one in budget.budgets
+        if one.metric.definition.headline is headline
+    ]
+
+
+def share(term: Term, metric: Metric) -> str:
+    """A term in a cell: its value and uncertainty, "none", or "not measured"."""
+    if term.uncertainty is None:
+        return "not measured"
+    if term.value is None:
+        return f"± {_amount(term.uncertainty, metric)}" if term.uncertainty else "none"
+    return f"{_amount(term.value, metric, signed=True)} ± {_amount(term.uncertainty, metric)}"
+
+
+def _amount(value: float, metric: Metric, *, signed: bool = False) -> str:
+    """Two digits, in per cent unless the metric is absolute; what is below 1e-9 of it is rounding and says so."""
+    if abs(value) < 1e-11:
+        return "0"
+    size = abs(value) * (1 if metric.absolute else 100)
+    text = (f"{size:.2g}" if size < 99.5 else f"{size:.0f}") + ("" if metric.absolute else " %")
+    return ("−" if value < 0 else "+" if signed else "") + text
+
+
+def judgement(budget: Budget) -> str:
+    """Of half-planes: is what is left over covered? Of real bodies: does an idealisation error stand out?"""
+    if budget.resolved is None:
+        return "not known: a term was not measured"
+    if budget.half_planes:
+        return "covered" if not budget.resolved else "not covered"
+    return "resolved" if budget.resolved else "not resolved"
+
+
+def cost(budget: ErrorBudget) -> str:
+    """What the rungs were and what they took, in a sentence."""
+    ladders = budget.ladders
+    pairs = [rung for pair in ladders.penalty for rung in pair]
+    rungs = {rung.label: rung for rung in (*ladders.mesh, *ladders.far_field, *pairs)}
+    counts = ", ".join(
+        f"{rung.label} ({rung.failure})" if rung.failure else f"{rung.label} ({rung.nodes} nodes, {rung.steps} steps)"
+        for rung in rungs.values()
+    )
+    missing = "".join(f" The {term} ladder was not measured: {why}." for term, why in ladders.not_measured.items())
+    return f"Run and budget took {budget.cost:.2f} times the CPU time of the run: {counts}.{missing}"
+
+
+def honest_of(report: Report, metric: Metric) -> str:
+    """Yes, no, or not assessed."""
+    if report.budget is None or metric.key not in {one.metric.key for one in report.budget.budgets}:
+        return "not assessed"
+    return {True: "yes", False: "no", None: "not assessed"}[report.budget.budget(metric.key).honest]
+
+
+def honesty(report: Report) -> bool | None:
+    """Whether every stated uncertainty of the first table covers the known error; None where none was assessed."""
+    found = [honest_of(report, metric) for metric in report.comparison.headlines]
+    return None if set(found) == {"not assessed"} else "no" not in found
+
+
+def content(budget: ErrorBudget) -> dict[str, Any]:
+    """For comparison.json."""
+    return {
+        "cost": budget.cost,
+        "words": cost(budget),
+        "honest": budget.honest,
+        "metrics": {one.metric.key: _metric(one) for one in budget.budgets},
+    }
+
+
+def _metric(budget: Budget) -> dict[str, Any]:
+    return {
+        "E": budget.total,
+        "terms": {term.name: {**vars(term), "measured": term.measured} for term in budget.terms},
+        "unexplained" if budget.half_planes else "idealisation": budget.rest,
+        "u": budget.uncertainty,
+        "resolved": budget.resolved,
+        "honest": budget.honest,
+        "verdict": judgement(budget),
+    }

@@ -1,0 +1,301 @@
+"""The page: one self-contained HTML file that works offline."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from reports.charts.plate import Plate
+from reports.comparison import Comparison, Report
+from reports.comparison.laws import Certificate
+from reports.comparison.metrics import Metric, Verdict, name_of, normal_work
+from reports.comparison.words import (
+    CLAIM,
+    accuracy_of,
+    beyond_theory,
+    bodies_in_words,
+    cost,
+    first_table,
+    headline,
+    heads,
+    honesty,
+    how_judged,
+    lead,
+    percent,
+    question,
+    rows,
+    sentence,
+    standing,
+    tolerance_of,
+    uncertain_work,
+    uncertainty_of,
+    unit_of,
+    unlike_materials,
+    value_of,
+    verdict,
+)
+from reports.drawing import SUPPORT_WORDS
+from reports.figures_fields import STATE_KEYS
+from reports.live import as_script, carried
+from reports.provenance import commit
+from reports.templating import template
+from reports.units import energy_unit, minus, signed, units
+from scenes import ContactSolution
+
+
+def render(
+    found: Comparison | Report,
+    drawings: Sequence[Plate],
+    command: str,
+    seconds: Mapping[str, float],
+    live: Mapping[str, Any] | None = None,
+    third: Mapping[str, Any] | None = None,
+) -> str:
+    """The HTML text; every word that came from outside is escaped, and no script but the page's own may run.
+
+    Parameters
+    ----------
+    drawings : the figures; one that is missing leaves its place empty
+    command : what reproduces the page
+    seconds : stage -> wall time
+    live : what the slider moves through; without it the page has none
+    third : words of the third opinion, where one was asked for
+    """
+    report = found if isinstance(found, Report) else Report(found)
+    comparison = report.comparison
+    scene = comparison.scene
+    columns, amounts = first_table(report)
+    script = (resources.files("reports") / "templates" / "report.js").read_text("utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return template("report.html").render(
+        title=scene.title or scene.name,
+        scene=scene,
+        claim=CLAIM,
+        question=question(scene),
+        bodies=[bodies_in_words(scene), unlike_materials(scene)],
+        idealisation=beyond_theory(comparison),
+        headline=headline(report),
+        columns=columns,
+        amounts=amounts,
+        lead=lead(report),
+        standing=standing(comparison),
+        judged=how_judged(report),
+        meshes=_meshes(comparison.result),
+        verdict=verdict(report),
+        comparison=comparison,
+        report=report,
+        rows=[_row(metric) for metric in comparison.headlines],
+        others=[_row(metric) for metric in comparison.others],
+        claims=_claims(report),
+        budget=_budget(report),
+        notes=_notes(comparison),
+        scales=_scales(comparison),
+        energy=energy_unit(scene),
+        dissipations=_dissipations(comparison),
+        checks=_checks(comparison),
+        figures={drawing.name: drawing for drawing in drawings},
+        engines=[_engine(comparison.reference), _engine(comparison.result)],
+        command=command,
+        commit=commit(),
+        third=third,
+        script=script,
+        script_hash=f"sha256-{digest}",
+        live=as_script(dict(live) if live else {"instants": 0}),
+        carried=carried(dict(live)) if live else "",
+        states=STATE_KEYS,
+        sentence=sentence,
+        step_errors=list(_step_errors(comparison)),
+        seconds=seconds,
+    )
+
+
+def _row(metric: Metric) -> dict[str, str]:
+    """A line of the table of all metrics."""
+    return {
+        "label": metric.label,
+        "value": value_of(metric),
+        "unit": unit_of(metric),
+        "tolerance": tolerance_of(metric),
+        "accurate": accuracy_of(metric),
+        "when": "" if metric.time is None else signed(metric.time),
+        "where": "" if metric.place is None else signed(metric.place),
+        "uncertainty": uncertainty_of(metric),
+        "note": metric.note,
+        "norm": metric.definition.norm,
+        "region": metric.definition.region,
+        "definition": metric.definition.text,
+    }
+
+
+def _budget(report: Report) -> dict[str, Any] | None:
+    """Where the errors come from: tables of the headlines and of the rest, what each term rests on, and the cost."""
+    if report.budget is None:
+        return None
+    found = report.budget
+    return {
+        "heads": heads(found),
+        "rows": rows(found),
+        "others": rows(found, headline=False),
+        "how": [(one.metric.label, [(term.name, term.how) for term in one.terms]) for one in found.budgets],
+        "cost": cost(found),
+    }
+
+
+def _claims(report: Report) -> list[tuple[str, str, str]]:
+    """The three claims: name, answer (yes, no, undecided or not assessed), and what it rests on."""
+    comparison, answers = report.comparison, {True: "yes", False: "no", None: "not assessed"}
+    checks = (*comparison.reference_certificates, *comparison.result_certificates)
+    judged = [metric.verdict for metric in comparison.metrics if metric.verdict is not None]
+    undecided = judged.count(Verdict.UNDECIDED)
+    return [
+        (
+            "Admissible",
+            answers[comparison.admissible],
+            f"{sum(check.holds for check in checks)} of {len(checks)} checks of the laws of contact hold, which need no reference",
+        ),
+        (
+            "Accurate",
+            {Verdict.UNDECIDED: "undecided", None: "not assessed"}.get(comparison.verdict, answers[comparison.accurate]),
+            f"{judged.count(Verdict.WITHIN)} of {len(judged)} metrics that have a tolerance lie within it"
+            + (f"; {undecided} undecided, which counts as outside" if undecided else ""),
+        ),
+        ("Honest", answers[honesty(report)], report.honest.removeprefix("not assessed: ")),
+    ]
+
+
+def _notes(comparison: Comparison) -> list[str]:
+    """What a reader must not miss: of the metrics, then of the solutions."""
+    return [*(_note(m.label, m.note) for m in comparison.headlines if m.note), *comparison.notes]
+
+
+def _note(label: str, note: str) -> str:
+    """A note with the label of its metric, where it does not begin with that itself."""
+    return sentence(note if note.lower().startswith(label.lower()) else f"{label}: {note}")
+
+
+def _scales(comparison: Comparison) -> list[tuple[str, str, str]]:
+    force, length, stress = units(comparison.scene)
+    scales = comparison.scales
+    return [
+        (
+            "P_ref",
+            f"{scales.normal_load:.6g} {force}/{length}",
+            "mean load of an ellipse, else the largest of the last cycle",
+        ),
+        ("a_ref", f"{scales.half_width:.6g} {length}", "half-width of the reference at P_ref"),
+        ("p_ref", f"{scales.pressure:.6g} {stress}", "2 P_ref/(π a_ref)"),
+        (
+            "A f² P_ref²",
+            f"{scales.dissipation:.6g} {energy_unit(comparison.scene)}",
+            "scale of the dissipation of a cycle; A = 2/E*",
+        ),
+    ]
+
+
+def _dissipations(comparison: Comparison) -> list[dict[str, str]]:
+    """Dissipation of each solution: both routes and every cycle."""
+    polygon = comparison.polygon_reference
+    solutions = [
+        (name_of(comparison.reference.engine), comparison.reference),
+        *([(f"{name_of(polygon.engine)}, on the polygon of the steps", polygon)] if polygon else []),
+        (name_of(comparison.result.engine), comparison.result),
+    ]
+    return [
+        {
+            "name": name,
+            "value": _figure(solution.dissipation, "8g"),
+            "scaled": _figure(solution.dissipation / comparison.scales.dissipation, "8g"),
+            "loop": "–" if np.isnan(solution.loop_work) else minus(f"{solution.loop_work:.8g}"),
+            "normal": "–" if (work := normal_work(solution)) is None else minus(f"{work:.8g}"),
+            "apart": _apart(solution),
+            "cycles": ", ".join(_figure(w, "6g") for w in solution.cycle_dissipation),
+        }
+        for name, solution in solutions
+    ]
+
+
+def _figure(value: float, form: str) -> str:
+    """A number, or a dash for what a solution does not hold."""
+    return "–" if np.isnan(value) else format(value, f".{form}")
+
+
+def _step_errors(comparison: Comparison) -> Iterator[str]:
+    """What W is uncertain by at least, and what friction work at the end of each step would make of it: the step's own error."""
+    if words := uncertain_work(comparison):
+        yield words
+    for solution in (comparison.reference, comparison.result):
+        energy = solution.record.energy
+        if {"interface", "end_of_step"} <= energy.keys() and solution.dissipation > 0:
+            steps = solution.last_cycle[1:]
+            excess = float((energy["end_of_step"] - energy["interface"])[steps].sum()) / solution.dissipation
+            yield (
+                f"{name_of(solution.engine).capitalize()}: with the tractions at the end of each step instead of their mean "
+                f"the interface work of the cycle would differ by {percent(excess)} of W."
+            )
+
+
+def _apart(solution: ContactSolution) -> str:
+    """How far the work of the loads is from the dissipation."""
+    if np.isnan(solution.loop_work) or not solution.dissipation:
+        return "–"
+    return minus(f"{abs((solution.loop_work + (normal_work(solution) or 0.0)) / solution.dissipation - 1):.1e}")
+
+
+def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:
+    return [
+        (name_of(comparison.reference.engine), comparison.reference_certificates),
+        (name_of(comparison.result.engine), comparison.result_certificates),
+    ]
+
+
+def _meshes(solution: ContactSolution) -> list[dict[str, str]]:
+    """Quality record of each body's mesh; none where the result has no bodies."""
+    return [
+        {
+            "name": name,
+            "elements": f"{body.quality['elements']:.0f}",
+            "nodes": f"{body.quality['nodes']:.0f}",
+            "least_angle": f"{body.quality['least_angle']:.1f}°",
+            "worst_shape": f"{body.quality['worst_shape']:.3f}",
+            "size_ratio": f"{body.quality['size_ratio']:.3g}",
+            "area_error": minus(f"{body.quality['area_error']:.1e}"),
+            "supports": "; ".join(
+                f"{boundary.replace('_', ' ')} {SUPPORT_WORDS[support]}" for boundary, support in body.supports.items()
+            ),
+        }
+        for name, body in zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
+    ]
+
+
+def _engine(solution: ContactSolution) -> dict[str, Any]:
+    return {
+        "name": name_of(solution.engine),
+        "message": sentence(solution.record.message),
+        "steps": len(solution.time),
+        "points": len(solution.x),
+        "counts": {name.replace("_", " "): count for name, count in solution.work.counts.items()},
+        "seconds": solution.work.seconds,
+        "skipped": solution.work.skipped,
+        "settings": flat(solution.settings),
+        "versions": solution.versions,
+    }
+
+
+def flat(settings: Mapping[str, Any], above: str = "") -> dict[str, str]:
+    """Nested settings as one list, names joined by dots, numbers to six digits.
+
+    >>> flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
+    {'mesh.order': '2', 'element_size': '0.0144203'}
+    """
+    found: dict[str, str] = {}
+    for name, value in settings.items():
+        if isinstance(value, Mapping):
+            found |= flat(value, f"{above}{name}.")
+        else:
+            found[above + name] = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return found

@@ -1,0 +1,171 @@
+"""From a comparison or a report to a folder: the page, comparison.json, a CSV for each figure, NetCDF, and VTU only when asked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports import (
+    figures_bodies,
+    figures_budget,
+    figures_checks,
+    figures_cycle,
+    figures_fields,
+    figures_loops,
+    figures_mesh,
+    figures_now,
+)
+from reports.charts.plate import Plate
+from reports.comparison import Comparison, Report
+from reports.comparison.content import as_json
+from reports.comparison.cycles import Event, events
+from reports.comparison.metrics import missing
+from reports.comparison.words import headline, verdict
+from reports.fields import with_bodies, write_fields
+from reports.folder import filled
+from reports.live import cycle_data, tables
+from reports.page.content import render
+
+if TYPE_CHECKING:
+    from reports.fields import Instant
+    from reports.third.opinion import ThirdOpinion
+
+
+def write(
+    found: Comparison | Report,
+    out: str | Path,
+    *,
+    vtu_instants: Sequence[float] | None = None,
+    command: str = "",
+    seconds: Mapping[str, float] | None = None,
+    stress_instants: Sequence[Instant] = (),
+    pdf: bool = False,
+    log: Sequence[str] = (),
+) -> Path:
+    """Write the report and return the path of the page.
+
+    Parameters
+    ----------
+    found : what `compare` or `score` returned, or a `Report` of more
+    out : folder; made if need be; of what is in it already only an earlier run's own files are replaced
+    vtu_instants : times at which both bodies are written for ParaView; none by default
+    command : what reproduces the report
+    seconds : stage -> wall time, for the page
+    stress_instants : where the page shows von Mises' stress; nowhere by default
+    pdf : whether report.pdf is written too, which needs typst
+    log : lines of run.log; without any there is none
+
+    Raises
+    ------
+    InputError
+        If the folder can't be written to, VTU or stress is asked of a result without bodies, or a PDF where typst is missing.
+    """
+    report = found if isinstance(found, Report) else Report(found)
+    comparison = report.comparison
+    with filled(out) as folder:
+        drawings = draw(report)
+        if stress_instants:
+            from reports.figures_stress import stress
+
+            drawings += (stress(with_bodies(comparison.result, "--stress"), stress_instants),)
+        (folder / "figures").mkdir()
+        texts = {drawing.name: drawing.csv() for drawing in drawings}
+        for name, text in texts.items():
+            (folder / "figures" / f"{name}.csv").write_text(text, encoding="utf-8")
+        comparison.reference.save(folder / "reference.nc")
+        comparison.result.save(folder / "result.nc")
+        (folder / "scene.json").write_text(comparison.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
+        (folder / "comparison.json").write_text(as_json(report, command, seconds) + "\n", encoding="utf-8")
+        if vtu_instants is not None and len(vtu_instants):
+            import halfplane_fe
+
+            answer = with_bodies(comparison.result, "--vtu")
+            write_fields(answer, halfplane_fe.fields(answer, vtu_instants), folder / "fields")
+        words = _write_third(comparison, report.third, folder) if report.third else None
+        page = render(report, drawings, command, seconds or {}, live_data(comparison, texts), words)
+        (folder / "report.html").write_text(page, encoding="utf-8")
+        if log:
+            (folder / "run.log").write_text("\n".join([*log, headline(report), verdict(report)]) + "\n", encoding="utf-8")
+        if pdf:
+            from reports.pdf import write_pdf
+
+            write_pdf(report, drawings, folder / "report.pdf", command)
+    return Path(out) / "report.html"
+
+
+def _write_third(comparison: Comparison, third: ThirdOpinion, folder: Path) -> dict[str, Any]:
+    """Files of a third opinion; returns what the page says of it."""
+    from reports.third.words import as_json as third_json
+    from reports.third.words import page_words
+
+    (folder / "third.inp").write_text(third.text, encoding="utf-8")
+    (folder / "third.json").write_text(third_json(comparison, third), encoding="utf-8")
+    if third.comparison is not None:
+        third.comparison.result.save(folder / "third.nc")
+    return page_words(comparison, third)
+
+
+def time_axis(comparison: Comparison) -> tuple[NDArray[np.float64], str]:
+    """What figures through the last cycle have along their axis of time, and its words."""
+    if comparison.scene.load.path().period is not None and comparison.found.whole:
+        return comparison.found.fraction, "time / period"
+    return comparison.found.time, "time"
+
+
+def chosen_instants(comparison: Comparison) -> tuple[Event, ...]:
+    """The instants that have a number in every figure."""
+    return events(comparison.found, comparison.scene.friction.coefficient)
+
+
+def live_data(comparison: Comparison, texts: Mapping[str, str]) -> dict[str, Any]:
+    """What the page's slider moves through, and the tables that the page carries, of the CSV of each figure."""
+    data = cycle_data(comparison, chosen_instants(comparison), *time_axis(comparison))
+    return data | {"tables": tables(texts)}
+
+
+def draw(report: Report) -> tuple[Plate, ...]:
+    """Every figure of the report, in the order of the page."""
+    comparison = report.comparison
+    chosen, (time, words) = chosen_instants(comparison), time_axis(comparison)
+    drawings: list[Plate | None] = [
+        figures_bodies.sketch(comparison.scene, comparison.scales.half_width),
+        figures_loops.load_path(comparison.result, comparison.found, chosen),
+        figures_now.now(comparison, chosen),
+        figures_loops.hysteresis(comparison, chosen),
+        figures_fields.state_map(comparison, time, words),
+        figures_cycle.half_widths(comparison, time, words),
+        figures_cycle.slip_histories(comparison, time, words),
+        figures_fields.dissipation_density(comparison),
+        figures_cycle.errors(comparison, time, words),
+        figures_fields.tractions(comparison, chosen),
+        figures_checks.energy(comparison.result),
+        figures_checks.certificates("result", comparison.result, comparison.result_certificates),
+        figures_checks.certificates("reference", comparison.reference, comparison.reference_certificates),
+    ]
+    if report.study is not None:
+        from reports.scoring.study_figure import distances
+
+        drawings.append(distances(report.study))
+    if report.budget is not None:
+        drawings += [figures_budget.bars(report.budget), figures_budget.ladders(report.budget)]
+    if bodies := getattr(comparison.result, "bodies", ()):
+        drawings.append(figures_mesh.mesh(comparison, bodies))
+    left_out = _can_not_be_drawn(comparison)
+    return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
+
+
+def _can_not_be_drawn(comparison: Comparison) -> frozenset[str]:
+    """Names of figures of what a foreign result does not hold: slip, dissipation, more than one instant."""
+    lacking = missing(comparison.result)
+    names = {"slip": {"slip_history"}, "dissipation_density": {"dissipation_density"}}
+    found = set[str]().union(*(names[name] for name in names if name in lacking))
+    alone = (
+        {"state_map", "half_widths", "slip_history", "errors", "certificates_result", "certificates_reference"}
+        if len(comparison.found.time) < 2
+        else set()
+    )
+    return frozenset(found | alone)

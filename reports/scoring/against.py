@@ -1,0 +1,198 @@
+"""A foreign result against a reference: the same comparison, metrics and page as between the two engines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from reports.comparison import Report, compare
+from reports.comparison.laws import DERIVED, certificates, derived
+from reports.comparison.metrics import WHOLE_CYCLE, scales
+from reports.scoring.guesses import whole_path
+from reports.scoring.mapping import Mapping
+from reports.scoring.reading import read
+from reports.scoring.rule import by_same_rule
+from reports.scoring.solution import contact_solution, of_own_file
+from reports.scoring.surface import SurfaceResult
+from reports.scoring.tidying import surface_result
+from scenes import ContactSolution, InputError, Scene, load_scene
+from scenes.frozen import validated
+
+Against = Literal["exact", "fe"]
+OWN = ".nc"
+
+
+def score(
+    x: ArrayLike,
+    p: ArrayLike,
+    q: ArrayLike,
+    *,
+    scene: Scene | str | Path,
+    time: ArrayLike | None = None,
+    loads: tuple[ArrayLike, ArrayLike] | None = None,
+    slip: ArrayLike | None = None,
+    code: str = "",
+    mapping: Mapping | None = None,
+    against: Against = "exact",
+    tolerances: dict[str, float] | None = None,
+) -> Report:
+    """Tractions on plain arrays, scored against half-plane theory at their own points and instants.
+
+    Parameters
+    ----------
+    x : (n_points,) places on the surface, 0 in the middle of the contact [length]
+    p, q : (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression, q along +x on the lower body
+    scene : the question, or its name or file
+    time : (n_steps,) times of the scene's load path; left out, `loads` tell the instants, else the integrals of p and q
+    loads : (P, Q), (n_steps,) each [force / thickness]
+    slip : like p [length], upper over lower; only with it has the result slip and dissipation
+    code : what computed it, for the page
+    mapping : units and signs for certain, which are guessed, and named in `guesses`, without
+    against : "exact" for half-plane theory, "fe" for the project's finite elements
+    tolerances : key of a metric -> largest |E| admitted, see `reports.compare`
+
+    Raises
+    ------
+    InputError
+        One sentence: shapes, numbers that are none, a history that is not the scene's.
+
+    >>> import numpy as np, semi_analytic
+    >>> x = np.linspace(-1.2, 1.2, 241)
+    >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"), x=x, time=[1.5])
+    >>> found = score(x, 1.01 * exact.pressure[0], exact.shear[0], scene="cattaneo-mindlin", time=1.5, code="mine")
+    >>> round(found.metric("peak_pressure").value, 9), found.metric("dissipation").value is None
+    (0.01, True)
+    """
+    asked = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
+    fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
+    series = {"time": time, "normal_load": loads[0] if loads else None, "tangential_load": loads[1] if loads else None}
+    result = surface_result(code or "the arrays", code, x, fields, series)
+    return diagnosed(score_surface(result, mapping or Mapping(), asked, against=against, tolerances=tolerances))
+
+
+def score_file(
+    path: Path, mapping: Mapping, scene: Scene, *, against: Against = "exact", tolerances: dict[str, float] | None = None
+) -> Report:
+    """A result in a file, without diagnoses: of the project's own (.nc) as it is, any other through `mapping`."""
+    if path.suffix.lower() == OWN and path.is_file():
+        return score_solution(own_solution(path, scene), (), None, against=against, polygon=True, tolerances=tolerances)
+    sure = mapping.times is not None or mapping.columns.time is not None
+    surface = read(path, mapping, scene)
+    return score_surface(surface, mapping, scene, against=against, sure_of_times=sure, tolerances=tolerances)
+
+
+def own_solution(path: Path, scene: Scene) -> ContactSolution:
+    """The solution of a NetCDF file of the project's own; InputError for another file or another scene."""
+    try:
+        solution = ContactSolution.load(path)
+    except (OSError, KeyError, ValueError) as reason:
+        raise InputError(f"{path}: this is no solution that halfplane wrote ({type(reason).__name__}: {reason})") from reason
+    return of_own_file(solution, str(path), scene)
+
+
+def score_surface(
+    result: SurfaceResult,
+    mapping: Mapping,
+    scene: Scene,
+    *,
+    against: Against = "exact",
+    sure_of_times: bool = True,
+    tolerances: dict[str, float] | None = None,
+) -> Report:
+    """A result in the common form, guesses applied, without diagnoses."""
+    whole = whole_path(scene)
+    solution, guesses = contact_solution(result, mapping, whole, sure_of_times=sure_of_times)
+    return score_solution(solution, guesses, whole, against=against, tolerances=tolerances)
+
+
+def score_solution(
+    solution: ContactSolution,
+    guesses: tuple[str, ...],
+    whole: ContactSolution | None,
+    *,
+    against: Against = "exact",
+    polygon: bool = False,
+    tolerances: dict[str, float] | None = None,
+) -> Report:
+    """A solution against a fresh reference, without diagnoses.
+
+    `whole` is the `whole_path` of its scene; None has it solved, where the solution was worked out of a foreign result.
+    `polygon` asks for theory on the straight steps between the instants as well, which tells the error of the steps where the
+    instants are all the increments of a solver.
+
+    Raises
+    ------
+    InputError
+        Where no point of the result lies in the reference's contact at any of its instants.
+    """
+    reference = _like_parts(_REFERENCES[against](solution), solution)
+    _refuse_beside(solution, reference)
+    steps = _on_polygon(solution) if polygon and against == "exact" else None
+    if whole is None and derived(solution):
+        whole = whole_path(solution.scene)
+    like, words = (reference, ()) if whole is None else by_same_rule(reference, solution, scales(whole).half_width)
+    found = compare(like, solution, polygon_reference=steps, scales_from=whole, tolerances=tolerances)
+    checks = certificates(reference)
+    found = replace(found, reference=reference, reference_certificates=checks, notes=(*words, *found.notes))
+    return Report(found, guesses=guesses)
+
+
+def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> None:
+    """InputError where no point of a result can be judged: all lie beside the contact, or its instants have none."""
+    left, right = (np.interp(solution.time, reference.time, np.nan_to_num(edge)) for edge in reference.contact_edges.T)
+    if np.any((solution.x > left[:, None]) & (solution.x < right[:, None])) or not solution.pressure.any():
+        return
+    source = solution.settings.get("source", solution.engine)
+    if np.all(left >= right):
+        first, last = solution.time[[0, -1]]
+        raise InputError(
+            f"{source}: it has pressure at times {first:.6g} to {last:.6g}, where the scene has no contact: state the scene's "
+            "times of its instants, by a column or by times of a mapping"
+        )
+    raise InputError(
+        f"{source}: none of its points lies in the contact: they go from x = {solution.x[0]:.6g} to {solution.x[-1]:.6g}, the "
+        f"contact from {left.min():.6g} to {right.max():.6g}; state its x at the middle of the contact by x_offset of a mapping, "
+        "in the scene's length"
+    )
+
+
+def diagnosed(report: Report) -> Report:
+    """`report` with the likely faults of its result."""
+    from reports.scoring.diagnosis import diagnose
+
+    return replace(report, diagnoses=diagnose(report.comparison))
+
+
+def _exact(solution: ContactSolution) -> ContactSolution:
+    import semi_analytic
+
+    return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
+
+
+def _like_parts(reference: ContactSolution, solution: ContactSolution) -> ContactSolution:
+    """`reference`, holding no whole cycle either where `solution` holds none."""
+    lacking = {name: why for name, why in solution.work.skipped.items() if name == WHOLE_CYCLE}
+    return replace(reference, work=replace(reference.work, skipped={**reference.work.skipped, **lacking}))
+
+
+def _on_polygon(solution: ContactSolution) -> ContactSolution | None:
+    """Theory on the increments of a solver; None for an answer that takes no steps, and where some were left out."""
+    if solution.engine != "halfplane_fe" or DERIVED in solution.settings:
+        return None
+    import semi_analytic
+
+    return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time, straight_steps=True)
+
+
+def _finite_elements(solution: ContactSolution) -> ContactSolution:
+    import halfplane_fe
+
+    return halfplane_fe.solve(solution.scene)
+
+
+_REFERENCES: dict[str, Callable[[ContactSolution], ContactSolution]] = {"exact": _exact, "fe": _finite_elements}
