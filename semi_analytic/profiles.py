@@ -14,11 +14,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import Polynomial, polynomial
+from numpy.polynomial import Polynomial, chebyshev, polynomial
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike, NDArray
 
@@ -36,12 +36,12 @@ from scenes import (
     Tabulated,
     Wedge,
 )
-from scenes.chebyshev import NODES, Pieces, clenshaw, halved, series
+from scenes.chebyshev import NODES, Pieces, clenshaw, halved, series, tail
 from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, PunchSuperposition
-from semi_analytic.quadrature import CHUNK, panels
+from semi_analytic.quadrature import panels
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -322,12 +322,15 @@ def two_curvatures(modulus: float, inner_radius: float, outer_radius: float, inn
 
 # --- measured rows
 
+# Pieces whose knots are summed one by one; share of the first coefficient below which a coefficient is round-off.
+_TOGETHER, _ROUNDING = 32, 1e-15
+
 
 @dataclass(frozen=True, eq=False)
 class _Series:
-    """P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin): coefficients (DEGREE + 1, n).
+    """P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and u on as many of w = sqrt(P - P(begin)): Chebyshev series.
 
-    `edges` (n,) are the half-widths and `loads` (n,) the normal loads at which the pieces begin.
+    `edges` (n,) are the half-widths and `loads` (n + 1,) the normal loads at which the pieces begin, the last one ends.
     """
 
     begin: Array
@@ -342,6 +345,44 @@ class _Series:
         """Value of one of the two at u on pieces of these numbers."""
         low, high = self.low[number], self.high[number]
         return clenshaw(coefficients, number, np.minimum((2 * u - low - high) / (high - low), 1.0))
+
+    def half_width(self, load: Array) -> Array:
+        """a(P) behind the second knot, by its series; where that is not resolved, as where P hardly grows, by Newton's method too."""
+        number = np.clip(np.searchsorted(self.loads, load, side="right") - 1, 0, len(self.begin) - 1)
+        begin_load, low, high, coefficients, rough = self._inverse
+        w = np.sqrt(np.maximum(load - begin_load[number], 0.0))
+        low, high = low[number], high[number]
+        u = clenshaw(coefficients, number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0))
+        square = np.square(u)
+        again = np.flatnonzero(rough[number])
+        square[again] = self._newton(number[again], load[again], square[again])
+        return self.begin[number] + square
+
+    @cached_property
+    def _inverse(self) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
+        """P(begin), ends of w, coefficients of u and whether they are not resolved, for each piece."""
+        first = np.flatnonzero(self.low == 0)
+        begin_load = self.loads[:-1][first][np.searchsorted(first, np.arange(len(self.low)), side="right") - 1]
+        low, high = (np.sqrt(np.maximum(ends - begin_load, 0.0)) for ends in (self.loads[:-1], self.loads[1:]))
+        w = low[:, None] + (high - low)[:, None] * (1 + NODES) / 2
+        load = begin_load[:, None] + w * w
+        number = np.repeat(np.arange(len(low)), len(NODES)).reshape(load.shape)
+        share = (load - self.loads[:-1, None]) / np.diff(self.loads)[:, None]
+        start = self.low[:, None] ** 2 + (self.high**2 - self.low**2)[:, None] * share
+        coefficients = series(np.sqrt(self._newton(number, load, start)))
+        return begin_load, low, high, coefficients.T.copy(), tail(coefficients) > 1e-14 * self.high
+
+    def _newton(self, number: Indices, load: Array, square: Array) -> Array:
+        """u^2 of loads on these pieces: there P is nearly linear in a - b = u^2, whose last digit counts from a."""
+        low, high, begin = np.square(self.low[number]), np.square(self.high[number]), self.begin[number]
+        for _ in range(50):
+            root = np.sqrt(square)
+            step = (load - self.on(number, root, self.load)) / self.on(number, root, self.rate)
+            square = np.clip(square + step, low, high)
+            # The next step would be the square of this one.
+            if np.all(np.abs(step) <= 1e-9 * (begin + square)):
+                return square
+        raise NotFoundError(f"no half-width was found for the normal load {float(load.flat[np.argmax(np.abs(step))]):.17g}")
 
 
 def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
@@ -392,11 +433,11 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
                 f"profile: the normal load {most:.6g} needs a contact wider than the table, whose last x = {extent:.6g} "
                 f"carries {largest:.6g}"
             )
-        if not len(rows.loads):
+        if not len(rows.begin):
             return head.advance(p)
         d = np.array(head.advance(np.minimum(p, rows.loads[0])))
         later = p >= rows.loads[0]
-        d[later] = _later_half_width(rows, largest, p[later]) - least
+        d[later] = rows.half_width(p[later]) - least
         return d
 
     law = ContactLaw(load, advance, stiffness, least, tuple(knots[1:-1].tolist()), extent=extent)
@@ -413,7 +454,12 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
 
 
 def _series_of_rows(knots: Array, bend: Array) -> _Series:
-    """Series behind every knot from the second on; none where there are no more than two."""
+    """Series behind every knot from the second on; none where there are no more than two.
+
+    Sums over knots that are farther below a range of half-widths than that is long are smooth there, and one series for all of the
+    range; halves of it add those that are farther than they are long themselves. So the time is about that of the rows, not of
+    their square. What is left in the end is summed knot by knot.
+    """
     pieces: list[tuple[float, float, float]] = []
     for before, begin, end in zip(knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True):
         # Behind a short interval the series is in octaves: what the knot before leaves is singular at u^2 = before - begin.
@@ -424,38 +470,45 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
         pieces += [(begin, low, high) for low, high in pairwise(marks)]
     begin, low, high = (np.array([piece[k] for piece in pieces]) for k in range(3))
     jumps = np.diff(bend, prepend=0.0)
-    u = np.column_stack([low, low[:, None] + (high - low)[:, None] * (1 + NODES) / 2]) if pieces else np.empty((0, len(NODES) + 1))
-    half = begin[:, None] + u * u
-    load, rate = np.zeros(half.shape), np.zeros(half.shape)
-    size = max(CHUNK // (half.shape[1] * len(jumps)), 1)
-    for k in range(0, len(begin), size):
-        here = slice(k, k + size)
-        reached = int(np.searchsorted(knots[:-1], half[here].max()))
-        a, b = half[here, :, None], knots[:reached]
-        # a - b is known without cancellation.
-        above = np.maximum((begin[here, None, None] - b) + np.square(u[here, :, None]), 0.0)
-        tau = np.sqrt(above * (a + b))
-        angle = np.where(above > 0, np.arctan2(tau, b), 0.0)
+    # The ends too: loads there are where pieces begin and end.
+    t = np.concatenate([[-1.0], NODES, [1.0]])
+    u = low[:, None] + (high - low)[:, None] * (1 + t) / 2
+    above, half = np.square(u), begin[:, None] + np.square(u)
+    both = np.zeros((*half.shape, 2))
+
+    def sums(a: Array, since: Array, above: Array, first: int, last: int) -> Array:
+        """P and dP/da/a by knots number `first` to `last`, at a = since + above: a - b is known without cancellation."""
+        b = knots[first:last]
+        rise = np.maximum((since - b) + above, 0.0)
+        tau = np.sqrt(rise * (a + b))
+        angle = np.where(rise > 0, np.arctan2(tau, b), 0.0)
         # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
-        rate[here] = (angle @ jumps[:reached]) * half[here]
-        load[here] = np.where(above > 0, a * a * angle - b * tau, 0.0) @ jumps[:reached] / 2
-    return _Series(begin, low, high, begin + low * low, load[:, 0], series(load[:, 1:]).T.copy(), series(rate[:, 1:]).T.copy())
+        return np.stack([np.where(rise > 0, a * a * angle - b * tau, 0.0) @ jumps[first:last] / 2, angle @ jumps[first:last]], axis=-1)
 
-
-def _later_half_width(rows: _Series, largest: float, load: Array) -> Array:
-    """a(P) behind the second knot, by Newton's method: there P is nearly linear in a - b = u^2, whose last digit counts from a."""
-    number = np.searchsorted(rows.loads, load, side="right") - 1
-    low, high = rows.low[number] ** 2, rows.high[number] ** 2
-    square = low + (high - low) * (load - rows.loads[number]) / (np.append(rows.loads[1:], largest) - rows.loads)[number]
-    begin, step = rows.begin[number], np.zeros(load.shape)
-    for _ in range(50):
-        root = np.sqrt(square)
-        step = (load - rows.on(number, root, rows.load)) / rows.on(number, root, rows.rate)
-        square = np.clip(square + step, low, high)
-        # The next step would be the square of this one.
-        if np.all(np.abs(step) <= 1e-9 * (begin + square)):
-            return begin + square
-    raise NotFoundError(f"no half-width was found for the normal load {float(load.flat[np.argmax(np.abs(step))]):.17g}")
+    todo = [(0, len(begin), 0, (0.0, 1.0), np.zeros((len(NODES), 2)))] if pieces else []
+    while todo:
+        first, last, known, ends, smooth = todo.pop()
+        low_end, high_end = half[first, 0], half[last - 1, -1]
+        place, scale = low_end + (high_end - low_end) * (1 + NODES) / 2, 2 / (ends[1] - ends[0])
+        far = max(int(np.searchsorted(knots, 2 * low_end - high_end)), known)
+        values = chebyshev.chebval((place - ends[0]) * scale - 1, smooth).T
+        values = values + sums(place[:, None], place[:, None], np.zeros((1, 1)), known, far)
+        ends, smooth = (low_end, high_end), series(values.T).T
+        if last - first > _TOGETHER:
+            middle = (first + last) // 2
+            todo += [(first, middle, far, ends, smooth), (middle, last, far, ends, smooth)]
+            continue
+        here, reached = slice(first, last), int(np.searchsorted(knots[:-1], high_end))
+        at = (half[here] - low_end) * 2 / (high_end - low_end) - 1
+        both[here] = np.moveaxis(chebyshev.chebval(at, smooth), 0, -1)
+        both[here] += sums(half[here, :, None], begin[here, None, None], above[here, :, None], far, reached)
+    load, rate = both[..., 0], both[..., 1] * half
+    found = [series(values[:, 1:-1]).T for values in (load, rate)]
+    # Beyond the last coefficients that any piece needs there is round-off.
+    size = [np.max(np.abs(each) / np.abs(each[0]), axis=1, initial=0.0) for each in found]
+    degree = int(np.max(np.flatnonzero(np.maximum(*size) > _ROUNDING), initial=0))
+    loads = np.append(load[:, 0], load[-1:, -1])
+    return _Series(begin, low, high, begin + low * low, loads, *(each[: degree + 1].copy() for each in found))
 
 
 def _splits(profile: Tabulated, half: float) -> str:
