@@ -355,7 +355,8 @@ class _Series:
         u = clenshaw(coefficients, number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0))
         square = np.square(u)
         again = np.flatnonzero(rough[number])
-        square[again] = self._newton(number[again], load[again], square[again])
+        if len(again):
+            square[again] = self._newton(number[again], load[again], square[again])
         return self.begin[number] + square
 
     @cached_property
@@ -555,8 +556,8 @@ class _Stretch:
         inside = values(np.maximum(u, first))
         if first == 0:
             return inside
-        part = np.minimum(u / first, 1.0)
-        return inside * np.where(part < 1, part ** (self.power - order * (2 if self.rooted else 1)), 1.0)
+        power = max(self.power - order * (2 if self.rooted else 1), 0.0)  # of dP/da of a sharp wedge 0, to round-off
+        return inside * np.minimum(u / first, 1.0) ** power
 
     def distance(self, load: Array) -> Array:
         """u of a load."""
