@@ -328,7 +328,7 @@ _TOGETHER, _ROUNDING = 32, 1e-15
 
 @dataclass(frozen=True, eq=False)
 class _Series:
-    """P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and u on as many of w = sqrt(P - P(begin)): Chebyshev series.
+    """P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and u^2 on as many of w = sqrt(P - P(begin)): Chebyshev series.
 
     `edges` (n,) are the half-widths and `loads` (n + 1,) the normal loads at which the pieces begin, the last one ends.
     """
@@ -352,8 +352,7 @@ class _Series:
         begin_load, low, high, coefficients, rough = self._inverse
         w = np.sqrt(np.maximum(load - begin_load[number], 0.0))
         low, high = low[number], high[number]
-        u = clenshaw(coefficients, number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0))
-        square = np.square(u)
+        square = np.maximum(clenshaw(coefficients, number, np.clip((2 * w - low - high) / (high - low), -1.0, 1.0)), 0.0)
         again = np.flatnonzero(rough[number])
         if len(again):
             square[again] = self._newton(number[again], load[again], square[again])
@@ -361,7 +360,7 @@ class _Series:
 
     @cached_property
     def _inverse(self) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
-        """P(begin), ends of w, coefficients of u and whether they are not resolved, for each piece."""
+        """P(begin), ends of w, coefficients of u^2 and whether they are not resolved, for each piece."""
         first = np.flatnonzero(self.low == 0)
         begin_load = self.loads[:-1][first][np.searchsorted(first, np.arange(len(self.low)), side="right") - 1]
         low, high = (np.sqrt(np.maximum(ends - begin_load, 0.0)) for ends in (self.loads[:-1], self.loads[1:]))
@@ -370,8 +369,8 @@ class _Series:
         number = np.repeat(np.arange(len(low)), len(NODES)).reshape(load.shape)
         share = (load - self.loads[:-1, None]) / np.diff(self.loads)[:, None]
         start = self.low[:, None] ** 2 + (self.high**2 - self.low**2)[:, None] * share
-        coefficients = series(np.sqrt(self._newton(number, load, start)))
-        return begin_load, low, high, coefficients.T.copy(), tail(coefficients) > 1e-14 * self.high
+        coefficients = series(self._newton(number, load, start))
+        return begin_load, low, high, coefficients.T.copy(), tail(coefficients) > 1e-15 * (self.begin + self.high**2)
 
     def _newton(self, number: Indices, load: Array, square: Array) -> Array:
         """u^2 of loads on these pieces: there P is nearly linear in a - b = u^2, whose last digit counts from a."""

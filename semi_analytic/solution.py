@@ -293,8 +293,8 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
 def _along_spans(history: History, request: Request) -> Along:
     """States at the instants of the request and the friction work of the cycles, span by span.
 
-    W and W(x) of a steady ellipse come from formulas that keep their digits, however small the slip; where P may hardly grow, or
-    edges pass corners, one rule a phase is not enough: there spans are halved until that changes nothing.
+    W and W(x) of a steady ellipse come from formulas that keep their digits, however small the slip; where P may hardly grow, one
+    rule for each phase is not enough for W(x): there spans are halved until that changes nothing.
     """
     contact, modulus, fields, last = request.contact, request.modulus, request.fields, history.covered[-1]
     snapshot, friction = history.snapshot(request.time), history.spans[0].friction
@@ -303,7 +303,7 @@ def _along_spans(history: History, request: Request) -> Along:
         balance[here] += value_on(piece, (snapshot.load - snapshot.slipped)[here])
     unit, ellipse = 2 / (math.pi * modulus) * friction**2, None
     turn = history.loop.ellipse if history.loop is not None else None
-    if turn is not None and friction > 0 and not len(contact.break_loads):
+    if turn is not None and friction > 0:
         ellipse = ellipses_of(*(np.array([v]) for v in (turn.mean[0], turn.amplitude[0], turn.amplitude[1], turn.phase, friction)))
     works: dict[int, tuple[float, float]] = {}
     used: list[Span] = []
