@@ -8,8 +8,9 @@
 
 Each span of slip is integrated in time by one rule for singular ends: roots at the edges of the contact, the logarithm of gross
 sliding, P close to 0 all lie at an end of a span or beyond it. On legs and arcs without formulas the front may run unevenly in the
-middle of a span as well, and so may all edges where P(a) hardly grows at one load: there the rule is applied to halves, and to
-halves of these, until that changes nothing.
+middle of a span as well, and so may all edges where P(a) hardly grows at one load; and edges pass corners of the profile. There a
+rule of fewer nodes is applied to the span, to parts of it, cut at a corner or in the middle, and to parts of these, until that
+changes nothing: fine tables are cut at a few of their knots.
 """
 
 from __future__ import annotations
@@ -25,11 +26,11 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import NORMAL_LOAD, Combination, NotFoundError
 from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
-from semi_analytic.history import Span, smooth_spans, take
+from semi_analytic.history import Span, corner_times, smooth_spans, take
 from semi_analytic.load_series import Block, Records
 from semi_analytic.memory import change_from, level, level_on
 from semi_analytic.profiles import Contact
-from semi_analytic.quadrature import NODES, ROOTS, gauss, graded
+from semi_analytic.quadrature import NODES, ROOTS, crowded, gauss, graded
 from semi_analytic.roundoff import LAST_DIGITS
 
 Array = NDArray[np.float64]
@@ -79,28 +80,40 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(closed, 12)
     (0.004256098192, 0.004256098192)
     """
-    slipping = [span for span in smooth_spans(contact, spans) if span.direction and span.active is not None]
-    works = np.array([_work_of_span(contact, span, [span.begin.time], [span.end.time])[0] for span in slipping])
+    slipping = [span for span in spans if span.direction and span.active is not None]
+    marks = [corner_times(contact, span) for span in slipping]
+    rough = [len(cuts) > 0 or uneven(contact, span) for cuts, span in zip(marks, slipping, strict=True)]
+    works = np.zeros(len(slipping))
+    for k, (span, halved) in enumerate(zip(slipping, rough, strict=True)):
+        works[k] = _work_of_span(contact, span, [span.begin.time], [span.end.time], crowded if halved else graded)[0]
     # One size for all: a short span by itself may be all rounding, and would never converge to its own.
     size, error = float(np.sum(works)), 0.0
-    for number, span in enumerate(slipping):
-        if uneven(contact, span):
+    for number in np.flatnonzero(rough):
+        span = slipping[number]
 
-            def part(_: Indices, begin: Array, end: Array, span: Span = span) -> Array:
-                return _work_of_span(contact, span, begin, end)
+        def part(_: Indices, begin: Array, end: Array, span: Span = span) -> Array:
+            return _work_of_span(contact, span, begin, end, crowded)
 
-            allowed = max(CONVERGED * size, float(_rounding(span, contact.dissipation_kernel)[0]))
-            found = by_halving(part, [span.begin.time], [span.end.time], allowed)
-            works[number] = found.value[0]
-            error += float(found.error[0])
+        allowed = max(_share(contact, marks[number]) * size, float(_rounding(span, contact.dissipation_kernel)[0]))
+        found = by_halving(part, [span.begin.time], [span.end.time], allowed, marks[number])
+        works[number] = found.value[0]
+        error += float(found.error[0])
     forward = np.array([span.direction > 0 for span in slipping], dtype=bool)
     factor = 2 / (math.pi * modulus)
     return Split(factor * np.sum(works[forward]), factor * np.sum(works[~forward]), np.asarray(factor * error))
 
 
-def _work_of_span(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike) -> Array:
+def _share(contact: Contact, marks: Array) -> float:
+    """Share of the whole at which a part has converged: 1e-14 across corners, for many small kinks may hide from one halving."""
+    return min(CONVERGED, 25 * contact.noise) if len(marks) else CONVERGED
+
+
+Rule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
+
+
+def _work_of_span(contact: Contact, span: Span, begin: ArrayLike, end: ArrayLike, rule: Rule) -> Array:
     """f int w' Lam dt over parts of one span, from begin[k] to end[k]: (n,)."""
-    times, weights = graded(begin, end)
+    times, weights = rule(begin, end)
     area = contact.dissipation_kernel(span.leg.loads(times)[0], span.slipped(times))
     growth = span.leg.rate_of(level(span.direction, span.friction), times)
     return np.asarray(span.friction * np.sum(weights * np.maximum(growth, 0.0) * area, axis=-1))
@@ -142,27 +155,31 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
     work = {1: np.zeros(len(x)), -1: np.zeros(len(x))}
     edge_load = contact.load(x)
     todo = []
-    for span in smooth_spans(contact, spans):
+    for span in spans:
         if span.direction and span.active is not None:
             begin, end = slip_times(span, edge_load)
             here = np.flatnonzero(end > begin)
             if len(here):
-                rough = _work_at(contact, span, x[here], edge_load[here], begin[here], end[here])
+                marks = corner_times(contact, span)
+                halved = len(marks) > 0 or uneven(contact, span)
+                rule = crowded if halved else graded
+                rough = _work_at(contact, span, x[here], edge_load[here], begin[here], end[here], rule)
                 work[span.direction][here] += rough
-                if uneven(contact, span):
-                    todo.append((span, here, begin, end, rough))
+                if halved:
+                    todo.append((span, here, begin, end, rough, marks))
     error, size = np.zeros(len(x)), float(np.max(work[1] + work[-1], initial=0.0))
-    for span, here, begin, end, rough in todo:
+    for span, here, begin, end, rough, marks in todo:
         at, edge = x[here], edge_load[here]
 
         def part(which: Indices, low: Array, high: Array, span: Span = span, at: Array = at, edge: Array = edge) -> Array:
-            return _work_at(contact, span, at[which], edge[which], low, high)
+            return _work_at(contact, span, at[which], edge[which], low, high, crowded)
 
         def weighed(load: float, slipped: Array, at: Array = at, edge: Array = edge) -> Array:
             reach = contact.reach(at, np.maximum(edge - (load - slipped), 0.0), load - slipped)
             return np.asarray(contact.pressure(at, load) * reach)
 
-        found = by_halving(part, begin[here], end[here], max(CONVERGED * size, float(np.max(_rounding(span, weighed)))))
+        allowed = max(_share(contact, marks) * size, float(np.max(_rounding(span, weighed))))
+        found = by_halving(part, begin[here], end[here], allowed, marks)
         work[span.direction][here] += found.value - rough
         error[here] += found.error
     factor = 2 / (math.pi * modulus)
@@ -188,8 +205,8 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     return begin, np.where(inside, end, begin)
 
 
-def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Array, end: Array) -> Array:
-    times, weights = graded(begin, end)
+def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Array, end: Array, rule: Rule) -> Array:
+    times, weights = rule(begin, end)
     load = span.leg.loads(times)[0]
     front = load - span.slipped(times)
     reach = contact.reach(x[:, None], np.maximum(edge_load[:, None] - front, 0.0), front)
@@ -223,31 +240,35 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
     contact = _flat_at(contact, largest)
     integrals = Integrals(contact, np.zeros(1), "shift")
-    spans = smooth_spans(contact, spans)
     # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits, all along Q.
     size = 2 * abs(float(contact.log_distance(largest)))
     ways = [span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))[1] for span in spans]
     doubt = _DIGITS_OF_SHIFT * spans[0].friction * size * sum(float(np.sum(np.abs(np.diff(way)))) for way in ways)
 
-    def loop(some: Sequence[Span], rules: Sequence[tuple[Array, Array]]) -> float:
-        snapshot = take((span, times) for span, (times, _) in zip(some, rules, strict=True))
-        shift = integrals.over(snapshot)[:, 0]
-        rates = [
-            span.leg.rate_of(Combination(0.0, 1.0), times) * weights for span, (times, weights) in zip(some, rules, strict=True)
-        ]
-        return -float(np.sum(shift * np.concatenate(rates)))
+    def loop(some: Sequence[Span], begin: ArrayLike, end: ArrayLike, rule: Rule) -> Array:
+        """The integral from begin to end over each span, or over each of many parts of the only one."""
+        times, weights = rule(begin, end)
+        along = list(zip(some, times.reshape(len(some), -1), strict=True))
+        rates = np.concatenate([span.leg.rate_of(Combination(0.0, 1.0), time) for span, time in along])
+        return -np.sum((integrals.over(take(along))[:, 0] * rates).reshape(times.shape) * weights, axis=1)
 
-    even = [span for span in spans if not uneven(contact, span)]
-    total = loop(even, [graded(span.begin.time, span.end.time) for span in even]) if even else 0.0
-    rough = [(span, loop([span], [graded(span.begin.time, span.end.time)])) for span in spans if uneven(contact, span)]
+    marks = [corner_times(contact, span) for span in spans]
+    rough = np.array([len(cuts) > 0 or uneven(contact, span) for cuts, span in zip(marks, spans, strict=True)])
+    values = np.zeros(len(spans))
+    for which, rule in ((np.flatnonzero(rough), crowded), (np.flatnonzero(~rough), graded)):
+        some = [spans[k] for k in which]
+        if some:
+            values[which] = loop(some, [span.begin.time for span in some], [span.end.time for span in some], rule)
     # What is stored and given back may be much larger than the rest; a short part by itself may be all rounding.
-    size = max(abs(total + sum(value for _, value in rough)), _STORED * sum(abs(value) for _, value in rough))
-    for span, value in rough:
+    size = max(abs(float(np.sum(values))), _STORED * float(np.sum(np.abs(values[rough]))))
+    for k in np.flatnonzero(rough):
 
-        def parts(_: Indices, begin: Array, end: Array, span: Span = span) -> Array:
-            return np.array([loop([span], [graded(low, high)]) for low, high in zip(begin.tolist(), end.tolist(), strict=True)])
+        def parts(_: Indices, begin: Array, end: Array, span: Span = spans[k]) -> Array:
+            return loop([span], begin, end, crowded)
 
-        total += float(by_halving(parts, [span.begin.time], [span.end.time], CONVERGED * max(size, abs(value))).value[0])
+        allowed = _share(contact, marks[k]) * max(size, abs(values[k]))
+        values[k] = by_halving(parts, [spans[k].begin.time], [spans[k].end.time], allowed, marks[k]).value[0]
+    total = float(np.sum(values))
     return 2 / (math.pi * modulus) * total, 2 / (math.pi * modulus) * doubt
 
 
@@ -261,12 +282,6 @@ def _flat_at(contact: Contact, largest: float) -> Contact:
 
 Values = Callable[[Indices, Array, Array], Array]
 """Something along records number (n,) at P and P - P_c (n, k): (n, k)."""
-
-
-def _crowded() -> tuple[Array, Array]:
-    """Gauss' rule in t on [0, 1] of 3 t^2 - 2 t^3."""
-    t, weight = gauss(_COUNTS[-1])
-    return t * t * (3 - 2 * t), weight * 6 * t * (1 - t)
 
 
 def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, int]:
@@ -288,7 +303,7 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     which = np.searchsorted(_SHARES, shares[0])
     which[(which < len(_SHARES)) & (shares[1] > np.maximum(shares[0], _SHARES[0]))] = len(_SHARES) + 1
     result, nodes = np.zeros(len(records.row)), 0
-    for number, (part, weight) in enumerate([*(gauss(count) for count in _COUNTS), (ROOTS.up, ROOTS.share), _crowded()]):
+    for number, (part, weight) in enumerate([*(gauss(count) for count in _COUNTS), (ROOTS.up, ROOTS.share), crowded(0.0, 1.0)]):
         some = parts.take(np.flatnonzero(which == number))
         load = some.load[:, None] + (some.load_after - some.load)[:, None] * part
         slipped = some.slipped[:, None] + (some.slipped_after - some.slipped)[:, None] * part
@@ -427,14 +442,16 @@ def kinks(contact: Contact, spans: Sequence[Span]) -> Array:
 class Converged(NamedTuple):
     """Integrals (m,), and an estimate of the error of each: what the last halving changed.
 
-    Covered down to the floor of the rule: `graded` leaves 4e-12 of a part that has a pole beside its end, at whatever distance.
+    Covered down to the floor of a rule: `graded` leaves 4e-12 of a part that has a pole beside its end, at whatever distance.
     """
 
     value: Array
     error: Array
 
 
-def by_halving(work: Callable[[Indices, Array, Array], Array], begin: ArrayLike, end: ArrayLike, allowed: float) -> Converged:
+def by_halving(
+    work: Callable[[Indices, Array, Array], Array], begin: ArrayLike, end: ArrayLike, allowed: float, marks: ArrayLike = ()
+) -> Converged:
     """Integrals of m integrands, number k from begin[k] to end[k].
 
     Parameters
@@ -443,26 +460,30 @@ def by_halving(work: Callable[[Indices, Array, Array], Array], begin: ArrayLike,
     begin, end : (m,)
     allowed : the change at which a part has converged, `CONVERGED` of their size where rounding leaves as much. A part of 2^-17 of
         its range, or one that is not finite, is left as it is, and its error shows that.
+    marks : (j,) ascending, where a part is cut rather than in its middle: the integrands are not smooth there
 
     >>> def midpoint(which, low, high):
     ...     return (high - low) * (low + high) / 2
     >>> by_halving(midpoint, [0.0, 1.0], [2.0, 3.0], CONVERGED).value.tolist()
     [2.0, 4.0]
     """
-    low, high = np.array(begin, dtype=float), np.array(end, dtype=float)
-    which = np.arange(len(low))
+    low, high, cuts = np.array(begin, dtype=float), np.array(end, dtype=float), np.append(marks, np.inf)
+    which, depth = np.arange(len(low)), np.zeros(len(low), dtype=int)
     value, error = np.zeros(len(low)), np.zeros(len(low))
     rough = work(which, low, high)
-    for turn in range(_HALVINGS + 1):
+    while len(which):
         middle = (low + high) / 2
+        # The mark next above the middle, else the one below it, else the middle itself.
+        number = np.searchsorted(cuts, middle)
+        for nearest in (cuts[number - 1], cuts[number]):
+            inside = (nearest > low) & (nearest < high)
+            middle, depth = np.where(inside, nearest, middle), np.where(inside, -1, depth)
         left, right = np.split(work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high]), 2)
         change = np.abs(left + right - rough)
-        done = (change <= allowed) | ~np.isfinite(change) | (turn == _HALVINGS)
+        done = (change <= allowed) | ~np.isfinite(change) | (depth == _HALVINGS)
         np.add.at(value, which[done], (left + right)[done])
         np.add.at(error, which[done], change[done])
         on = ~done
         low, high = np.r_[low[on], middle[on]], np.r_[middle[on], high[on]]
-        which, rough = np.tile(which[on], 2), np.r_[left[on], right[on]]
-        if not len(which):
-            break
+        which, rough, depth = np.tile(which[on], 2), np.r_[left[on], right[on]], np.tile(depth[on] + 1, 2)
     return Converged(value, error)

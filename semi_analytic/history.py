@@ -527,29 +527,27 @@ def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
 
 def smooth_spans(contact: Contact, spans: Sequence[Span]) -> Sequence[Span]:
     """The spans, each cut at the times at which P or P_c is the load of a corner."""
-    loads = contact.break_loads
+    parts: list[Span] = []
+    for span in spans:
+        stations = [span.begin, *(instant(span.leg, time) for time in corner_times(contact, span).tolist()), span.end]
+        parts += [replace(span, begin=begin, end=end) for begin, end in pairwise(stations)] if len(stations) > 2 else [span]
+    return parts
+
+
+def corner_times(contact: Contact, span: Span) -> Array:
+    """Times of the leg within a span at which P or P_c is the load of a corner, (n,) ascending, none alike."""
+    loads, leg, first, last = contact.break_loads, span.leg, span.begin, span.end
     if not len(loads):
-        return spans
-    return [part for span in spans for part in _parts(span, loads)]
-
-
-def _parts(span: Span, loads: Array) -> list[Span]:
-    leg, first, last = span.leg, span.begin, span.end
+        return loads
     inside = loads[(loads > min(first.normal, last.normal)) & (loads < max(first.normal, last.normal))]
-    times = leg.time_of(NORMAL_LOAD, inside - first.normal, first.time, last.time).tolist() if len(inside) else []
+    times = [leg.time_of(NORMAL_LOAD, inside - first.normal, first.time, last.time)]
     if span.direction and span.active is not None:
         here = loads[(loads > span.active.bottom) & (loads < span.active.top)]
-        if len(here):
-            what = level(span.direction, span.friction)
-            amount = level_on(span.active, span.direction, span.friction, here)
-            amount = amount - float(change_from(span.active.anchor, leg, what, first.time))
-            times += leg.time_of(what, amount, first.time, last.time).tolist()
+        what = level(span.direction, span.friction)
+        amount = level_on(span.active, span.direction, span.friction, here)
+        amount = amount - float(change_from(span.active.anchor, leg, what, first.time))
+        times.append(leg.time_of(what, amount, first.time, last.time))
     shortest = 1e-12 * max(abs(first.time), abs(last.time), last.time - first.time)
-    marks = [first.time]
-    for time in sorted(times):
-        if time - marks[-1] > shortest and last.time - time > shortest:
-            marks.append(time)
-    if len(marks) == 1:
-        return [span]
-    stations = [first, *(instant(leg, time) for time in marks[1:]), last]
-    return [replace(span, begin=begin, end=end) for begin, end in pairwise(stations)]
+    marks = np.sort(np.concatenate(times))
+    marks = marks[(marks - first.time > shortest) & (last.time - marks > shortest)]
+    return marks[np.diff(marks, prepend=-np.inf) > shortest]

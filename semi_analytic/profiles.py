@@ -483,7 +483,9 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
         tau = np.sqrt(rise * (a + b))
         angle = np.where(rise > 0, np.arctan2(tau, b), 0.0)
         # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
-        return np.stack([np.where(rise > 0, a * a * angle - b * tau, 0.0) @ jumps[first:last] / 2, angle @ jumps[first:last]], axis=-1)
+        return np.stack(
+            [np.where(rise > 0, a * a * angle - b * tau, 0.0) @ jumps[first:last] / 2, angle @ jumps[first:last]], axis=-1
+        )
 
     todo = [(0, len(begin), 0, (0.0, 1.0), np.zeros((len(NODES), 2)))] if pieces else []
     while todo:

@@ -35,7 +35,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.chebyshev import NODES, clenshaw, series, tail
-from semi_analytic.quadrature import CHUNK, ROOTS, gauss, panels
+from semi_analytic.quadrature import gauss, graded
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -55,8 +55,10 @@ _RESOLVED, _HALVINGS, _NOISE = 4e-15, 12, 0.9
 _AT_ONCE, _KEPT = 20_000, 8
 # Points that one primitive serves.
 _POINTS = 4096
-# Share of a^2 below which a difference of squares is taken from the rise of P.
-_CLOSE = 0.01
+# Share of a^2 below which a difference of squares is taken from the rise of P; the same across several corners.
+_CLOSE, _NEXT = 0.01, 1e-6
+# Of Gauss' nodes between two corners; values that are found at a time.
+_BETWEEN, _MEMBERS = 12, 4096
 # Share of P - P_b up to which Lam is one smooth integral, and of P from which on it is a difference.
 _NEARBY, _APART = 0.3, 0.02
 
@@ -246,25 +248,27 @@ class PunchSuperposition:
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """arccosh(|x|/a(eta)) = arsinh(sqrt(x^2 - a^2)/a) from P_x - eta >= 0 and the advance d(eta)."""
         outer, rise, low = np.broadcast_arrays(self._beyond(x), as_is(excess), as_is(advance))
-        high = np.maximum(outer, low)
-        gap = np.array((high - low) * (high + low + 2 * self.least))
-        close = gap < _CLOSE * np.square(high + self.least)
-        if np.any(close):
-            rate = self._mean_rate(low[close], high[close])
-            gap[close] = rise[close] / np.where(rate > 0, rate, np.inf)
         half = low + self.least
-        return np.arcsinh(np.sqrt(gap) / np.where(half > 0, half, np.inf))
+        return np.arcsinh(np.sqrt(self._squares_apart(low, np.maximum(outer, low), rise)) / np.where(half > 0, half, np.inf))
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0 and the advance d(eta): pi times the pressure of a flat punch of unit load."""
         distance, rise, high = np.broadcast_arrays(np.abs(as_is(x)), as_is(excess), as_is(advance))
-        low = np.minimum(distance - self.least, high)
+        square = self._squares_apart(np.minimum(distance - self.least, high), high, rise)
+        return 1 / np.sqrt(np.where(square > 0, square, np.inf))
+
+    def _squares_apart(self, low: Array, high: Array, rise: Array) -> Array:
+        """Difference of the squares of two half-widths of these advances; of close ones from the rise of P between them.
+
+        With more than one corner in between the difference itself has more digits, but for corners next to each other.
+        """
         square = np.array((high - low) * (high + low + 2 * self.least))
-        close = (low >= 0) & (square < _CLOSE * np.square(high + self.least))
+        many = np.searchsorted(self._begins, high) - np.searchsorted(self._begins, low) > 1
+        close = (low >= 0) & (square < np.where(many, _NEXT, _CLOSE) * np.square(high + self.least))
         if np.any(close):
             rate = self._mean_rate(low[close], high[close])
             square[close] = rise[close] / np.where(rate > 0, rate, np.inf)
-        return 1 / np.sqrt(np.where(square > 0, square, np.inf))
+        return square
 
     def _mean_rate(self, low: Array, high: Array) -> Array:
         """Rise of P over rise of a^2 between two advances as close as may be: in two parts if there is a corner in between."""
@@ -320,21 +324,36 @@ class PunchSuperposition:
         return load * ratio - (self._logarithm(0, upper)[0] - self._logarithm(0, lower)[0])
 
     def _area_across(self, load: Array, slipped: Array) -> Array:
-        """Across corners, or close behind one: in parts, by the rule for singular ends; alike ones, between the same, together."""
-        front = load - slipped
+        """Across corners, or close behind one: between one corner and the next as P is a smooth function of sqrt(P - P_b) there.
+
+        What lies below the first corner is integrated by the rule for singular ends: there P goes as any power of the advance.
+        """
+        front, total = load - slipped, np.zeros(load.shape)
         first = np.searchsorted(self._begin_loads, front, side="right")
         after = np.maximum(np.searchsorted(self._begin_loads, load, side="left"), first)
-        total = np.zeros(load.shape)
-        pairs, alike = np.unique(np.stack([first, after]), axis=1, return_inverse=True)
-        for number, (low, high) in enumerate(pairs.T):
-            inside = self._begin_loads[low:high]
-            size = max(CHUNK // (len(ROOTS.up) * (len(inside) + 1)), 1)
-            members = np.flatnonzero(alike.ravel() == number)
-            for here in np.split(members, np.arange(size, len(members), size)):
-                node = panels(0.0, slipped[here], [at - front[here] for at in inside])
-                advance = self.law.advance(front[here, None, None] + node.at)
+        count = after - first + 1
+        ends, (node, share) = np.append(self._begin_loads, np.inf), gauss(_BETWEEN)
+        for at_once in np.split(np.arange(len(load)), np.arange(_MEMBERS, len(load), _MEMBERS)):
+            which = np.repeat(at_once, count[at_once])
+            behind = (
+                np.arange(len(which)) - np.repeat(np.cumsum(count[at_once]) - count[at_once], count[at_once]) + first[which] - 1
+            )
+            low, high = np.maximum(front[which], ends[behind]), np.minimum(load[which], ends[behind + 1])
+            parts = np.zeros(len(which))
+            for rooted in (True, False):
+                some = (behind > 0) == rooted
+                here, begin, way = which[some], low[some, None], (high - low)[some, None]
+                if rooted:
+                    inner = np.sqrt(begin - ends[behind[some], None])
+                    reach = way / (inner + np.sqrt(inner * inner + way))
+                    rise, weight = reach * node * (2 * inner + reach * node), 2 * reach * share * (inner + reach * node)
+                else:
+                    rise, weight = (values[:, 0] for values in graded(0.0, way))
+                advance = self.law.advance(begin + rise)
                 rate = (self.least + advance) * self.law.stiffness(advance)
-                total[here] = np.sum(node.weight * node.below / np.where(rate > 0, rate, np.inf), axis=(-2, -1))
+                above = slipped[here, None] - ((begin - front[here, None]) + rise)  # P - eta, with its own digits
+                parts[some] = np.sum(weight * above / np.where(rate > 0, rate, np.inf), axis=-1)
+            total += np.bincount(which, parts, len(total))
         return total
 
     # --- errors

@@ -73,6 +73,20 @@ def gauss(count: int) -> tuple[Array, Array]:
     return rule
 
 
+def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
+    """Nodes and weights on [begin, end], a new last axis: Gauss' rule of 24 nodes in t of 3 t^2 - 2 t^3, which crowd to both ends.
+
+    For roots at the ends; an eighth of the nodes of `graded`, for what is halved until that changes nothing.
+
+    >>> nodes, weights = crowded(0.0, 4.0)
+    >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
+    5.333333333333
+    """
+    first, (t, weight) = np.asarray(begin, dtype=float)[..., None], gauss(24)
+    length = np.asarray(end, dtype=float)[..., None] - first
+    return first + length * (t * t * (3 - 2 * t)), length * (weight * 6 * t * (1 - t))
+
+
 CHUNK = 4_000_000
 """Nodes that are held at a time."""
 

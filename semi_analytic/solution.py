@@ -293,8 +293,8 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
 def _along_spans(history: History, request: Request) -> Along:
     """States at the instants of the request and the friction work of the cycles, span by span.
 
-    W and W(x) of a steady ellipse come from formulas that keep their digits, however small the slip; where P may hardly grow, one
-    rule for each phase is not enough for W(x): there spans are halved until that changes nothing.
+    W and W(x) of a steady ellipse come from formulas that keep their digits, however small the slip; where P may hardly grow, or
+    edges pass corners, one rule for each phase is not enough for W(x): there spans are halved until that changes nothing.
     """
     contact, modulus, fields, last = request.contact, request.modulus, request.fields, history.covered[-1]
     snapshot, friction = history.snapshot(request.time), history.spans[0].friction
@@ -320,7 +320,7 @@ def _along_spans(history: History, request: Request) -> Along:
     density_error, spans = 0.0, history.cycles[last]
     if "dissipation_density" in fields:
         used.extend(spans)
-        if ellipse is not None and history.is_loop(last) and not contact.bends_anywhere:
+        if ellipse is not None and history.is_loop(last) and not contact.bends_anywhere and not len(contact.break_loads):
             members = ellipse.take(np.zeros(len(density), dtype=int))
             density = unit * np.sum(density_of(members, contact, request.distance), axis=0)
         else:

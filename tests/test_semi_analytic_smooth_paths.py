@@ -228,10 +228,10 @@ def test_rounding_ends_the_halving(monkeypatch):
     parts = []
     rule = friction_work._work_of_span
 
-    def counted(contact, span, begin, end):
+    def counted(contact, span, begin, end, nodes):
         parts.append(np.size(begin))
         assert sum(parts) < 1000
-        return rule(contact, span, begin, end)
+        return rule(contact, span, begin, end, nodes)
 
     monkeypatch.setattr(friction_work, "_work_of_span", counted)
     load = CallableLoad(
