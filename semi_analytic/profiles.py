@@ -328,7 +328,7 @@ _TOGETHER, _ROUNDING = 32, 1e-15
 
 @dataclass(frozen=True, eq=False)
 class _Series:
-    """P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and u^2 on as many of w = sqrt(P - P(begin)): Chebyshev series.
+    """Chebyshev series of P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin), and of u^2 over w = sqrt(P - P(begin)).
 
     `edges` (n,) are the half-widths and `loads` (n + 1,) the normal loads at which the pieces begin, the last one ends.
     """
@@ -347,7 +347,7 @@ class _Series:
         return clenshaw(coefficients, number, np.minimum((2 * u - low - high) / (high - low), 1.0))
 
     def half_width(self, load: Array) -> Array:
-        """a(P) behind the second knot, by its series; where that is not resolved, as where P hardly grows, by Newton's method too."""
+        """a(P) behind the second knot, by its series; where that is not resolved, since P hardly grows, by Newton's method too."""
         number = np.clip(np.searchsorted(self.loads, load, side="right") - 1, 0, len(self.begin) - 1)
         begin_load, low, high, coefficients, rough = self._inverse
         w = np.sqrt(np.maximum(load - begin_load[number], 0.0))

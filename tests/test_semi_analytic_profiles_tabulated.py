@@ -17,7 +17,7 @@ from reports.cli import main
 from scenes import FlatRounded, Hertz, InputError, Tabulated
 from semi_analytic import solve
 from semi_analytic.hertz import HertzContact
-from semi_analytic_cases import ellipse, make_scene, polygon
+from semi_analytic_cases import ellipse, make_scene
 from semi_analytic_truth import Truth, profile_contact, worst
 
 
