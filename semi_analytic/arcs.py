@@ -21,7 +21,7 @@ for the length of a step, and beside corners, behind which a(P) goes as d^(3/2),
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -160,14 +160,18 @@ class Arc:
         self._primitive = table[order] @ _PRIMITIVE
         panel, point = np.nonzero(self._near)
         whole = np.sum(self._primitive, axis=2)
-        a, b, beside = low[panel], high[panel], self._cornered[panel]
-        steps = self._steps(a, b, point, beside)
+        a, b = low[panel], high[panel]
+        # Of some steps their halves too: what they differ by is the error.
+        some = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int)) if len(panel) else np.empty(0, dtype=int)
+        middle, all_of = (a[some] + b[some]) / 2, np.concatenate([np.arange(len(panel)), some, some])
+        ends = np.concatenate([a, a[some], middle]), np.concatenate([b, middle, b[some]])
+        steps, first, second = np.split(
+            self._steps(*ends, point[all_of], self._cornered[panel][all_of]), [len(panel), len(panel) + len(some)]
+        )
         whole[panel, point] += steps
         self._before = np.cumsum(whole, axis=0) - whole
-        some = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int)) if len(panel) else np.empty(0, dtype=int)
-        ends = (a[some], (a[some] + b[some]) / 2, b[some])
-        halves = sum(self._steps(*pair, point[some], beside[some]) for pair in pairwise(ends))
-        off = float(np.max(np.abs(steps[some] - halves), initial=0.0)) * math.sqrt(np.max(np.bincount(point), initial=0))
+        apart = np.abs(steps[some] - first - second)
+        off = float(np.max(apart, initial=0.0)) * math.sqrt(np.max(np.bincount(point), initial=0))
         self.error = self._factor * (off + float(np.max(np.sum(left, axis=0), initial=0.0)))
 
     def _steps(self, low: Array, high: Array, point: Indices, cornered: NDArray[np.bool_]) -> Array:
@@ -207,6 +211,7 @@ class Arc:
         return near, cornered, panel, point, found
 
 
+@lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
 def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
     """The turning point of P at an end of an arc, or beyond it by less than its length; the end itself where there is none.
 

@@ -169,11 +169,12 @@ class Integrals:
             elif piece.bend:
                 found[number] = 2 * piece.bend * (self.moment(1, front) - self.moment(1, np.array([piece.bottom])))
         for key, numbers in alike.items():
+            piece = fronts[numbers[0]][0]
             if key not in self._arcs:
-                piece = fronts[numbers[0]][0]
                 self._arcs[key] = piece, Arc(self.contact, self.kernel, piece, self.x)
-            times = [front_time(*fronts[number]) for number in numbers]
-            values = np.split(self._arcs[key][1].up_to(np.concatenate(times)), np.cumsum([len(part) for part in times])[:-1])
+            loads = [fronts[number][1] for number in numbers]
+            times = front_time(piece, np.concatenate(loads))
+            values = np.split(self._arcs[key][1].up_to(times), np.cumsum([len(part) for part in loads])[:-1])
             for number, value in zip(numbers, values, strict=True):
                 found[number] = value
         return found

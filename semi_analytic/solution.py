@@ -477,10 +477,10 @@ def _admissibility(friction: float, found: Along, grids: Mapping[str, NDArray[An
     checks = {"tangential_balance": freeze(np.abs(found.balance) / max(friction * float(np.max(found.snapshot.load)), tiny))}
     if "pressure" in fields and "shear" in fields:
         # At the tip of a wedge p is infinite: no q is outside the cone there, and none is a measure of the others.
-        bounded = np.isfinite(grids["pressure"])
-        limit = friction * np.where(bounded, grids["pressure"], 0.0)
-        beyond = np.max(np.abs(np.where(bounded, grids["shear"], 0.0)) - limit, axis=1, initial=0.0)
-        checks["cone"] = freeze(beyond / max(float(np.max(limit)), tiny))
+        with np.errstate(invalid="ignore"):
+            beyond = np.fmax.reduce(np.abs(grids["shear"]) - friction * grids["pressure"], axis=1, initial=0.0)
+        largest = np.max(grids["pressure"], where=np.isfinite(grids["pressure"]), initial=0.0)
+        checks["cone"] = freeze(beyond / max(friction * float(largest), tiny))
     return checks
 
 
