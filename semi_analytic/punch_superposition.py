@@ -557,6 +557,9 @@ def primitive(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> 
     order_of = np.lexsort((every.begin, every.low, every.point))
     every, found, tails = every.take(order_of), found[order_of], tails[order_of]
     whole = chebyshev.chebint(found.T, lbnd=-1) * ((every.end - every.begin) / 2)
+    # What all series are resolved without is round-off.
+    size = np.abs(whole) / np.maximum(np.max(np.abs(whole), axis=0), 1e-300)
+    whole = whole[: int(np.max(np.flatnonzero(np.max(size, axis=1, initial=0.0) > _EPS), initial=0)) + 1]
     # Sums run from panel to panel of a point: one sum through all points would leave the round-off of the largest in the smallest.
     place = np.arange(len(tails)) - np.searchsorted(every.point, every.point)
     table = np.zeros((len(x), int(np.max(place, initial=0)) + 2))
@@ -565,8 +568,6 @@ def primitive(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> 
     table[every.point, place + 1] = np.sum(whole, axis=0)
     table[:, 0] = _at_the_bottom(kind, order, x, float(marks[1]), law)
     whole[0] += np.cumsum(table, axis=1)[every.point, place]
-    kept = np.flatnonzero(np.max(np.abs(whole), axis=1, initial=0.0) > 1e-18 * np.max(np.abs(whole), initial=1e-300))
-    whole = whole[: kept[-1] + 1 if len(kept) else 1]
     return Primitive(kind, x, beyond, top, every, every.low + every.advance(kind, every.begin), whole, error)
 
 
