@@ -1,5 +1,6 @@
 """The command line's own words: what is misspelt, the list of commands by use, completion, colours."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -43,6 +44,17 @@ def test_unknown_words_get_one_sentence(arguments: str, sentence: str, capsys: p
     shown = capsys.readouterr()
     assert shown.err == f"halfplane: {sentence}\n"
     assert shown.out == ""
+
+
+def test_an_old_name_of_a_key_gets_one_note(tmp_path: Path) -> None:
+    """It was read without a word: Python shows no DeprecationWarning of a library. Each name once, and only on stderr."""
+    assert main(["init", str(tmp_path / "old.toml"), "--quiet"]) == 0
+    text = (tmp_path / "old.toml").read_text(encoding="utf-8")
+    (tmp_path / "old.toml").write_text(text.replace("initial_loading =", "way_in ="), encoding="utf-8")
+    done = halfplane(tmp_path, "check", "old.toml", "--json")
+    assert done.returncode == 0
+    assert done.stderr == "Note: way_in is now called initial_loading; the old name is read until version 0.3.\n"
+    assert json.loads(done.stdout)["exit_code"] == 0
 
 
 def test_commands_are_listed_by_use(tmp_path: Path) -> None:
