@@ -1,0 +1,58 @@
+"""What version 0.1 wrote is read for good: fixtures of cattaneo-mindlin on a coarse mesh, frozen before format number 2."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from reports.cli import main
+from scenes import ContactSolution
+
+KEPT = Path(__file__).parent / "fixtures" / "format1"
+DISSIPATION = 0.0011734782422501023  # of result.nc
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, Any]:
+    code = main([*words, "--json"])
+    shown = capsys.readouterr().out
+    found = json.loads(shown) if shown else {}
+    return code, found["result"] if found.get("format") == "halfplane answer 2" else found
+
+
+def test_a_solution_is_loaded_with_every_number() -> None:
+    found = ContactSolution.load(KEPT / "result.nc")
+    whole = json.loads((KEPT / "comparison.json").read_text(encoding="utf-8"))["result"]
+    assert (found.engine, found.scene.name) == ("halfplane_fe", "cattaneo-mindlin")
+    assert found.dissipation == whole["dissipation"] == pytest.approx(DISSIPATION, rel=1e-12)
+    assert found.pressure.max() == pytest.approx(whole["largest_pressure"], rel=1e-15)
+    assert found.record.converged
+
+
+def test_diff_reads_each_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    """A run, its baseline, one engine's summary and its NetCDF: of one solution, so no row differs."""
+    for a, b in (("comparison.json", "baseline.json"), ("result.nc", "halfplane_fe.json"), ("comparison.json", "result.nc")):
+        code, found = said(capsys, "diff", str(KEPT / a), str(KEPT / b))
+        assert code == 0, (a, b)
+        rows = {row["key"]: row for row in found["rows"]}
+        assert rows["halfplane_fe.dissipation"]["a"] == pytest.approx(DISSIPATION, rel=1e-12)
+        assert ("metric.shear" in rows) is (b == "baseline.json")
+        assert all(row["difference"] in (0, None) for row in rows.values())
+
+
+def test_score_reads_a_solution(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Against half-plane theory: the number of the run that wrote it."""
+    words = ["score", str(KEPT / "result.nc"), "--scene", "cattaneo-mindlin", "--out", str(tmp_path / "out"), "--quiet"]
+    code, found = said(capsys, *words)
+    before = json.loads((KEPT / "comparison.json").read_text(encoding="utf-8"))["metrics"]["dissipation"]["value"]
+    assert code == 1
+    assert found["metrics"]["dissipation"]["value"] == pytest.approx(before, rel=1e-9)
+
+
+def test_a_store_of_a_sweep_is_left_alone_and_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = shutil.copytree(KEPT / "sweep", tmp_path / "sweep")
+    code, found = said(capsys, "sweep", "status", str(folder))
+    assert (code, found["points"]["done"], found["points"]["total"], found["damaged"]) == (0, 2, 2, [])
+    for file in (KEPT / "sweep" / "results").iterdir():
+        assert (folder / "results" / file.name).read_bytes() == file.read_bytes()
