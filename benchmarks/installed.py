@@ -63,7 +63,7 @@ DRIVER = """
 import json, sys
 from pathlib import Path
 from reports.cli import main
-from reports.application import app
+from reports.cli.application import app
 from reports.maps.atlas import PUBLISHED
 if __name__ == "__main__":
     Path("maps").mkdir()

@@ -9,10 +9,10 @@ import shutil
 import time
 from collections.abc import Generator, Iterable
 from contextlib import ExitStack, contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 
 from meshes.interrupts import interrupts_wait
-from reports.application import output_folder
 from reports.staging import CannotLock, hidden_folder, lock, made, remove, remove_left_behind
 from scenes import InputError
 from scenes.files import parsed_json, text_of
@@ -22,6 +22,10 @@ _PAGE = "report.html"
 # Files are moved in milliseconds: who has not done so after so many seconds is stopped.
 _PATIENCE = 60.0
 _RESULTS = (MANIFEST, _PAGE, "report.pdf", "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+
+
+# The folder that the running command writes to, once it is known: run.log there takes the traceback of an internal error.
+output_folder: ContextVar[Path | None] = ContextVar("output_folder", default=None)
 
 
 class FilledBefore(KeyboardInterrupt):

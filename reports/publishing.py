@@ -19,9 +19,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.baseline import Findings, of_content, of_solution, replace_text
+from reports.cli.findings import SAME, Findings, difference, of_content, of_solution
 from reports.console import say
-from reports.difference import SAME, difference
+from reports.staging import replace_text
 from scenes import Expected, InputError, Scene, load_scene, scene_names
 
 if TYPE_CHECKING:

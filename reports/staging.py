@@ -19,7 +19,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from meshes.interrupts import interrupts_wait
-from scenes import files
+from scenes import InputError, files
 
 # None on Windows, which locks no folders.
 fcntl = import_module("fcntl") if find_spec("fcntl") else None
@@ -105,6 +105,16 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
         files.replace_file(path, content, new)
     finally:
         remove(new, held)  # after an error; else it has its other name
+
+
+def replace_text(path: Path, text: str) -> None:
+    """Write a file in one go: a reader sees the old one or the new one; InputError where that is not possible."""
+    try:
+        remove_left_behind(path.parent)
+        with made(path.parent):
+            replace_file(path, text.encode())
+    except OSError as reason:
+        raise InputError(f"{path}: the file can't be written: {reason.strerror or reason}; name another place") from reason
 
 
 @contextmanager

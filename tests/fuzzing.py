@@ -12,8 +12,8 @@ from pathlib import Path
 
 import halfplane_fe.store
 from field_files import mesh, pressure_at, shear_at
-from reports import baseline
 from reports.checking import require_admissible
+from reports.cli import findings
 from reports.folder import MANIFEST, claim
 from reports.scoring.against import own_solution
 from reports.scoring.guesses import whole_path
@@ -249,19 +249,19 @@ def _heavy(folder: Path) -> list[bytes]:
 
 def _found(kind: str) -> Callable[[Path], list[bytes]]:
     def seeds(folder: Path) -> list[bytes]:
-        findings = baseline.of_solution(exact(steps=3, points=5), "seed")
+        seed = findings.of_solution(exact(steps=3, points=5), "seed")
         if kind == "baseline":
-            baseline.write(findings, folder / "seed.json", {"semi_analytic.*": 1e-9})
+            findings.write_baseline(seed, folder / "seed.json", {"semi_analytic.*": 1e-9})
             return [(folder / "seed.json").read_bytes()]
         from reports.comparison.content import solution_content, strict
 
         solution = exact(steps=3, points=5)
         content = {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}
         if kind == "solution":
-            return [json.dumps({"format": baseline.SOLUTION, **content}).encode()]
+            return [json.dumps({"format": findings.SOLUTION, **content}).encode()]
         metric = {"dissipation": {"value": 0.1, "finite": True}}
         parts = {"reference": content, "result": {**content, "engine": "other"}}
-        return [json.dumps({"format": baseline.COMPARISON, "scene": content["scene"], "metrics": metric, **parts}).encode()]
+        return [json.dumps({"format": "halfplane comparison 2", "scene": content["scene"], "metrics": metric, **parts}).encode()]
 
     return seeds
 
@@ -325,9 +325,9 @@ DOORS: Mapping[str, Door] = {
         Door("study.json", lambda _: [_study().encode()], load_study),
         Door("sweep.json", _plan, _sweep),
         Door("stored.json", _stored, _stored_result),
-        Door("baseline.json", _found("baseline"), baseline.read),
-        Door("solution.json", _found("solution"), baseline.read),
-        Door("comparison.json", _found("comparison"), baseline.read),
+        Door("baseline.json", _found("baseline"), findings.read_findings),
+        Door("solution.json", _found("solution"), findings.read_findings),
+        Door("comparison.json", _found("comparison"), findings.read_findings),
         Door(
             MANIFEST,
             lambda _: [b'{"written by": "halfplane", "files": ["report.html", "figures/a.csv", "manifest.json"]}'],

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from reports.application import app
 from reports.cli import main
+from reports.cli.application import app
 from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
 

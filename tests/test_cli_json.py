@@ -1,14 +1,16 @@
-"""`--json`: one JSON document on stdout and nothing else, the same figures as the words, and the exit code of the words."""
+"""`--json`: one document of one schema on stdout and nothing else, the same values as the words, and the exit code of the words."""
 
 import json
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 
-from reports.application import OUTSIDE, WITHIN
 from reports.cli import main
-from reports.machine import FORMAT, paper_json
+from reports.cli.answers import FORMAT, answer_schema
+from reports.cli.application import app
+from reports.cli.process import OUTSIDE, WITHIN
 from reports.paper.page import PaperReport
 from reports.paper.tables import Misprint, Statement, Verdict
 from scenes import scene_text
@@ -28,15 +30,16 @@ values = [1.0, 1.2]
 
 @pytest.fixture
 def said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Any:
-    """Runs a command in an empty folder: its exit code and the document that is its whole stdout."""
+    """Runs a command in an empty folder: its exit code and what the document that is its whole stdout holds as `result`."""
     monkeypatch.chdir(tmp_path)
 
     def run(*words: str) -> tuple[int, dict[str, Any]]:
         code = main([*words, "--json"])
         found = json.loads(capsys.readouterr().out)
-        assert found["format"] == FORMAT
-        assert found["exit_code"] == code
-        return code, found
+        jsonschema.validate(found, answer_schema())
+        assert (found["format"], found["exit_code"]) == (FORMAT, code)
+        assert " ".join(words).startswith(found["command"])
+        return code, found["result"]
 
     return run
 
@@ -137,17 +140,48 @@ def test_a_sweep_takes_a_worker_at_least(tmp_path: Path, capsys: pytest.CaptureF
 
 def test_a_map_tells_its_page(said: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     written: list[Path] = []
-    monkeypatch.setattr("reports.maps.command.write", lambda folder, there: written.append(folder))
+    monkeypatch.setattr("reports.maps.publication.write", lambda folder, there: written.append(folder))
     code, found = said("map", "unlike", "--pages", "--out", "maps")
     assert code == WITHIN
     assert found["studies"] == {}  # pages alone run none
     assert [Path(found["page"]).parent] == written
 
 
-def test_the_paper_tells_both_tables() -> None:
+def test_the_paper_tells_both_tables(said: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     statement = Statement("key", "where", "words", "computed", Verdict.REFINED, {"a": 1.0})
     misprint = Misprint("key", "where", "printed", "right", "proof", None, {})
-    found = json.loads(paper_json(PaperReport((statement,), (misprint,), Path("out/report.html")), 0, {"page": 1.0}))
+    report = PaperReport((statement,), (misprint,), Path("out/report.html"))
+    monkeypatch.setattr("reports.paper.page.write", lambda *_: report)
+    _, found = said("paper", "--quiet")
     assert found["verdicts"] == {"confirmed": 0, "refined": 1, "contradicted": 0}
     assert found["statements"][0]["verdict"] == "refined"
     assert found["misprints"][0]["proven"] is None
+
+
+def test_every_command_with_json_is_in_the_schema(said: Any) -> None:
+    """And what no other test of this file asks of the schema."""
+    kept = str(Path(__file__).parent / "fixtures" / "format1")
+    assert said("run", "cattaneo-mindlin", "--quiet", *COARSE)[1]["metrics"]["shear"]["verdict"] == "outside"
+    assert said("fe", "cattaneo-mindlin", "--quiet", *COARSE)[1]["engine"] == "halfplane_fe"
+    assert said("exact", "cattaneo-mindlin", "--quiet")[1]["admissible"] is True
+    assert said("check", "cattaneo-mindlin")[1]["passed"] is True
+    assert said("doctor")[1]["checks"]["Python"]["good"] is True
+    assert said("scenes", "flight")[1]["scenes"][0]["files"] == ["flight.csv", "flight.py"]
+    assert said("diff", f"{kept}/result.nc", f"{kept}/baseline.json")[1]["same"] is True
+    assert said("score", f"{kept}/result.nc", "--scene", "cattaneo-mindlin", "--quiet")[1]["metrics"]["shear"]["value"] > 0
+    commands = {one["if"]["properties"]["command"]["const"] for one in answer_schema()["allOf"]}
+    silent = {"init", "schema", "completion"}
+    assert commands == {name for name in app if name[0] != "-"} - silent | {"sweep status", "sweep report"}
+
+
+def test_the_schema_refuses_another_envelope_and_a_lost_key() -> None:
+    answer = {"format": FORMAT, "command": "doctor", "exit_code": 0, "scene": None, "result": {"passed": True, "checks": {}}}
+    jsonschema.validate(answer, answer_schema())
+    for wrong in ({**answer, "format": "halfplane verdict 1"}, {**answer, "result": {"passed": True}}, {**answer, "more": 1}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(wrong, answer_schema())
+
+
+def test_schema_prints_both(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema", "--answers"]) == 0
+    assert json.loads(capsys.readouterr().out) == answer_schema()

@@ -3,13 +3,14 @@
 import json
 from pathlib import Path
 
+import jsonschema
 import pytest
 
-from reports import commands_engines, jobs
-from reports.cli import main
+from reports.cli import main, solving
+from reports.cli.answers import FORMAT, answer_schema
+from reports.cli.machine import Finding
+from reports.cli.process import NOT_CONVERGED
 from reports.console import Stages, TimeLeft
-from reports.doctor import Finding
-from reports.machine import FORMAT
 from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene
 from test_cli_commands import COARSE, halfplane
 from test_reports_synthetic import cattaneo_mindlin
@@ -18,9 +19,10 @@ from test_reports_synthetic import cattaneo_mindlin
 class TestMachine:
     def test_stdout_is_one_json_document_and_the_folder_has_a_log(self, tmp_path: Path) -> None:
         done = halfplane(tmp_path, "run", "cattaneo-mindlin", "--json", *COARSE)
-        told = json.loads(done.stdout)
-        assert done.returncode == told["exit_code"] == 1
-        assert told["format"] == FORMAT
+        envelope = json.loads(done.stdout)
+        told = envelope["result"]
+        assert done.returncode == envelope["exit_code"] == 1
+        assert (envelope["format"], envelope["command"], envelope["scene"]) == (FORMAT, "run", "cattaneo-mindlin")
         assert told["passed"] is False
         assert told["metrics"]["dissipation"]["accurate"] is False
         whole = json.loads((tmp_path / "out" / "cattaneo-mindlin" / "comparison.json").read_text(encoding="utf-8"))
@@ -44,25 +46,27 @@ class TestMachine:
             raise ConvergenceError("step 3 does not converge", partial)
 
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(jobs, "run", fails)
-        assert main(["run", "cattaneo-mindlin", "--quiet", "--json"]) == commands_engines.NOT_CONVERGED
+        monkeypatch.setattr(solving, "solve_finite_elements", fails)
+        assert main(["run", "cattaneo-mindlin", "--quiet", "--json"]) == NOT_CONVERGED
         told = json.loads(capsys.readouterr().out)
-        assert told["exit_code"] == commands_engines.NOT_CONVERGED
-        assert "step 3" in told["error"]
-        assert ContactSolution.load(tmp_path / told["file"]).time[-1] == partial.time[-1]
-        monkeypatch.setattr(jobs, "solve_half_plane", fails)
-        assert main(["exact", "cattaneo-mindlin", "--quiet", "--json"]) == commands_engines.NOT_CONVERGED
-        assert json.loads(capsys.readouterr().out) == told
+        jsonschema.validate(told, answer_schema())
+        assert told["exit_code"] == NOT_CONVERGED
+        assert "step 3" in told["result"]["error"]
+        assert ContactSolution.load(tmp_path / told["result"]["file"]).time[-1] == partial.time[-1]
+        monkeypatch.setattr(solving, "solve_half_plane", fails)
+        assert main(["exact", "cattaneo-mindlin", "--quiet", "--json"]) == NOT_CONVERGED
+        assert json.loads(capsys.readouterr().out) == told | {"command": "exact"}
 
     def test_one_engine_alone_has_its_figures(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         """Those of its file, to the digit; the exit code inside is the one outside."""
         out = tmp_path / "out"
         for engine, arguments in (("semi_analytic", ["exact"]), ("halfplane_fe", ["fe", *COARSE])):
             code = main([arguments[0], "cattaneo-mindlin", "--out", str(out), "--quiet", "--json", *arguments[1:]])
-            told = json.loads(capsys.readouterr().out)
+            envelope = json.loads(capsys.readouterr().out)
+            told = envelope["result"]
             whole = json.loads((out / f"{engine}.json").read_text(encoding="utf-8"))
-            assert (told["format"], told["scene"], told["engine"]) == (FORMAT, "cattaneo-mindlin", engine)
-            assert told["exit_code"] == code
+            assert (envelope["format"], envelope["scene"], told["engine"]) == (FORMAT, "cattaneo-mindlin", engine)
+            assert envelope["exit_code"] == code
             assert told["passed"] is (code == 0)
             assert told["admissible"] is True
             assert Path(told["file"]) == out / f"{engine}.nc"
@@ -74,14 +78,14 @@ class TestMachine:
 
     def test_check_and_doctor(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["check", "cattaneo-mindlin", "--json"]) == 0
-        told = json.loads(capsys.readouterr().out)
+        told = json.loads(capsys.readouterr().out)["result"]
         assert told["nearest_to_sliding"]["ratio"] == pytest.approx(0.6)
         findings = (Finding("gmsh", True, "there"), Finding("off-screen rendering", False, "no screen"))
-        monkeypatch.setattr("reports.doctor.examine", lambda _out: findings)
+        monkeypatch.setattr("reports.cli.machine.examine", lambda _out: findings)
         assert main(["doctor", "--json"]) == 1
         told = json.loads(capsys.readouterr().out)
-        assert (told["exit_code"], told["passed"]) == (1, False)
-        assert told["checks"]["off-screen rendering"] == {"good": False, "found": "no screen"}
+        assert (told["exit_code"], told["result"]["passed"]) == (1, False)
+        assert told["result"]["checks"]["off-screen rendering"] == {"good": False, "found": "no screen"}
         assert main(["doctor", "--quiet"]) == 1
         assert main(["check", "cattaneo-mindlin", "--quiet"]) == 0
         assert capsys.readouterr().out == ""
@@ -95,7 +99,7 @@ class TestMachine:
         assert main(["sweep", str(study), "--out", str(folder), "--workers", "1", "--quiet"]) == 0
         capsys.readouterr()
         assert main(["sweep", "status", str(folder), "--json"]) == 0
-        told = json.loads(capsys.readouterr().out)
+        told = json.loads(capsys.readouterr().out)["result"]
         assert told["points"] == {"done": 2, "failed": 0, "running": 0, "waiting": 0, "total": 2}
         assert (told["title"], told["seconds_left"], told["failures"], told["damaged"]) == ("Two", None, [], [])
         assert main(["sweep", "status", str(tmp_path / "nowhere"), "--json"]) == 2

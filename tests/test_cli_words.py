@@ -33,9 +33,9 @@ COMMANDS = {
         ("--zzz", "there is no option '--zzz'; `halfplane --help` lists them"),
         ("run blocks --zzz=1", "run has no option --zzz; `halfplane run --help` lists them"),
         ("run", "run: SCENE is missing; `halfplane run --help` shows what it takes"),
-        ("run blocks more words", "run has no use for 'more words'; `halfplane run --help` shows what it takes"),
-        ("sweep statsu out", "sweep has no use for 'out'; did you mean status? `halfplane sweep --help` shows what it takes"),
-        ("sweep study.toml out", "sweep has no use for 'out'; `halfplane sweep --help` shows what it takes"),
+        ("run blocks more words", "run: unexpected argument 'more words'; `halfplane run --help` shows what it takes"),
+        ("sweep statsu out", "sweep: unexpected argument 'out'; did you mean status? `halfplane sweep --help` shows what it takes"),
+        ("sweep study.toml out", "sweep: unexpected argument 'out'; `halfplane sweep --help` shows what it takes"),
         ("export blocks", "export: --to is missing; `halfplane export --help` shows what it takes"),
     ],
 )

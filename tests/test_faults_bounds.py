@@ -20,7 +20,7 @@ from fuzzing import DOORS, outcome
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings, SurfaceGrading, foreign, half_disc, read_frames
 from meshes.limits import body_nodes, check_count, contact_nodes
-from reports import baseline
+from reports.cli import findings
 from reports.scoring.against import own_solution
 from scenes import InputError, load_scene, scene_text
 from scenes.files import parsed_toml
@@ -285,4 +285,4 @@ def test_a_whole_number_beyond_every_float_is_a_fault_of_the_file(number: str, t
     """JSON has whole numbers without end, and Python reads them: it was an OverflowError where one was used."""
     (tmp_path / "baseline.json").write_text(f'{{"format": "halfplane baseline 1", "tolerances": {{"metric.peak": {number}}}}}')
     with pytest.raises(InputError, match=rf"it holds a whole number of {len(number)} digits"):
-        baseline.read(tmp_path / "baseline.json")
+        findings.read_findings(tmp_path / "baseline.json")

@@ -14,8 +14,8 @@ import pytest
 from fuzzing import _body
 from halfplane_fe.elasticity import condense
 from halfplane_fe.store import _write
-from reports.baseline import replace_text
 from reports.folder import filled
+from reports.staging import replace_text
 from reports.sweep.store import Store
 
 ROOT = Path(__file__).parents[1]

@@ -30,9 +30,9 @@ from faulty_processes import JOBS, finished, half_files, in_a_child, numbers, st
 from halfplane_fe import store
 from meshes import MeshSettings
 from reports import staging
-from reports.baseline import replace_text
 from reports.comparison import Comparison
 from reports.folder import MANIFEST, claim, filled
+from reports.staging import replace_text
 from reports.sweep.store import Store
 from scenes import ContactSolution, InputError, Interrupted, load_scene
 from test_cli_commands import COARSE, environment, everything

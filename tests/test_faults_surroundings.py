@@ -124,7 +124,7 @@ def test_a_terminal_that_knows_no_greek_gets_words(tmp_path: Path) -> None:
 
 
 def test_signs_without_a_word_are_escapes_that_json_reads(tmp_path: Path) -> None:
-    script = "import sys\nfrom reports.process import settled\nwith settled(): sys.stdout.write('\"\\u6f22 \\u03bd\"')"
+    script = "import sys\nfrom reports.cli.process import settled\nwith settled(): sys.stdout.write('\"\\u6f22 \\u03bd\"')"
     own = environment() | {"PYTHONIOENCODING": "ascii"}
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, env=own, capture_output=True, text=True, check=True)
     assert done.stdout == '"\\u6f22 nu"'
@@ -184,7 +184,7 @@ def test_a_signal_that_was_to_be_ignored_stays_so(tmp_path: Path) -> None:
     """As nohup asks."""
     done = scripted(
         tmp_path,
-        "from reports.process import settled",
+        "from reports.cli.process import settled",
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)",
         "with settled(): os.kill(os.getpid(), signal.SIGHUP); print('goes on')",
     )

@@ -18,8 +18,7 @@ from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.resolution import coarse
 from meshes import MeshSettings
 from reports.cli import main
-from reports.machine import solution_json
-from reports.single import summary_rows
+from reports.cli.solving import summary_rows
 from scenes import ContactSolution, ConvergenceError, Interrupted, Scene, load_scene
 
 COARSE = MeshSettings(element_size=0.25, edge_element_size=0.125, growth=1.0)
@@ -121,8 +120,12 @@ def scene_file(tmp_path: Path) -> str:
     return str(path)
 
 
-def test_fe_says_so_in_words_and_in_json(tmp_path: Path) -> None:
-    found = json.loads(solution_json(unsettled(), [], tmp_path / "one.nc", {}, 0))
+def test_fe_says_so_in_words_and_in_json(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: unsettled())
+    main(["fe", "hertz-paper", "--json", "--quiet", "--out", str(tmp_path / "out")])
+    found = json.loads(capsys.readouterr().out)["result"]
     assert drift_note(unsettled()) in found["notes"]
     assert found["dissipation_drift"] == unsettled().dissipation_drift
     assert found["dissipation_uncertainty"] is None

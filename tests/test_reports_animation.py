@@ -14,8 +14,7 @@ from reports import film
 from reports.animation import CloseUps, close_ups, frames_of, places
 from reports.animation_stage import colours
 from reports.cli import main
-from reports.fields_job import snapshots_of
-from reports.series import Wish, check_series, series_of, shortfall
+from reports.cli.field_output import FieldsOptions, require_series, series_of, shortfall, snapshots_of
 from scenes import InputError, load_scene
 from test_cli_commands import everything, refused
 from test_reports_fields import ROUGH, blocks
@@ -65,13 +64,13 @@ class TestSeries:
     )
     def test_what_makes_no_series_is_refused(self, every: int | None, frames: int | None, sentence: str) -> None:
         with pytest.raises(InputError, match=sentence):
-            check_series(every, frames)
+            require_series(every, frames)
 
     def test_stills_are_drawn_only_where_instants_are_named(self) -> None:
-        assert Wish().named == ("events",)
-        assert Wish(frames=5).named == ()
-        assert Wish(at=("2",), frames=5).named == ("2",)
-        assert Wish(animate=True).named == ("events",)
+        assert FieldsOptions().named == ("events",)
+        assert FieldsOptions(frames=5).named == ()
+        assert FieldsOptions(at=("2",), frames=5).named == ("2",)
+        assert FieldsOptions(animate=True).named == ("events",)
 
 
 @pytest.mark.parametrize("kind", KINDS)

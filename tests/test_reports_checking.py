@@ -10,9 +10,8 @@ import pytest
 
 import semi_analytic
 from reports import checking
-from reports.checking import check_path, largest_normal_load, require_admissible
+from reports.checking import check_path, largest_contact, largest_normal_load, remarks, require_admissible
 from reports.cli import main
-from reports.largest_contact import largest_contact, remarks
 from scenes import (
     Block,
     Bodies,
@@ -250,7 +249,7 @@ def test_the_peak_of_a_sharp_wedge_is_infinite_and_null_for_programs(tmp_path: P
     assert main(["check", str(tmp_path / "wedge.json")]) == 0
     assert "the peak pressure p0 = infinite at the tip" in capsys.readouterr().out
     assert main(["check", str(tmp_path / "wedge.json"), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["largest_contact"]["peak_pressure"] is None
+    assert json.loads(capsys.readouterr().out)["result"]["largest_contact"]["peak_pressure"] is None
 
 
 def test_check_says_how_large_the_contact_gets(capsys: pytest.CaptureFixture[str]) -> None:
@@ -266,7 +265,7 @@ def test_check_says_how_large_the_contact_gets(capsys: pytest.CaptureFixture[str
     ):
         assert words in said
     assert main(["check", "blocks", "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
+    answer = json.loads(capsys.readouterr().out)["result"]
     assert answer["largest_contact"] == {**vars(found), "ratios": found.ratios}
     assert answer["remarks"] == []
 

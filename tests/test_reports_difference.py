@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from reports import baseline, compare
+from reports import compare
+from reports.cli import findings as baseline
 from reports.cli import main
+from reports.cli.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, difference, tolerances_of
+from reports.cli.solving import write_solution
 from reports.comparison.content import as_json
-from reports.difference import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, difference, tolerances_of
-from reports.single import write_solution
 from scenes import InputError, load_scene
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -32,7 +33,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def a(runs: Path) -> baseline.Findings:
-    return baseline.read(runs / "a")
+    return baseline.read_findings(runs / "a")
 
 
 def with_figures(findings: baseline.Findings, **figures: float | None) -> baseline.Findings:
@@ -57,7 +58,7 @@ def test_a_run_holds_the_metrics_and_the_figures_of_both_engines(a: baseline.Fin
 
 
 def test_a_solution_says_the_same_as_the_summary_beside_it(runs: Path) -> None:
-    stored, folder = baseline.read(runs / "solution.nc"), baseline.read(runs / "alone")
+    stored, folder = baseline.read_findings(runs / "solution.nc"), baseline.read_findings(runs / "alone")
     assert stored.figures == folder.figures
     assert stored.scene == folder.scene
     assert len(stored.figures) >= 5
@@ -121,7 +122,7 @@ def test_a_figure_that_one_lacks_is_a_difference(a: baseline.Findings) -> None:
 
 def test_what_only_one_side_holds_at_all_is_told_and_not_compared(runs: Path, a: baseline.Findings) -> None:
     """The answer of one engine against a whole run: its own figures count, and any of these that the run lacks."""
-    alone = baseline.read(runs / "solution.nc")
+    alone = baseline.read_findings(runs / "solution.nc")
     engine = {"semi_analytic" + key.removeprefix("closed_form"): value for key, value in alone.figures.items()}
     found = difference(replace(alone, figures=engine), a)
     assert found.same
@@ -192,12 +193,12 @@ class TestCommand:
         before = Path(kept).read_text()
         capsys.readouterr()
         assert main(["diff", str(other), kept, "--json"]) == 1
-        table = json.loads(capsys.readouterr().out)
+        table = json.loads(capsys.readouterr().out)["result"]
         assert [row["key"] for row in table["rows"] if row["verdict"] != SAME] == ["halfplane_fe.dissipation"]
         assert table["same"] is False
         assert main(["diff", str(other), kept]) == 1
         words = capsys.readouterr().out
-        assert f"{len(table['rows']) - 1} figures are the same to the last digit and not listed" in words
+        assert f"{len(table['rows']) - 1} values are the same to the last digit and not listed" in words
         assert main(["diff", str(other), kept, "--quiet"]) == 1
         assert main(["diff", kept, str(tmp_path / "quiet.json"), "--accept", "--quiet"]) == 0
         assert capsys.readouterr().out == ""
@@ -205,7 +206,7 @@ class TestCommand:
         assert Path(kept).read_text() == before
         assert main(["diff", str(other), kept, "--accept", "--tolerance", "metric.*=1e-3"]) == 0
         assert main(["diff", str(other), kept]) == 0
-        assert baseline.read(kept).tolerances == {"metric.*": 1e-3}
+        assert baseline.read_findings(kept).tolerances == {"metric.*": 1e-3}
 
     def test_accept_never_writes_over_what_is_no_baseline(self, runs: Path, tmp_path: Path) -> None:
         for content in ('{"format": "halfplane comparison 1"}', "# notes\n", ""):
@@ -217,12 +218,12 @@ class TestCommand:
 
     def test_accept_refuses_another_scene_and_what_did_not_converge(self, runs: Path, tmp_path: Path, a: baseline.Findings) -> None:
         kept = tmp_path / "baseline.json"
-        baseline.write(replace(a, scene=load_scene("hertz-paper")), kept, {})
+        baseline.write_baseline(replace(a, scene=load_scene("hertz-paper")), kept, {})
         before = kept.read_text()
         assert main(["diff", str(runs / "a"), str(kept), "--accept"]) == 2
         assert kept.read_text() == before
         with pytest.raises(InputError, match="not converged, so no baseline: halfplane_fe: stuck"):
-            baseline.write(replace(a, unfinished=("halfplane_fe: stuck",)), kept, {})
+            baseline.write_baseline(replace(a, unfinished=("halfplane_fe: stuck",)), kept, {})
         assert kept.read_text() == before
 
     @pytest.mark.parametrize(
@@ -233,6 +234,7 @@ class TestCommand:
             ("a.json", "[]", "neither a run nor a baseline"),
             ("a.json", '{"format": "halfplane baseline 0"}', "format is 'halfplane baseline 0'"),
             ("a.json", '{"format": "halfplane baseline 1"}', "can't be read as one: 'scene'"),
+            ("a.json", '{"format": "halfplane baseline 3"}', "of a later version; update halfplane"),
             ("a.json", '{"format": "halfplane comparison 1", "metrics": 3}', "can't be read as one"),
             ("a.nc", "not a solution", "can't be read as a solution"),
         ],

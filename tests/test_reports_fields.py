@@ -210,7 +210,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("fields")
     (place / "pads.toml").write_text(scene_text("cattaneo-mindlin").split("[[expected]]")[0] + TOML, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("reports.doctor._SCREEN", "print('drawn')")
+        patch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
         assert main(["fields", str(place / "pads.toml"), "--at", "2", "--out", str(place / "out"), "--quiet", *ROUGH]) == 0
     return place
 
@@ -261,7 +261,7 @@ class TestCommand:
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
     ) -> None:
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr("reports.doctor._SCREEN", "raise SystemExit('no screen here')")
+        monkeypatch.setattr("reports.cli.machine._SCREEN", "raise SystemExit('no screen here')")
         assert main(["fields", "cattaneo-mindlin", "--quiet"]) == 2
         assert "pictures can't be drawn here: no screen here" in capsys.readouterr().err
         assert not list(tmp_path.iterdir())

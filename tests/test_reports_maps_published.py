@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reports.application import BAD_INPUT, OUTSIDE, WITHIN
 from reports.cli import main
-from reports.maps import answers, command, index, pages
+from reports.cli.process import BAD_INPUT, OUTSIDE, WITHIN
+from reports.maps import answers, index, pages, publication
 from reports.maps.advice import total
 from reports.maps.advising import _LEFT, between, parts
 from reports.maps.atlas import MAPS, PUBLISHED, STUDIES
@@ -23,7 +23,7 @@ from reports.maps.trials import loop_scene
 from reports.sweep import load_study
 from scenes import Block, Bodies, InputError, Scene, load_scene
 
-THERE = command.present(PUBLISHED)
+THERE = publication.present(PUBLISHED)
 NAMED = {m.name: m for m in THERE}
 NAMES = list(NAMED)
 
@@ -49,7 +49,7 @@ def test_pages_are_current(name: str) -> None:
 
 def test_first_page_and_laws_are_current() -> None:
     assert (PUBLISHED / "README.md").read_text(encoding="utf-8") == index.page(PUBLISHED, THERE)
-    stored, made = (json.loads(text) for text in ((PUBLISHED / "laws.json").read_text(), command.laws_text(PUBLISHED, THERE)))
+    stored, made = (json.loads(text) for text in ((PUBLISHED / "laws.json").read_text(), publication.laws_text(PUBLISHED, THERE)))
     assert [law["figure"] for law in stored["laws"]] == [law["figure"] for law in made["laws"]]
     for one, other in zip(stored["curvatures"], made["curvatures"], strict=True):
         assert one == pytest.approx(other, rel=1e-4)

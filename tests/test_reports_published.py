@@ -10,9 +10,8 @@ import pytest
 from hatchling.builders.wheel import WheelBuilder
 
 from reports import publishing
-from reports.baseline import Findings
+from reports.cli.findings import SAME, Findings, difference
 from reports.comparison import Comparison
-from reports.difference import SAME, difference
 from reports.maps.atlas import PUBLISHED
 from reports.publishing import (
     External,

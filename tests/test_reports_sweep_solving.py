@@ -16,8 +16,8 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from halfplane_fe import solve as solve_fe
 from meshes import MeshSettings
+from reports.cli import main
 from reports.comparison import compare
-from reports.sweep.command import status, sweep
 from reports.sweep.evaluating import _scales_of
 from reports.sweep.index import read_index
 from reports.sweep.page import write_page
@@ -143,13 +143,13 @@ def test_neglected_coupling_is_noted_in_store_table_and_page(
     axes = [{"name": "E", "key": "material.lower.young_modulus", "values": [7e4, 210e3]}]
     asked.write_text(json.dumps({"scene": "hertz-paper", "axes": axes, "engines": ["exact"], "figures": figures}), encoding="utf-8")
     note = "Dundurs' beta = -0.142857: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
-    assert sweep(str(asked), tmp_path / "out", "processes", "", 1, True, True) == 0
+    assert main(["sweep", str(asked), "--out", str(tmp_path / "out"), "--workers", "1", "--resume", "--quiet"]) == 0
     assert f"note on 1 of 2 points: {note}" in " ".join(capsys.readouterr().out.split())
     assert [row["notes"] for row in read_index(tmp_path / "out").rows] == [note, ""]
     assert f'"{note}"' in (tmp_path / "out" / "index.csv").read_text(encoding="utf-8")
     assert str(escape(note)) in write_page(Store(tmp_path / "out")).read_text(encoding="utf-8")
-    assert status(tmp_path / "out", as_json=True) == 0
-    assert json.loads(capsys.readouterr().out)["notes"] == [{"note": note, "points": 1}]
+    assert main(["sweep", "status", str(tmp_path / "out"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["result"]["notes"] == [{"note": note, "points": 1}]
 
 
 def test_coupling_that_theory_neglects_is_noted_beside_finite_elements() -> None:

@@ -1,17 +1,13 @@
-"""What `halfplane advise` says: each departure from half-planes with its error, their sum, and whether theory may be used."""
+"""What the maps say of a scene: each departure from half-planes with its error, their sum, and whether theory may be used."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reports import jobs
-from reports.application import OUTSIDE, WITHIN
-from reports.comparison.metrics import Verdict, verdict_on
-from reports.console import say, show_table
 from reports.maps.advising import FIGURES, Part, parts
 from reports.maps.answers import percent
-from reports.maps.atlas import WORDS
-from scenes import InputError, Scene
+from reports.comparison.metrics import Verdict, verdict_on
+from scenes import Scene
 
 
 @dataclass(frozen=True)
@@ -49,44 +45,15 @@ class Advice:
         return verdict_on(error, self.limit, doubt)
 
     @property
-    def exit_code(self) -> int:
-        """1 where the error may exceed the limit, is not known, or is extrapolated."""
-        return WITHIN if self.verdict is Verdict.WITHIN and not self.extrapolated else OUTSIDE
-
-
-def tell(source: str, limit: float, as_json: bool = False) -> int:
-    """Print the advice on a scene; 1 where the error of dissipation may exceed `limit`, or is not known."""
-    if not 0 < limit < 1:
-        raise InputError(f"--limit {limit:g} is refused: it is a share above 0 and below 1, such as 0.05 for 5 %")
-    scene = jobs.read(source)
-    advice = Advice(scene, *parts_of(scene), limit)
-    if as_json:
-        from reports.machine import advice_json
-
-        say(advice_json(advice, sentence(advice)))
-        return advice.exit_code
-    if advice.parts:
-        _show(advice, source)
-    say(sentence(advice) if advice.parts else f"{source}: {sentence(advice)}")
-    return advice.exit_code
+    def may_be_used(self) -> bool:
+        """Whether the error is within the limit for sure: known, not extrapolated, its uncertainty inside."""
+        return self.verdict is Verdict.WITHIN and not self.extrapolated
 
 
 def parts_of(scene: Scene) -> tuple[float, tuple[Part, ...]]:
     """Half-width and departures."""
     half_width, found = parts(scene)
     return half_width, tuple(found)
-
-
-def _show(advice: Advice, source: str) -> None:
-    from reports.units import units
-
-    rows = [(part.what, *cells(part), part.how) for part in advice.parts]
-    if len(rows) > 1 and advice.known:
-        name = "sum" if len(advice.known) == len(rows) else "sum of what is known"
-        rows.append((name, *(_cell(*total(advice.known, figure), advice.extrapolated) for figure in FIGURES), "all added up"))
-    heads = ("departure", *(WORDS[figure] for figure in FIGURES), "where from")
-    title = advice.scene.title or source
-    show_table(f"{title}: error of half-plane theory, a = {advice.half_width:.4g} {units(advice.scene)[1]}", heads, rows)
 
 
 def total(known: list[Part], figure: str) -> tuple[float, float]:
@@ -99,10 +66,11 @@ def cells(part: Part) -> tuple[str, ...]:
     """The errors of a departure in words, one a figure; nobody knows how far an extrapolated one is off."""
     if part.values is None:
         return ("unknown",) * len(FIGURES)
-    return tuple(_cell(*part.values[figure], part.extrapolated) for figure in FIGURES)
+    return tuple(cell(*part.values[figure], part.extrapolated) for figure in FIGURES)
 
 
-def _cell(error: float, doubt: float, extrapolated: bool) -> str:
+def cell(error: float, doubt: float, extrapolated: bool) -> str:
+    """An error in per cent with its uncertainty; without one where it is extrapolated."""
     return f"about {100 * error:+.2g} %, extrapolated".replace("-", "−") if extrapolated else percent(error, doubt)
 
 
@@ -113,7 +81,7 @@ def sentence(advice: Advice) -> str:
     if advice.verdict is None:
         return f"The maps do not know {len(advice.parts) - len(advice.known)} of these departures: run it (`halfplane run`)."
     error, doubt = total(advice.known, "error.dissipation")
-    off = _cell(error, doubt, advice.extrapolated)
+    off = cell(error, doubt, advice.extrapolated)
     words = f"dissipation by half-plane theory is off by {off}"
     if len(advice.parts) > 1:
         words += ", cross terms left out"
@@ -121,6 +89,5 @@ def sentence(advice: Advice) -> str:
         words += "; the maps do not reach there, so run it (`halfplane run`) before you rely on it"
     if advice.verdict is Verdict.UNDECIDED:
         words += "; undecided, for the uncertainty reaches across the limit"
-    sure = advice.verdict is Verdict.WITHIN and not advice.extrapolated
-    answer = "No" if advice.verdict is Verdict.OUTSIDE else "Yes" if sure else "Not sure"
+    answer = "No" if advice.verdict is Verdict.OUTSIDE else "Yes" if advice.may_be_used else "Not sure"
     return f"{answer}: {words}. The limit is {100 * advice.limit:g} %."

@@ -1,0 +1,160 @@
+"""The commands about this machine: can it do the work, and words for its shell."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from reports.cli.application import app
+from reports.cli.options import Output, Silent
+from reports.cli.process import OUTSIDE, WITHIN
+from reports.console import show_table
+
+_PACKAGES = ("numpy", "scipy", "pydantic", "xarray", "scikit-fem", "gmsh", "meshio", "matplotlib", "pyvista", "jinja2")
+_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+_GMSH = """
+import gmsh
+gmsh.initialize(interruptible=False)
+gmsh.option.setNumber("General.Terminal", 0)
+gmsh.model.occ.addDisk(0, 0, 0, 1, 1)
+gmsh.model.occ.synchronize()
+gmsh.model.mesh.generate(2)
+print(len(gmsh.model.mesh.getNodes()[0]), "nodes in a disc, gmsh", gmsh.option.getString("General.Version"))
+gmsh.finalize()
+"""
+_SCREEN = """
+import pyvista
+plotter = pyvista.Plotter(off_screen=True, window_size=(64, 64))
+plotter.add_mesh(pyvista.Sphere())
+picture = plotter.screenshot(None, return_img=True)
+assert picture.std() > 0, "the picture is empty"
+print("a sphere rendered, pyvista", pyvista.__version__)
+"""
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class DoctorOptions(Output):
+    """Where results would go, and what is printed."""
+
+    out: Annotated[Path | None, Parameter(help="Folder whose disk and rights are checked; out if left out.")] = None
+    quiet: Silent = False
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check: what was looked at, whether it will do, and what was found."""
+
+    name: str
+    good: bool
+    found: str
+
+
+_DOCTOR = DoctorOptions()
+
+
+def doctor(*, options: DoctorOptions = _DOCTOR) -> int:
+    """Every check of this machine: 0 where all are good, else 1."""
+    findings = examine(options.out or "out")
+    code = WITHIN if all(finding.good for finding in findings) else OUTSIDE
+    if options.json:
+        from reports.cli.answers import answer
+
+        checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
+        return answer("doctor", code, {"passed": code == WITHIN, "checks": checks})
+    if not options.quiet:
+        show_table("Doctor", ("check", "good", "found"), [(f.name, "yes" if f.good else "no", f.found) for f in findings])
+    return code
+
+
+def completion(shell: Annotated[Literal["bash", "zsh", "fish"], Parameter(help="The shell that is to complete words.")]) -> int:
+    """The script on stdout, to the letter: a shell reads it."""
+    sys.stdout.write(app.generate_completion(shell=shell))
+    return WITHIN
+
+
+def examine(out: str | Path = "out") -> tuple[Finding, ...]:
+    """Python, packages, gmsh, off-screen rendering, the output folder, threads, the store of condensed bodies."""
+    gmsh = "it needs the Debian packages that the README lists"
+    checks: tuple[tuple[str, Callable[[], tuple[bool, str]]], ...] = (
+        ("Python", _python),
+        ("packages", _packages),
+        ("gmsh", lambda: _alone(_GMSH, gmsh)),
+        ("off-screen rendering", lambda: _alone(_SCREEN, "only field pictures need it")),
+        ("output folder", lambda: _folder(out)),
+        ("threads", _threads),
+        ("condensation store", _store),
+    )
+    return tuple(Finding(name, *check()) for name, check in checks)
+
+
+def drawing() -> Finding:
+    """Whether pictures can be drawn without a screen."""
+    return Finding("off-screen rendering", *_alone(_SCREEN, "only field pictures need it"))
+
+
+def _store() -> tuple[bool, str]:
+    from halfplane_fe.store import cache_folder, stored_bytes, switched_off
+
+    folder = cache_folder()
+    if folder is None:
+        off = "switched off by HALFPLANE_CACHE=off"
+        return True, off if switched_off() else "none: this user has no home; HALFPLANE_CACHE names a folder"
+    count, size = stored_bytes()
+    return True, f"{count} condensed bodies, {size / 1e6:.1f} MB in {folder} (HALFPLANE_CACHE moves it, or switches it off)"
+
+
+def _python() -> tuple[bool, str]:
+    return sys.version_info >= (3, 11), f"{platform.python_version()} on {platform.system()} {platform.machine()}"
+
+
+def _packages() -> tuple[bool, str]:
+    found, missing = [], []
+    for name in _PACKAGES:
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            missing.append(name)
+    return not missing, ", ".join(found) + (f"; missing: {', '.join(missing)}" if missing else "")
+
+
+def _alone(program: str, hint: str) -> tuple[bool, str]:
+    """Run `program` in a process of its own: a library that brings its process down must not take the doctor along."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            done = subprocess.run(
+                [sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False, cwd=folder
+            )
+        except subprocess.TimeoutExpired:
+            return False, f"no answer in 120 s; {hint}"
+    if done.returncode == 0:
+        return True, done.stdout.strip().splitlines()[-1]
+    last = (done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"])[-1]
+    return False, f"{last}; {hint}"
+
+
+def _folder(out: str | Path) -> tuple[bool, str]:
+    from reports.folder import claim
+    from scenes import InputError
+
+    try:
+        claim(out)
+    except InputError as reason:
+        return False, str(reason)
+    return True, f"{out}: can be written to"
+
+
+def _threads() -> tuple[bool, str]:
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    said = ", ".join(f"{name}={os.environ[name]}" for name in _THREADS if name in os.environ)
+    return True, f"{cores} cores; BLAS: {said or 'as many threads as cores (no *_NUM_THREADS set)'}"

@@ -1,0 +1,134 @@
+"""Options that commands share, as frozen values; one that is left out keeps the engine's own default."""
+
+# Annotations are evaluated here, and not by name where a class of another module inherits them: no `from __future__`.
+import math
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Group, Parameter
+
+if TYPE_CHECKING:
+    from halfplane_fe import SolverSettings
+    from meshes import MeshSettings
+
+SceneName = Annotated[str, Parameter(name="scene", help="Name of a library scene, or a .toml or .json file.")]
+Silent = Annotated[bool, Parameter(negative="", help="Print nothing: the exit code is the answer.")]
+
+_MESH = Group("Mesh (lengths over the contact half-width; what is left out is the engine's own)", sort_key=2)
+_SOLVER = Group("Solver (what is left out is the engine's own)", sort_key=3)
+
+
+def _mesh(words: str) -> Parameter:
+    return Parameter(group=_MESH, help=words)
+
+
+def _solver(words: str) -> Parameter:
+    return Parameter(group=_SOLVER, help=words)
+
+
+def flag(words: str) -> Parameter:
+    """A switch that has no opposite."""
+    return Parameter(negative="", help=words)
+
+
+def several(words: str) -> Parameter:
+    """An option with one value or many: `--vtu 1 2`, or the option again."""
+    return Parameter(consume_multiple=True, negative="", help=words)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Output:
+    """Where the results go, and what is printed."""
+
+    out: Annotated[Path | None, Parameter(help="Folder for the results; out/<scene name> if left out.")] = None
+    json: Annotated[bool, flag("As JSON on stdout, and nothing else there.")] = False
+    quiet: Annotated[bool, flag("No progress on stderr.")] = False
+
+    def command(self, name: str, operand: str, out: Path) -> str:
+        """The command line that repeats this: every option that differs from its default but --json and --quiet.
+
+        >>> FiniteElements(order=1, quiet=True).command("run", "hertz-paper", Path("out/first"))
+        'halfplane run hertz-paper --order 1 --out out/first'
+        """
+        words = ["halfplane", name, *([operand] if operand else [])]
+        for one in fields(self):
+            value, option = getattr(self, one.name), one.name.replace("_", "-")
+            if value == one.default or one.name in ("out", "json", "quiet"):
+                continue
+            if isinstance(value, bool):
+                words.append(f"--{option}" if value else f"--no-{option}")
+            else:
+                words += [f"--{option}", *(map(str, value) if isinstance(value, tuple) else [str(value)])]
+        return shlex.join([*words, "--out", str(out)])
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class FiniteElements(Output):
+    """How the finite-element side is meshed and iterated; None leaves the engine's default."""
+
+    element_size: Annotated[float | None, _mesh("Surface elements where the tractions are smooth.")] = None
+    edge_element_size: Annotated[float | None, _mesh("Surface elements where the contact and stick edges travel.")] = None
+    far_radius: Annotated[float | None, _mesh("Radius of the half-disc that stands for a half-plane.")] = None
+    growth: Annotated[float | None, _mesh("Growth of the elements away from the contact.")] = None
+    order: Annotated[int | None, _mesh("Order of the elements, 1 or 2.")] = None
+    method: Annotated[
+        Literal["augmented_lagrangian", "penalty"] | None,
+        _solver("The contact law met exactly, or an elastic layer between the faces."),
+    ] = None
+    steps_per_cycle: Annotated[int | None, _solver("Steps of a revolution; turning points come on top.")] = None
+    normal_stiffness: Annotated[float | None, _solver("Of the penalty layer, over E*/h; without one no answer depends on it.")] = (
+        None
+    )
+    tangential_stiffness: Annotated[
+        float | None, _solver("Of the penalty layer, over E*/h; without one no answer depends on it.")
+    ] = None
+    max_iterations: Annotated[int | None, _solver("Of one step, before it counts as not converged.")] = None
+
+    def settings(self) -> "tuple[MeshSettings, SolverSettings]":
+        """The settings objects; InputError for a value out of range."""
+        from halfplane_fe import SolverSettings
+        from meshes import MeshSettings
+
+        given = {one.name: value for one in fields(FiniteElements) if (value := getattr(self, one.name)) is not None}
+        mesh = {name: given[name] for name in given if name in MeshSettings.__dataclass_fields__}
+        solver = {name: given[name] for name in given if name in SolverSettings.__dataclass_fields__}
+        return MeshSettings(**mesh), SolverSettings(**solver)
+
+
+# What a tolerance without a key is for: W, p0, a and c.
+COMMON = ("dissipation", "peak_pressure", "contact_edge", "stick_edge")
+
+
+def tolerances_of(words: Sequence[str]) -> dict[str, float]:
+    """Metric key -> tolerance, of `--tolerance 5%` (W, p0, a and c together) and `--tolerance KEY=VALUE`, the last of a key.
+
+    Raises
+    ------
+    InputError
+        For a key that is none, and for what is no share above 0.
+
+    >>> tolerances_of(["5%", "dissipation=0.03"])
+    {'dissipation': 0.03, 'peak_pressure': 0.05, 'contact_edge': 0.05, 'stick_edge': 0.05}
+    """
+    from scenes import InputError, Tolerances
+    from scenes.frozen import did_you_mean
+
+    found: dict[str, float] = {}
+    for word in words:
+        key, equals, text = word.rpartition("=")
+        if equals and key not in Tolerances.model_fields:
+            known = list(Tolerances.model_fields)
+            raise InputError(f"--tolerance {word}: unknown metric {key!r};{did_you_mean(key, known)} there are {', '.join(known)}")
+        try:
+            value = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
+        except ValueError:
+            value = math.nan
+        if not 0 < value < math.inf:
+            raise InputError(f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a metric: dissipation=3%")
+        found |= dict.fromkeys([key] if equals else COMMON, value)
+    return found

@@ -1,0 +1,266 @@
+"""The commands about scene files: write one to start from, check one, show the library, print the schema."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import tempfile
+import textwrap
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, fields
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Group, Parameter
+
+from reports.checking import check_path, in_words, largest_contact, remarks
+from reports.cli.answers import answer, answer_schema
+from reports.cli.options import SceneName, Silent, flag
+from reports.cli.process import WITHIN
+from reports.cli.solving import load_engines, naming, read
+from reports.console import Stages, say, width
+from scenes import InputError, Scene, TimeSeriesLoad, load_scene, scene_companions, scene_names, scene_schema, scene_text, tags
+
+# Rows of a load series up to which `check` asks the finite elements too: 10,000 take them a second to look at, and hours to solve.
+_MOST_ROWS = 10_000
+# Where the comments of the example stand.
+_COMMENTS = 32
+
+_SCENE = Group("Scene (what is left out stays as in the example; N, mm, MPa)", sort_key=2)
+Json = Annotated[bool, flag("As JSON on stdout, and nothing else there.")]
+
+
+def _key(words: str) -> Parameter:
+    return Parameter(group=_SCENE, help=words)
+
+
+# ------------------------------------------------------------------------------------------------------------------------ init
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class InitOptions:
+    """What a new scene has in place of the example's; None leaves the example's. Loads are per unit thickness."""
+
+    start: Annotated[
+        str, Parameter("--from", help="Copy this library scene, with the files it reads, instead of the commented example.")
+    ] = ""
+    bodies: Annotated[bool, flag("The example with a block and a pad in place of half-planes.")] = False
+    quiet: Annotated[bool, flag("Print nothing.")] = False
+    title: Annotated[str | None, _key("A line about the scene.")] = None
+    profile: Annotated[Literal["hertz", "flat_rounded"] | None, _key("A parabola, or flat with rounded edges.")] = None
+    radius: Annotated[float | None, _key("Relative radius of the profile or its edges, mm.")] = None
+    flat_half_length: Annotated[float | None, _key("Half the flat of flat_rounded, mm.")] = None
+    young_modulus: Annotated[float | None, _key("Of both bodies, MPa.")] = None
+    poisson_ratio: Annotated[float | None, _key("Of both bodies.")] = None
+    friction: Annotated[float | None, _key("Coulomb's coefficient.")] = None
+    mean_normal_load: Annotated[float | None, _key("P0 of P0 + P1 cos t, N/mm.")] = None
+    normal_amplitude: Annotated[float | None, _key("P1, N/mm.")] = None
+    mean_tangential_load: Annotated[float | None, _key("Q0 of Q0 + Q1 cos(t - phase), N/mm.")] = None
+    tangential_amplitude: Annotated[float | None, _key("Q1, N/mm.")] = None
+    phase_degrees: Annotated[float | None, _key("Lag of Q behind P.")] = None
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """Key of the scene -> value, of those that are not left out."""
+        names = [one.name for one in fields(self) if one.name not in ("start", "bodies", "quiet")]
+        return {name: value for name in names if (value := getattr(self, name)) is not None}
+
+
+_INIT = InitOptions()
+
+
+def init(file: Annotated[Path, Parameter(help="New file, ending in .toml.")], *, options: InitOptions = _INIT) -> int:
+    """Write a scene file: a copy of a library scene, or the commented example with the values given as options."""
+    start, given = options.start, options.given
+    if start and (options.bodies or given):
+        word = "--bodies" if options.bodies else "--" + next(iter(given)).replace("_", "-")
+        raise InputError(f"{word}: it goes with the commented example, not with --from; leave one of the two out")
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
+    if "flat_half_length" in given and given.get("profile") != "flat_rounded":
+        raise InputError("--flat-half-length: it goes with --profile flat_rounded; say that too, or leave this out")
+    _refuse_taken(file)
+    text = scene_text(start) if start else example(options.bodies, given)
+    beside = {file.parent / name: content for name, content in (scene_companions(start) if start else {}).items()}
+    if taken := next((path for path in beside if path.exists()), None):
+        raise InputError(f"{taken}: the file is there already and stays as it is; choose another folder for {file.name}")
+    if not start:
+        with tempfile.TemporaryDirectory() as folder:
+            trial = Path(folder) / file.name
+            trial.write_text(text, encoding="utf-8")
+            try:
+                read(str(trial))
+            except InputError as fault:
+                raise InputError(str(fault).replace(str(trial), str(file))) from None
+    with ExitStack() as undo:
+        for path, content in {file: text.replace("FILE.toml", str(file)), **beside}.items():
+            try:
+                with path.open("x", encoding="utf-8") as stream:
+                    undo.callback(path.unlink, missing_ok=True)
+                    stream.write(content)
+            except FileExistsError:
+                _refuse_taken(path)
+                raise
+            except OSError as reason:
+                raise InputError(f"{path}: the file can't be written: {reason.strerror}; name another place") from reason
+        undo.pop_all()
+    if not options.quiet:
+        with_it = f" (with {', '.join(path.name for path in beside)})" if beside else ""
+        if start:
+            say(f"{file}: its expected numbers are those of {start}: change them, or take them out, when you change the question")
+        say(f"{file}{with_it}: edit it, then `halfplane check {file}` and `halfplane run {file}`")
+    return WITHIN
+
+
+def _refuse_taken(path: Path) -> None:
+    if os.path.lexists(path):
+        raise InputError(f"{path}: the file is there already and stays as it is; name another")
+
+
+def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
+    """The commented example with the `given` values in it; with `bodies`, its tables of bodies are no comments any more."""
+    text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
+    start, end = text.index("# [bodies.lower]"), text.index("[tolerances]")
+    if bodies:
+        text = text[:start] + re.sub(r"(?m)^# ", "", text[start:end]) + text[end:]
+    values = dict(given or {})
+    if values.pop("profile", "hertz") == "flat_rounded":
+        for old, new in (('kind = "hertz"  ', '# kind = "hertz"'), ('# kind = "flat_rounded"', 'kind = "flat_rounded"  ')):
+            text = text.replace(old, new, 1)
+        values = {"flat_half_length": 0.5} | values
+    for name, value in values.items():
+        key = {"friction": "coefficient"}.get(name, name)
+        if isinstance(value, str):
+            plain = "".join(sign if sign.isprintable() else " " for sign in value)
+            line = f'{key} = "{plain.replace(chr(92), chr(92) * 2).replace(chr(34), chr(92) + chr(34))}"'
+        else:
+            line = f"{key} = {float(value)!r}"
+        text, count = re.subn(
+            rf'(?m)^(?:# )?{key} = (?:".*"|-?[\d.e+-]+)( *)(#.*)?$',
+            lambda found, line=line: f"{line:<{_COMMENTS - 1}} {found[2]}" if found[2] else line,  # type: ignore[misc]
+            text,
+            count=1,
+        )
+        if not count:
+            raise ValueError(f"the example has no line for {key}")
+    return text
+
+
+# ----------------------------------------------------------------------------------------------------------------------- check
+def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
+    """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
+    from reports.comparison.words import bodies_in_words, idealisation, unlike_materials
+    from reports.comparison.words import question
+
+    source, found = scene, read(scene)
+    largest, path = largest_contact(found, source), check_path(found)
+    doubts = remarks(found, largest)
+    if isinstance(found.load, TimeSeriesLoad) and len(found.load.rows) > _MOST_ROWS:
+        doubts.append(
+            f"The record has {len(found.load.rows)} rows, and finite elements take at least two increments a row: solve it by "
+            "half-plane theory alone, `halfplane exact`."
+        )
+    else:
+        load_engines(Stages(quiet=True))
+        import halfplane_fe
+
+        with naming(source):
+            halfplane_fe.require_solvable(found)
+    words = [question(found), *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found)))]
+    last = (
+        f"{source}: the scene is well formed and its load path admissible: |Q|/(f P) is at most {path.ratio:.4g}, "
+        f"in the {path.part} at time {path.time:.6g} (P = {path.normal_load:.6g}, Q = {path.tangential_load:.6g}); "
+        "gross sliding starts at 1"
+    )
+    if json:
+        nearest = {name: getattr(path, name) for name in ("ratio", "part", "time", "normal_load", "tangential_load")}
+        content = {"passed": True, "sentence": last, "notes": words, "remarks": doubts, "largest_contact": vars(largest)}
+        return answer("check", WITHIN, content | {"nearest_to_sliding": nearest}, found.name)
+    if not quiet:
+        for sentence in (*words, in_words(found, largest), *(f"Remark: {doubt}" for doubt in doubts), last):
+            say(sentence)
+    return WITHIN
+
+
+# --------------------------------------------------------------------------------------------------------- the library, the schema
+def show(
+    name: Annotated[str, Parameter(help="Show this scene in detail: a name of the library, or a .toml or .json file.")] = "",
+    /,
+    *,
+    tag: Annotated[tuple[str, ...], Parameter(help="Only scenes that have this tag; again for scenes that have all of them.")] = (),
+    json: Json = False,
+) -> int:
+    """The library, or one scene of it with all its numbers."""
+    if name and tag:
+        raise InputError("--tag: it goes with the whole library, not with the name of one scene; leave one of the two out")
+    found = [read(name)] if name else tagged(tag)
+    if json:
+        return answer("scenes", WITHIN, {"scenes": [_record(scene) for scene in found]}, found[0].name if name else None)
+    for line in _details(found[0]) if name else _listing(found):
+        say(line)
+    return WITHIN
+
+
+def tagged(wanted: Sequence[str]) -> list[Scene]:
+    """The scenes of the library that have all these tags; InputError for a word that is no tag."""
+    for tag in wanted:
+        if tag not in tags():
+            raise InputError(f"--tag {tag}: there is no such tag; there are {', '.join(tags())}")
+    return [scene for name in scene_names() if set(wanted) <= set((scene := load_scene(name)).tags)]
+
+
+def _listing(found: Sequence[Scene]) -> Iterator[str]:
+    if not found:
+        yield "no scene has all of these tags"
+        return
+    for scene in found:
+        yield scene.name
+        for text in (scene.title, scene.purpose, " ".join(f"#{tag}" for tag in scene.tags)):
+            yield from textwrap.wrap(text, max(width(), 40), initial_indent="    ", subsequent_indent="    ")
+    yield f"{len(found)} scenes. `halfplane scenes NAME` shows all about one, `halfplane init FILE.toml --from NAME` copies it."
+
+
+def _details(scene: Scene) -> Iterator[str]:
+    from reports.comparison.words import bodies_in_words, idealisation, unlike_materials
+    from reports.comparison.words import question
+
+    expected = [
+        f"{one.quantity.replace('_', ' ')} = {one.value:.9g} to {one.tolerance:g}, {one.engine}: {one.source}"
+        for one in scene.expected
+    ]
+    sections = (
+        ("name", scene.name),
+        ("title", scene.title),
+        ("purpose", scene.purpose),
+        ("source", scene.source),
+        ("tags", ", ".join(scene.tags)),
+        ("question", question(scene)),
+        ("bodies", " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))))),
+        ("tolerances", ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in scene.tolerances.model_dump().items())),
+        *(("files", ", ".join(files)) for files in [_companions(scene)] if files),
+        *(("expected", text) for text in expected or ["no number"]),
+    )
+    for head, text in sections:
+        yield from textwrap.wrap(text, max(width(), 40), initial_indent=f"{head:<12}", subsequent_indent=" " * 12)
+
+
+def _companions(scene: Scene) -> list[str]:
+    """What a scene of the library reads besides its own file."""
+    return list(scene_companions(scene.name)) if scene.name in scene_names() else []
+
+
+def _record(scene: Scene) -> dict[str, Any]:
+    from reports.comparison.words import question
+
+    content = scene.model_dump(mode="json")
+    first = ("name", "title", "purpose", "source", "tags", "expected", "tolerances")
+    more = {"question": question(scene), "files": _companions(scene)}
+    return {**{key: content.pop(key) for key in first}, **more, "scene": content}
+
+
+def schema(*, answers: Annotated[bool, flag("That of what --json prints, in place of a scene file's.")] = False) -> int:
+    """The JSON schema on stdout."""
+    say(json.dumps(answer_schema() if answers else scene_schema(), indent=2))
+    return WITHIN

@@ -1,0 +1,606 @@
+"""The commands that solve: both engines with their comparison, each engine alone, a deck for another code, the paper again."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Generator, Iterable, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+from cyclopts import Parameter
+
+from meshes.interrupts import interrupts_wait
+from reports.checking import largest_contact, require_admissible
+from reports.cli.answers import answer
+from reports.cli.options import FiniteElements, Output, SceneName, flag, several, tolerances_of
+from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
+from reports.console import Stages, complain, say, show_table
+from reports.folder import FilledBefore, claim, default_folder, filled
+from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene, load_scene
+
+if TYPE_CHECKING:
+    from reports.comparison import Comparison, Report
+    from reports.third.opinion import ThirdOpinion
+    from reports.comparison.metrics import Metric
+
+_THIRD_LIMIT = 1800.0
+_STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
+
+
+# ------------------------------------------------------------------------------------------- what every command that solves does
+def read(source: str) -> Scene:
+    """The scene of `source`, its load path checked; InputError in a sentence otherwise."""
+    scene = load_scene(source)
+    require_admissible(scene, source)
+    return scene
+
+
+@contextmanager
+def naming(source: str) -> Generator[None, None, None]:
+    """Lets an engine's InputError name the scene it is about; one about an option or the file names that already."""
+    try:
+        yield
+    except InputError as fault:
+        if str(fault).startswith((source, "--")):
+            raise
+        raise InputError(f"{source}: {fault}") from fault
+
+
+def load_engines(stages: Stages) -> None:
+    """Import the engines as a stage of its own; InputError where a library can't be loaded."""
+    with stages.stage("loading"):
+        try:
+            with interrupts_wait():  # compiled modules make an ImportError of it
+                import_module("halfplane_fe")
+                import_module("semi_analytic")
+        except (ImportError, OSError) as reason:
+            raise InputError(f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing") from reason
+
+
+def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages, *, coarse_mesh: bool = False) -> ContactSolution:
+    """The finite-element answer, with what its dissipation is uncertain by at least if a coarse mesh is wanted for that."""
+    import halfplane_fe
+
+    mesh, settings = options.settings()
+    with stages.stage("finite elements") as report:
+        return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report, coarse_mesh=coarse_mesh)
+
+
+def solve_half_plane(
+    scene: Scene, stages: Stages, like: ContactSolution | None = None, *, straight_steps: bool = False
+) -> ContactSolution:
+    """The half-plane answer, on the points and instants of `like`."""
+    import semi_analytic
+
+    with stages.stage("half-plane theory" + (", on the polygon of the steps" if straight_steps else "")):
+        if like is None:
+            return semi_analytic.solve(scene)
+        return semi_analytic.solve(scene, x=like.x, time=like.time, straight_steps=straight_steps)
+
+
+def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path, Stages], int]) -> int:
+    """Read the scene, claim the folder, do the work of command `name`; what was solved before a failure is kept there."""
+    stages, scene = Stages(options.quiet), read(source)
+    folder = claim(options.out or default_folder(scene.name))
+    try:
+        with naming(source):
+            return work(scene, folder, stages)
+    except Interrupted as stop:
+        solved = stop.partial
+        if solved is None or len(solved.time) < 2:
+            raise KeyboardInterrupt from stop
+        path = write_solution(solved, folder, name="" if solved.record.converged else "partial")
+        complain(f"halfplane: {stop}; what was solved is kept in {path} ({len(solved.time) - 1} steps)")
+        return INTERRUPTED
+    except ConvergenceError as failure:
+        complain(f"halfplane: {scene.name}: not converged: {failure}")
+        partial: ContactSolution | None = failure.partial
+        file = None if partial is None else str(write_solution(partial, folder, name="partial"))
+        if options.json:
+            return answer(name, NOT_CONVERGED, {"passed": False, "error": str(failure), "file": file}, scene.name)
+        if partial is None:
+            complain("halfplane: no step was solved, so nothing was written")
+        else:
+            show_table("Steps solved before it failed", ("quantity", "value"), summary_rows(partial))
+            say(str(file))
+        return NOT_CONVERGED
+
+
+def require_drawing(stages: Stages) -> None:
+    """InputError where nothing can be drawn: found in a process of its own, for some libraries bring theirs down."""
+    from reports.cli.machine import drawing
+
+    with stages.stage("can pictures be drawn?"):
+        finding = drawing()
+    if not finding.good:
+        raise InputError(f"--no-pictures: leave the pictures out, for they can't be drawn here: {finding.found}")
+
+
+def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
+    """InputError for a word that is neither a time of the path nor "events", before anything is solved."""
+    from reports.fields import instant_of
+
+    segments = list(scene.load.path().legs(scene.cycles)) if words else []
+    for word in words:
+        if word != "events":
+            instant_of(word, option, float(segments[0].start), float(segments[-1].end))
+
+
+# ------------------------------------------------------------------------------------------------------------- both engines
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class RunOptions(FiniteElements):
+    """What `run` computes beside the two solutions, and how they are judged."""
+
+    tolerance: Annotated[
+        tuple[str, ...], several("5%: of dissipation, peak pressure, contact and stick edge; KEY=VALUE: of one metric.")
+    ] = ()
+    budget: Annotated[
+        bool | None,
+        Parameter(help="Measure where the difference comes from: coarser meshes, other far fields."),
+    ] = None
+    coarse_mesh: Annotated[
+        bool, Parameter(help="Solve on a coarse mesh too: what that changes, the dissipation is uncertain by at least.")
+    ] = True
+    vtu: Annotated[tuple[str, ...], several('Write both bodies for ParaView at these times, or at "events".')] = ()
+    stress: Annotated[tuple[str, ...], several('Show von Mises stress on the page at these times, or at "events".')] = ()
+    pdf: Annotated[bool, flag("Write report.pdf too; needs the extra halfplane[pdf].")] = False
+    third: Annotated[Literal["calculix"] | None, Parameter(help="A third solver: runs `ccx` on the exported deck.")] = None
+    third_limit: Annotated[float | None, Parameter(help="Seconds until the third solver is stopped; 1800 if left out.")] = None
+
+
+_RUN = RunOptions()
+
+
+def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
+    """Both engines on one scene, their comparison, its page; the exit code is that of the verdict."""
+    source = scene
+    if options.third is None and options.third_limit is not None:
+        raise InputError(f"--third-limit {options.third_limit:g}: it goes with --third calculix")
+    tolerances = tolerances_of(options.tolerance)
+
+    def work(scene: Scene, folder: Path, stages: Stages) -> int:
+        command = options.command("run", source, folder)
+        require_times(options.vtu, "--vtu", scene)
+        require_times(options.stress, "--stress", scene)
+        if options.stress:
+            require_drawing(stages)
+        load_engines(stages)
+        largest_contact(scene, source)  # what theory refuses, before the finite elements are solved
+        options.settings()
+        if options.third:
+            from reports.third.running import find_calculix
+
+            find_calculix()
+        if options.pdf:
+            from reports.pdf import require_typst
+
+            require_typst("--pdf")
+        from reports.comparison.metrics import are_half_planes
+
+        # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser meshes measure that.
+        measured = not are_half_planes(scene) if options.budget is None else options.budget
+        begun = time.process_time()
+        result = solve_finite_elements(scene, options, stages, coarse_mesh=options.coarse_mesh and not measured)
+        with _kept_if_interrupted(result):
+            reference = solve_half_plane(scene, stages, result)
+            polygon = solve_half_plane(scene, stages, result, straight_steps=True)
+            with stages.stage("comparison"):
+                from reports.comparison import Report, compare
+
+                report = Report(compare(reference, result, polygon_reference=polygon, tolerances=tolerances))
+            if measured:
+                coarsenings = 3 if options.budget else 2
+                report = _with_budget(report.comparison, options, stages, time.process_time() - begun, coarsenings)
+            if options.third:
+                report = replace(report, third=_third(scene, options, result, stages, command))
+            with stages.stage("report"):
+                from reports.fields import instants_of
+                from reports.page.writing import write
+
+                page = write(
+                    report,
+                    folder,
+                    vtu_instants=[instant.time for instant in instants_of(options.vtu, result, "--vtu")],
+                    command=command,
+                    seconds=dict(stages.seconds),
+                    stress_instants=instants_of(options.stress, result, "--stress"),
+                    pdf=options.pdf,
+                    log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
+                )
+        return _tell_run(report, page, stages, as_json=options.json)
+
+    return at_work("run", source, options, work)
+
+
+@contextmanager
+def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]:
+    """Ctrl-C after the finite elements are solved hands on what they found, but where the whole report was written already."""
+    try:
+        yield
+    except FilledBefore:
+        raise
+    except KeyboardInterrupt as stop:
+        raise Interrupted("interrupted after the finite elements were solved", result) from stop
+
+
+def _with_budget(
+    comparison: Comparison, options: FiniteElements, stages: Stages, plain_seconds: float, coarsenings: int
+) -> Report:
+    """The report with its error budget: every rung a stage of its own."""
+    from reports.comparison.budget import climb, error_budget, with_budget
+
+    ladders = climb(comparison, *options.settings(), stages.stage, coarsenings)
+    return with_budget(comparison, error_budget(comparison, ladders, plain_seconds))
+
+
+def _third(scene: Scene, options: RunOptions, result: ContactSolution, stages: Stages, command: str) -> ThirdOpinion:
+    """CalculiX on the exported deck, at the instants a revolution that were asked for, if any were."""
+    from reports.third.opinion import ask_calculix
+    from reports.third.settings import DeckSettings
+
+    steps, limit = options.steps_per_cycle, options.third_limit
+    settings = DeckSettings() if steps is None else DeckSettings(steps_per_cycle=steps)
+    scales = getattr(result, "scales", None)
+    return ask_calculix(scene, settings, _THIRD_LIMIT if limit is None else limit, stages, scales, command)
+
+
+def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> int:
+    """The verdict on the terminal, or as JSON; the exit code, whose reason is the last line on stderr."""
+    from reports.comparison import expected
+
+    comparison, third = report.comparison, report.third
+    scene, result = comparison.scene, comparison.result
+    findings = list(expected.check(scene, (comparison.reference, result)))
+    met = all(finding.met for finding in findings)
+    if not as_json:
+        show_verdict(report)
+        _show_uncertainty(report)
+        if third is not None:
+            from reports.third.words import heads, rows, sentences
+
+            show_table("A third solver", heads(third), rows(comparison, third), right=(1, 2, 3))
+            for sentence in sentences(third):
+                say(sentence)
+        show_expected(findings)
+        show_table("Time", ("stage", "seconds"), [(name, f"{t:.2f}") for name, t in stages.seconds.items()], right=(1,))
+        say(str(page))
+    if third is not None and third.failure:
+        complain(f"halfplane: {scene.name}: {third.failure}")
+        code = NOT_CONVERGED
+    else:
+        code = max(exit_code(comparison), WITHIN if met else OUTSIDE)
+    if not as_json:
+        return code
+    from reports.comparison.words import first_table, headline, honest_of, how_judged, lead, verdict
+
+    content = {
+        "headline": headline(report),
+        "table": first_table(report)[1],
+        "passed": comparison.passed,
+        "accurate": comparison.accurate,
+        "verdict": comparison.verdict,
+        "judged": how_judged(report),
+        "admissible": comparison.admissible,
+        "honest": report.honest,
+        "lead": lead(report),
+        "sentence": verdict(report),
+        "metrics": {
+            metric.key: {
+                "value": metric.value,
+                "uncertainty": metric.uncertainty,
+                "unit": metric.unit,
+                "tolerance": metric.tolerance,
+                "accurate": metric.accurate,
+                "verdict": metric.verdict,
+                "honest": {"yes": True, "no": False}.get(honest_of(report, metric)),
+            }
+            for metric in comparison.metrics
+        },
+        **{name: getattr(result, name) for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")},
+        "expected": expected.content(findings),
+        "notes": comparison.notes,
+        "page": str(page),
+        "seconds": stages.seconds,
+    }
+    return answer("run", code, content, scene.name)
+
+
+def show_verdict(report: Report) -> None:
+    """The headline, the table of absolute values, and the verdict in a sentence."""
+    from reports.comparison.words import first_table, headline, how_judged, lead, standing, verdict
+
+    scene = report.comparison.scene
+    heads, rows = first_table(report)
+    keys = ("label", "reference", "result", "difference", "verdict")
+    say(headline(report), "bold")
+    show_table(scene.title or scene.name, heads, [tuple(row[key] for key in keys) for row in rows], right=(1, 2, 3))
+    say(f"{lead(report)} {verdict(report)}".strip(), _STYLES.get(standing(report.comparison) or "", ""))
+    if words := how_judged(report):
+        say(words)
+
+
+def _show_uncertainty(report: Report) -> None:
+    """What the dissipation is uncertain by, what the finite elements note, and where the errors come from if that was measured."""
+    from reports.comparison.words import uncertain_work
+
+    if words := uncertain_work(report.comparison):
+        say(words)
+    for note in report.comparison.result.record.notes:
+        say(f"Note: {note}.")
+    if report.budget is not None:
+        from reports.comparison.words import cost, heads, narrow, rows
+
+        columns, lines = narrow(heads(report.budget, full=False), rows(report.budget, full=False))
+        show_table("Where the difference comes from", columns, lines, right=range(1, len(columns) - 1))
+        say(f"Honest: {report.honest}")
+        say(cost(report.budget))
+
+
+def show_expected(findings: Sequence[Any]) -> None:
+    """The numbers that the scene expects beside those found."""
+    from reports.comparison import expected
+
+    if findings:
+        show_table("Expected numbers", expected.HEADS, expected.rows(findings), right=(2, 3, 4, 5))
+        missed, of = sum(not finding.met for finding in findings), len(findings)
+        say(f"{missed} of {of} expected numbers are missed." if missed else f"All {of} expected numbers are met.")
+
+
+def exit_code(comparison: Comparison) -> int:
+    """0 if the comparison passed, else 1; where that is for undecided metrics alone, the last line on stderr says so."""
+    from reports.comparison.words import standing
+
+    if standing(comparison) == "undecided":
+        keys = ", ".join(metric.key for metric in comparison.metrics if metric.verdict == "undecided")
+        complain(f"halfplane: {comparison.scene.name}: undecided: {keys}; this counts as outside: exit code {OUTSIDE}")
+    return WITHIN if comparison.passed else OUTSIDE
+
+
+# ----------------------------------------------------------------------------------------------------------- one engine alone
+_OUTPUT = Output()
+
+
+def exact(scene: SceneName, *, options: Output = _OUTPUT) -> int:
+    """Half-plane theory alone: summary and files; outside where a law of contact or an expected number is violated."""
+    return _alone("exact", scene, options, solve_half_plane)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class AloneOptions(FiniteElements):
+    """How the finite elements are solved alone."""
+
+    coarse_mesh: Annotated[
+        bool, Parameter(help="Solve on a coarse mesh too: what that changes, the dissipation is uncertain by at least.")
+    ] = True
+
+
+_FE = AloneOptions()
+
+
+def fe(scene: SceneName, *, options: AloneOptions = _FE) -> int:
+    """Finite elements alone: summary and files; outside where a law of contact or an expected number is violated."""
+    return _alone(
+        "fe", scene, options, lambda scene, stages: solve_finite_elements(scene, options, stages, coarse_mesh=options.coarse_mesh)
+    )
+
+
+def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
+    def work(scene: Scene, folder: Path, stages: Stages) -> int:
+        from reports.comparison import expected
+        from reports.comparison.laws import certificates
+        from reports.comparison.content import solution_content
+
+        load_engines(stages)
+        solution = solve(scene, stages)
+        path = write_solution(solution, folder)
+        findings, admissible = list(expected.check(scene, (solution,))), is_admissible(solution)
+        code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
+        if options.json:
+            whole = solution_content(solution, certificates(solution))
+            content = {"passed": code == WITHIN, "admissible": admissible, **{key: whole[key] for key in _OF_ONE_ENGINE}}
+            more = {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
+            return answer(name, code, content | more, scene.name)
+        show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+        show_expected(findings)
+        say(str(path))
+        return code
+
+    return at_work(name, source, options, work)
+
+
+_OF_ONE_ENGINE = (
+    *("engine", "converged", "message", "notes", "dissipation", "dissipation_uncertainty", "dissipation_drift"),
+    *("loop_work", "permanent_stick_half_width"),
+    *("largest_half_width", "largest_pressure", "certificates", "counts"),
+)
+
+
+def is_admissible(solution: ContactSolution) -> bool:
+    """Whether every law of contact that can be checked without a reference holds."""
+    from reports.comparison.laws import certificates
+
+    return solution.record.converged and all(check.holds for check in certificates(solution))
+
+
+def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+    """What a person wants to know first, as (quantity, value)."""
+    from reports.comparison.laws import certificates
+    from reports.comparison.metrics import name_of
+    from reports.comparison.metrics import normal_work
+    from reports.units import energy_unit, load_unit, units
+
+    def or_none(value: float) -> str:
+        return "none" if np.isnan(value) else f"{value:.10g}"
+
+    load, (_, length, stress), work = load_unit(solution.scene), units(solution.scene), energy_unit(solution.scene)
+    checks, apart = certificates(solution), solution.dissipation_uncertainty
+    broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
+    dissipation = or_none(solution.dissipation)
+    if not np.isnan(apart):
+        share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
+        dissipation += f" ± at least {apart:.2g}{share}, the difference from a coarse mesh"
+    # A path that does not repeat is one cycle.
+    cycle = "of the whole path" if solution.scene.load.path().period is None else "of the last cycle"
+    last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}"
+    rows = [
+        ("engine", name_of(solution.engine)),
+        ("how it ended", solution.record.message),
+        ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
+        ("last instant", f"time {solution.time[-1]:.6g}, {last}"),
+        (f"largest pressure at the points [{stress}]", f"{np.max(solution.pressure):.8g}"),
+        (f"largest contact half-width [{length}]", f"{np.nanmax(solution.contact_half_width):.8g}"),
+        (f"permanent stick half-width [{length}]", or_none(solution.permanent_stick_half_width)),
+        (f"dissipation {cycle} [{work}]", dissipation),
+    ]
+    if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
+        rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
+    if np.isfinite(solution.loop_work):
+        rows.append((f"closed integral of Q dU [{work}]", f"{solution.loop_work:.10g}"))
+        if (normal := normal_work(solution)) is not None:
+            rows.append((f"closed integral of P dV, V the approach [{work}]", f"{normal:.10g}"))
+    rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
+    rows.extend(("note", note) for note in solution.record.notes)
+    rows.extend((f"{name.replace('_', ' ')} (work)", str(count)) for name, count in solution.work.counts.items())
+    rows.extend((f"{name.replace('_', ' ')} (skipped)", f"{count}: {why}") for name, (count, why) in solution.work.skipped.items())
+    return rows
+
+
+_INSTANTS = (
+    *("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"),
+    *("tangential_displacement", "normal_approach"),
+)
+
+
+def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
+    """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
+    from reports.comparison.laws import certificates
+    from reports.cli.findings import SOLUTION
+    from reports.drawing import table_text
+    from reports.comparison.content import solution_content, strict
+
+    stem = name or solution.engine
+    with filled(out, fresh=()) as folder:
+        solution.save(folder / f"{stem}.nc")
+        content = {
+            "format": SOLUTION,
+            **solution_content(solution, certificates(solution)),
+            "scene": solution.scene.model_dump(mode="json"),
+        }
+        (folder / f"{stem}.json").write_text(json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8")
+        columns = {name: getattr(solution, name) for name in _INSTANTS} | {"iterations": solution.record.iterations}
+        (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")
+        (folder / "scene.json").write_text(solution.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
+    return out / f"{stem}.nc"
+
+
+# ----------------------------------------------------------------------------------------------------- a deck for another code
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions(Output):
+    """For which code, and at which instants."""
+
+    to: Annotated[Literal["calculix", "abaqus"], Parameter(help="The dialect of the deck.")]
+    steps_per_cycle: Annotated[int | None, Parameter(help="Instants of a revolution; turning points come on top.")] = None
+    cycles: Annotated[int | None, Parameter(help="Revolutions at most.")] = None
+
+
+def export(scene: SceneName, *, options: ExportOptions) -> int:
+    """The bodies and the load history as an input deck."""
+    source = scene
+
+    def work(scene: Scene, folder: Path, stages: Stages) -> int:
+        with stages.stage("loading"):
+            from halfplane_fe.solve import versions
+            from reports.third.abaqus import abaqus_deck
+            from reports.third.calculix import calculix_deck
+            from reports.third.deck import build_deck
+            from reports.third.settings import DeckSettings
+            from reports.units import units
+        given = {"steps_per_cycle": options.steps_per_cycle, "cycles": options.cycles}
+        settings = DeckSettings(**{name: value for name, value in given.items() if value is not None})
+        with stages.stage("deck"):
+            deck = build_deck(scene, settings)
+        # The deck's first comment: where it lies is nobody's business.
+        command = options.command("export", source, folder).rpartition(" --out ")[0]
+        text = (calculix_deck if options.to == "calculix" else abaqus_deck)(deck, command, versions())
+        file = f"{default_folder(scene.name).name}_{options.to}.inp"
+        with filled(folder, fresh=(file,)) as staging:
+            (staging / file).write_text(text, encoding="utf-8")
+        found = {
+            "nodes": deck.reference,
+            "elements": len(deck.lower.elements) + len(deck.upper.elements),
+            "edge_element_size": deck.element_size,
+            "instants": len(deck.time) - 1,
+            "pressure_per_penetration": deck.stiffness,
+            "shear_per_elastic_slip": deck.stick_slope,
+        }
+        if options.json:
+            more = {"file": str(folder / file), "seconds": stages.seconds}
+            return answer("export", WITHIN, {"passed": True, "to": options.to, **found, **more}, scene.name)
+        _, length, stress = units(scene)
+        edge = f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})"
+        stiffness = f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"
+        show_table(
+            "Deck for "
+            + ("CalculiX" if options.to == "calculix" else "Abaqus: never run there, checked by a parser and by CalculiX"),
+            ("what", "value"),
+            [
+                ("nodes, elements", f"{found['nodes']}, {found['elements']}"),
+                (f"surface elements at the edges [{length}]", edge),
+                ("instants", f"{found['instants']}"),
+                (f"pressure per penetration, shear per elastic slip [{stress}/{length}]", stiffness),
+            ],
+        )
+        say(str(folder / file))
+        return WITHIN
+
+    return at_work("export", source, options, work)
+
+
+# ------------------------------------------------------------------------------------------------------------- the paper again
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class PaperOptions(Output):
+    """Where the paper's page goes."""
+
+    out: Annotated[Path | None, Parameter(help="Folder for the results; out/paper if left out.")] = None
+
+
+_PAPER = PaperOptions()
+
+
+def paper(*, options: PaperOptions = _PAPER) -> int:
+    """The paper's figures and both tables; outside if a misprint is not proven."""
+    stages = Stages(options.quiet)
+    folder = claim(options.out or default_folder("paper"))
+    with stages.stage("loading"):
+        from reports.paper import page
+        from reports.paper.tables import proven_in_words
+    report = page.write(folder, stages, options.command("paper", "", folder))
+    code = WITHIN if report.proven else OUTSIDE
+    if options.json:
+        tables = {name: [vars(row) for row in getattr(report, name)] for name in ("statements", "misprints")}
+        content = {"passed": code == WITHIN, "verdicts": page.tally(report.statements), **tables}
+        return answer("paper", code, content | {"page": str(report.page), "seconds": stages.seconds})
+    show_table(
+        "What the paper states in words",
+        ("statement", "where", "the paper", "computed", "verdict"),
+        [(row.key, row.where, row.words, row.computed, row.verdict.value) for row in report.statements],
+    )
+    show_table(
+        "Misprints of the paper",
+        ("where", "printed", "right", "proof", "proven"),
+        [(row.key, row.printed, row.right, row.proof, proven_in_words(row)) for row in report.misprints],
+    )
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in page.tally(report.statements).items())
+    proven = sum(row.proven is True for row in report.misprints)
+    say(f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints: {proven} proven by evaluation")
+    say(str(report.page))
+    return code
