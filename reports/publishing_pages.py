@@ -9,7 +9,17 @@ from typing import Any
 
 from reports.cli.findings import COUNTS
 from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
-from reports.comparison.words import CLAIM, accuracy_of, bodies_in_words, idealisation, question, sentence, tolerance_of, unlike_materials, value_of
+from reports.comparison.words import (
+    CLAIM,
+    accuracy_of,
+    bodies_in_words,
+    idealisation,
+    question,
+    sentence,
+    tolerance_of,
+    unlike_materials,
+    value_of,
+)
 from reports.publishing import ROLLER, External, error_of
 from reports.units import energy_unit, units
 from scenes import Scene, load_scene

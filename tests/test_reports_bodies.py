@@ -16,9 +16,9 @@ from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
 from reports.cli import main
 from reports.cli.solving import summary_rows
-from reports.figures_bodies import outline, sketch
 from reports.comparison.metrics import normal_work
 from reports.comparison.words import beyond_theory, bodies_in_words, idealisation, lead, question, unlike_materials
+from reports.figures_bodies import outline, sketch
 from reports.units import minus
 from scenes import Block, Bodies, ContactSolution, Cylinder, Pad, Scene, load_scene, scene_text
 from scenes.scene import OWN_TOLERANCES

@@ -17,11 +17,10 @@ from reports.cli import main
 from reports.cli.solving import exit_code, show_verdict
 from reports.comparison import Comparison, Report, compare
 from reports.comparison.budget import Budget, Ladders, Rung, Term, climb, coarser, error_budget, mesh_ratio, with_budget
-from reports.comparison.metrics import are_half_planes
-from reports.comparison.words import share
-from reports.page.content import render
 from reports.comparison.content import as_json
-from reports.comparison.words import how_judged, lead, verdict
+from reports.comparison.metrics import are_half_planes
+from reports.comparison.words import how_judged, lead, share, verdict
+from reports.page.content import render
 from scenes import load_scene
 
 MESH = MeshSettings(element_size=1 / 12, edge_element_size=1 / 40, growth=0.4)

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
-from reports.console import say
 from reports.comparison.content import strict
+from reports.console import say
 
 FORMAT = "halfplane answer 2"
 

@@ -16,10 +16,10 @@ from reports.cli.answers import answer
 from reports.cli.options import FiniteElements, SceneName, flag, several
 from reports.cli.process import WITHIN
 from reports.cli.solving import at_work, load_engines, require_drawing, require_times, solve_finite_elements
+from reports.comparison.content import strict
 from reports.console import Stages, say, show_table
 from reports.fields import NO_PEAK, Instant, Seen, seen
 from reports.folder import filled
-from reports.comparison.content import strict
 from scenes import ContactSolution, InputError, Scene
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from reports.staging import replace_text
 from reports.comparison.metrics import Verdict, verdict_on
+from reports.staging import replace_text
 from scenes import ContactSolution, InputError, Scene
 from scenes.errors import present_names
 from scenes.files import parsed_json, text_of

@@ -216,9 +216,9 @@ def advise(scene: SceneName, *, options: AdviseOptions = _ADVISE) -> int:
 
 def _advice_content(advice: Advice) -> dict[str, Any]:
     """Every departure (`errors` null where the maps know nothing), the sum of what is known, and the answer."""
+    from reports.comparison.metrics import Verdict
     from reports.maps.advice import sentence, total
     from reports.maps.advising import FIGURES
-    from reports.comparison.metrics import Verdict
 
     def pair(error: float, uncertainty: float) -> dict[str, float]:
         return {"error": error, "uncertainty": uncertainty}

@@ -151,8 +151,7 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
 # ----------------------------------------------------------------------------------------------------------------------- check
 def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
-    from reports.comparison.words import bodies_in_words, idealisation, unlike_materials
-    from reports.comparison.words import question
+    from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 
     source, found = scene, read(scene)
     largest, path = largest_contact(found, source), check_path(found)
@@ -223,8 +222,7 @@ def _listing(found: Sequence[Scene]) -> Iterator[str]:
 
 
 def _details(scene: Scene) -> Iterator[str]:
-    from reports.comparison.words import bodies_in_words, idealisation, unlike_materials
-    from reports.comparison.words import question
+    from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 
     expected = [
         f"{one.quantity.replace('_', ' ')} = {one.value:.9g} to {one.tolerance:g}, {one.engine}: {one.source}"

@@ -26,7 +26,6 @@ from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, S
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
     from reports.third.opinion import ThirdOpinion
-    from reports.comparison.metrics import Metric
 
 _THIRD_LIMIT = 1800.0
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
@@ -229,9 +228,7 @@ def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]
         raise Interrupted("interrupted after the finite elements were solved", result) from stop
 
 
-def _with_budget(
-    comparison: Comparison, options: FiniteElements, stages: Stages, plain_seconds: float, coarsenings: int
-) -> Report:
+def _with_budget(comparison: Comparison, options: FiniteElements, stages: Stages, plain_seconds: float, coarsenings: int) -> Report:
     """The report with its error budget: every rung a stage of its own."""
     from reports.comparison.budget import climb, error_budget, with_budget
 
@@ -394,8 +391,8 @@ def fe(scene: SceneName, *, options: AloneOptions = _FE) -> int:
 def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
         from reports.comparison import expected
-        from reports.comparison.laws import certificates
         from reports.comparison.content import solution_content
+        from reports.comparison.laws import certificates
 
         load_engines(stages)
         solution = solve(scene, stages)
@@ -432,8 +429,7 @@ def is_admissible(solution: ContactSolution) -> bool:
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """What a person wants to know first, as (quantity, value)."""
     from reports.comparison.laws import certificates
-    from reports.comparison.metrics import name_of
-    from reports.comparison.metrics import normal_work
+    from reports.comparison.metrics import name_of, normal_work
     from reports.units import energy_unit, load_unit, units
 
     def or_none(value: float) -> str:
@@ -480,10 +476,10 @@ _INSTANTS = (
 
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
-    from reports.comparison.laws import certificates
     from reports.cli.findings import SOLUTION
-    from reports.drawing import table_text
     from reports.comparison.content import solution_content, strict
+    from reports.comparison.laws import certificates
+    from reports.drawing import table_text
 
     stem = name or solution.engine
     with filled(out, fresh=()) as folder:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from reports.comparison.metrics import Verdict, verdict_on
 from reports.maps.advising import FIGURES, Part, parts
 from reports.maps.answers import percent
-from reports.comparison.metrics import Verdict, verdict_on
 from scenes import Scene
 
 
