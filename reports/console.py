@@ -72,6 +72,11 @@ class Stages:
         self.note(f"{name}: {self.seconds[name]:.2f} s")
         self.console.print(Text(f"{name}: {self.seconds[name]:.2f} s"))
 
+    def remark(self, text: str) -> None:
+        """A line on stderr and of the log."""
+        self.note(text)
+        self.console.print(Text(text))
+
     def note(self, text: str) -> None:
         """A line of the log, with the time of the day."""
         self.log.append(f"{time.strftime('%H:%M:%S')}  {text}")

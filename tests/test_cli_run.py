@@ -1,17 +1,24 @@
 """What `halfplane run` tells: progress with steps and time left, the log in the folder, the verdict for programs."""
 
 import json
+import re
 from pathlib import Path
 
 import jsonschema
 import pytest
 
+import halfplane_fe
+import semi_analytic
+from halfplane_fe import SolverSettings
+from meshes import MeshSettings
 from reports.cli import main, solving
 from reports.cli.answers import FORMAT, answer_schema
 from reports.cli.machine import Finding
+from reports.cli.options import tolerances_of
 from reports.cli.process import NOT_CONVERGED
+from reports.cli.solving import LONG, cost_of
 from reports.console import Stages, TimeLeft
-from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene
+from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_text
 from test_cli_commands import COARSE, halfplane
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -133,3 +140,77 @@ class TestProgress:
         assert not [line for line in lines if "\x1b" in line]
         assert stages.log[0][10:] == "finite elements ..."
         assert "300 steps" in stages.log[1]
+
+
+class TestTolerance:
+    def test_a_share_is_for_four_metrics_and_a_key_for_one(self) -> None:
+        assert tolerances_of(()) == {}
+        assert tolerances_of(["5%"]) == dict.fromkeys(("dissipation", "peak_pressure", "contact_edge", "stick_edge"), 0.05)
+        assert tolerances_of(["0.1", "shear=3%", "dissipation=0.02"])["shear"] == pytest.approx(0.03)
+        assert tolerances_of(["0.1", "dissipation=0.02"])["dissipation"] == 0.02
+        assert tolerances_of(["dissipation=0.02", "0.1"])["dissipation"] == 0.1  # the last counts
+
+    @pytest.mark.parametrize(
+        ("word", "sentence"),
+        [
+            ("5 percent", "write a share above 0"),
+            ("0", "write a share above 0"),
+            ("-5%", "write a share above 0"),
+            ("nan", "write a share above 0"),
+            ("inf%", "write a share above 0"),
+            ("=5%", "unknown metric ''"),
+            ("disipation=5%", "unknown metric 'disipation'; did you mean dissipation?"),
+            ("shear=x", "write a share above 0"),
+        ],
+    )
+    def test_what_is_none_is_refused_before_anything_is_solved(
+        self, word: str, sentence: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        assert main(["run", "hertz-paper", f"--tolerance={word}"]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert sentence in line
+
+    def test_a_run_is_judged_by_it_and_says_how_to_repeat_that(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        """The coarse mesh is outside the scene's own tolerances; the same mesh, the user's tolerances: within."""
+        monkeypatch.chdir(tmp_path)
+        given = ["--tolerance", "50%", "pressure=50%", "--tolerance", "shear=0.5"]
+        text = scene_text("cattaneo-mindlin").split("[[expected]]")[0]
+        Path("mine.toml").write_text(text, encoding="utf-8")
+        assert main(["run", "mine.toml", "--quiet", "--json", *COARSE]) == 1
+        assert main(["run", "mine.toml", "--quiet", "--json", *COARSE, *given]) == 0
+        capsys.readouterr()
+        whole = json.loads(Path("out/mine/comparison.json").read_text(encoding="utf-8"))
+        assert whole["metrics"]["shear"]["tolerance"] == whole["metrics"]["dissipation"]["tolerance"] == 0.5
+        assert "--tolerance 50% pressure=50% shear=0.5" in whole["command"]
+
+
+class TestCost:
+    @pytest.mark.parametrize("name", ["hertz-paper", "cattaneo-mindlin", "unload-reload"])
+    def test_increments_are_those_of_the_solution(self, name: str) -> None:
+        """To a third: how often increments are halved is measured, not known."""
+        scene, mesh, settings = load_scene(name), MeshSettings.coarse(), SolverSettings()
+        solved = halfplane_fe.solve(scene, mesh=mesh, settings=settings).work.counts["steps solved"]
+        assert cost_of(scene, mesh, settings).increments == pytest.approx(solved, rel=1 / 3)
+
+    def test_it_follows_steps_mesh_and_rows(self) -> None:
+        scene = load_scene("hertz-paper")
+        plain = cost_of(scene, MeshSettings(), SolverSettings())
+        fine = cost_of(scene, MeshSettings.fine(), SolverSettings())
+        many = cost_of(scene, MeshSettings(), SolverSettings(steps_per_cycle=960))
+        assert plain.seconds < LONG < fine.seconds
+        assert many.increments > plain.increments + 1500
+        assert fine.memory > 2 * plain.memory
+
+    def test_long_work_is_announced_and_short_work_is_not(
+        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    ) -> None:
+        monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: semi_analytic.solve(load_scene("hertz-normal")))
+        for words, announced in (([], False), (["--edge-element-size", "0.0002"], True)):
+            main(["fe", "hertz-normal", "--out", str(tmp_path / "out"), *words])
+            told = [line for line in capsys.readouterr().err.splitlines() if " increments, " in line]
+            assert bool(told) is announced
+        assert re.fullmatch(
+            r"finite elements: about [\d,]+ increments, \d+ (s|min), .* of memory \(an order of magnitude\)", told[0]
+        )

@@ -194,7 +194,7 @@ def test_a_signal_that_was_to_be_ignored_stays_so(tmp_path: Path) -> None:
 def test_a_second_ctrl_c_while_the_first_is_told_is_no_traceback(tmp_path: Path) -> None:
     done = scripted(
         tmp_path,
-        "from reports import cli",
+        "from reports.cli import application as cli",
         "def stop(*_): os.kill(os.getpid(), signal.SIGINT)",
         "cli.app = cli._refused = stop",
         "sys.exit(cli.main())",
@@ -332,7 +332,7 @@ def test_a_link_to_another_disk_is_filled(tmp_path: Path) -> None:
 def test_what_compiled_modules_and_locks_make_of_ctrl_c_is_one_still(fault: str, tmp_path: Path) -> None:
     """And the same without a Ctrl-C is what it is: a fault of ours, with its traceback in a file."""
     lines = (
-        "from reports import cli",
+        "from reports.cli import application as cli",
         "def app(_):",
         "    try: ASKED",
         "    except KeyboardInterrupt: pass",

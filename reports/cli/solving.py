@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -21,9 +21,11 @@ from reports.cli.options import FiniteElements, Output, SceneName, flag, several
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 from reports.folder import FilledBefore, claim, default_folder, filled
-from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene, load_scene
+from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, LoadSegment, Scene, load_scene
 
 if TYPE_CHECKING:
+    from halfplane_fe import SolverSettings
+    from meshes import MeshSettings
     from reports.comparison import Comparison, Report
     from reports.third.opinion import ThirdOpinion
 
@@ -66,8 +68,75 @@ def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages,
     import halfplane_fe
 
     mesh, settings = options.settings()
+    with suppress(InputError):  # of theory: it is no reason to refuse finite elements
+        cost = cost_of(scene, mesh, settings, coarse_mesh=coarse_mesh)
+        if cost.seconds > LONG:
+            stages.remark(f"finite elements: {cost} (an order of magnitude)")
     with stages.stage("finite elements") as report:
         return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report, coarse_mesh=coarse_mesh)
+
+
+# Of one increment, measured on one core of a 2026 server: 1 ms, and 15 ns for each pair of contact nodes; on one half where the
+# problem is its own mirror image, twice as much where normal and shear tractions couple or faces are curved. Meshes take 3 s.
+_EACH, _PAIR, _MESHES = 1e-3, 1.5e-8, 3.0
+# Bytes: of the libraries, and of what an increment keeps at each contact node (state, answer, files and page).
+_LIBRARIES, _KEPT = 2e8, 250.0
+# Halved increments: so many on any path (of such a mirror image, and else), and so many for each stretch between turning points.
+_HALVED, _HALVED_EACH = (150, 450), 13
+# Segments of a record that are looked at: 2,000 take half a second.
+_SEEN = 4000
+# Seconds of work from which its cost is stated beforehand.
+LONG = 20.0
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What the finite elements of a scene take, to a factor of two or three: increments, seconds of one core, bytes of memory."""
+
+    increments: int
+    seconds: float
+    memory: float
+
+    def __str__(self) -> str:
+        from scenes.errors import in_words
+
+        count, memory = (int(float(f"{number:.{digits}g}")) for number, digits in ((self.increments, 2), (self.memory, 1)))
+        time = f"{self.seconds:.0f} s" if self.seconds < 100 else f"{self.seconds / 60:.0f} min"
+        return f"about {count:,} increments, {time}, {in_words(memory)} of memory"
+
+
+def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings, *, coarse_mesh: bool = False) -> Cost:
+    """What `halfplane_fe.solve` will take, from the steps of the path and the contact's size by half-plane theory.
+
+    Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
+    each node that the edge of contact passes, and halved ones, as measured on the library's scenes.
+    """
+    from halfplane_fe.path import stretches
+    from semi_analytic.profiles import contact_of
+
+    path, friction = scene.load.path(), scene.friction.coefficient
+    half_width = contact_of(scene.profile, scene.material).half_width
+    spacing = mesh.edge_element_size / mesh.order  # of nodes, over the largest half-width
+
+    def of(segments: Sequence[LoadSegment], steps: float) -> tuple[float, float]:
+        """Increments without those of nodes, and how far the edge travels [length]; of a long record, from its beginning."""
+        longest, seen = max((one.end - one.start for one in segments), default=1.0), segments[:_SEEN]
+        pieces = [piece for one in seen for piece in stretches(one, friction, steps * (one.end - one.start) / longest)]
+        edges = np.array([[half_width(float(one.leg.loads(t)[0])) for t in (one.start, one.ends[-1])] for one in pieces])
+        travel = float(np.abs(np.diff(edges, axis=1)).sum()) if pieces else 0.0
+        share = len(segments) / max(len(seen), 1)
+        return share * (sum(len(one.ends) for one in pieces) + _HALVED_EACH * len(pieces)), share * travel
+
+    first, way = of(path.initial_loading, settings.steps_per_cycle / 8)
+    again, travel = of(path.cycle, settings.steps_per_cycle)
+    revolutions = min(scene.cycles, 2)
+    largest = largest_contact(scene, scene.name).half_width
+    mirrored = scene.material.alike and scene.bodies.lower == scene.bodies.upper and not scene.bodies.faces_are_true
+    nodes, halved = 1.6 / spacing, _HALVED[0 if mirrored else 1]
+    increments = halved + first + revolutions * again + (way + revolutions * travel) / (spacing * largest)
+    each = _EACH + _PAIR * (nodes / 2) ** 2 if mirrored else 2 * (_EACH + _PAIR * nodes**2)
+    seconds = (_MESHES + increments * each) * (1.25 if coarse_mesh else 1.0)
+    return Cost(round(increments), seconds, _LIBRARIES + _KEPT * nodes * increments)
 
 
 def solve_half_plane(
@@ -117,7 +186,7 @@ def require_drawing(stages: Stages) -> None:
     with stages.stage("can pictures be drawn?"):
         finding = drawing()
     if not finding.good:
-        raise InputError(f"--no-pictures: leave the pictures out, for they can't be drawn here: {finding.found}")
+        raise InputError(f"pictures can't be drawn here: {finding.found}; --no-pictures leaves them out")
 
 
 def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
