@@ -24,7 +24,8 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
-from reports.drawing import COLOURS, canvas, label_axes
+from reports.charts.publication import canvas, label_axes
+from reports.charts.style import COLOURS
 from scenes import load_scene
 
 FIGURE = Path(__file__).parent.parent / "out" / "fe_precision.png"

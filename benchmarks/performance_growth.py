@@ -29,7 +29,8 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.drawing import COLOURS, canvas, label_axes
+from reports.charts.publication import canvas, label_axes
+from reports.charts.style import COLOURS
 from reports.sweep.running import prepare, work
 from reports.sweep.study import study_of
 from scenes import Hertz, TimeSeriesLoad, load_scene

@@ -10,7 +10,8 @@ import mpmath as mp
 import semi_analytic_precision as theory
 from semi_analytic_reference import Case
 
-from reports.drawing import COLOURS, canvas, label_axes
+from reports.charts.publication import canvas, label_axes
+from reports.charts.style import COLOURS
 
 TITLE = "Error against time: half-plane theory"
 SHARE, FRICTION = 0.6, 0.5

@@ -36,7 +36,8 @@ from performance_codes import (
 
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.drawing import COLOURS, canvas, label_axes
+from reports.charts.publication import canvas, label_axes
+from reports.charts.style import COLOURS
 from scenes import Scene, load_scene
 
 Array = NDArray[np.float64]

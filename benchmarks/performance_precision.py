@@ -19,7 +19,7 @@ from fe_precision import COARSE, DEFAULT, FINE, Measured, Setting, sizes
 import halfplane_fe
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.drawing import canvas, label_axes
+from reports.charts.publication import canvas, label_axes
 from scenes import load_scene
 
 TITLE = "Error against time: finite elements"

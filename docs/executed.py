@@ -126,7 +126,7 @@ def _ready(folder: Path) -> Iterator[None]:
     mpl.use("Agg")
     from matplotlib import pyplot
 
-    from reports.drawing import STYLE
+    from reports.charts.publication import STYLE
 
     before = os.environ.get("SOURCE_DATE_EPOCH")
     os.environ["SOURCE_DATE_EPOCH"] = "0"

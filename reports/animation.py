@@ -11,8 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
 
 from reports.fields import contact_line
-from reports.rendering import triangles
-from reports.stress_pictures import round_down
+from reports.rendering import round_down, triangles
 
 if TYPE_CHECKING:
     from halfplane_fe import BodyFields, FiniteElementSolution, Snapshot

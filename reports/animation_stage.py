@@ -21,8 +21,8 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from reports.animation import CloseUps, View, places
-from reports.drawing import DIFFERENCE, QUIET, REFERENCE, RESULT, STATE_COLOURS, STATE_NAMES, STYLE
-from reports.panels import title_of
+from reports.charts.publication import STYLE
+from reports.charts.style import DIFFERENCE, QUIET, REFERENCE, RESULT, STATE_COLOURS, STATE_NAMES
 from reports.units import load_unit, number, signed, units
 from scenes import SurfaceState
 
@@ -77,7 +77,7 @@ def set_up(solution: FiniteElementSolution, shots: CloseUps) -> Stage:
     scene = solution.scene
     with mpl.rc_context({**STYLE, "font.size": 10.5, "axes.titlesize": 11.0}):
         figure = Figure(figsize=_SIZE, dpi=_DPI)
-        figure.text(0.066, 0.955, f"{title_of(scene)}: a cycle of the loads", fontsize=15, va="center", weight="bold")
+        figure.text(0.066, 0.955, f"{scene.title or scene.name}: a cycle of the loads", fontsize=15, va="center", weight="bold")
         words = _moving(figure.text(0.066, 0.908, "", fontsize=12, va="center", family="monospace"))
         exaggeration = f"displacements and gap × {number(shots.factor)}"
         stress = units(scene)[2]

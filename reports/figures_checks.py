@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reports.certificates import LIMIT, Certificate
-from reports.charts import marks
-from reports.charts.panel import Axis, frame, panel
-from reports.charts.plate import Key, Plate
+from reports.charts.marks import Axis, Curve, Mark, Note, Rule
+from reports.charts.plate import Key, Panel, Plate
 from reports.charts.scale import limits
-from reports.definitions import name_of
+from reports.comparison.laws import LIMIT, Certificate
+from reports.comparison.metrics import name_of
 from reports.figures_cycle import LINES
-from reports.units import energy_unit
+from reports.units import energy_unit, minus
 from scenes import ContactSolution
 
 
@@ -28,9 +26,19 @@ def energy(solution: ContactSolution) -> Plate | None:
     if not recorded:
         return None
     styles = dict(zip(recorded, LINES * 3, strict=False))
-    groups = [
-        {name: series for name, series in recorded.items() if (name in ("external", "external_end_of_step", "elastic")) is large}
-        for large in (True, False)
+    large = ("external", "external_end_of_step", "elastic")
+    groups = [{name: series for name, series in recorded.items() if (name in large) is wanted} for wanted in (True, False)]
+    panels = [
+        Panel(
+            f"energy-{number}",
+            Axis(*limits(solution.time, margin=0), "time"),
+            Axis(*limits(*group.values()), f"energy since the start  [{energy_unit(solution.scene)}]"),
+            [*_cycles(solution), *(Curve(solution.time, s, styles[n], n.replace("_", " ")) for n, s in group.items())],
+            "Energies over time",
+            height=280.0,
+        )
+        for number, group in enumerate(groups)
+        if group
     ]
     return Plate(
         "energy",
@@ -39,23 +47,10 @@ def energy(solution: ContactSolution) -> Plate | None:
         "one of the certificates. Friction work with the tractions at the end of each step (end of step) instead of "
         "their mean (interface) shows the error of the steps themselves.",
         "Energies over time.",
-        tuple(_energies(solution, group, styles, number) for number, group in enumerate(groups) if group),
+        tuple(panels),
         {"time": solution.time} | dict(solution.record.energy),
         tuple(Key(styles[name], name.replace("_", " ")) for group in groups for name in group),
     )
-
-
-def _energies(solution: ContactSolution, group: Mapping[str, NDArray[np.float64]], styles: Mapping[str, str], number: int) -> str:
-    axes = (
-        Axis(*limits(solution.time, margin=0), "time"),
-        Axis(*limits(*group.values()), f"energy since the start  [{energy_unit(solution.scene)}]"),
-    )
-    area = frame(*axes, height=280.0)
-    lines = [
-        *_cycles(area, solution),
-        *(marks.curve(area, solution.time, s, styles[n], n.replace("_", " ")) for n, s in group.items()),
-    ]
-    return panel(area, *axes, lines, "Energies over time", clip=f"energy-{number}")
 
 
 def certificates(role: str, solution: ContactSolution, checks: Sequence[Certificate]) -> Plate:
@@ -66,17 +61,10 @@ def certificates(role: str, solution: ContactSolution, checks: Sequence[Certific
     shown = [check for check in checks if np.any(check.series != 0)]
     exact = [check.label for check in checks if check not in shown]
     finite = [float(s) for check in shown for s in check.series if np.isfinite(s)]
-    axes = (
-        Axis(*limits(solution.time, margin=0), "time", count=8),
-        Axis(1e-18, 30 * max([LIMIT, *finite]), "violation, dimensionless", log=True),
-    )
-    area = frame(*axes, width=900.0, height=280.0)
-    lines = [*_cycles(area, solution), marks.horizontal(area, LIMIT, "limit")]
-    lines += [
-        marks.curve(area, solution.time, check.series, f"{css} fine", check.label)
-        for check, css in zip(shown, LINES * 3, strict=False)
-    ]
-    lines.append(marks.words(area.x.end - 4, float(area.y.place(LIMIT)) - 5, "limit", class_="tick", text_anchor="end"))
+    keys = tuple(Key(f"{css} fine", check.label) for check, css in zip(shown, LINES * 3, strict=False))
+    lines: list[Mark] = [*_cycles(solution), Rule(LIMIT, "limit")]
+    lines += [Curve(solution.time, check.series, key.css, check.label) for check, key in zip(shown, keys, strict=True)]
+    lines.append(Note(float(solution.time[-1]), LIMIT, "limit", anchor="end", shift=(-4.0, -5.0)))
     title = f"Certificates, {name_of(solution.engine)}"
     return Plate(
         f"certificates_{role}",
@@ -84,17 +72,29 @@ def certificates(role: str, solution: ContactSolution, checks: Sequence[Certific
         "How far each law of contact is violated, where it is at all."
         + (f" Exactly 0 throughout: {', '.join(exact)}." if exact else ""),
         "Violations of the laws of contact over time on a logarithmic axis.",
-        (panel(area, *axes, lines, title, clip=f"certificates-{role}", css="broad"),),
+        (
+            Panel(
+                f"certificates-{role}",
+                Axis(*limits(solution.time, margin=0), "time", count=8),
+                Axis(1e-18, 30 * max([LIMIT, *finite]), "violation, dimensionless", log=True),
+                lines,
+                title,
+                900.0,
+                280.0,
+                notes=[minus(f"largest {max(finite):.1e}, limit {LIMIT:.0e}")] if finite else [],
+                css="broad",
+            ),
+        ),
         {"time": solution.time} | {check.label: check.series for check in checks},
-        tuple(Key(f"{css} fine", check.label) for check, css in zip(shown, LINES * 3, strict=False)),
+        keys,
         columns=1,
     )
 
 
-def _cycles(area: marks.Frame, solution: ContactSolution) -> list[str]:
+def _cycles(solution: ContactSolution) -> list[Mark]:
     """A thin line where each cycle starts."""
     path = solution.scene.load.path()
     if path.period is None:
         return []
     starts = np.arange(path.cycle_start, solution.time[-1] + 1e-9 * path.period, path.period)
-    return [marks.vertical(area, float(start), "cycle-line") for start in starts]
+    return [Rule(float(start), "cycle-line", upright=True) for start in starts]

@@ -1,4 +1,4 @@
-"""Figures over x: tractions, the stick/slip map, pointwise dissipation."""
+"""Figures over x: tractions at chosen instants and at the one shown, the map of states, pointwise dissipation."""
 
 from __future__ import annotations
 
@@ -7,29 +7,28 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts import marks
-from reports.charts.panel import Axis, frame, panel
-from reports.charts.plate import Key, Plate
+from reports.charts.marks import Axis, Bitmap, Block, Curve, Dot, Group, Mark, Note, Rule
+from reports.charts.plate import Cell, Key, Panel, Plate
 from reports.charts.scale import limits
+from reports.charts.style import STATE_NAMES
 from reports.comparison import Comparison
-from reports.definitions import name_of
-from reports.drawing import STATE_NAMES, Table
-from reports.instants import Event
-from reports.sampling import Cycle
-from reports.units import signed
-from reports.wording import value_of
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK
+from reports.comparison.cycles import Cycle, Event
+from reports.comparison.metrics import name_of
+from reports.comparison.words import value_of
+from reports.units import minus, signed
+from scenes import ContactSolution
 
 Array = NDArray[np.float64]
 X = "x / a_ref"
-STATES = {
-    OPEN: "#ffffff",
-    STICK: "#d2d2d2",
-    SLIP_FORWARD: "#e69f00",
-    SLIP_REVERSE: "#0072b2",
-}
+# Open, stick, forward and reverse slip on a map, which has no style sheet.
+_STATES = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")
 STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items())
 _COLUMNS, _ROWS = 440, 360
+
+
+def sides(comparison: Comparison) -> tuple[tuple[str, Cycle, ContactSolution], ...]:
+    """Look of its lines, last cycle and answer: of the reference, then of the result."""
+    return ("r", comparison.expected, comparison.reference), ("f", comparison.found, comparison.result)
 
 
 def reach(comparison: Comparison, share: float = 1.12) -> float:
@@ -37,6 +36,28 @@ def reach(comparison: Comparison, share: float = 1.12) -> float:
     edges = (comparison.expected.contact_edges, comparison.found.contact_edges)
     outer = max(float(np.nanmax(np.abs(e), initial=0.0)) for e in edges) or float(np.abs(comparison.found.x).max())
     return min(share * outer, float(np.abs(comparison.found.x).max())) / comparison.scales.half_width
+
+
+def first_shown(cycle: Cycle, chosen: Sequence[Event]) -> int:
+    """The instant that a page shows first: of the chosen ones that with most points slipping, of equal ones the most loaded."""
+    return max((event.index for event in chosen), key=lambda k: (int((cycle.state[k] >= 2).sum()), float(cycle.normal_load[k])))
+
+
+def measured(difference: Array, along: Array, where: str, unit: str = "", weight: NDArray[np.bool_] | None = None) -> str:
+    """The numbers of a difference (n,) along x or time (n,): root mean square over the length, the largest value, its place.
+
+    >>> measured(np.array([0.0, -3.0, 0.0]), np.array([0.0, 1.0, 2.0]), "x = {} a_ref", " %")
+    'rms 2.1 %, largest −3 % at x = 1 a_ref'
+    """
+    known = np.isfinite(difference) & (True if weight is None else weight)
+    if not known.any():
+        return "nothing to compare"
+    lengths = np.gradient(along) if len(along) > 1 else np.ones(1)
+    rms = np.sqrt(np.average(difference[known] ** 2, weights=np.maximum(lengths[known], 1e-300)))
+    worst = int(np.argmax(np.where(known, np.abs(difference), -1.0)))
+    place = where.format(minus(f"{along[worst] + 0.0:.3g}"))
+    size, most = (f"{v:.2g}" if abs(v) < 100 else f"{v:.0f}" for v in (rms, difference[worst] + 0.0))
+    return minus(f"rms {size}{unit}, largest {most}{unit} at ") + place
 
 
 def traction_keys(comparison: Comparison) -> tuple[Key, ...]:
@@ -50,18 +71,26 @@ def tractions(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
     """p and q of both engines at the chosen instants, the difference beneath."""
     rows = [event.index for event in chosen]
     cells = tuple(
-        f'<div class="cell" data-event="{event.index}">'
-        + "".join(traction_panels(comparison, event.index, rows, f"event-{number}", (320.0, 220.0), f"{number}  {event.label}"))
-        + "</div>"
-        for number, event in enumerate(chosen, start=1)
+        Cell(traction_panels(comparison, event.index, rows, f"event-{n}", (320.0, 220.0), f"{n}  {event.label}"), event.index)
+        for n, event in enumerate(chosen, start=1)
     )
+    expected, found, scales, points = comparison.expected, comparison.found, comparison.scales, len(comparison.found.x)
     return Plate(
         "tractions",
         "Pressure and shear traction at chosen instants",
-        "Tractions in p_ref and f p_ref; beneath each, result less reference in per cent of the same scales.",
+        "Tractions in p_ref and f p_ref; beneath each, result − reference in per cent of the same scales, with its root mean square "
+        "over the contact and its largest value. Peaks at the edges are one or two elements wide: the mesh, not the theory.",
         "Panels of pressure and shear over x for both engines, each with the difference beneath.",
         cells,
-        _traction_table(comparison, rows),
+        {
+            "time": np.repeat(found.time[rows], points),
+            "x": np.tile(found.x, len(rows)),
+            "x/a_ref": np.tile(found.x / scales.half_width, len(rows)),
+            "p_reference/p_ref": (expected.pressure[rows] / scales.pressure).ravel(),
+            "p_result/p_ref": (found.pressure[rows] / scales.pressure).ravel(),
+            "q_reference/(f p_ref)": (expected.shear[rows] / scales.shear).ravel(),
+            "q_result/(f p_ref)": (found.shear[rows] / scales.shear).ravel(),
+        },
         traction_keys(comparison),
         columns=3,
     )
@@ -71,12 +100,12 @@ def traction_panels(
     comparison: Comparison,
     k: int,
     rows: Sequence[int],
-    clip: str,
+    name: str,
     size: tuple[float, float],
     title: str = "",
     *,
     live: bool = False,
-) -> tuple[str, str]:
+) -> tuple[Panel, Panel]:
     """Tractions at instant k in a drawing of that size, and the difference; axes hold the instants of `rows`.
 
     `live` if the slider moves them.
@@ -85,97 +114,88 @@ def traction_panels(
     expected, found, scales = comparison.expected, comparison.found, comparison.scales
     x, wide, every = found.x / scales.half_width, reach(comparison), list(rows)
     near = np.abs(x) <= wide * 1.02
-    sizes = {"p": scales.pressure, "q": scales.shear}
-    names = {"p": "pressure", "q": "shear"}
-    both = {key: [getattr(cycle, names[key])[:, near] / sizes[key] for cycle in (expected, found)] for key in "pq"}
+    fields = {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear)}
+    both = {key: [getattr(cycle, field)[:, near] / size for cycle in (expected, found)] for key, (field, size) in fields.items()}
     apart = {key: 100 * (pair[1] - pair[0]) for key, pair in both.items()}
-    tall = limits(*(series[every] for pair in both.values() for series in pair), zero=True)
-    above = Axis(-wide, wide, ""), Axis(*tall, "p/p_ref,  q/(f p_ref)")
-    below = (
-        Axis(-wide, wide, X),
-        Axis(*limits(*(d[every] for d in apart.values()), zero=True, least=1e-9), "difference, %", count=3),
-    )
-    upper = frame(*above, width, height, top=26.0 if title else 12.0, bottom=20.0)
-    lower = frame(*below, width, 0.56 * height)
-    engines = {"r": comparison.reference, "f": comparison.result}
-    lines = [marks.horizontal(upper, 0.0, "zero")] + [
-        marks.curve(
-            upper, x[near], both[key][number][k], f"{who} {key}", f"{key}, {name_of(engines[who].engine)}",
-            data_field=f"{key}{number}" if live else None,
+    across = Axis(-wide, wide, "")
+    up = Axis(*limits(*(series[every] for pair in both.values() for series in pair), zero=True), "p/p_ref,  q/(f p_ref)")
+    below = Axis(*limits(*(d[every] for d in apart.values()), zero=True, least=1e-9), "difference, %", count=3)
+    touching = (both["p"][0][k] != 0) | (both["p"][1][k] != 0)
+    engines = (("r", comparison.reference), ("f", comparison.result))
+    lines: list[Mark] = [Rule(0.0, "zero")]
+    lines += [
+        Curve(
+            x[near], both[key][n][k], f"{who} {key}", f"{key}, {name_of(solution.engine)}", {"field": f"{key}{n}"} if live else {}
         )
-        for number, who in enumerate("rf")
-        for key in "pq"
-    ]  # fmt: skip
-    differences = [marks.horizontal(lower, 0.0, "zero")] + [
-        marks.curve(lower, x[near], apart[key][k], f"d {key}", f"difference of {key}, %", data_field=f"d{key}" if live else None)
+        for n, (who, solution) in enumerate(engines)
         for key in "pq"
     ]
-    heading = marks.words(upper.x.start, 16, title, class_="title") if title else ""
+    differences: list[Mark] = [Rule(0.0, "zero")]
+    differences += [
+        Curve(x[near], apart[key][k], f"d {key}", f"difference of {key}, %", {"field": f"d{key}"} if live else {}) for key in "pq"
+    ]
+    notes = [f"{key}: {measured(apart[key][k], x[near], 'x = {} a_ref', ' %', touching)}" for key in "pq"]
+    room = (72.0, 26.0 if title else 12.0, 20.0, 20.0)
     return (
-        panel(upper, *above, lines, f"Pressure and shear over x. {title}".strip(), clip=clip, extra=heading),
-        panel(lower, *below, differences, f"Result less reference over x. {title}".strip(), clip=f"{clip}-difference"),
+        Panel(name, across, up, lines, f"Pressure and shear over x. {title}".strip(), width, height, title, room=room),
+        Panel(
+            f"{name}-difference",
+            Axis(-wide, wide, X),
+            below,
+            differences,
+            f"Result less reference over x. {title}".strip(),
+            width,
+            0.56 * height + 56,
+            notes=notes,
+        ),
     )
 
 
-def _traction_table(comparison: Comparison, rows: Sequence[int]) -> Table:
-    expected, found, scales = comparison.expected, comparison.found, comparison.scales
-    points, chosen = len(found.x), list(rows)
-    return {
-        "time": np.repeat(found.time[chosen], points),
-        "x": np.tile(found.x, len(chosen)),
-        "x/a_ref": np.tile(found.x / scales.half_width, len(chosen)),
-        "p_reference/p_ref": (expected.pressure[chosen] / scales.pressure).ravel(),
-        "p_result/p_ref": (found.pressure[chosen] / scales.pressure).ravel(),
-        "q_reference/(f p_ref)": (expected.shear[chosen] / scales.shear).ravel(),
-        "q_result/(f p_ref)": (found.shear[chosen] / scales.shear).ravel(),
-    }
+def now(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
+    """Both engines at the chosen instant with most slip; axes hold the whole cycle, so that nothing leaves them as it moves."""
+    expected, found = comparison.expected, comparison.found
+    start, every, width = first_shown(found, chosen), range(len(found.time)), 560.0
+    above, difference = traction_panels(comparison, start, every, "now", (width, 300.0), live=True)
+    return Plate(
+        "cycle",
+        "The instant shown",
+        "Tractions of both engines, what each point does, and result − reference with its root mean square over the contact and its "
+        "largest value.",
+        "Pressure and shear of both engines at one instant, zones of stick and slip, and their difference.",
+        (above, _zones(comparison, start, width), difference),
+        {
+            "time": found.time,
+            "fraction": found.fraction,
+            "P": found.normal_load,
+            "Q": found.tangential_load,
+            "U_reference": expected.tangential_displacement,
+            "U_result": found.tangential_displacement,
+            "points_where_states_differ": (expected.state != found.state).sum(axis=1).astype(np.int64),
+        },
+        traction_keys(comparison),
+        columns=1,
+    )
 
 
-def zones(comparison: Comparison, k: int, width: float) -> str:
+def _zones(comparison: Comparison, k: int, width: float) -> Panel:
     """Open, stick and slip along x at instant k, a strip for each engine; the slider recolours them."""
-    wide = reach(comparison)
-    axes = Axis(-wide, wide, ""), Axis(0.0, 1.0, "")
-    area = frame(*axes, width, 84.0, top=0.0, bottom=0.0)
-    left, _, right, _ = area.box
-    parts = []
-    pairs = ((comparison.expected, comparison.reference), (comparison.found, comparison.result))
-    for number, (cycle, solution) in enumerate(pairs):
+    wide, marks = reach(comparison), list[Mark]()
+    for number, (_, cycle, solution) in enumerate(sides(comparison)):
         top = 20.0 + 40.0 * number
-        parts.append(marks.words(left, top - 5, name_of(solution.engine), class_="tick"))
-        inside = "".join(
-            marks.element("rect", x=a, y=top, width=b - a, height=16, class_=f"state-{s}")
-            for a, b, s in _runs(cycle, k, area, comparison)
-        )
-        parts.append(marks.element("g", inside or " ", class_="strip", data_strip=number, data_top=top))
-        parts.append(marks.element("rect", x=left, y=top, width=right - left, height=16, class_="outline"))
-    return marks.element(
-        "svg",
-        "".join(parts),
-        xmlns="http://www.w3.org/2000/svg",
-        viewBox=f"0 0 {width:g} 84",
-        role="img",
-        aria_label="Open, stick and slip along x, a strip for each engine",
-        class_="panel zones",
-        id="panel-zones",
-        data_x=area.x.words,
-        data_y=area.y.words,
-    )
-
-
-def _runs(cycle: Cycle, k: int, area: marks.Frame, comparison: Comparison) -> list[tuple[float, float, int]]:
-    """Left end, right end and state of every stretch of one state, in the frame."""
-    x = cycle.x / comparison.scales.half_width
-    middles = np.clip(area.x.place((x[1:] + x[:-1]) / 2), area.x.start, area.x.end)
-    turns = np.flatnonzero(np.diff(cycle.state[k]))
-    ends = [area.x.start, *(float(middles[t]) for t in turns), area.x.end]
-    states = [int(cycle.state[k, 0]), *(int(cycle.state[k, t + 1]) for t in turns)]
-    return [(a, b, s) for a, b, s in zip(ends[:-1], ends[1:], states, strict=True) if b > a]
-
-
-def _share_that_differs(comparison: Comparison) -> str:
-    """The metric of the map in words: points crowd at the edges, so that counting them would tell another, larger share."""
-    metric = comparison.metric("state")
-    return "" if metric.value is None else f" They differ over {value_of(metric)} of the length in contact, in the mean over time."
+        x = cycle.x / comparison.scales.half_width
+        turns = np.flatnonzero(np.diff(cycle.state[k]))
+        ends = [-wide, *np.clip((x[turns + 1] + x[turns]) / 2, -wide, wide).tolist(), wide]
+        states = cycle.state[k, [0, *(turns + 1).tolist()]].tolist()
+        runs = zip(ends[:-1], ends[1:], states, strict=True)
+        blocks = tuple(Block((a, b), (top, top + 16), f"state-{s}") for a, b, s in runs if b > a)
+        marks += [
+            Note(-wide, top - 5, name_of(solution.engine)),
+            Group(blocks, "strip", {"strip": number, "top": f"{top:g}"}),
+            Block((-wide, wide), (top, top + 16), "outline"),
+        ]
+    alt = "Open, stick and slip along x, a strip for each engine"
+    room = (72.0, 0.0, 20.0, 0.0)
+    return Panel("zones", Axis(-wide, wide, ""), Axis(84.0, 0.0, ""), marks, alt, width, 84.0, css="zones", bare=True, room=room)
 
 
 def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
@@ -183,36 +203,43 @@ def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
     expected, found, length = comparison.expected, comparison.found, comparison.scales.half_width
     wide = reach(comparison)
     inside = np.flatnonzero(np.abs(found.x) <= wide * length)
-    axes = Axis(-wide, wide, X), Axis(*limits(time, margin=0), time_words)
-    area = frame(*axes, 340.0, 320.0, top=26.0)
     columns = np.abs(found.x[:, None] / length - np.linspace(-wide, wide, _COLUMNS)).argmin(axis=0)
     rows = np.abs(time[:, None] - np.linspace(time[-1], time[0], _ROWS)).argmin(axis=0)
-    colours = list(STATES.values())
-    differs = expected.state != found.state
+    metric = comparison.metric("state")
+    # The metric's own number: points crowd at the edges, so that counting them would give another, larger share.
+    share = "" if metric.value is None else f"{value_of(metric)} of the length in contact"
     maps = (
-        (expected.state, colours, name_of(comparison.reference.engine), "map-reference"),
-        (found.state, colours, name_of(comparison.result.engine), "map-result"),
-        (differs.astype(np.uint8), ["#ffffff", "#111111"], "where they differ (black)", "map-difference"),
+        (expected.state, _STATES, name_of(comparison.reference.engine), "map-reference"),
+        (found.state, _STATES, name_of(comparison.result.engine), "map-result"),
+        (
+            expected.state != found.state,
+            ("#ffffff", "#111111"),
+            f"they differ: {value_of(metric)}" if share else "they differ",
+            "map-difference",
+        ),
     )
     codes = ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items())
     return Plate(
         "state_map",
         "Stick and slip over x and time",
-        "State of each surface point at each instant of the last cycle; time runs upwards." + _share_that_differs(comparison),
+        "State of each surface point at each instant of the last cycle; time runs upwards."
+        + (f" They differ over {share}, in the mean over time." if share else ""),
         "Two maps of open, stick, forward slip and reverse slip over x and time, one for each engine, and a third of "
         "their difference.",
         tuple(
-            panel(
-                area,
-                *axes,
-                [marks.image(area, states[np.ix_(rows, columns)].astype(np.uint8), palette)],
+            Panel(
+                name,
+                Axis(-wide, wide, X),
+                Axis(*limits(time, margin=0), time_words),
+                [Bitmap(states[np.ix_(rows, columns)].astype(np.uint8), palette)],
                 f"Map of states: {words}",
-                clip=clip,
+                340.0,
+                320.0,
+                words,
                 time="y",
-                extra=marks.words(area.x.start, 17, words, class_="title"),
                 css="pick",
             )
-            for states, palette, words, clip in maps
+            for states, palette, words, name in maps
         ),
         {
             "time": np.repeat(found.time, len(inside)),
@@ -232,30 +259,31 @@ def dissipation_density(comparison: Comparison) -> Plate | None:
     scales, x, wide = comparison.scales, comparison.found.x / comparison.scales.half_width, reach(comparison)
     unit = scales.dissipation / scales.half_width
     theirs, ours = comparison.expected.dissipation_density / unit, comparison.found.dissipation_density / unit
-    axes = Axis(-wide, wide, X), Axis(*limits(theirs, ours, zero=True), "w / (A f² P_ref²/a_ref)")
-    area = frame(*axes)
+    across = Axis(-wide, wide, X)
+    stick = comparison.reference.permanent_stick_half_width / scales.half_width
+    lines: list[Mark] = [Rule(side * float(stick), "stick-line", upright=True) for side in (-1, 1) if np.isfinite(stick)]
     engines = (("r", theirs, comparison.reference), ("f", ours, comparison.result))
-    lines = [
-        marks.vertical(area, side * float(stick) / scales.half_width, "stick-line")
-        for side in (-1, 1)
-        if np.isfinite(stick := comparison.reference.permanent_stick_half_width)
-    ]
-    lines += [marks.curve(area, x, w, f"{who} p", name_of(solution.engine)) for who, w, solution in engines]
+    lines += [Curve(x, w, f"{who} p", name_of(solution.engine)) for who, w, solution in engines]
     peak = int(np.nanargmax(np.where(np.isfinite(ours), ours, -np.inf)))
-    lines.append(marks.dot(area, float(x[peak]), float(ours[peak]), "event"))
-    differences = axes[0], Axis(*limits(ours - theirs, zero=True, least=1e-12), "difference")
-    beside = frame(*differences)
-    apart = [marks.horizontal(beside, 0.0, "zero"), marks.curve(beside, x, ours - theirs, "d p", "difference")]
-    stuck = f"; dashed: edges of the permanent stick zone, ±{stick / scales.half_width:.4g} a_ref" if np.isfinite(stick) else ""
+    lines.append(Dot(float(x[peak]), float(ours[peak]), "event"))
+    apart = 100 * (ours - theirs) / (float(np.nanmax(np.abs(theirs), initial=0.0)) or 1.0)
+    note = measured(apart, x, "x = {} a_ref", " %", (np.abs(x) <= wide) & ((theirs != 0) | (ours != 0)))
+    stuck = f"; dashed: edges of the permanent stick zone, ±{stick:.4g} a_ref" if np.isfinite(stick) else ""
     return Plate(
         "dissipation_density",
         "Dissipation, point by point",
         "First: friction work per unit area in the last cycle. Dot: the peak, "
-        f"{ours[peak]:.4g} at x = {signed(float(x[peak]))} a_ref{stuck}. Second: result less reference.",
+        f"{ours[peak]:.4g} at x = {signed(float(x[peak]))} a_ref{stuck}. Second: result − reference, over the largest of the reference.",
         "Dissipation density over x for both engines, and the difference.",
         (
-            panel(area, *axes, lines, "Dissipation density over x", clip="work", css="pick"),
-            panel(beside, *differences, apart, "Difference of the dissipation density", clip="work-difference"),
+            Panel(
+                "work", across, Axis(*limits(theirs, ours, zero=True), "w / (A f² P_ref²/a_ref)"), lines,
+                "Dissipation density over x", css="pick",
+            ),
+            Panel(
+                "work-difference", across, Axis(*limits(apart, zero=True, least=1e-9), "difference, % of the largest"),
+                [Rule(0.0, "zero"), Curve(x, apart, "d p", "difference")], "Difference of the dissipation density", notes=[note],
+            ),
         ),
         {
             "x": comparison.found.x,
@@ -264,4 +292,4 @@ def dissipation_density(comparison: Comparison) -> Plate | None:
             "w_result/(A f^2 P_ref^2/a_ref)": ours,
         },
         (*(Key(f"{who} p", name_of(solution.engine)) for who, _, solution in engines), Key("d p", "difference")),
-    )
+    )  # fmt: skip

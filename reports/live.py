@@ -7,19 +7,18 @@ from __future__ import annotations
 
 import base64
 import json
+import zlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.plate import packed
 from reports.comparison import Comparison
-from reports.definitions import name_of
-from reports.figures_cycle import places
-from reports.figures_fields import reach
-from reports.figures_loops import first_shown, sheared_shift
-from reports.instants import Event
+from reports.comparison.cycles import Event
+from reports.comparison.metrics import name_of
+from reports.figures_cycle import places, sheared_shift
+from reports.figures_fields import first_shown, reach
 from reports.units import load_unit, units
 
 Array = NDArray[np.float64]
@@ -112,7 +111,7 @@ def carried(data: dict[str, Any]) -> str:
 
 def tables(texts: Mapping[str, str], most: int = 1_500_000) -> dict[str, str]:
     """Name -> the CSV of each figure, deflated; those over `most` letters stay beside the page only."""
-    return {name: packed(text) for name, text in texts.items() if len(text) <= most}
+    return {name: base64.b64encode(zlib.compress(text.encode(), 9)).decode() for name, text in texts.items() if len(text) <= most}
 
 
 def as_script(data: dict[str, Any]) -> str:

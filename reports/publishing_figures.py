@@ -2,49 +2,27 @@
 
 from __future__ import annotations
 
-import io
-import re
-
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 
+from reports.charts.marks import Axis, Curve
+from reports.charts.plate import Key, Panel, Plate
+from reports.charts.scale import limits
 from reports.comparison import Comparison
-from reports.definitions import name_of
-from reports.drawing import BANDS, STYLE, THIN, canvas, label_axes, legend_above
-from reports.figures_cycle import sides
-
-# Texts stay texts (no outlines of letters in the file); points nearer than this to the line through their neighbours go [px].
-_LEAN = {**STYLE, "svg.fonttype": "none", "path.simplify_threshold": 0.25, "font.family": "sans-serif"}
-
-# Of the two sides of a comparison: broad and pale the reference, thin and dark the result.
-_STYLES = {"r": BANDS, "f": THIN}
+from reports.comparison.metrics import name_of
+from reports.figures_cycle import sheared_shift
+from reports.figures_fields import sides
 
 
 def picture(comparison: Comparison) -> str:
-    """Two panels as an SVG document: the same data gives the same text; coordinates to a hundredth of a point."""
-    with canvas(9.6, 3.5) as figure:
-        left, right = figure.subplots(1, 2)
-        figure.subplots_adjust(left=0.08, right=0.985, top=0.8, bottom=0.14, wspace=0.25)
-        _tractions(comparison, left)
-        if _moves(comparison):
-            _loop(comparison, right)
-        else:
-            _half_widths(comparison, right)
-        for axes in (left, right):
-            legend_above(axes, columns=2)
-    text = io.StringIO()
-    with mpl.rc_context(_LEAN):
-        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
-    # Inside quotes stand coordinates, outside them the words and numbers that are read.
-    return re.sub(r'"[^"]*"', lambda quoted: re.sub(r"-?\d+\.\d{3,}", _shorter, quoted[0]), text.getvalue())
+    """Two panels as an SVG document: the same data gives the same text."""
+    cycles, moves = sides(comparison), bool(np.ptp(comparison.expected.tangential_displacement) > 1e-9 * comparison.scales.shift)
+    panels = (_tractions(comparison), _loop(comparison) if moves else _half_widths(comparison))
+    keys = tuple(Key(f"{who} {css}", f"{css}, {name_of(s.engine)}") for who, _, s in cycles for css in "pq")
+    title = comparison.scene.title or comparison.scene.name
+    return Plate(comparison.scene.name, title, "", f"Both engines on {comparison.scene.name}", panels, {}, keys).svg() + "\n"
 
 
-def _shorter(found: re.Match[str]) -> str:
-    return f"{float(found[0]):.2f}".rstrip("0").rstrip(".")
-
-
-def _tractions(comparison: Comparison, axes: Axes) -> None:
+def _tractions(comparison: Comparison) -> Panel:
     """p and q where P is largest, and of these instants where |Q| is."""
     expected, found, scales = comparison.expected, comparison.found, comparison.scales
     largest = expected.normal_load >= expected.normal_load.max() * (1 - 1e-9)
@@ -53,48 +31,58 @@ def _tractions(comparison: Comparison, axes: Axes) -> None:
     edges = np.concatenate([expected.contact_edges[k], found.contact_edges[k]])
     reach = min(1.12 * float(np.nanmax(np.abs(edges))) / scales.half_width, float(np.abs(x).max()))
     near = np.abs(x) <= reach
-    for who, cycle, solution in sides(comparison):
-        name, styles = name_of(solution.engine), _STYLES[who]
-        axes.plot(x[near], cycle.pressure[k, near] / scales.pressure, label=f"p, {name}", **styles[0])
-        axes.plot(x[near], cycle.shear[k, near] / scales.shear, label=f"q, {name}", **styles[1])
-    axes.set_xlim(-reach, reach)
-    label_axes(axes, "x / a_ref", "p/p_ref,  q/(f p_ref)")
+    curves = []
+    for who, cycle, _ in sides(comparison):
+        for css, y in (("p", cycle.pressure[k, near] / scales.pressure), ("q", cycle.shear[k, near] / scales.shear)):
+            kept = _corners(x[near], y)
+            curves.append(Curve(x[near][kept], y[kept], f"{who} {css}"))
+    up = Axis(*limits(*(curve.y for curve in curves), zero=True), "p/p_ref,  q/(f p_ref)")
+    return Panel("tractions", Axis(-reach, reach, "x / a_ref"), up, curves, "Tractions over x")
 
 
-def _moves(comparison: Comparison) -> bool:
-    """Whether the upper body is shifted at all."""
-    return bool(np.ptp(comparison.expected.tangential_displacement) > 1e-9 * comparison.scales.shift)
-
-
-def _loop(comparison: Comparison, axes: Axes) -> None:
+def _loop(comparison: Comparison) -> Panel:
     """Q over the shift less its mean slope: each loop about its own middle, for finite bodies are stiffer than half-planes."""
-    scales = comparison.scales
-    for who, cycle, solution in sides(comparison):
-        load = cycle.tangential_load - cycle.tangential_load.mean()
-        shift = cycle.tangential_displacement - cycle.tangential_displacement.mean()
-        slope = float(load @ shift) / float(load @ load) if load @ load > 0 else 0.0
-        axes.plot(
-            (shift - slope * load) / scales.shift,
-            cycle.tangential_load / _size(comparison),
-            label=name_of(solution.engine),
-            **_STYLES[who][0],
-        )
-    label_axes(axes, "(U − mean slope · Q) / (A f P_ref)", "Q/(f P_ref)")
+    scales, curves = comparison.scales, []
+    for who, cycle, _ in sides(comparison):
+        u, q = sheared_shift(cycle) / scales.shift, cycle.tangential_load / (scales.friction * scales.normal_load)
+        kept = _corners(u / (np.ptp(u) or 1.0), q / (np.ptp(q) or 1.0))
+        curves.append(Curve(u[kept], q[kept], f"{who} p"))
+    across = Axis(*limits(*(curve.x for curve in curves)), "(U − mean slope · Q) / (A f P_ref)")
+    return Panel("loop", across, Axis(*limits(*(curve.y for curve in curves)), "Q/(f P_ref)"), curves, "Load over shift")
 
 
-def _size(comparison: Comparison) -> float:
-    return comparison.scales.friction * comparison.scales.normal_load
-
-
-def _half_widths(comparison: Comparison, axes: Axes) -> None:
+def _half_widths(comparison: Comparison) -> Panel:
     """Contact half-width over P."""
-    for who, cycle, solution in sides(comparison):
-        half = (cycle.contact_edges[:, 1] - cycle.contact_edges[:, 0]) / 2
+    curves = []
+    for who, cycle, _ in sides(comparison):
         order = np.argsort(cycle.normal_load, kind="stable")
-        axes.plot(
-            cycle.normal_load[order] / comparison.scales.normal_load,
-            half[order] / comparison.scales.half_width,
-            label=name_of(solution.engine),
-            **_STYLES[who][0],
-        )
-    label_axes(axes, "P/P_ref", "contact half-width / a_ref")
+        x = cycle.normal_load[order] / comparison.scales.normal_load
+        y = np.ptp(cycle.contact_edges, axis=1)[order] / 2 / comparison.scales.half_width
+        kept = _corners(x / (np.ptp(x) or 1.0), y / (float(np.nanmax(y, initial=0.0)) or 1.0))
+        curves.append(Curve(x[kept], y[kept], f"{who} p"))
+    across = Axis(*limits(*(curve.x for curve in curves), zero=True), "P/P_ref")
+    return Panel(
+        "half-widths", across, Axis(*limits(*(curve.y for curve in curves)), "contact half-width / a_ref"), curves, "Half-width"
+    )
+
+
+def _corners(x: np.ndarray, y: np.ndarray, off: float = 1e-3) -> list[int]:
+    """Indices of the points that a line needs so that none of the others is `off` from it (Douglas and Peucker 1973).
+
+    >>> _corners(np.arange(5.0), np.array([0.0, 0.0, 1.0, 0.0, 0.0]))
+    [0, 1, 2, 3, 4]
+    """
+    points = np.column_stack([x, y])
+    kept, open_parts = {0, len(points) - 1}, [(0, len(points) - 1)]
+    while open_parts:
+        a, b = open_parts.pop()
+        if b - a < 2:
+            continue
+        along = points[b] - points[a]
+        apart, size = points[a + 1 : b] - points[a], float(np.hypot(*along))
+        away = np.abs(along[0] * apart[:, 1] - along[1] * apart[:, 0]) / size if size else np.hypot(apart[:, 0], apart[:, 1])
+        k = int(np.nanargmax(np.nan_to_num(away, nan=np.inf))) + a + 1
+        if not away[k - a - 1] <= off:
+            kept.add(k)
+            open_parts += [(a, k), (k, b)]
+    return sorted(kept)

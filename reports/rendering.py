@@ -58,6 +58,12 @@ class Skin:
     edges: float = 0.0
 
 
+def round_down(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above `value`."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))
+
+
 def surface(skin: Skin) -> Any:
     """The mesh as pyvista.PolyData of plain triangles or quadrilaterals: those of order 2 cut at their mid-side nodes."""
     import pyvista

@@ -14,12 +14,11 @@ import halfplane_fe
 from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
+from reports.charts.style import style_of
 from reports.cli import main
 from reports.fields import NO_PEAK, Instant, instant_of, instants_of, peak, tension, write_fields
-from reports.figures_stress import stress
-from reports.mesh_pictures import BOUNDARY_COLOURS
+from reports.figures_mesh import BOUNDARIES, look, stress
 from reports.rendering import Skin, Window, picture, sides, surface
-from reports.stress_pictures import look
 from scenes import InputError, Scene, load_scene, scene_text
 from test_cli_commands import refused
 
@@ -152,7 +151,9 @@ def test_nodes_miss_the_peak_at_the_trailing_edge_by_what_is_said() -> None:
 
 
 def test_the_figure_of_the_page_says_that_nodes_miss_the_peak() -> None:
-    drawn = stress(answer_of("blocks"), [Instant(2.0, "Q largest")])
+    answer = answer_of("blocks")
+    snapshots = halfplane_fe.fields(answer, [2.0])
+    drawn = stress(answer, snapshots, [Instant(2.0, "Q largest")], look(snapshots))
     assert NO_PEAK in drawn.caption
     assert "largest nodal value [MPa]" in drawn.csv().splitlines()[0]
 
@@ -236,7 +237,8 @@ class TestCommand:
         """Colours of the boundaries that the two bodies have, and none of the far field that they have not."""
         found = (image.imread(folder / "out" / "pictures" / "mesh.png")[..., :3] * 255).round().astype(int)
         shown = {tuple(colour) for colour in np.unique(found.reshape(-1, 3), axis=0)}
-        wanted = {name: tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5)) for name, colour in BOUNDARY_COLOURS.items()}
+        colours = {name: style_of(f"curve side-{name}")["stroke"] for name in BOUNDARIES}
+        wanted = {name: tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5)) for name, colour in colours.items()}
         assert {name for name, colour in wanted.items() if colour in shown} == {"contact", "free", "sides", "base"}
 
     def test_a_second_run_leaves_no_picture_of_the_first(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

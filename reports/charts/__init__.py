@@ -1,1 +1,5 @@
-"""Small drawings as SVG text: axes, curves, maps. They take the page's colours, so they follow dark mode, print and phones."""
+"""Figures as values, and their two forms: SVG for pages (light, dark, live, on a phone), matplotlib for files to be published.
+
+A figure is a `Plate` of `Panel`s, and a panel is two axes and marks in the units of what it shows. `svg` and `publication` draw
+the same marks; what they look like stands once, in templates/charts.css. Nothing here knows a metric or an engine.
+"""

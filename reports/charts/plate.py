@@ -1,17 +1,114 @@
-"""A figure of the page: its panels, the key to its lines, its words and its numbers."""
+"""A figure as a value: its panels with their marks, the key to its lines, its words and its numbers; and its form as SVG.
+
+On a page the style sheet colours a panel, so that it follows dark mode and print; alone it carries its colours. Words are escaped in
+`element` and `_Pen.words` and nowhere else.
+"""
 
 from __future__ import annotations
 
 import base64
+import io
+import math
+import struct
 import zlib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 
-from reports.drawing import Table, table_text
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reports.charts.marks import (
+    Arrow,
+    Axis,
+    Band,
+    Bitmap,
+    Block,
+    Curve,
+    Dot,
+    Frame,
+    Group,
+    Mark,
+    Note,
+    Rule,
+    Segments,
+)
+from reports.charts.scale import Scale, labels, ticks
+from reports.charts.style import pieces, shades, style_of
+from reports.charts.table import Table, table_text
+from reports.charts.templating import template
+
+# Room around the area of the curves for words and numbers [units of a drawing, in which letters are 12 high].
+LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0
+# Coordinates of segments that panels share are whole numbers of the width of the first panel over this.
+_GRAIN = 40000
+_UNIT = Scale(0.0, 1.0, 0.0, 1.0)
+_HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Two axes and marks.
+
+    Attributes
+    ----------
+    name : used once on a page; alt : what it shows, for who can't see it
+    width, height : of the drawing; room : left, top, right, bottom of it beside the area, automatic if None
+    title, notes : lines above the area; notes hold the numbers of a plot
+    time : "x" or "y" where that axis is the time, so that the instant shown is marked on it
+    equal : one scale for both axes, the one with room to spare showing more on both sides; bare : no axes at all
+    """
+
+    name: str
+    x: Axis
+    y: Axis
+    marks: Sequence[Mark]
+    alt: str
+    width: float = 440.0
+    height: float = 300.0
+    title: str = ""
+    notes: Sequence[str] = ()
+    time: str = ""
+    css: str = ""
+    equal: bool = False
+    bare: bool = False
+    room: tuple[float, float, float, float] | None = None
+
+    @property
+    def frame(self) -> Frame:
+        """The area that the marks lie in."""
+        above = TOP + LINE * (len(self.notes) + bool(self.title))
+        left, top, right, bottom = self.room or (LEFT, above, RIGHT, BOTTOM if self.x.words else 24.0)
+        (x0, x1), (y0, y1) = (self.x.low, self.x.high), (self.y.low, self.y.high)
+        across, up = self.width - left - right, self.height - top - bottom
+        if self.equal:
+            unit = max((x1 - x0) / across, (y1 - y0) / up)
+            (x0, x1), (y0, y1) = (
+                ((a + b - unit * size) / 2, (a + b + unit * size) / 2) for a, b, size in ((x0, x1, across), (y0, y1, up))
+            )
+        horizontal = Scale(x0, x1, left, self.width - right, self.x.log)
+        return Frame(horizontal, Scale(y0, y1, self.height - bottom, top, self.y.log), self.width, self.height)
+
+    def __html__(self) -> str:
+        """The panel on a page."""
+        return panel_svg(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """Panels that belong together, one under the other; where it has an `event`, a click shows that instant of the cycle."""
+
+    panels: tuple[Panel, ...]
+    event: int | None
+
+    def __html__(self) -> str:
+        inside = "".join(panel.__html__() for panel in self.panels)
+        return f"<div>{inside}</div>" if self.event is None else f'<div class="cell" data-event="{self.event:d}">{inside}</div>'
 
 
 @dataclass(frozen=True)
 class Key:
-    """An entry of a legend: class of the line or patch as the style sheet has it, and what it stands for."""
+    """An entry of a legend: the look of its lines or patches, and what they stand for."""
 
     css: str
     text: str
@@ -24,31 +121,367 @@ class Plate:
 
     Attributes
     ----------
-    name : stem of its file; title, caption : for the page; alt : what it shows, for who can't see it
-    panels : SVG documents, set side by side where there is room
+    name : stem of its files; title, caption : for the page; alt : what it shows, for who can't see it
+    panels : set side by side where there is room, at most `columns`
     table : column heading (with unit) -> values, all of one length; what the figure draws
     keys : the legend, above the panels
-    columns : panels side by side at most
     """
 
     name: str
     title: str
     caption: str
     alt: str
-    panels: tuple[str, ...]
+    panels: tuple[Panel | Cell, ...]
     table: Table
     keys: tuple[Key, ...] = ()
     columns: int = 2
 
     def svg(self) -> str:
-        """The panels, one after the other."""
-        return "\n".join(self.panels)
+        """The whole figure as a document of its own."""
+        return plate_svg(self)
 
     def csv(self) -> str:
         """The table, numbers to the last digit; an empty cell stands for "no such thing"."""
         return table_text(self.table)
 
+    def __html__(self) -> str:
+        """The figure on a page: legend, panels, caption."""
+        return str(template("figure.html").module.drawn(self))  # type: ignore[attr-defined]
 
-def packed(text: str) -> str:
-    """Text deflated and in base64, for a page to carry it (RFC 1950)."""
-    return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
+
+def stacks(plate: Plate) -> list[tuple[Panel, ...]]:
+    """The panels of a figure, those of a cell together."""
+    return [part.panels if isinstance(part, Cell) else (part,) for part in plate.panels]
+
+
+@dataclass(frozen=True)
+class Arranged:
+    """A figure on paper: its size, each panel and each entry of the legend with its left top corner [units of a drawing]."""
+
+    width: float
+    height: float
+    panels: tuple[tuple[Panel, float, float], ...]
+    keys: tuple[tuple[Key, float, float], ...]
+
+
+def arranged(plate: Plate) -> Arranged:
+    """Where everything stands in the files of a figure: the legend in rows, beneath it the panels in columns."""
+    parts = stacks(plate)
+    columns = min(plate.columns, len(parts))
+    rows = [parts[k : k + columns] for k in range(0, len(parts), columns)]
+    across = [max(stack[0].width for row in rows for stack in row[c : c + 1]) for c in range(columns)]
+    width, left, down, keys = sum(across), 10.0, 6.0, []
+    for key in plate.keys:
+        size = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
+        if left > 10.0 and left + size > width:
+            left, down = 10.0, down + 18.0
+        keys.append((key, left, down))
+        left += size
+    top = down + 22.0 if keys else 0.0
+    panels: list[tuple[Panel, float, float]] = []
+    for row in rows:
+        for column, stack in enumerate(row):
+            place = top
+            for panel in stack:
+                panels.append((panel, sum(across[:column]), place))
+                place += panel.height
+        top += max(sum(panel.height for panel in stack) for stack in row)
+    return Arranged(width, top, tuple(panels), tuple(keys))
+
+
+def colour_scale(
+    name: str,
+    low: float,
+    high: float,
+    words: str,
+    colours: str = "viridis",
+    *,
+    log: bool = False,
+    own: Sequence[float] = (),
+    width: float = 480.0,
+) -> Panel:
+    """What the colours of a map stand for; `own` ticks where round numbers are not wanted."""
+    high = high if high > low else low + (abs(low) or 1.0)
+    ends = np.geomspace(low, high, 65) if log else np.linspace(low, high, 65)
+    blocks = [
+        Block((float(a), high), (0.0, 1.0), fill=fill)  # up to the end, so that no seam is seen between two
+        for a, fill in zip(ends[:-1], shades((np.arange(64) + 0.5) / 64, colours), strict=True)
+    ]
+    numbers = [value for value in own if low <= value <= high] if own else ticks(low, high, 4, log=log)
+    axis = Axis(low, high, words, log, ticks=tuple(zip(numbers, labels(numbers), strict=True)))
+    return Panel(name, axis, Axis(0.0, 1.0, "", count=0), blocks, f"Colours: {words}", width, 74.0, css="colours")
+
+
+def attributes(given: Mapping[str, object]) -> str:
+    """Attributes as text, "_" in a name read as "-", empty ones left out.
+
+    >>> attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
+    ' data-label="a &quot;b&quot;" x="1.5"'
+    """
+    parts = ((name.rstrip("_").replace("_", "-"), f"{v:.2f}".rstrip("0").rstrip(".") if isinstance(v, float) else str(v))
+             for name, v in given.items() if v is not None and v != "")  # fmt: skip
+    return "".join(f' {name}="{escape(value)}"' for name, value in parts)
+
+
+def element(name: str, content: str = "", /, **given: object) -> str:
+    """An element; `content` is SVG already. A place that is no number draws nothing."""
+    if any(isinstance(value, float) and not math.isfinite(value) for value in given.values()):
+        return ""
+    return f"<{name}{attributes(given)}>{content}</{name}>" if content else f"<{name}{attributes(given)}/>"
+
+
+def path_of(horizontal: ArrayLike, vertical: ArrayLike) -> str:
+    """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are left out.
+
+    >>> path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1])
+    'M0 0L1 1M2 1L3 1'
+
+    A place that stands alone is a line to itself, which round ends make a dot.
+
+    >>> path_of([0, np.nan, 2], [0, 1, 1])
+    'M0 0L0 0M2 1L2 1'
+    """
+    across, down = np.round(np.asarray(horizontal, dtype=float), 2), np.round(np.asarray(vertical, dtype=float), 2)
+    good = np.isfinite(across) & np.isfinite(down)
+    moved = np.ones(len(across), dtype=bool)
+    moved[1:] = (across[1:] != across[:-1]) | (down[1:] != down[:-1]) | ~good[:-1]
+    starts = good & ~np.concatenate([[False], good[:-1]])
+    alone = starts & ~np.concatenate([good[1:], [False]])
+    rows = np.flatnonzero(good & moved)
+    places = {k: f"{across[k]:g} {down[k]:g}" for k in rows.tolist()}
+    return "".join(f"M{at}L{at}" if alone[k] else f"{'M' if starts[k] else 'L'}{at}" for k, at in places.items())
+
+
+def outlines(band: Band) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """The closed outline of each part of a band, without its gaps.
+
+    >>> [x.tolist() for x, _ in outlines(Band([0, 1, 2, 3], [0, 0, 0, 0], [1, 1, np.nan, 2], "pale-stick"))]
+    [[0.0, 1.0, 1.0, 0.0], [3.0, 3.0]]
+    """
+    x, low, high = (np.asarray(values, dtype=float) for values in (band.x, band.low, band.high))
+    known = np.isfinite(low) & np.isfinite(high)
+    for run in np.split(np.arange(len(known)), np.flatnonzero(np.diff(known)) + 1):
+        if len(run) and known[run[0]]:
+            yield np.concatenate([x[run], x[run][::-1]]), np.concatenate([low[run], high[run][::-1]])
+
+
+def png(pixels: NDArray[np.uint8], colours: Sequence[str] = ()) -> bytes:
+    """A picture as a PNG file (ISO/IEC 15948, 8 bits, no filter): (n, m) numbers of `colours`, or (n, m, 3) of which 255 colours are kept.
+
+    >>> png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
+    b'\\x89PNG\\r\\n\\x1a\\n'
+    """
+    if not colours:
+        from PIL import Image
+
+        stream = io.BytesIO()
+        Image.fromarray(pixels).quantize(255).save(stream, "PNG", optimize=True)  # type: ignore[no-untyped-call]
+        return stream.getvalue()
+    height, width = pixels.shape
+    rows = np.concatenate([np.zeros((height, 1), np.uint8), pixels.astype(np.uint8)], axis=1)
+    palette = b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours)
+    header = struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)
+    chunks = ((b"IHDR", header), (b"PLTE", palette), (b"IDAT", zlib.compress(rows.tobytes(), 9)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in chunks
+    )
+
+
+@dataclass(frozen=True)
+class _Pen:
+    """Draws marks in a frame; `alone` in a document without a style sheet."""
+
+    frame: Frame
+    alone: bool
+
+    def look(self, css: str, *, text: bool = False) -> dict[str, object]:
+        """Classes on a page, declarations in a document of its own."""
+        if not self.alone:
+            return {"class_": css}
+        kept = {name: value for name, value in style_of(css, text=text).items() if name not in ("vector-effect", "cursor")}
+        return {"style": ";".join(f"{name}:{value}" for name, value in kept.items())}
+
+    def words(self, x: float, y: float, text: str, css: str, /, **given: object) -> str:
+        """A text at a place of the drawing, with its subscripts."""
+        parts = pieces(text)
+        content = escape(text)
+        if len(parts) > 1:
+            down, content = False, ""
+            for part, low in parts:
+                shift = {"dy": "3.5" if low else "-3.5"} if low is not down else {}
+                size: dict[str, object] = self.look("sub") if low else {}
+                content += element("tspan", escape(part), **shift, **size) if shift or size else escape(part)
+                down = low
+        return element("text", content, x=float(x), y=float(y), **self.look(css, text=True), **given)
+
+    def data(self, given: Mapping[str, object]) -> dict[str, object]:
+        return {} if self.alone else {f"data_{name}": value for name, value in given.items()}
+
+    def draw(self, mark: Mark) -> str:
+        """A mark as SVG."""
+        frame = self.frame
+        left, top, right, bottom = frame.box
+        match mark:
+            case Curve():
+                d = path_of(frame.x.place(mark.x), frame.y.place(mark.y)) or "M0 0"
+                given = self.data({"label": mark.label} | dict(mark.data))
+                return element("path", d=d + ("Z" if mark.closed else ""), **self.look(f"curve {mark.css}"), **given)
+            case Band():
+                d = "".join(path_of(frame.x.place(x), frame.y.place(y)) + "Z" for x, y in outlines(mark))
+                return element("path", d=d or "M0 0", **self.look(f"band {mark.css}"))
+            case Segments():
+                return self.segments(mark)
+            case Dot():
+                x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
+                given = {"fill": mark.fill or None} | self.data({"label": mark.label} | dict(mark.data))
+                return element("circle", cx=x, cy=y, r=mark.radius, **self.look(mark.css), **given)
+            case Rule():
+                place = float((frame.x if mark.upright else frame.y).place(mark.at))
+                x1, y1, x2, y2 = (place, top, place, bottom) if mark.upright else (left, place, right, place)
+                return element("line", x1=x1, x2=x2, y1=y1, y2=y2, **self.look(mark.css))
+            case Block():
+                return self.block(mark)
+            case Bitmap():
+                address = "data:image/png;base64," + base64.b64encode(png(mark.pixels, mark.colours)).decode()
+                place = {"x": left, "y": top, "width": right - left, "height": bottom - top}
+                return element("image", **place, href=address, preserveAspectRatio="none", **self.look("map"))
+            case Note():
+                x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
+                given = {"dx": mark.shift[0] or None, "dy": mark.shift[1] or None} | self.data(mark.data)
+                anchor = None if mark.anchor == "start" else mark.anchor
+                return "".join(
+                    self.words(x, y + LINE * k, line, mark.css, text_anchor=anchor, **given)
+                    for k, line in enumerate(mark.text.split("\n"))
+                )
+            case Arrow():
+                return self.arrow(mark)
+            case Group():
+                inside = "".join(self.draw(one) for one in mark.marks) or " "
+                return element("g", inside, **self.look(mark.css), **self.data(mark.data))
+
+    def segments(self, mark: Segments) -> str:
+        """All of them as one path: on a page in whole numbers, so that another window can use it again."""
+        frame, look = self.frame, self.look(mark.css)
+        if self.alone or not mark.name:
+            x, y = frame.x.place(mark.ends[..., 0]), frame.y.place(mark.ends[..., 1])
+            seen = (x.max(axis=1) >= frame.x.start) & (x.min(axis=1) <= frame.x.end)
+            seen &= (y.max(axis=1) >= frame.y.end) & (y.min(axis=1) <= frame.y.start)
+            lines = zip(np.round(x[seen], 2).tolist(), np.round(y[seen], 2).tolist(), strict=True)
+            return element("path", d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0", **look)
+        grain = float(np.ptp(mark.ends[..., 0])) / _GRAIN or 1.0
+        zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * grain
+        x0, y0 = float(frame.x.place(0.0)), float(frame.y.place(0.0))
+        transform = f"translate({x0:.3f} {y0:.3f}) scale({zoom:.7g} {-zoom:.7g})"
+        if "again" in mark.name.split():
+            return element("g", element("use", href=f"#{mark.name.split()[0]}"), transform=transform)
+        whole = np.rint(mark.ends / grain).astype(int)
+        moves = (whole[:, 1] - whole[:, 0]).tolist()
+        d = "".join(f"M{x} {y}l{dx} {dy}" for (x, y), (dx, dy) in zip(whole[:, 0].tolist(), moves, strict=True))
+        return element("g", element("path", d=d, id=mark.name, **look), transform=transform)
+
+    def block(self, mark: Block) -> str:
+        (left, right), (low, high) = np.sort(self.frame.x.place(mark.x)), np.sort(self.frame.y.place(mark.y))
+        place = {"x": float(left), "y": float(low), "width": float(right - left), "height": float(high - low)}
+        given = {"fill": mark.fill or None} | self.data({"label": mark.label})
+        filled = element("rect", **place, **self.look(mark.css), **given)
+        if not mark.hatched:
+            return filled
+        # Lines of slope 1: x + y is constant along each.
+        sums = np.arange(np.ceil((left + low) / _HATCH), np.floor((right + high) / _HATCH) + 1) * _HATCH
+        begin, end = np.maximum(left, sums - high), np.minimum(right, sums - low)
+        lines = zip(begin.tolist(), end.tolist(), sums.tolist(), strict=True)
+        d = "".join(f"M{a:.1f} {s - a:.1f}L{b:.1f} {s - b:.1f}" for a, b, s in lines if b > a)
+        return filled + (element("path", d=d, **self.look("hatching")) if d else "")
+
+    def arrow(self, mark: Arrow) -> str:
+        """A line from the first to the second place with a head at the second."""
+        places = np.array([mark.start, mark.end])
+        first, tip = np.column_stack([self.frame.x.place(places[:, 0]), self.frame.y.place(places[:, 1])])
+        along = (tip - first) / np.hypot(*(tip - first))
+        across = np.array([-along[1], along[0]])
+        head = np.array([tip, tip - 11 * along + 4.5 * across, tip - 11 * along - 4.5 * across])
+        end = tip - 9 * along
+        line = element("path", d=path_of([first[0], end[0]], [first[1], end[1]]), **self.look(f"curve {mark.css}"))
+        return line + element("path", d=path_of(head[:, 0], head[:, 1]) + "Z", **self.look(f"head {mark.css}"))
+
+    def axes(self, x: Axis, y: Axis) -> str:
+        """Grid lines, numbers beside the axes, and what the axes show."""
+        frame = self.frame
+        left, top, right, bottom = frame.box
+        parts = []
+        for place, text in tick_places(x, frame.x):
+            parts.append(element("line", x1=place, x2=place, y1=top, y2=bottom, **self.look("grid across")))
+            if frame.height - bottom > 16:
+                parts.append(self.words(place, bottom + 15, text, "tick across", text_anchor="middle"))
+        for place, text in tick_places(y, frame.y):
+            parts.append(element("line", x1=left, x2=right, y1=place, y2=place, **self.look("grid upright")))
+            parts.append(self.words(left - 6, place + 4, text, "tick upright", text_anchor="end"))
+        middle = (top + bottom) / 2
+        if x.words and frame.height - bottom > 30:
+            parts.append(self.words((left + right) / 2, bottom + 36, x.words, "name", text_anchor="middle"))
+        if y.words:
+            parts.append(self.words(12, middle, y.words, "name", text_anchor="middle", transform=f"rotate(-90 12 {middle:g})"))
+        return "".join(parts)
+
+
+def tick_places(axis: Axis, scale: Scale) -> list[tuple[float, str]]:
+    """Place and number of each tick of an axis."""
+    if not axis.count:
+        return []
+    pairs = axis.ticks
+    if not pairs:
+        numbers = ticks(scale.low, scale.high, axis.count, log=axis.log)
+        pairs = tuple(zip(numbers, labels(numbers), strict=True))
+    return [(float(scale.place(number)), text) for number, text in pairs]
+
+
+def panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
+    """The SVG element of a panel; in a document of its own at a `place` (x, y, width, height) there."""
+    frame, pen = panel.frame, _Pen(panel.frame, alone)
+    left, top, right, bottom = frame.box
+    area = {"x": left, "y": top, "width": right - left, "height": bottom - top}
+    marks = element("g", "".join(pen.draw(mark) for mark in panel.marks) or " ", **({} if alone else {"class_": "marks"}))
+    parts = [marks]
+    if not panel.bare:
+        corner = f"M{left:g} {top:g}L{left:g} {bottom:g}L{right:g} {bottom:g}"
+        parts = [
+            element("clipPath", element("rect", **area), id=f"clip-{panel.name}"),
+            element("rect", **area, **pen.look("area")),
+            pen.axes(panel.x, panel.y),
+            element("g", marks, clip_path=f"url(#clip-{panel.name})"),
+            element("path", d=corner, **pen.look("axis")),
+        ]
+    lines = [(panel.title, "title")] if panel.title else []
+    lines += [(note, "measure") for note in panel.notes]
+    first = top - 7.0 - LINE * (len(lines) - 1)
+    parts += [pen.words(left if css == "title" else 24.0, first + LINE * k, text, css) for k, (text, css) in enumerate(lines)]
+    box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
+    if alone:
+        return element("svg", "".join(parts), **box, **place)
+    custom = " ".join(f"{number:g}={text}" for number, text in panel.x.ticks)
+    scales = {} if panel.bare and not panel.css else {"data_x": frame.x.words, "data_y": frame.y.words}
+    names = {"data_x_words": panel.x.words, "data_y_words": panel.y.words, "data_time": panel.time, "data_x_ticks": custom}
+    names |= {"data_counts": f"{panel.x.count} {panel.y.count}"} if (panel.x.count, panel.y.count) != (5, 5) else {}
+    kind = "sketch" if panel.bare and not panel.css else " ".join(["panel", *panel.css.split(), *["equal"] * panel.equal])
+    return element(
+        "svg", "".join(parts), **box, role="img", aria_label=panel.alt, class_=kind, id=f"panel-{panel.name}", **scales, **names
+    )
+
+
+def plate_svg(plate: Plate) -> str:
+    """A figure as an SVG document of its own: its legend, its panels, its colours; the same figure gives the same text."""
+    paper, parts = arranged(plate), []
+    for key, left, top in paper.keys:
+        pen = _Pen(Frame(*(_UNIT,) * 2, 0, 0), alone=True)
+        line = element("path", d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}", **pen.look(f"curve {key.css}"))
+        patch = element("rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch"))
+        parts += [patch if key.patch else line, pen.words(left + 30, top + 11, key.text, "word")]
+    parts += [
+        panel_svg(panel, alone=True, x=left, y=top, width=panel.width, height=panel.height) for panel, left, top in paper.panels
+    ]
+    size = {"width": f"{paper.width:g}", "height": f"{paper.height:g}", "viewBox": f"0 0 {paper.width:g} {paper.height:g}"}
+    ground = element("rect", width=paper.width, height=paper.height, fill="#ffffff")
+    return element(
+        "svg", f"<title>{escape(plate.title)}</title>{ground}{''.join(parts)}", xmlns="http://www.w3.org/2000/svg", **size,
+        font_family="DejaVu Sans, Segoe UI, sans-serif", font_size="12",
+    )  # fmt: skip

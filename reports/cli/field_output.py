@@ -158,17 +158,20 @@ def snapshots_of(solution: FiniteElementSolution, instants: Sequence[Instant]) -
 def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snapshot]], folder: Path, stages: Stages) -> list[str]:
     """Pictures of the mesh and of each snapshot; returns their names."""
     with stages.stage("pictures", "pictures") as report:
-        from reports.mesh_pictures import mesh_picture
-        from reports.panels import save
-        from reports.stress_pictures import look, stress_picture
+        import numpy as np
 
-        folder.mkdir()
-        save(mesh_picture(solution, stills[0][1].bodies), folder / "mesh.png")
-        names, shared = ["mesh.png"], look([snapshot for _, snapshot in stills])
+        from reports.charts.publication import write_plots
+        from reports.figures_mesh import look, mesh, stress
+
+        edge = float(np.nanmax(solution.contact_half_width))
+        names, shared = (
+            write_plots([mesh(solution.bodies, edge, edge)], folder, ("png",)),
+            look([snapshot for _, snapshot in stills]),
+        )
         for number, (instant, snapshot) in enumerate(stills):
             report(number + 1, len(stills) + 1, f"time {snapshot.time:.6g}")
-            names.append(f"von_mises_{number:03d}.png")
-            save(stress_picture(solution, snapshot, instant.label, shared), folder / names[-1])
+            plate = stress(solution, [snapshot], [instant], shared, f"von_mises_{number:03d}", 1000)
+            names += write_plots([plate], folder, ("png",))
     return [f"pictures/{name}" for name in names]
 
 

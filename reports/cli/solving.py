@@ -545,10 +545,10 @@ _INSTANTS = (
 
 def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path:
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
+    from reports.charts.table import table_text
     from reports.cli.findings import SOLUTION
     from reports.comparison.content import solution_content, strict
     from reports.comparison.laws import certificates
-    from reports.drawing import table_text
 
     stem = name or solution.engine
     with filled(out, fresh=()) as folder:

@@ -14,6 +14,12 @@ from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, 
 CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
 # Terms that are nothing but bounds of rounding in nearly every run: on the page and in the file, not in the terminal.
 _SMALL = ("solver", "half-plane theory")
+SUPPORT_WORDS = {
+    "fixed": "fixed",
+    "rollers": "on rollers along x",
+    "guided": "guided along y",
+    "half_plane": "joined to the half-plane around it",
+}
 _SIDES = {"free": "its sides free", "guided": "its sides guided by smooth walls"}
 _BASE = {"fixed": "its base fixed to a rigid plane", "rollers": "its base on rollers along a rigid plane"}
 

@@ -32,7 +32,7 @@ def drawings(chart: Chart, readings: Readings) -> Iterator[tuple[str, str, str]]
         caption = "Error of half-plane theory over both axes; lines at 1, 5 and 10 %; hatched: not resolved, |error| ≤ uncertainty."
         yield (
             f"{chart.study}-map.svg",
-            heat(chart, readings, figures_of(readings, _DRAWN if chart.expected else _DRAWN[:2])),
+            heat(chart, readings, figures_of(readings, _DRAWN if chart.expected else _DRAWN[:2])).svg(),
             caption,
         )
     if chart.expected is not None or not chart.up:
@@ -43,7 +43,7 @@ def drawings(chart: Chart, readings: Readings) -> Iterator[tuple[str, str, str]]
         )
         if chart.expected is None:
             caption = "Discrepancy of the two engines over what is moved."
-        yield f"{chart.study}-law.svg", slopes(chart, found, figures_of(readings)), caption
+        yield f"{chart.study}-law.svg", slopes(chart, found, figures_of(readings)).svg(), caption
 
 
 def page(asked: Map, folder: Path) -> str:

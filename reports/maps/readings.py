@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.cells import harmless
+from reports.charts.table import harmless
 from scenes import InputError
 
 if TYPE_CHECKING:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
-from importlib import resources
 from typing import Any
 
 import numpy as np
 
 from reports.charts.plate import Plate
+from reports.charts.templating import script, template
 from reports.comparison import Comparison, Report
 from reports.comparison.laws import Certificate
 from reports.comparison.metrics import Metric, Verdict, name_of, normal_work
 from reports.comparison.words import (
     CLAIM,
+    SUPPORT_WORDS,
     accuracy_of,
     beyond_theory,
     bodies_in_words,
@@ -39,11 +38,9 @@ from reports.comparison.words import (
     value_of,
     verdict,
 )
-from reports.drawing import SUPPORT_WORDS
 from reports.figures_fields import STATE_KEYS
 from reports.live import as_script, carried
 from reports.provenance import commit
-from reports.templating import template
 from reports.units import energy_unit, minus, signed, units
 from scenes import ContactSolution
 
@@ -70,8 +67,7 @@ def render(
     comparison = report.comparison
     scene = comparison.scene
     columns, amounts = first_table(report)
-    script = (resources.files("reports") / "templates" / "report.js").read_text("utf-8")
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    program, digest = script()
     return template("report.html").render(
         title=scene.title or scene.name,
         scene=scene,
@@ -103,8 +99,8 @@ def render(
         command=command,
         commit=commit(),
         third=third,
-        script=script,
-        script_hash=f"sha256-{digest}",
+        script=program,
+        script_hash=digest,
         live=as_script(dict(live) if live else {"instants": 0}),
         carried=carried(dict(live)) if live else "",
         states=STATE_KEYS,

@@ -15,9 +15,6 @@ from reports import (
     figures_checks,
     figures_cycle,
     figures_fields,
-    figures_loops,
-    figures_mesh,
-    figures_now,
 )
 from reports.charts.plate import Plate
 from reports.comparison import Comparison, Report
@@ -69,9 +66,12 @@ def write(
     with filled(out) as folder:
         drawings = draw(report)
         if stress_instants:
-            from reports.figures_stress import stress
+            import halfplane_fe
+            from reports.figures_mesh import look, stress
 
-            drawings += (stress(with_bodies(comparison.result, "--stress"), stress_instants),)
+            answer = with_bodies(comparison.result, "--stress")
+            snapshots = halfplane_fe.fields(answer, [instant.time for instant in stress_instants])
+            drawings += (stress(answer, snapshots, stress_instants, look(snapshots)),)
         (folder / "figures").mkdir()
         texts = {drawing.name: drawing.csv() for drawing in drawings}
         for name, text in texts.items():
@@ -133,9 +133,9 @@ def draw(report: Report) -> tuple[Plate, ...]:
     chosen, (time, words) = chosen_instants(comparison), time_axis(comparison)
     drawings: list[Plate | None] = [
         figures_bodies.sketch(comparison.scene, comparison.scales.half_width),
-        figures_loops.load_path(comparison.result, comparison.found, chosen),
-        figures_now.now(comparison, chosen),
-        figures_loops.hysteresis(comparison, chosen),
+        figures_cycle.load_path(comparison.result, comparison.found, chosen),
+        figures_fields.now(comparison, chosen),
+        figures_cycle.hysteresis(comparison, chosen),
         figures_fields.state_map(comparison, time, words),
         figures_cycle.half_widths(comparison, time, words),
         figures_cycle.slip_histories(comparison, time, words),
@@ -147,13 +147,13 @@ def draw(report: Report) -> tuple[Plate, ...]:
         figures_checks.certificates("reference", comparison.reference, comparison.reference_certificates),
     ]
     if report.study is not None:
-        from reports.scoring.study_figure import distances
-
-        drawings.append(distances(report.study))
+        drawings.append(figures_budget.distances(report.study))
     if report.budget is not None:
         drawings += [figures_budget.bars(report.budget), figures_budget.ladders(report.budget)]
     if bodies := getattr(comparison.result, "bodies", ()):
-        drawings.append(figures_mesh.mesh(comparison, bodies))
+        from reports.figures_mesh import mesh
+
+        drawings.append(mesh(bodies, comparison.scales.half_width, float(np.nanmax(comparison.found.contact_edges))))
     left_out = _can_not_be_drawn(comparison)
     return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
 

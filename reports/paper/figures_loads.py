@@ -8,29 +8,28 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.drawing import COLOURS, STATE_COLOURS
+from reports.charts.marks import Arrow, Band, Curve, Mark
+from reports.charts.plate import Panel, Plate
 from reports.paper.cases import LETTERS, Case
-from reports.paper.plots import FAINT, INK, Arrow, Band, Line, Note, Panel, Part, Sheet
+from reports.paper.plots import axes, line, named, plate
 from scenes import SurfaceState, load_scene
 
 Array = NDArray[np.float64]
 
-FORWARD, REVERSE, STICK = (
-    STATE_COLOURS[state] for state in (SurfaceState.SLIP_FORWARD, SurfaceState.SLIP_REVERSE, SurfaceState.STICK)
-)
-PALE_FORWARD, PALE_REVERSE, PALE_STICK = "#f7deb0", "#b3d4ea", "#e3e3e3"
+PALE_FORWARD, PALE_REVERSE, PALE_STICK = "pale-forward", "pale-reverse", "pale-stick"
 LOAD = "/ (P₀/3)"
 
 
-def figure_1(case: Case) -> Sheet:
+def figure_1(case: Case) -> Plate:
     """The motor with an eccentric weight; the gap under its foot is the profile of the case, drawn much higher."""
     scene = load_scene("motor")
     x = np.linspace(-1.9, 1.9, 191)
     height = np.asarray(case.scene.profile.height(x * case.length))
     foot = height * 0.45 / height[0]
     parts = [*_foot(x, foot), *_motor()]
-    panel = Panel("", "", parts, x_range=(-2.8, 3.4), y_range=(-0.9, 3.6), equal=True, bare=True)
-    return Sheet(
+    across, up = axes((-2.8, 3.6, ""), (-0.95, 3.6, ""))
+    panel = Panel("figure_01", across, up, parts, "A motor on its foot", 620.0, 440.0, bare=True, room=(0.0, 0.0, 0.0, 0.0))
+    return plate(
         "figure_01",
         "Figure 1. A motor with an eccentric mass on its foot",
         "The foot is flat with rounded edges; its gap is that of the library's profile, drawn much higher than it is. The weight "
@@ -39,29 +38,27 @@ def figure_1(case: Case) -> Sheet:
         "A motor on a foot with rounded edges on a half-plane, its weight and the turning force of an eccentric mass as arrows.",
         [panel],
         {"x / a(P0)": x, "gap under the foot [scene units]": height},
-        size=(6.2, 4.5),
-        left=0.02,
     )
 
 
-def _foot(x: Array, foot: Array) -> list[Part]:
+def _foot(x: Array, foot: Array) -> list[Mark]:
     """The half-plane and the foot on it."""
     return [
-        Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "#dcdcdc"),
-        Line(np.array([-2.6, 2.6]), np.zeros(2)),
-        Band(x, foot, np.full(len(x), 1.1), "#c9dcec"),
-        Line(np.concatenate([x, x[::-1], x[:1]]), np.concatenate([foot, np.full(len(x), 1.1), foot[:1]])),
-        Arrow((-2.5, 0.22), (-2.0, 0.22)),
-        Note(-2.5, 0.22, "x, Q", (14.0, 9.0)),
-        Arrow((-0.505, -0.2), (0.505, -0.2)),
-        Arrow((0.505, -0.2), (-0.505, -0.2)),
-        Note(0.0, -0.2, "flat face, 2 b", (0.0, -10.0)),
-        Note(1.45, 0.55, "edges of\nradius R"),
-        Note(0.0, -0.72, "half-plane"),
+        Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "body lower"),
+        line(np.array([-2.6, 2.6]), np.zeros(2)),
+        Band(x, foot, np.full(len(x), 1.1), "body upper"),
+        line(np.concatenate([x, x[::-1], x[:1]]), np.concatenate([foot, np.full(len(x), 1.1), foot[:1]])),
+        Arrow((-2.5, 0.22), (-2.0, 0.22), "solid"),
+        *named(-2.5, 0.22, "x, Q", (14.0, 9.0)),
+        Arrow((-0.505, -0.2), (0.505, -0.2), "solid"),
+        Arrow((0.505, -0.2), (-0.505, -0.2), "solid"),
+        *named(0.0, -0.2, "flat face, 2 b", (0.0, -12.0)),
+        *named(1.45, 0.55, "edges of\nradius R", (0.0, 7.0)),
+        *named(0.0, -0.72, "half-plane"),
     ]
 
 
-def _motor() -> list[Part]:
+def _motor() -> list[Mark]:
     """The motor on its struts, its weight and its turning mass."""
     circle = np.linspace(0.0, 2 * math.pi, 121)
     axle, radius, mass = (0.0, 2.35), 0.85, math.radians(35.0)
@@ -69,41 +66,42 @@ def _motor() -> list[Part]:
     tip = (axle[0] + 1.6 * math.cos(mass), axle[1] + 1.6 * math.sin(mass))
     turn = np.linspace(math.radians(70), math.radians(160), 31)
     return [
-        Line(np.array([-0.55, -0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
-        Line(np.array([0.55, 0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
-        Line(axle[0] + radius * np.cos(circle), axle[1] + radius * np.sin(circle), width=1.8),
-        Line(np.array([axle[0], weight[0]]), np.array([axle[1], weight[1]]), colour=FAINT),
-        Note(*axle, "", dot=True),
-        Line(weight[0] + 0.1 * np.cos(circle), weight[1] + 0.1 * np.sin(circle), colour=COLOURS[1], width=4.0),
-        Arrow(weight, tip, COLOURS[1]),
-        Note(*tip, "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x", (62.0, 12.0), colour=COLOURS[1]),
-        Line(axle[0] + 0.6 * np.cos(turn), axle[1] + 0.6 * np.sin(turn), colour=FAINT),
-        Arrow((-0.5, 2.68), (axle[0] + 0.6 * math.cos(turn[-1]), axle[1] + 0.6 * math.sin(turn[-1]) - 0.06), FAINT),
-        Note(-0.42, 2.95, "ω", (0.0, 4.0), colour="#5c5c5c"),
-        Arrow(axle, (0.0, 1.2), COLOURS[0]),
-        Note(0.0, 1.3, "self-weight P₀", (-78.0, 1.0), colour=COLOURS[0]),
+        line(np.array([-0.55, -0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
+        line(np.array([0.55, 0.4]), np.array([1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))])),
+        line(axle[0] + radius * np.cos(circle), axle[1] + radius * np.sin(circle), look="bold"),
+        line(np.array([axle[0], weight[0]]), np.array([axle[1], weight[1]]), look="faint"),
+        *named(*axle, "", dot=True),
+        line(weight[0] + 0.1 * np.cos(circle), weight[1] + 0.1 * np.sin(circle), look="c1 broad-line"),
+        Arrow(weight, tip, "c1"),
+        *named(*tip, "turning force: P₁ cos ωt down,\nQ₁ cos(ωt − φ) along x", (72.0, 14.0), "1"),
+        line(axle[0] + 0.6 * np.cos(turn), axle[1] + 0.6 * np.sin(turn), look="faint"),
+        Arrow((-0.5, 2.68), (axle[0] + 0.6 * math.cos(turn[-1]), axle[1] + 0.6 * math.sin(turn[-1]) - 0.06), "faint"),
+        *named(-0.42, 2.95, "ω", (0.0, 4.0), css="tick"),
+        Arrow(axle, (0.0, 1.2), "c0"),
+        *named(0.0, 1.3, "self-weight P₀", (-82.0, 1.0), "0"),
     ]
 
 
-def figure_2(case: Case) -> Sheet:
+def figure_2(case: Case) -> Plate:
     """The initial loading and the ellipse in the plane of the loads, with the letters and the lines that define them."""
     start = case.scene.load.path().start
     way, turn = np.linspace(start, case.time("A"), 101), case.round_times()
     (p_way, q_way), (p, q) = case.loads(way), case.loads(turn)
     cone = np.array([0.0, 4.6])
-    parts: list[Part] = [
-        Line(cone, case.friction * cone, "sliding, |Q| = f P", FAINT, "dash", 1.0),
-        Line(cone, -case.friction * cone, "", FAINT, "dash", 1.0),
-        Line(p_way, q_way, "initial loading, parabola OA", COLOURS[1], "dashdot"),
+    parts: list[Mark] = [
+        line(cone, case.friction * cone, "sliding, |Q| = f P", "faint dash fine"),
+        line(cone, -case.friction * cone, "", "faint dash fine"),
+        line(p_way, q_way, "initial loading, parabola OA", "c1 dashdot"),
         *_constructions(case),
-        Line(p, q, "ellipse, gone round anticlockwise", INK, width=1.8),
+        line(p, q, "ellipse, gone round anticlockwise", "bold"),
         *_letters(case),
-        Note(0.0, 0.0, "O", (18.0, -7.0), dot=True),
+        *named(0.0, 0.0, "O", (18.0, -9.0), dot=True),
     ]
     label = f"load P {LOAD}"
-    panel = Panel(f"normal {label}", f"tangential load Q {LOAD}", parts, x_range=(0.0, 4.6), y_range=(-0.7, 2.8), equal=True)
+    across, up = axes((0.0, 4.6, f"normal {label}"), (-0.7, 2.8, f"tangential load Q {LOAD}"))
+    panel = Panel("figure_02", across, up, parts, "Load path with its letters", 640.0, 480.0, equal=True)
     letters = sorted(case.events, key=case.time)
-    return Sheet(
+    return plate(
         "figure_02",
         "Figure 2. The path of the loads",
         "Letters that share a point (A and H, B and I, C and K, D and L, E and M) are a revolution apart. dQ/dP = f at B, I, E "
@@ -119,23 +117,21 @@ def figure_2(case: Case) -> Sheet:
             "Q / (P0/3)": [case.events[letter].tangential_load / case.unit for letter in letters],
             "front load / (P0/3)": [case.events[letter].front_load / case.unit for letter in letters],
         },
-        size=(6.6, 5.3),
-        legend_columns=2,
     )
 
 
-def _constructions(case: Case) -> Iterator[Part]:
+def _constructions(case: Case) -> Iterator[Mark]:
     """Lines of gradient +-f through E and G."""
     f = case.friction
     p_e, q_e, p_z = _point(case, "E")
     p_g, q_g, p_t = _point(case, "G")
     p_j, q_j, _ = _point(case, "J")
     q_z, q_t = q_e - f * (p_e - p_z), q_g + f * (p_g - p_t)
-    yield Line(np.array([p_z, p_e]), np.array([q_z, q_e]), "gradient f through E and G", COLOURS[0], width=1.0)
-    yield Line(np.array([p_g, p_j]), np.array([q_g, q_j]), "", COLOURS[0], width=1.0)
-    yield Line(np.array([p_t, p_g]), np.array([q_t, q_g]), "gradient −f through G", COLOURS[2], "dot", 1.4)
-    yield Note(p_z, q_z, "Z", (-8.0, 6.0), dot=True, colour=COLOURS[0])
-    yield Note(p_t, q_t, "T", (-7.0, 7.0), dot=True, colour=COLOURS[2])
+    yield line(np.array([p_z, p_e]), np.array([q_z, q_e]), "gradient f through E and G", "c0 solid fine")
+    yield line(np.array([p_g, p_j]), np.array([q_g, q_j]), "", "c0 solid fine")
+    yield line(np.array([p_t, p_g]), np.array([q_t, q_g]), "gradient −f through G", "c2 dot")
+    yield from named(p_z, q_z, "Z", (-8.0, 6.0), "0", dot=True)
+    yield from named(p_t, q_t, "T", (-7.0, 7.0), "2", dot=True)
 
 
 def _point(case: Case, letter: str) -> tuple[float, float, float]:
@@ -144,7 +140,7 @@ def _point(case: Case, letter: str) -> tuple[float, float, float]:
     return event.normal_load / case.unit, event.tangential_load / case.unit, event.front_load / case.unit
 
 
-def _letters(case: Case) -> Iterator[Note]:
+def _letters(case: Case) -> Iterator[Mark]:
     """Letters outside the ellipse, those of one point together."""
     groups: dict[tuple[float, float], str] = {}
     for letter in LETTERS:
@@ -155,31 +151,31 @@ def _letters(case: Case) -> Iterator[Note]:
     for (p, q), text in groups.items():
         away = np.array([p - centre[0], q - centre[1]])
         away = away / np.hypot(*away)
-        yield Note(p, q, text, (14.0 * float(away[0]), 12.0 * float(away[1])), dot=True)
+        yield from named(p, q, text, (14.0 * float(away[0]), 12.0 * float(away[1])), dot=True)
 
 
-def figure_3(case: Case) -> Sheet:
+def figure_3(case: Case) -> Plate:
     """Pressure and shear traction at A to M."""
     x = np.linspace(-1.25, 1.25, 251)
     times = [case.time(letter) for letter in LETTERS]
     solution = case.solve(time=times, x=x, fields=("pressure", "shear", "state"))
     scale = case.length / case.unit
     limit, shear = case.friction * solution.pressure * scale, solution.shear * scale
-    columns = 5
     panels = []
     for number, letter in enumerate(LETTERS):
         loads = f"P = {solution.normal_load[number] / case.unit:.2f}, Q = {solution.tangential_load[number] / case.unit:.2f}"
         panels.append(
             Panel(
-                "x / a(P₀)" if number + columns >= len(LETTERS) else "",
-                "traction · a(P₀) / (P₀/3)" if number % columns == 0 else "",
+                f"figure_03-{letter}",
+                *axes((-1.25, 1.25, "x / a(P₀)"), (-2.4, 2.4, "traction · a(P₀) / (P₀/3)")),
                 [*_slip_bands(x, solution.state[number], limit[number]), *_tractions(x, limit[number], shear[number])],
-                title=f"{letter}   {loads}",
-                x_range=(-1.25, 1.25),
-                y_range=(-2.4, 2.4),
+                f"Tractions at {letter}",
+                270.0,
+                240.0,
+                f"{letter}   {loads}",
             )
         )
-    return Sheet(
+    return plate(
         "figure_03",
         "Figure 3. Tractions of the Hertzian contact at the points A to M",
         "Loads are over P₀/3. A to D belong to the first cycle, E to M to the steady state; the instants are those of figure 2, "
@@ -190,21 +186,16 @@ def figure_3(case: Case) -> Sheet:
         {"x / a(P0)": x}
         | {f"f p at {letter}": limit[number] for number, letter in enumerate(LETTERS)}
         | {f"q at {letter}": shear[number] for number, letter in enumerate(LETTERS)},
-        columns=columns,
-        size=(12.0, 7.2),
-        left=0.05,
-        gaps=(0.16, 0.32),
-        legend_columns=5,
-        handles=[*_tractions(x, x, x), Band(x, x, x, PALE_FORWARD, "forward slip"), Band(x, x, x, PALE_REVERSE, "reverse slip")],
+        columns=4,
     )
 
 
-def _tractions(x: Array, limit: Array, shear: Array) -> list[Line]:
+def _tractions(x: Array, limit: Array, shear: Array) -> list[Curve]:
     """Shear traction between the limits of friction."""
     return [
-        Line(x, limit, "f p", FAINT, "solid", 1.2),
-        Line(x, -limit, "−f p", FAINT, "dash", 1.0),
-        Line(x, shear, "shear traction q", INK, width=1.6),
+        line(x, limit, "f p", "faint solid"),
+        line(x, -limit, "−f p", "faint dash"),
+        line(x, shear, "shear traction q", "shear-q"),
     ]
 
 

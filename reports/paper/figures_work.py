@@ -6,15 +6,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reports.drawing import COLOURS
+from reports.charts.marks import Mark
+from reports.charts.plate import Panel, Plate
 from reports.paper.cases import Paper, Sweep, total
-from reports.paper.plots import FAINT, INK, Dash, Line, Note, Panel, Part, Sheet
+from reports.paper.plots import FAMILY, axes, line, named, plate
 
-_DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot")
 _PHASES = {"IJ": "forward, I–J", "JM": "forward, J–M", "EG": "reverse, E–G"}
 
 
-def figure_6(paper: Paper) -> Sheet:
+def figure_6(paper: Paper) -> Plate:
     """W(x) of the Hertzian contact."""
     return _pointwise(
         paper,
@@ -26,7 +26,7 @@ def figure_6(paper: Paper) -> Sheet:
     )
 
 
-def figure_9(paper: Paper) -> Sheet:
+def figure_9(paper: Paper) -> Plate:
     """W(x) of the flat and rounded contact."""
     return _pointwise(
         paper,
@@ -37,7 +37,7 @@ def figure_9(paper: Paper) -> Sheet:
     )
 
 
-def _pointwise(paper: Paper, number: int, name: str, title: str, caption: str) -> Sheet:
+def _pointwise(paper: Paper, number: int, name: str, title: str, caption: str) -> Plate:
     case, peak = (paper.hertz, paper.rounded)[number], paper.peaks[number]
     inner, outer = case.stick_edge, case.outer_edge
     zone = inner + (outer - inner) * (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
@@ -45,24 +45,19 @@ def _pointwise(paper: Paper, number: int, name: str, title: str, caption: str) -
     phases = case.density(x)
     whole = total(phases)
     place, top = float(peak.place) / case.length, float(peak.value) * case.length / case.work_unit
-    parts: list[Part] = [Line(x, whole, "whole cycle", INK, width=1.8)]
-    for (phase, label), colour, dash in zip(_PHASES.items(), (COLOURS[1], COLOURS[4], COLOURS[0]), _DASHES[1:], strict=True):
-        parts.append(Line(x, phases[phase], label, colour, dash))
-    parts += [Line(np.full(2, edge), np.array([0.0, 1.12 * top]), "", FAINT, "dot", 1.0) for edge in (inner, outer)]
+    parts: list[Mark] = [line(x, whole, "whole cycle", "bold")]
+    for (phase, label), look in zip(_PHASES.items(), ("c1 dash", "c4 dashdot", "c0 dot"), strict=True):
+        parts.append(line(x, phases[phase], label, look))
+    parts += [line(np.full(2, edge), np.array([0.0, 1.12 * top]), "", "faint dot fine") for edge in (inner, outer)]
     share = float(peak.fraction)
     parts += [
-        Note(inner, 1.12 * top, f"stick edge {inner:.3f}", (38.0, 6.0), colour="#5c5c5c"),
-        Note(outer, 1.12 * top, f"edge of contact {outer:.3f}", (-44.0, 6.0), colour="#5c5c5c"),
-        Note(place, top, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
+        *named(inner, 1.12 * top, f"stick edge {inner:.3f}", (42.0, 6.0), css="tick"),
+        *named(outer, 1.12 * top, f"edge of contact {outer:.3f}", (-50.0, 6.0), css="tick"),
+        *named(place, top, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
     ]
-    panel = Panel(
-        "x / a(P₀)",
-        "W(x) · a(P₀) / (A f² P₀²)",
-        parts,
-        x_range=(0.95 * inner, outer + 0.05 * inner),
-        y_range=(0.0, 1.22 * top),
-    )
-    return Sheet(
+    across, up = axes((0.95 * inner, outer + 0.05 * inner, "x / a(P₀)"), (0.0, 1.22 * top, "W(x) · a(P₀) / (A f² P₀²)"))
+    panel = Panel(name, across, up, parts, "Pointwise dissipation over x", 640.0, 400.0)
+    return plate(
         name,
         title,
         f"{caption} The peak lies {share:.1%} of the way from the stick edge to the largest contact, at x = {place:.4f} a(P₀). "
@@ -70,12 +65,10 @@ def _pointwise(paper: Paper, number: int, name: str, title: str, caption: str) -
         "Pointwise dissipation over x with its parts in forward and reverse slip and the place of the peak.",
         [panel],
         {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": whole} | {f"in {phase}": phases[phase] for phase in _PHASES},
-        size=(6.6, 4.3),
-        left=0.12,
     )
 
 
-def figure_7(paper: Paper) -> list[Sheet]:
+def figure_7(paper: Paper) -> list[Plate]:
     """Global dissipation and peak of the Hertzian contact over P0/P1 and f."""
     return [
         _swept(
@@ -93,7 +86,7 @@ def figure_7(paper: Paper) -> list[Sheet]:
     ]
 
 
-def figure_10(paper: Paper) -> list[Sheet]:
+def figure_10(paper: Paper) -> list[Plate]:
     """The same of the flat and rounded contact, Hertz in thin lines."""
     ratio = "(b/a(P₀) = 0.505)"
     hertz, rounded = paper.sweeps
@@ -115,24 +108,25 @@ def figure_10(paper: Paper) -> list[Sheet]:
     ]
 
 
-def _swept(sweep: Sweep, name: str, title: str, what: str, other: Sweep | None = None) -> Sheet:
+def _swept(sweep: Sweep, name: str, title: str, what: str, other: Sweep | None = None) -> Plate:
     """Curves of one quantity over P0/P1, one for each f; another sweep in pale lines beneath."""
     label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[what]
-    parts: list[Part] = []
+    parts: list[Mark] = []
     if other is not None:
         for number, ratio in enumerate(other.ratio):
-            parts.append(Line(ratio, getattr(other, what)[number], "" if number else "Hertz, same f", FAINT, _DASHES[number], 1.0))
+            parts.append(line(ratio, getattr(other, what)[number], "" if number else "Hertz, same f", "faint solid fine"))
     parts += list(_family(sweep, what))
     values = [getattr(each, what) for each in (sweep, other) if each is not None]
     largest = max(float(value.max()) for value in values)
-    panel = Panel("P₀ / P₁", label, parts, x_range=(1.0, float(sweep.ratio.max())), y_range=(0.0, 1.08 * largest))
+    across, up = axes((1.0, float(sweep.ratio.max()), "P₀ / P₁"), (0.0, 1.08 * largest, label))
+    panel = Panel(name, across, up, parts, f"{label} over P₀/P₁", 620.0, 400.0)
     table = {f"P0/P1, f = {f:g}": sweep.ratio[k] for k, f in enumerate(sweep.frictions)}
     table |= {f"{what}, f = {f:g}": getattr(sweep, what)[k] for k, f in enumerate(sweep.frictions)}
     words = {
         "work": "Work of one steady cycle of the whole contact per thickness.",
         "peak": "Largest work of one steady cycle per area.",
     }[what]
-    return Sheet(
+    return plate(
         name,
         title,
         f"{words} Circles (Q₁ = P₁, φ = 90°) about Q₀ = 0, P₁ and a(P₀) constant, A = 2/E*. Dots: gross sliding, P₀/P₁ = √(1 + "
@@ -140,14 +134,11 @@ def _swept(sweep: Sweep, name: str, title: str, what: str, other: Sweep | None =
         f"{label} over P0/P1 for four coefficients of friction, falling from the sliding limit.",
         [panel],
         table,
-        size=(6.4, 4.2),
-        left=0.12,
-        legend_columns=3 if other is not None else 4,
     )
 
 
-def _family(sweep: Sweep, what: str) -> Iterator[Part]:
+def _family(sweep: Sweep, what: str) -> Iterator[Mark]:
     for number, f in enumerate(sweep.frictions):
         values = getattr(sweep, what)[number]
-        yield Line(sweep.ratio[number], values, f"f = {f:g}", COLOURS[number], _DASHES[number], 1.7)
-        yield Note(float(sweep.ratio[number, 0]), float(values[0]), "", dot=True, colour=COLOURS[number])
+        yield line(sweep.ratio[number], values, f"f = {f:g}", FAMILY[number])
+        yield from named(float(sweep.ratio[number, 0]), float(values[0]), "", look=f"{number}", dot=True)

@@ -10,25 +10,23 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.drawing import COLOURS
+from reports.charts.marks import Band, Curve, Mark
+from reports.charts.plate import Key, Panel, Plate
 from reports.paper.cases import FRICTIONS, POINTS, Case
-from reports.paper.figures_loads import FORWARD, LOAD, PALE_FORWARD, PALE_REVERSE, PALE_STICK, REVERSE
-from reports.paper.plots import FAINT, INK, Band, Dash, Line, Note, Panel, Part, Sheet
+from reports.paper.figures_loads import LOAD, PALE_FORWARD, PALE_REVERSE, PALE_STICK
+from reports.paper.plots import FAMILY, axes, line, named, plate
 from scenes import SurfaceState
 
 Array = NDArray[np.float64]
 
 _ANGLE = "angle θ of the cycle after M  [degrees]"
-_POINT_COLOURS = ("#5B2A86", "#8C510A", "#C2568F", "#333333")
+_POINTS = ("d", "4", "3", "5")
 _DEGREES = tuple((float(angle), f"{angle}") for angle in range(0, 361, 45))
-_DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot")
-
-_NOTHING = np.zeros(0)
 _STATES = (
-    Line(_NOTHING, _NOTHING, "sticking", FAINT, width=1.0),
-    Line(_NOTHING, _NOTHING, "slipping forward", FORWARD, width=3.0),
-    Line(_NOTHING, _NOTHING, "slipping in reverse", REVERSE, width=3.0),
-    Line(_NOTHING, _NOTHING, "separated", FAINT, "dot", 1.4),
+    Key("faint solid", "sticking"),
+    Key("forward broad-line", "slipping forward"),
+    Key("reverse broad-line", "slipping in reverse"),
+    Key("faint dot", "separated"),
 )
 
 
@@ -55,7 +53,7 @@ def stretches(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -
     return found
 
 
-def zone_parts(parts: Sequence[Stretch], horizontal: Sequence[Array]) -> Iterator[Part]:
+def zone_parts(parts: Sequence[Stretch], horizontal: Sequence[Array]) -> Iterator[Mark]:
     """Stick and slip filled, both edges drawn."""
     joined, stick = np.concatenate(list(horizontal)), np.concatenate([s.stick for s in parts])
     yield Band(joined, np.zeros(len(joined)), stick, PALE_STICK, "stick")
@@ -63,11 +61,11 @@ def zone_parts(parts: Sequence[Stretch], horizontal: Sequence[Array]) -> Iterato
         if stretch.direction:
             colour, label = (PALE_FORWARD, "forward slip") if stretch.direction > 0 else (PALE_REVERSE, "reverse slip")
             yield Band(x, stretch.stick, stretch.contact, colour, label)
-    yield Line(joined, np.concatenate([s.contact for s in parts]), "contact, a / a(P₀)", INK, width=1.8)
-    yield Line(joined, stick, "stick, c / a(P₀)", COLOURS[2], "dash", 1.6)
+    yield line(joined, np.concatenate([s.contact for s in parts]), "contact, a / a(P₀)", "bold")
+    yield line(joined, stick, "stick, c / a(P₀)", "c2 dash")
 
 
-def figure_4a(case: Case) -> Sheet:
+def figure_4a(case: Case) -> Plate:
     """Half-widths over the way that P has gone."""
     begin = case.scene.load.path().start
     marks = [(begin, 0), *((case.time(letter), way) for letter, way in zip("BEGIM", (1, -1, 0, 1, 0), strict=True))]
@@ -82,19 +80,14 @@ def figure_4a(case: Case) -> Sheet:
     parts = list(zone_parts(found, walked))
     for letter, place in places.items():
         height = float(case.width(case.events[letter].normal_load))
-        parts.append(Note(place, height, letter, (0.0, 9.0), dot=True))
+        parts += named(place, height, letter, (0.0, 9.0), dot=True)
     load = {letter: case.events[letter].normal_load / case.unit for letter in "ACDFHKLM"}
     ticks = [(0.0, "0"), *((float(value), f"{value}") for value in (1, 2))]
     ticks += [(places[letter], f"{value:.3g}") for letter, value in load.items()]
-    panel = Panel(
-        f"normal load P {LOAD}: growing to C, falling to F, growing to K, falling to M",
-        "half-width / a(P₀)",
-        parts,
-        x_range=(0.0, far + 0.05),
-        y_range=(0.0, 1.3),
-        x_ticks=ticks,
-    )
-    return Sheet(
+    words = f"normal load P {LOAD}: growing to C, falling to F, growing to K, falling to M"
+    across, up = axes((0.0, far + 0.05, words), (0.0, 1.3, "half-width / a(P₀)"), tuple(ticks))
+    panel = Panel("figure_04a", across, up, parts, "Half-widths over the path of P", 820.0, 420.0)
+    return plate(
         "figure_04a",
         "Figure 4a. Half-widths of contact and stick over the path of P, Hertz",
         "The abscissa is the way that P has gone, so that it runs on where P falls. Slip is deeper in the first cycle (B to E) "
@@ -103,9 +96,6 @@ def figure_4a(case: Case) -> Sheet:
         "Contact and stick half-width over the progress of the normal load, slip shaded by its direction.",
         [panel],
         _stretch_table(case, found, {"way of P / (P0/3)": np.concatenate(walked)}),
-        size=(8.6, 4.4),
-        left=0.085,
-        legend_columns=5,
     )
 
 
@@ -140,11 +130,11 @@ def _angles(found: Sequence[Stretch], start: float) -> list[Array]:
     return [np.degrees(stretch.time - start) for stretch in found]
 
 
-def figure_4b(case: Case) -> Sheet:
+def figure_4b(case: Case) -> Plate:
     """Half-widths through the steady cycle for four coefficients of friction, about Q0 = 0."""
     others = {f: case.about_no_shear(f) for f in FRICTIONS}
     start = others[FRICTIONS[0]].time("M")
-    parts: list[Part] = []
+    parts: list[Mark] = []
     columns: dict[str, Array] = {}
     # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
     grid = np.linspace(1e-6, 360.0, 721)
@@ -152,19 +142,13 @@ def figure_4b(case: Case) -> Sheet:
     for number, (f, other) in enumerate(others.items()):
         solution = other.solve(time=start + np.radians(grid))
         columns |= {f"c / a(P0), f = {f}": solution.stick_half_width / other.length}
-        colour, dash = COLOURS[number], _DASHES[number]
-        parts.append(Line(grid, columns[f"c / a(P0), f = {f}"], f"c / a(P₀), f = {f}", colour, dash, 1.5))
+        parts.append(line(grid, columns[f"c / a(P0), f = {f}"], f"c / a(P₀), f = {f}", FAMILY[number]))
     contact = case.width(others[FRICTIONS[0]].solve(time=start + np.radians(grid)).normal_load)
-    parts.append(Line(grid, contact, "contact, a / a(P₀)", INK, width=1.8))
-    panel = Panel(
-        "angle θ of the cycle after M for f = 1  [degrees]",
-        "half-width / a(P₀)",
-        parts,
-        x_range=(0.0, 360.0),
-        y_range=(0.0, 1.3),
-        x_ticks=_DEGREES,
-    )
-    return Sheet(
+    parts.append(line(grid, contact, "contact, a / a(P₀)", "bold"))
+    words = "angle θ of the cycle after M for f = 1  [degrees]"
+    across, up = axes((0.0, 360.0, words), (0.0, 1.3, "half-width / a(P₀)"), _DEGREES)
+    panel = Panel("figure_04b", across, up, parts, "Half-widths over the angle", 700.0, 430.0)
+    return plate(
         "figure_04b",
         "Figure 4b. Half-widths of contact and stick in the steady cycle, four coefficients of friction",
         "Drawn for Q₀ = 0: with Q₀ = 1.1 the loads would slide grossly at f = 0.6 and 0.4, and the extent of slip does not depend "
@@ -172,15 +156,12 @@ def figure_4b(case: Case) -> Sheet:
         "Contact half-width and four stick half-widths over the angle of the cycle.",
         [panel],
         {"theta [degrees]": grid, "a / a(P0)": contact} | columns,
-        size=(7.2, 4.6),
-        left=0.1,
-        legend_columns=3,
     )
 
 
-def _shading(case: Case, start: float) -> list[Part]:
+def _shading(case: Case, start: float) -> list[Mark]:
     """Stick and slip of one coefficient of friction over the angle after `start`, filled."""
-    parts: list[Part] = []
+    parts: list[Mark] = []
     stick: list[tuple[Array, Array]] = []
     f = f"f = {case.friction:g}"
     for stretch in stretches(case, _two_turns(case)):
@@ -199,7 +180,7 @@ def _two_turns(case: Case) -> list[tuple[float, int]]:
     return [*marks[:-1], *((time + 2 * math.pi, way) for time, way in marks)]
 
 
-def figure_5(case: Case) -> Sheet:
+def figure_5(case: Case) -> Plate:
     """Extent of contact and slip above, displacement of four points beneath."""
     start = case.time("M")
     found = stretches(case, steady_marks(case))
@@ -208,19 +189,27 @@ def figure_5(case: Case) -> Sheet:
     turn = np.linspace(0.0, 360.0, 721)
     solution = case.solve(time=start + np.radians(turn), x=POINTS, fields=("slip", "state"))
     moved = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
-    below: list[Part] = []
-    for number, (x, colour) in enumerate(zip(POINTS, _POINT_COLOURS, strict=True)):
-        above.append(Line(np.array([0.0, 360.0]), np.full(2, x), "", colour, "dot", 1.4))
-        above.append(Note(360.0, x, f"{x:.2f}", (15.0, 0.0), colour=colour))
-        below += _displacement(turn, moved[:, number], solution.state[:, number], colour)
+    below: list[Mark] = []
+    for number, (x, look) in enumerate(zip(POINTS, _POINTS, strict=True)):
+        css = look if look == "d" else f"c{look}"
+        above.append(line(np.array([0.0, 360.0]), np.full(2, x), "", f"{css} dot"))
+        above += named(360.0, x, f"{x:.2f}", (-14.0, 5.0), look)
+        below += _displacement(turn, moved[:, number], solution.state[:, number], css)
         peak = int(np.argmin(moved[:, number]))
-        below.append(Note(float(turn[peak]), float(moved[peak, number]), f"{x:.2f}", (0.0, -9.0), colour=colour))
+        below += named(float(turn[peak]), float(moved[peak, number]), f"{x:.2f}", (0.0, -10.0), look)
     panels = [
-        Panel("", "x / a(P₀)", above, x_range=(0.0, 360.0), y_range=(0.5, 1.28), x_ticks=_DEGREES),
+        Panel(
+            "figure_05-zones",
+            *axes((0.0, 360.0, _ANGLE), (0.5, 1.28, "x / a(P₀)"), _DEGREES),
+            above,
+            "Zones over the angle",
+            760.0,
+            330.0,
+        ),
         _displacement_panel(below, moved),
     ]
     states = {f"state at x = {x}": [int(s) for s in solution.state[:, k]] for k, x in enumerate(POINTS)}
-    return Sheet(
+    return plate(
         "figure_05",
         "Figure 5. State and displacement of four points through the steady cycle, Hertz",
         "Above: contact and stick, with the letters of figure 2 and the four points x/a(P₀). Beneath: displacement of the upper "
@@ -229,39 +218,34 @@ def figure_5(case: Case) -> Sheet:
         "Two plots over the angle of the cycle: zones of stick and slip, and displacements of four points drawn by state.",
         panels,
         {"theta [degrees]": turn} | {f"s/(A P0/3) at x = {x}": moved[:, k] for k, x in enumerate(POINTS)} | states,
-        size=(7.6, 7.0),
-        left=0.115,
-        heights=(1.0, 1.1),
-        gaps=(0.2, 0.14),
-        right=0.4,
-        legend_columns=4,
-        handles=[*(part for part in above if isinstance(part, Line | Band) and part.label), *_STATES],
+        keys=_STATES,
     )
 
 
-def _displacement_panel(parts: Sequence[Part], moved: Array) -> Panel:
+def _displacement_panel(parts: list[Mark], moved: Array) -> Panel:
     low, high = float(moved.min()), float(moved.max())
     limits = (low - 0.12 * (high - low), high + 0.08 * (high - low))
-    return Panel(_ANGLE, "displacement / (A P₀/3)", parts, x_range=(0.0, 360.0), y_range=limits, x_ticks=_DEGREES)
+    across, up = axes((0.0, 360.0, _ANGLE), (*limits, "displacement / (A P₀/3)"), _DEGREES)
+    return Panel("figure_05-slip", across, up, parts, "Displacement of four points over the angle", 760.0, 360.0)
 
 
-def _letters_over_angle(case: Case) -> Iterator[Note]:
+def _letters_over_angle(case: Case) -> Iterator[Mark]:
     """The letters of a steady revolution on the edge of contact."""
     start = case.time("M")
     for letter in "MFGHIKJL":
         time = case.time(letter) + (2 * math.pi if case.time(letter) < start else 0.0)
         height = float(case.width(case.events[letter].normal_load))
         shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
-        yield Note(math.degrees(time - start), height, letter, shift, dot=True)
+        yield from named(math.degrees(time - start), height, letter, shift, dot=True)
 
 
-def _displacement(turn: Array, moved: Array, state: NDArray[np.int8], colour: str) -> Iterator[Line]:
+def _displacement(turn: Array, moved: Array, state: NDArray[np.int8], look: str) -> Iterator[Curve]:
     """One point's displacement: slip broad under a thin line of the point's colour, separation dotted."""
-    for which, broad in ((SurfaceState.SLIP_FORWARD, FORWARD), (SurfaceState.SLIP_REVERSE, REVERSE)):
+    for which, broad in ((SurfaceState.SLIP_FORWARD, "forward"), (SurfaceState.SLIP_REVERSE, "reverse")):
         if (state == which).any():
-            yield Line(turn, np.where(_grown(state == which), moved, np.nan), "", broad, width=4.0)
-    yield Line(turn, np.where(state == SurfaceState.OPEN, np.nan, moved), "", colour, width=1.2)
-    yield Line(turn, np.where(_grown(state == SurfaceState.OPEN), moved, np.nan), "", colour, "dot", 1.4)
+            yield line(turn, np.where(_grown(state == which), moved, np.nan), "", f"{broad} broad-line")
+    yield line(turn, np.where(state == SurfaceState.OPEN, np.nan, moved), "", look)
+    yield line(turn, np.where(_grown(state == SurfaceState.OPEN), moved, np.nan), "", f"{look} dot")
 
 
 def _grown(here: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -269,17 +253,18 @@ def _grown(here: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(here | np.roll(here, 1) | np.roll(here, -1))
 
 
-def figure_8(case: Case) -> Sheet:
+def figure_8(case: Case) -> Plate:
     """Contact and stick of the flat and rounded contact."""
     found = stretches(case, steady_marks(case))
     angles = _angles(found, case.time("M"))
     flat = float(case.width(0.0))
     parts = [
         *zone_parts(found, angles),
-        Line(np.array([0.0, 360.0]), np.full(2, flat), "edge of flat, b / a(P₀)", COLOURS[1], "dot"),
+        line(np.array([0.0, 360.0]), np.full(2, flat), "edge of flat, b / a(P₀)", "c1 dot"),
     ]
-    panel = Panel(_ANGLE, "half-width / a(P₀)", parts, x_range=(0.0, 360.0), y_range=(0.0, 1.3), x_ticks=_DEGREES)
-    return Sheet(
+    across, up = axes((0.0, 360.0, _ANGLE), (0.0, 1.3, "half-width / a(P₀)"), _DEGREES)
+    panel = Panel("figure_08", across, up, parts, "Half-widths over the angle", 700.0, 420.0)
+    return plate(
         "figure_08",
         "Figure 8. Half-widths of contact and stick in the steady cycle, flat and rounded",
         f"b/a(P₀) = {flat:.3f}, loads as for Hertz, f = {case.friction:g}. The phases are those of figure 4b; slip stays in two "
@@ -287,7 +272,4 @@ def figure_8(case: Case) -> Sheet:
         "Contact and stick half-width of the flat and rounded contact over the angle of the cycle.",
         [panel],
         _stretch_table(case, found, {"theta [degrees]": np.concatenate(angles)}),
-        size=(7.2, 4.4),
-        left=0.1,
-        legend_columns=3,
     )

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 
-from markupsafe import Markup
-
+from reports.charts.plate import Plate
+from reports.charts.publication import write_plots
+from reports.charts.table import table_text
+from reports.charts.templating import script, template
 from reports.console import Stages
-from reports.drawing import Drawing, table_text
 from reports.folder import filled
-from reports.paper import interactive
 from reports.paper.cases import Paper, paper
 from reports.paper.figures_loads import figure_1, figure_2, figure_3
 from reports.paper.figures_work import figure_6, figure_7, figure_9, figure_10
 from reports.paper.figures_zones import figure_4a, figure_4b, figure_5, figure_8
 from reports.paper.misprints import load_misprints
 from reports.paper.misprints_slip import slip_misprints
-from reports.paper.plots import Sheet, draw, png
 from reports.paper.statements_cycle import cycle_statements
 from reports.paper.statements_loads import load_statements
 from reports.paper.statements_tractions import traction_statements
@@ -34,7 +31,6 @@ from reports.paper.tables import (
     proven_in_words,
     statements_table,
 )
-from reports.templating import template
 
 SOURCE = (
     "“Energy dissipation in a frictional incomplete contact with varying normal load”, International Journal of Mechanical "
@@ -71,7 +67,7 @@ def misprints(examples: Paper) -> tuple[Misprint, ...]:
     return (*load_misprints(examples), *slip_misprints(examples))
 
 
-def sheets(examples: Paper) -> tuple[Sheet, ...]:
+def sheets(examples: Paper) -> tuple[Plate, ...]:
     """Every figure of the paper, in its order."""
     hertz, rounded = examples.hertz, examples.rounded
     return (
@@ -107,65 +103,29 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
     with stages.stage("statements and misprints"):
         said, wrong = statements(examples), misprints(examples)
     with stages.stage("figures"):
-        described = sheets(examples)
-        drawings = tuple(draw(sheet) for sheet in described)
+        figures = sheets(examples)
     with filled(out) as folder:
         (folder / "statements.csv").write_text(table_text(statements_table(said)), encoding="utf-8")
         (folder / "misprints.csv").write_text(table_text(misprints_table(wrong)), encoding="utf-8")
         with stages.stage("SVG, PNG and CSV"):
-            vectors = _write_figures(folder / "figures", drawings)
+            write_plots(figures, folder / "figures", ("png",))
+            for figure in figures:
+                (folder / "figures" / f"{figure.name}.svg").write_text(figure.svg(), encoding="utf-8")
+                (folder / "figures" / f"{figure.name}.csv").write_text(figure.csv(), encoding="utf-8")
         with stages.stage("page"):
-            text = render(described, vectors, said, wrong, command)
-            (folder / "report.html").write_text(text, encoding="utf-8")
+            program, digest = script()
+            page = template("paper.html").render(
+                source=SOURCE,
+                figures=figures,
+                statements=said,
+                misprints=wrong,
+                tally=tally(said),
+                proven=sum(row.proven is True for row in wrong),
+                by_reading=sum(row.proven is None for row in wrong),
+                proven_in_words=proven_in_words,
+                script=program,
+                script_hash=digest,
+                command=command,
+            )
+            (folder / "report.html").write_text(page, encoding="utf-8")
     return PaperReport(said, wrong, Path(out) / "report.html")
-
-
-def _write_figures(folder: Path, drawings: Sequence[Drawing]) -> dict[str, str]:
-    """The files of each figure; returns its SVG by name."""
-    folder.mkdir()
-    vectors = {}
-    for drawing in drawings:
-        vectors[drawing.name] = drawing.svg()
-        (folder / f"{drawing.name}.svg").write_text(vectors[drawing.name], encoding="utf-8")
-        (folder / f"{drawing.name}.csv").write_text(drawing.csv(), encoding="utf-8")
-        png(drawing, folder / f"{drawing.name}.png")
-    return vectors
-
-
-def render(
-    described: Sequence[Sheet],
-    vectors: Mapping[str, str],
-    said: Sequence[Statement],
-    wrong: Sequence[Misprint],
-    command: str,
-) -> str:
-    """The page: static figures, and plotly, inlined once, that draws one when it is asked for."""
-    plots = {sheet.name: interactive.figure(sheet) for sheet in described}
-    return template("paper.html").render(
-        source=SOURCE,
-        figures=described,
-        vectors={name: Markup(_inline(text, name)) for name, text in vectors.items()},
-        statements=said,
-        misprints=wrong,
-        tally=tally(said),
-        proven=sum(row.proven is True for row in wrong),
-        by_reading=sum(row.proven is None for row in wrong),
-        proven_in_words=proven_in_words,
-        # "</" would end the script element early.
-        plots=Markup(json.dumps(plots, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")),
-        plotly=Markup(_plotly()),
-        command=command,
-    )
-
-
-def _inline(svg: str, name: str) -> str:
-    """An SVG document as an element of a page: no prologue, its identifiers its own."""
-    text = svg[svg.index("<svg") :]
-    for mark in ('id="', 'href="#', "url(#"):
-        text = text.replace(mark, f"{mark}{name}-")
-    return text
-
-
-def _plotly() -> str:
-    """The source of plotly.js, from the installed package."""
-    return (resources.files("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")

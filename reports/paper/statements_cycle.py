@@ -12,7 +12,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.drawing import STATE_NAMES
+from reports.charts.style import STATE_NAMES
 from reports.paper.cases import POINTS, Case, Paper
 from reports.paper.tables import Statement, judge, judge_number, small
 from scenes import SurfaceState

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.cells import harmless
+from reports.charts.table import harmless
 from reports.sweep.store import Planned, Store
 
 STATUS = ("number", "status", "seconds", "reason", "notes", "address")

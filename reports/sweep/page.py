@@ -5,14 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup
-
+from reports.charts.templating import script, template
 from reports.sweep.figures import unit_of
-from reports.sweep.pictures import draw, plain_figures
+from reports.sweep.pictures import draw, plain, plain_figures
 from reports.sweep.progress import state_of
 from reports.sweep.store import Store
 from reports.sweep.study import Study, study_of
-from reports.templating import template
 from reports.units import number
 
 # More rows than that are in index.csv alone.
@@ -32,14 +30,17 @@ def write_page(store: Store) -> Path:
     study = study_of(raw, str(store.folder / "sweep.json"))
     columns = [name for name in table.columns if name not in ("address", "reason", "notes")]
     names = plain_figures(table)
+    program, digest = script()
     page = template("sweep.html").render(
         title=study.title or f"Sweep of {study.scene.title or study.scene.name}",
         purpose=study.purpose,
         scene=study.scene.title or study.scene.name,
         engines=" and ".join({"fe": "finite elements", "exact": "half-plane theory"}[engine] for engine in study.engines),
         state=state,
-        words=[(name, unit_of(name)) for name in names],
-        pictures=[(picture.name, Markup(picture.svg), picture.caption) for picture in draw(table, study.axes, study.scene)],
+        words=[(plain(name), unit_of(name)) for name in names],
+        pictures=draw(table, study.axes, study.scene),
+        script=program,
+        script_hash=digest,
         columns=columns,
         rows=[[_cell(row[name]) for name in columns] for row in table.rows[:_ROWS]],
         more=max(0, len(table.rows) - _ROWS),

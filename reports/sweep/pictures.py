@@ -1,41 +1,29 @@
-"""A drawing of each figure of a sweep: a line with uncertainty over one axis, a map over two, points where there is no grid."""
+"""A figure of each quantity of a sweep: a line with uncertainty over one axis, a map over two, points where there is no grid."""
 
 from __future__ import annotations
 
-import io
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.drawing import literal
+from reports.charts import marks
+from reports.charts.marks import Band, Block, Curve, Dot, Mark, Rule
+from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
+from reports.charts.scale import limits
+from reports.charts.style import shades
 from reports.sweep.axes import Axis
 from reports.sweep.figures import axis_label, is_error
 from reports.sweep.index import Table
 from reports.units import minus, number
 from scenes import Scene
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-_PANELS = 6
-_MARKED = 120
-_COLOURS = ("#0072b2", "#d55e00", "#00795a", "#b5508c", "#9c6a00", "#333333")
-
-
-@dataclass(frozen=True)
-class Picture:
-    """An SVG with its words."""
-
-    name: str
-    svg: str
-    caption: str
+# Panels of one figure; points of a line that are marked one by one.
+_PANELS, _MARKED = 6, 120
+_LOOKS = 6
 
 
 @dataclass(frozen=True)
@@ -63,13 +51,31 @@ class Sheet:
         """Words of an axis."""
         axis = self.axes.get(column)
         if axis is None or column != axis.name:
-            return column
-        return (axis.label or axis.name) + (f" [{axis.unit}]" if axis.unit else "")
+            return plain(column)
+        return plain(axis.label or axis.name) + (f" [{axis.unit}]" if axis.unit else "")
 
     def logarithmic(self, column: str) -> bool:
         """Whether an axis goes by factors."""
         axis = self.axes.get(column)
         return bool(axis and (axis.logarithmic or (axis.latin_hypercube and axis.latin_hypercube.logarithmic)))
+
+    def axis(self, column: str, *, cells: bool = False) -> marks.Axis:
+        """An axis of numbers; its ticks stand at the values themselves where these are few and apart.
+
+        With `cells` it goes half a step beyond the outer values: a cell of a map is one value.
+        """
+        values, log = np.unique(self.table.numbers(column)), self.logarithmic(column)
+        at = np.log(values) if log else values
+        apart = (log or cells) and len(values) <= 8 and np.all(np.diff(at) > 0.04 * np.ptp(at))
+        ends = borders_of(at)[[0, -1]] if cells else np.array(limits(at, margin=0.05))
+        low, high = (np.exp(ends) if log else ends).tolist()
+        own = tuple((float(value), minus(f"{value:.3g}")) for value in values) if apart else ()
+        return marks.Axis(low, high, self.label(column), log, ticks=own)
+
+
+def plain(name: str) -> str:
+    """A name of a program as words."""
+    return name.replace("_", " ")
 
 
 def plain_figures(table: Table) -> list[str]:
@@ -77,44 +83,48 @@ def plain_figures(table: Table) -> list[str]:
     return [name for name in table.figures if not name.endswith((".uncertainty", ".idealisation"))]
 
 
-def draw(table: Table, axes: Sequence[Axis], scene: Scene) -> list[Picture]:
-    """A picture of each figure that has values, in the units of the `scene` that the sweep varies."""
+def draw(table: Table, axes: Sequence[Axis], scene: Scene) -> list[Plate]:
+    """A figure of each quantity that has values, in the units of the `scene` that the sweep varies."""
     found = table.done()
     named = {column: axis for axis in axes for column in axis.columns}
-    pictures = []
+    plates = []
     for name in plain_figures(found):
         shown = f"{name}.idealisation" if f"{name}.idealisation" in found.figures else name
         doubt = f"{name}.uncertainty"
         uncertainty = found.numbers(doubt) if doubt in found.figures else np.full(len(found.rows), np.nan)
-        sheet = Sheet(name, found.numbers(shown), uncertainty, found, named, axis_label(name, scene))
+        sheet = Sheet(name, found.numbers(shown), uncertainty, found, named, plain(axis_label(name, scene)))
         if np.isfinite(sheet.value).any():
-            pictures.append(_picture(sheet, shown))
-    return pictures
+            plates.append(_plate(sheet, shown))
+    return plates
 
 
-def _picture(sheet: Sheet, shown: str) -> Picture:
+def _plate(sheet: Sheet, shown: str) -> Plate:
     moving, sorts = _columns(sheet.table)
+    stem, title = shown.replace(".", "-"), plain(shown)
+    csv = {**{column: sheet.table.numbers(column) for column in moving}, shown: sheet.value, "uncertainty": sheet.uncertainty}
     if not moving:
-        return Picture(shown, "", f"{shown} = {number(float(sheet.value[0]))}: the sweep has one point on every axis of numbers")
-    keys = _parts(sheet.table, sorts)
-    panels = sorted(set(keys))[:_PANELS]
-    kind: Callable[..., None]
+        words = f"{number(float(sheet.value[0]))}: the sweep has one point on every axis of numbers"
+        return Plate(stem, title, words, words, (), csv)
+    keys = [", ".join(f"{name} = {row[name]}" for name in sorts) for row in sheet.table.rows]
+    parts = sorted(set(keys))
+    masks = [np.array([key == part for key in keys]) for part in parts[:_PANELS]]
+    legend: tuple[Key, ...] = ()
+    panels: list[Panel | Cell]
     if len(moving) == 1:
-        kind, how = _line, "bars are its uncertainty"
+        panels, how = [_line(sheet, stem, masks, parts, moving[0])], "bars are its uncertainty; hollow: not resolved"
+        legend = tuple(Key(f"line-{k}", plain(part)) for k, part in enumerate(parts[:_PANELS]) if part)
     elif len(moving) == 2 and _is_grid(sheet.table, moving):
-        kind, how = _map, "hatched: unresolved, the error is less than its uncertainty; grey: no result"
+        how = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
+        panels = [_map(sheet, f"{stem}-{k}", here, moving, part) for k, (here, part) in enumerate(zip(masks, parts, strict=False))]
     else:
-        kind, how = _cloud, "hollow: unresolved; colour: the second axis"
-    figure, drawings = _paper(len(panels) if kind is not _line else 1)
-    limits = float(np.nanmax(np.abs(sheet.value)))
-    for place, key in enumerate(panels):
-        here = np.array([k == key for k in keys])
-        kind(figure, drawings[0 if kind is _line else place], sheet, here, moving, key, limits, place)
-    if kind is _line and len(panels) > 1:
-        drawings[0].legend(fontsize=8, frameon=False)
-    left = f" {len(set(keys)) - len(panels)} more sets of the other axes are in index.csv." if len(set(keys)) > len(panels) else ""
+        how = "hollow: unresolved; colour: the second axis"
+        panels = [
+            _cloud(sheet, f"{stem}-{k}", here, moving, part) for k, (here, part) in enumerate(zip(masks, parts, strict=False))
+        ]
+    left = f" {len(parts) - _PANELS} more sets of the other axes are in index.csv." if len(parts) > _PANELS else ""
     bars = how if np.isfinite(sheet.uncertainty).any() else "without uncertainty"
-    return Picture(shown, svg_of(figure), f"{shown} over {' and '.join(sheet.label(m) for m in moving[:2])}; {bars}.{left}")
+    caption = f"Over {' and '.join(sheet.label(m) for m in moving[:2])}; {bars}.{left}"
+    return Plate(stem, title, caption, f"{title}. {caption}", tuple(panels), csv, legend, min(2, len(panels)))
 
 
 def _columns(table: Table) -> tuple[list[str], list[str]]:
@@ -124,10 +134,6 @@ def _columns(table: Table) -> tuple[list[str], list[str]]:
     return [n for n in values if len(values[n]) > 1 and n not in words], [n for n in words if len(values[n]) > 1]
 
 
-def _parts(table: Table, sorts: Sequence[str]) -> list[str]:
-    return [", ".join(f"{name} = {row[name]}" for name in sorts) for row in table.rows]
-
-
 def _is_grid(table: Table, moving: Sequence[str]) -> bool:
     """Whether most places of the product of both axes are taken."""
     counts = [len({row[name] for row in table.rows}) for name in moving]
@@ -135,94 +141,80 @@ def _is_grid(table: Table, moving: Sequence[str]) -> bool:
     return len(places) > 0.3 * counts[0] * counts[1]
 
 
-def _paper(panels: int) -> tuple[Figure, list[Axes]]:
-    from matplotlib.figure import Figure
-
-    across = min(panels, 2)
-    down = -(-panels // across)
-    figure = Figure(figsize=(5.6 * across, 3.6 * down), layout="constrained")
-    drawings = figure.subplots(down, across, squeeze=False).ravel().tolist()
-    for spare in drawings[panels:]:
-        spare.remove()
-    return figure, drawings
+def bars(x: Array, low: Array, high: Array, look: str) -> Curve:
+    """Upright lines from `low` to `high` at each x."""
+    gap = np.full(len(x), np.nan)
+    return Curve(np.column_stack([x, x, gap]).ravel(), np.column_stack([low, high, gap]).ravel(), f"{look} bar-line")
 
 
-def _line(_f: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key: str, _l: float, number: int) -> None:
-    x = sheet.table.numbers(moving[0])[here]
-    order = np.argsort(x)
-    x, y, doubt = x[order], sheet.value[here][order], np.nan_to_num(sheet.uncertainty[here][order])
-    hollow, colour = sheet.unresolved[here][order], _COLOURS[number % len(_COLOURS)]
-    if len(x) > _MARKED:  # a band and no marks: the page stays small
-        ax.plot(x, y, color=colour, linewidth=1, label=key or sheet.name)
-        ax.fill_between(x, y - doubt, y + doubt, color=colour, alpha=0.25, linewidth=0)
-    else:
-        ax.errorbar(x, y, yerr=doubt, color=colour, capsize=2, linewidth=1, label=key or sheet.name)
-        ax.plot(x[~hollow], y[~hollow], "o", color=colour, markersize=4)
-    ax.plot(x[hollow], y[hollow], "o", markerfacecolor="white", color=colour, markersize=4)
-    if is_error(sheet.name):
-        ax.axhline(0, color="0.6", linewidth=0.6)
-    _dress(ax, sheet, moving[0], None)
-    ax.set_ylabel(sheet.words)
+def _line(sheet: Sheet, name: str, masks: Sequence[Mask], parts: Sequence[str], moving: str) -> Panel:
+    drawn: list[Mark] = [Rule(0.0, "zero")] if is_error(sheet.name) else []
+    for k, here in enumerate(masks):
+        x = sheet.table.numbers(moving)[here]
+        order = np.argsort(x)
+        x, y, doubt = x[order], sheet.value[here][order], np.nan_to_num(sheet.uncertainty[here][order])
+        hollow, look = sheet.unresolved[here][order], f"line-{k % _LOOKS}"
+        drawn.append(Curve(x, y, look, plain(parts[k]) or plain(sheet.name)))
+        if len(x) > _MARKED:  # a band and no marks: the page stays small
+            drawn.insert(0, Band(x, y - doubt, y + doubt, f"p{k % _LOOKS} pale"))
+        else:
+            drawn.append(bars(x, y - doubt, y + doubt, look))
+            drawn += [Dot(float(a), float(b), f"{look} p{k % _LOOKS}", 3.0) for a, b in zip(x[~hollow], y[~hollow], strict=True)]
+        drawn += [Dot(float(a), float(b), f"{look} hollow", 3.0) for a, b in zip(x[hollow], y[hollow], strict=True)]
+    doubt = np.nan_to_num(sheet.uncertainty)
+    up = limits(sheet.value - doubt, sheet.value + doubt, zero=is_error(sheet.name))
+    return Panel(
+        name,
+        sheet.axis(moving),
+        marks.Axis(*up, sheet.words),
+        drawn,
+        f"{plain(sheet.name)} over {sheet.label(moving)}",
+        560.0,
+        340.0,
+    )
 
 
-def _map(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key: str, limit: float, _n: int) -> None:
-    columns = [sheet.table.numbers(name)[here] for name in moving]
-    steps = [np.unique(column) for column in columns]
-    value, hidden = np.full((len(steps[1]), len(steps[0])), np.nan), np.zeros((len(steps[1]), len(steps[0])), dtype=bool)
-    place = tuple(np.searchsorted(step, column) for step, column in zip(steps, columns, strict=True))
-    value[place[1], place[0]], hidden[place[1], place[0]] = sheet.value[here], sheet.unresolved[here]
-    edges = [
-        np.exp(borders_of(np.log(step))) if sheet.logarithmic(name) else borders_of(step)
-        for step, name in zip(steps, moving, strict=True)
-    ]
-    least = float(np.nanmin(sheet.value))
-    signed = least < 0
-    cmap, low = ("RdBu_r", -limit) if signed else ("viridis", least)
-    drawn = ax.pcolormesh(*edges, value, cmap=cmap, vmin=low, vmax=limit)
-    ax.set_facecolor("0.82")
-    for row, column in zip(*np.nonzero(hidden), strict=True):
-        corners = (edges[0][column], edges[0][column + 1], edges[1][row], edges[1][row + 1])
-        ax.fill_between(
-            corners[:2], *corners[2:], facecolor="none", edgecolor="0.2" if signed else "0.95", hatch="////", linewidth=0
+def _map(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> Cell:
+    columns = [sheet.table.numbers(column) for column in moving]
+    logs = [sheet.logarithmic(column) for column in moving]
+    edges = []
+    for column, log in zip(columns, logs, strict=True):
+        steps = np.unique(column)
+        edges.append((steps, np.exp(borders_of(np.log(steps))) if log else borders_of(steps)))
+    least, most = float(np.nanmin(sheet.value)), float(np.nanmax(np.abs(sheet.value)))
+    low, high, colours = (-most, most, "RdBu_r") if least < 0 else (least, float(np.nanmax(sheet.value)), "viridis")
+    share = (sheet.value - low) / ((high - low) or 1.0)
+    axes = [sheet.axis(column, cells=True) for column in moving]
+    drawn: list[Mark] = [Block((axes[0].low, axes[0].high), (axes[1].low, axes[1].high), "no-value")]
+    for row in np.flatnonzero(here & np.isfinite(sheet.value)):
+        (left, right), (below, above) = (
+            (border[k], border[k + 1])
+            for (steps, border), column in zip(edges, columns, strict=True)
+            for k in [int(np.searchsorted(steps, column[row]))]
         )
-    figure.colorbar(drawn, ax=ax, label=sheet.words)
-    _dress(ax, sheet, moving[0], moving[1])
-    ax.set_title(key, fontsize=9)
+        label = f"{plain(sheet.name)} = {number(float(sheet.value[row]))}" + (", not resolved" if sheet.unresolved[row] else "")
+        fill = shades([share[row]], colours)[0]
+        drawn.append(Block((float(left), float(right)), (float(below), float(above)), "", label, fill, bool(sheet.unresolved[row])))
+    panel = Panel(name, *axes, drawn, f"Map of {plain(sheet.name)}, {part}", 480.0, 360.0, plain(part))
+    return Cell((panel, colour_scale(f"{name}-colours", low, high, sheet.words, colours)), None)
 
 
-def _cloud(figure: Figure, ax: Axes, sheet: Sheet, here: Mask, moving: list[str], key: str, _l: float, _n: int) -> None:
-    x, colour = (sheet.table.numbers(name)[here] for name in moving[:2])
-    y, hollow = sheet.value[here], sheet.unresolved[here]
-    doubt = np.nan_to_num(sheet.uncertainty[here])
-    ax.errorbar(x, y, yerr=doubt, fmt="none", ecolor="0.7", linewidth=0.8)
-    drawn = ax.scatter(x, y, c=colour, cmap="viridis", s=22, zorder=3)
-    ax.scatter(x[hollow], y[hollow], facecolor="white", edgecolor="0.3", s=22, zorder=4)
-    figure.colorbar(drawn, ax=ax, label=sheet.label(moving[1]))
-    _dress(ax, sheet, moving[0], None)
-    ax.set_ylabel(sheet.words)
-    ax.set_title(key, fontsize=9)
-
-
-def _dress(ax: Axes, sheet: Sheet, across: str, up: str | None) -> None:
-    ax.set_xlabel(sheet.label(across))
-    if sheet.logarithmic(across):
-        ax.set_xscale("log")
-    if sheet.logarithmic(across) or up is not None:
-        _few_ticks(ax.xaxis, sheet, across)
-    if up is not None:
-        ax.set_ylabel(sheet.label(up))
-        if sheet.logarithmic(up):
-            ax.set_yscale("log")
-        _few_ticks(ax.yaxis, sheet, up)
-
-
-def _few_ticks(axis: Any, sheet: Sheet, column: str) -> None:
-    """Ticks at the values themselves where these are few and apart; a cell of a map is one value, drawn half-way to the next."""
-    values = np.unique(sheet.table.numbers(column))
-    places = np.log(values) if sheet.logarithmic(column) else values
-    if len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places)):
-        axis.set_ticks(values, labels=[minus(f"{value:.3g}") for value in values])
-        axis.set_ticks([], minor=True)
+def _cloud(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> Cell:
+    (x, second), axis = (sheet.table.numbers(column) for column in moving[:2]), sheet.axis(moving[0])
+    doubt, other = np.nan_to_num(sheet.uncertainty), sheet.axis(moving[1])
+    place = (
+        (np.log(second / other.low) / np.log(other.high / other.low))
+        if other.log
+        else (second - other.low) / (other.high - other.low)
+    )
+    drawn: list[Mark] = [bars(x[here], (sheet.value - doubt)[here], (sheet.value + doubt)[here], "faint")]
+    for row in np.flatnonzero(here & np.isfinite(sheet.value)):
+        look = "faint hollow" if sheet.unresolved[row] else ""
+        label = f"{plain(sheet.name)} = {number(float(sheet.value[row]))}"
+        drawn.append(Dot(float(x[row]), float(sheet.value[row]), look, 3.6, label, fill="" if look else shades([place[row]])[0]))
+    up = marks.Axis(*limits(sheet.value - doubt, sheet.value + doubt), sheet.words)
+    panel = Panel(name, axis, up, drawn, f"{plain(sheet.name)} over {axis.words}, {part}", 480.0, 340.0, plain(part))
+    return Cell((panel, colour_scale(f"{name}-colours", other.low, other.high, other.words, log=other.log)), None)
 
 
 def borders_of(middles: Array) -> Array:
@@ -235,13 +227,3 @@ def borders_of(middles: Array) -> Array:
         return np.array([middles[0] - 0.5, middles[0] + 0.5])
     inner = (middles[1:] + middles[:-1]) / 2
     return np.concatenate([[2 * middles[0] - inner[0]], inner, [2 * middles[-1] - inner[-1]]])
-
-
-def svg_of(figure: Figure, hatch: float = 0.6) -> str:
-    """The text of an SVG without a date, its hatches drawn with lines that wide."""
-    import matplotlib as mpl
-
-    text = io.StringIO()
-    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "halfplane", "font.size": 9, "hatch.linewidth": hatch}):
-        literal(figure).savefig(text, format="svg", metadata={"Date": None})
-    return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), flags=re.DOTALL)

@@ -1,0 +1,97 @@
+"""What marks look like outside a browser, from the page's own style sheet; words with subscripts; colours that films share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from importlib import resources
+
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import ArrayLike
+
+from scenes import SurfaceState
+
+# Okabe and Ito's colours, told apart by all common forms of colour vision and, in these pairs, in grey.
+# The reference is a broad pale band, the result a thin dark line on it: where they agree both are seen.
+REFERENCE, RESULT, DIFFERENCE, QUIET = "#56B4E9", "#B33A00", "#5B2A86", "#6b6b6b"
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#333333", "#56B4E9")
+STATE_COLOURS = {
+    SurfaceState.OPEN: "#f7f7f7",
+    SurfaceState.STICK: "#c4c4c4",
+    SurfaceState.SLIP_FORWARD: "#E69F00",
+    SurfaceState.SLIP_REVERSE: "#0072B2",
+}
+STATE_NAMES = {
+    SurfaceState.OPEN: "open",
+    SurfaceState.STICK: "stick",
+    SurfaceState.SLIP_FORWARD: "forward slip",
+    SurfaceState.SLIP_REVERSE: "reverse slip",
+}
+# Eleven points of matplotlib's maps of these names; between them by straight lines no channel is off by more than 6 of 255.
+_MAPS = {
+    "viridis": "440154 482475 414487 355f8d 2a788e 21918c 22a884 44bf70 7ad151 bddf26 fde725",
+    "RdBu_r": "053061 2166ac 4393c3 92c5de d1e5f0 f7f7f7 fddbc7 f4a582 d6604d b2182b 67001f",
+}
+
+
+def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
+    """Colours #rrggbb of numbers from 0 to 1; those outside take the colour of the end.
+
+    >>> shades([0.0, 0.05, 2.0])
+    ['#440154', '#461264', '#fde725']
+    """
+    ends = np.array([[int(code[k : k + 2], 16) for k in (0, 2, 4)] for code in _MAPS[name].split()])
+    at = np.clip(np.asarray(values, dtype=float), 0.0, 1.0) * (len(ends) - 1)
+    channels = np.stack([np.interp(at, np.arange(len(ends)), ends[:, k]) for k in range(3)], axis=-1)
+    return ["#" + "".join(f"{int(c):02x}" for c in colour) for colour in channels.reshape(-1, 3)]
+
+
+def pieces(text: str) -> list[tuple[str, bool]]:
+    """A text in its parts; whether each is a subscript. A symbol is one or two letters.
+
+    >>> pieces("p/p_ref, q/(f p_ref)")
+    [('p/p', False), ('ref', True), (', q/(f p', False), ('ref', True), (')', False)]
+    """
+    parts = re.split(r"(?<![^\W_])([^\W\d_]{1,2})_([A-Za-z0-9]+)", text)
+    found: list[tuple[str, bool]] = []
+    for k in range(0, len(parts) - 2, 3):
+        found += [(parts[k] + parts[k + 1], False), (parts[k + 2], True)]
+    return [*found, (parts[-1], False)] if parts[-1] else found
+
+
+def marked(text: object) -> Markup:
+    """Words with their subscripts, for a page."""
+    return Markup("").join(Markup("<sub>{}</sub>").format(part) if low else part for part, low in pieces(str(text)))
+
+
+@cache
+def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
+    """Classes that a rule asks for, whether it is for texts, and what it declares; colours are those of light pages."""
+    sheet = (resources.files("reports") / "templates" / "charts.css").read_text("utf-8")
+    sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
+    sheet = re.sub(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", "", sheet)
+    colours = dict(re.findall(r"--([\w-]+): (#\w+)", sheet))
+    found = []
+    for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet):
+        resolved = re.sub(r"var\(--([\w-]+)\)", lambda use: colours[use[1]], body)
+        declared = {name: value.removesuffix("px") for name, value in re.findall(r"([\w-]+): ([^;]+);", resolved)}
+        for selector in selectors.split(","):
+            if plain := re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip()):
+                found.append((frozenset(plain[2].split(".")[1:]), bool(plain[1]), declared))
+    return sorted(found, key=lambda rule: len(rule[0]))
+
+
+@cache
+def style_of(css: str, *, text: bool = False) -> Mapping[str, str]:
+    """What the style sheet declares for an element of these classes, on a light page.
+
+    >>> style_of("curve f q")["stroke-dasharray"]
+    '6 2.5'
+    """
+    classes, found = frozenset(css.split()), dict[str, str]()
+    for asked, for_texts, declared in _rules():
+        if asked <= classes and (asked or for_texts) and (text or not for_texts):
+            found |= declared
+    return found
