@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,8 +33,7 @@ from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
-from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene, Work, freeze
-from scenes.frozen import validated
+from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene, Work, freeze, scene_of
 
 Array = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ class FiniteElementSolution(ContactSolution):
 
 
 def solve(
-    scene: Scene,
+    scene: Scene | str | Path,
     mesh: MeshSettings | None = None,
     settings: SolverSettings | None = None,
     progress: Progress | None = None,
@@ -79,7 +79,7 @@ def solve(
 
     Parameters
     ----------
-    scene : the question
+    scene : the question, or its name in the library, or the path of its file
     mesh, settings : how it is cut and iterated; defaults serve the paper's scenes
     progress : called with (done, total, text) as work goes on
     scales : those of an earlier solution of the same scene, on whatever mesh: spares the coarse run, moves no number
@@ -99,7 +99,7 @@ def solve(
     with threadpool_limits(limits=1, user_api="blas"):
         report = progress or (lambda _done, _total, _text: None)
         mesh, settings = mesh or MeshSettings(), settings or SolverSettings()
-        answer = _solve(validated(scene, Scene), mesh, settings, report, scales)
+        answer = _solve(scene_of(scene), mesh, settings, report, scales)
         return _beside_a_coarse_mesh(answer, coarse(mesh, settings), report) if coarse_mesh else answer
 
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.words import SUPPORT_WORDS
 from reports.charts.marks import Axis, Bitmap, Block, Mark, Segments
 from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
+from reports.comparison.words import SUPPORT_WORDS
 from reports.fields import NO_PEAK, Instant, peak
 from reports.figures_fields import STATE_KEYS
 from reports.rendering import Skin, Window, picture, round_down

@@ -6,14 +6,8 @@ from scenes import Scene
 
 
 def units(scene: Scene) -> tuple[str, str, str]:
-    """Names of force, length and stress; general words where the scene's `units` is not a list of three.
-
-    >>> from scenes import load_scene
-    >>> units(load_scene("hertz-paper"))
-    ('N', 'mm', 'MPa')
-    """
-    parts = tuple(part.strip() for part in scene.units.split(","))
-    return (parts[0], parts[1], parts[2]) if len(parts) == 3 else ("force", "length", "stress")
+    """Names of force, length and stress."""
+    return scene.unit_words
 
 
 def load_unit(scene: Scene) -> str:

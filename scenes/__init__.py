@@ -24,7 +24,7 @@ from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, I
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LoadPath, PolygonLoad, TimeSeriesLoad
 from scenes.measured import Tabulated
 from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
-from scenes.reading import load_scene, scene_companions, scene_names, scene_schema, scene_text
+from scenes.reading import load_scene, scene_companions, scene_names, scene_of, scene_schema, scene_text
 from scenes.scene import Expected, Friction, Scene, Tolerances, tags
 from scenes.segments import (
     NORMAL_LOAD,
@@ -95,6 +95,7 @@ __all__ = [
     "load_scene",
     "scene_companions",
     "scene_names",
+    "scene_of",
     "scene_schema",
     "scene_text",
     "parabola_segment",

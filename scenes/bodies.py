@@ -28,8 +28,10 @@ class Elastic(Frozen):
 
 
 class Materials(Frozen):
-    """The materials of the two bodies; one table without `upper` and `lower` stands for both.
+    """The materials of the two bodies; one material, or one table without `upper` and `lower`, stands for both.
 
+    >>> Materials.model_validate(Elastic(young_modulus=70e3, poisson_ratio=0.33)).alike
+    True
     >>> Materials.model_validate({"young_modulus": 70e3, "poisson_ratio": 0.33}).alike
     True
     """
@@ -40,7 +42,7 @@ class Materials(Frozen):
     @model_validator(mode="before")
     @classmethod
     def _one_for_both(cls, data: Any) -> Any:
-        if isinstance(data, dict) and not {"upper", "lower"} & data.keys():
+        if isinstance(data, Elastic) or (isinstance(data, dict) and not {"upper", "lower"} & data.keys()):
             return {"upper": data, "lower": data}
         return data
 

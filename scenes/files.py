@@ -247,7 +247,9 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Datase
                 if name not in data.variables:
                     raise InputError(f"{path}: {WHAT} can't be read: {name} is missing")
                 variable = data.variables[name]
-                if variable.dims != dimensions or variable.dtype.kind not in "fiu":
+                # The names of the first format beside those of the second.
+                found = tuple({"step": "time", "point": "x"}.get(str(name), name) for name in variable.dims)
+                if found != dimensions or variable.dtype.kind not in "fiu":
                     raise InputError(
                         f"{path}: {WHAT} can't be read: {name} should be numbers over {' and '.join(dimensions)}, and is "
                         f"{variable.dtype} over {' and '.join(map(str, variable.dims)) or 'nothing'}"

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from scenes.errors import InputError
 from scenes.files import keys_of, parsed_toml
-from scenes.frozen import did_you_mean, refusal
+from scenes.frozen import did_you_mean, refusal, validated
 from scenes.scene import Scene
 
 _LIBRARY = resources.files("scenes") / "library"
@@ -81,6 +81,20 @@ def load_scene(source: str | Path) -> Scene:
         raise InputError(f"{path}: {refusal(faults, data, Scene)}") from faults
     except RecursionError as reason:  # JSON with brackets by the hundred
         raise InputError(f"{path}: its tables are nested too deeply") from reason
+
+
+def scene_of(scene: Scene | str | Path) -> Scene:
+    """A scene as its own check leaves it, or read from a library name or a path: the door of functions that take either.
+
+    Raises
+    ------
+    InputError
+        As `load_scene`; for what is no scene, or does not pass its check.
+
+    >>> scene_of("hertz-paper") == load_scene("hertz-paper")
+    True
+    """
+    return load_scene(scene) if isinstance(scene, str | Path) else validated(scene, Scene)
 
 
 def _unknown_scene(name: str) -> str:

@@ -245,6 +245,17 @@ class Scene(Frozen):
                     )
         return self
 
+    @property
+    def unit_words(self) -> tuple[str, str, str]:
+        """Names of force, length and stress; general words where `units` is no list of three.
+
+        >>> from scenes import load_scene
+        >>> load_scene("hertz-paper").unit_words
+        ('N', 'mm', 'MPa')
+        """
+        parts = tuple(part.strip() for part in self.units.split(","))
+        return (parts[0], parts[1], parts[2]) if len(parts) == 3 else ("force", "length", "stress")
+
     def _repr_html_(self) -> str:
         """For a notebook."""
         return str(import_module("reports.notebook").scene_html(self))  # words and pictures are those of the reports

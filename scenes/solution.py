@@ -19,6 +19,7 @@ from scenes.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -154,7 +155,7 @@ class ContactSolution:
         return float((found[1] - found[0]) / found[1]) if len(found) == 2 and found[1] > 0 else float("nan")
 
     def to_dataset(self) -> xr.Dataset:
-        """Everything but the meshes as an xarray.Dataset; the inverse is `from_dataset`."""
+        """Everything but the meshes as an xarray.Dataset over time and x, with units; the inverse is `from_dataset`."""
         import xarray as xr
 
         arrays = {name: (dims, getattr(self, name)) for name, dims in _FORM.items() if name not in ("time", "x", "iterations")}
@@ -168,13 +169,20 @@ class ContactSolution:
             "settings": json.dumps(dict(self.settings)),
             "versions": json.dumps(dict(self.versions)),
         }
-        return xr.Dataset(
-            arrays | {name: ("step", values) for name, values in [("iterations", self.record.iterations), *each.items()]},
-            coords={"time": ("step", self.time), "x": ("point", self.x), "side": ["left", "right"]},
+        data = xr.Dataset(
+            arrays | {name: ("time", values) for name, values in [("iterations", self.record.iterations), *each.items()]},
+            coords={"time": ("time", self.time), "x": ("x", self.x), "side": ["left", "right"]},
             attrs={name: getattr(self, name) for name in ("engine", *_NUMBERS)}
-            | {"steady_from": -1 if self.steady_from is None else self.steady_from}
+            | {"format": FORMAT, "steady_from": -1 if self.steady_from is None else self.steady_from}
             | texts,
         )
+        force, length, stress = self.scene.unit_words
+        units = {"length": length, "stress": stress, "load": f"{force}/{length}", "energy": f"{force}·{length}/{length}", "": "1"}
+        for name, (words, kind) in _MEANING.items():
+            data[name].attrs |= {"long_name": words, "units": units[kind]}
+        if self.scene.load.kind == "ellipse":
+            data["time"].attrs["units"] = "rad"
+        return data
 
     @classmethod
     def from_dataset(cls, data: xr.Dataset) -> ContactSolution:
@@ -223,6 +231,17 @@ class ContactSolution:
         """For a notebook."""
         return str(import_module("reports.notebook").solution_html(self))  # words and pictures are those of the reports
 
+    def plot(self, time: float | None = None) -> Figure:
+        """A matplotlib figure of p, q and the states: at the stored instant next to `time`, and through the last cycle.
+
+        Without `time` the instant is that of the largest |Q| of the last cycle.
+        """
+        return import_module("reports.notebook").solution_figure(self, time)
+
+    def plot_loop(self) -> Figure:
+        """A matplotlib figure of Q over the relative tangential displacement U through the last cycle."""
+        return import_module("reports.notebook").loop_figure(self)
+
     @property
     def rigid_shift(self) -> Array:
         """The old name of `tangential_displacement`."""
@@ -248,13 +267,34 @@ class ContactSolution:
         return np.flatnonzero(inside)
 
 
-# Dimensions of every array of a stored answer, and its numbers.
+FORMAT = "halfplane solution 2"
+"""Of a stored answer. The first had no such word, and `step` and `point` for dimensions; it is read too."""
+# What every array of a stored answer is: its name in words, and of which unit; its dimensions; the numbers beside them.
+_MEANING = {
+    "time": ("time of the load path", ""),
+    "x": ("position along the surface of the lower body", "length"),
+    "normal_load": ("normal load P per unit thickness", "load"),
+    "tangential_load": ("tangential load Q per unit thickness", "load"),
+    "pressure": ("contact pressure p", "stress"),
+    "shear": ("shear traction q on the lower body", "stress"),
+    "slip": ("slip of the upper body over the lower", "length"),
+    "state": ("0 open, 1 stick, 2 forward slip, 3 reverse slip", ""),
+    "contact_edges": ("edges of the contact", "length"),
+    "stick_edges": ("edges of the stick zone", "length"),
+    "contact_half_width": ("contact half-width a", "length"),
+    "stick_half_width": ("stick half-width c", "length"),
+    "tangential_displacement": ("relative tangential displacement U", "length"),
+    "normal_approach": ("normal approach", "length"),
+    "dissipation_density": ("friction work per unit area of the last cycle", "load"),
+    "cycle_dissipation": ("friction work of each cycle per unit thickness", "energy"),
+    "iterations": ("contact iterations", ""),
+}
 _FORM: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"), ("step",)),
-    **dict.fromkeys(("tangential_displacement", "normal_approach", "iterations"), ("step",)),
-    **dict.fromkeys(("contact_edges", "stick_edges"), ("step", "side")),
-    **dict.fromkeys(("pressure", "shear", "slip", "state"), ("step", "point")),
-    **dict.fromkeys(("x", "dissipation_density"), ("point",)),
+    **dict.fromkeys(("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"), ("time",)),
+    **dict.fromkeys(("tangential_displacement", "normal_approach", "iterations"), ("time",)),
+    **dict.fromkeys(("contact_edges", "stick_edges"), ("time", "side")),
+    **dict.fromkeys(("pressure", "shear", "slip", "state"), ("time", "x")),
+    **dict.fromkeys(("x", "dissipation_density"), ("x",)),
     "cycle_dissipation": ("cycle",),
 }
 _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")

@@ -110,7 +110,7 @@ class PeakBatch:
 def dissipation(
     *,
     profile: Profile | Mapping[str, Any],
-    material: Materials,
+    material: Materials | Elastic,
     friction_coefficient: ArrayLike,
     mean_normal_load: ArrayLike,
     normal_amplitude: ArrayLike,
@@ -124,7 +124,7 @@ def dissipation(
     ----------
     profile : any profile, or its keys with numbers or arrays: {"kind": "flat_rounded", "radius": ..., "flat_half_length": ...};
         the rises of a polynomial are a list of numbers or arrays. Tables and functions have no keys that could be arrays
-    material : both bodies
+    material : of the two bodies, or one for both
     friction_coefficient : f
     mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude : P0, P1, Q0, Q1 [force per unit thickness]
     phase : lag of Q behind P [radians], any sense
@@ -172,6 +172,7 @@ def dissipation(
         found[1:3] = np.where(block.mirrored, found[2:0:-1], found[1:3])
         return found
 
+    material = _of_both(material)
     (value, forward, reverse, stick), reason = _columns(profile, material, loads, works, 4)
     return DissipationBatch(value, forward, reverse, stick, reason, notes=tuple(neglected_coupling(material)))
 
@@ -179,7 +180,7 @@ def dissipation(
 def peak_dissipation(
     *,
     profile: Profile | Mapping[str, Any],
-    material: Materials,
+    material: Materials | Elastic,
     friction_coefficient: ArrayLike,
     mean_normal_load: ArrayLike,
     normal_amplitude: ArrayLike,
@@ -217,6 +218,7 @@ def peak_dissipation(
             found[3:5, members] *= length
         return found
 
+    material = _of_both(material)
     (value, second, error, place, second_place, fraction), reason = _columns(profile, material, loads, maxima, 6)
     notes = tuple(neglected_coupling(material))
     return PeakBatch(value, place, fraction, reason, second, second_place, error, notes=notes)
@@ -267,6 +269,10 @@ class Block:
         for members, shape, length, height in _alike(self.kind, self.parameters):
             unit = self.modulus * height
             yield members, _contact(self.kind, shape), self.ellipses.take(members).over(unit), unit, length
+
+
+def _of_both(material: Materials | Elastic) -> Materials:
+    return Materials(upper=material, lower=material) if isinstance(material, Elastic) else material
 
 
 def _columns(

@@ -46,11 +46,11 @@ class Request:
     fields: frozenset[str]
 
 
-def checked(fields: Iterable[str], cycles: Cycles) -> frozenset[str]:
+def checked(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str]:
     """The fields that are asked for; InputError for one that is not among `FIELDS`, or for other `cycles` than there are."""
     if cycles not in ("all", "steady"):
         raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
-    wanted = frozenset(present_name(name) for name in fields)
+    wanted = frozenset(present_name(name) for name in ([fields] if isinstance(fields, str) else fields))
     unknown = sorted(wanted - set(FIELDS))
     if unknown:
         raise InputError(f"fields: {unknown[0]!r} is not among {', '.join(FIELDS)}")
@@ -58,10 +58,10 @@ def checked(fields: Iterable[str], cycles: Cycles) -> frozenset[str]:
 
 
 def vector(values: ArrayLike | None, name: str) -> Array | None:
-    """Finite numbers (n,), None where none are given; InputError with their `name` for anything else."""
+    """Finite numbers (n,), one alone too, None where none are given; InputError with their `name` for anything else."""
     if values is None:
         return None
-    array = np.array(values, dtype=float)
+    array = np.atleast_1d(np.array(values, dtype=float))
     if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)):
         raise InputError(f"{name}: a list of finite numbers is needed, not an array of shape {array.shape}")
     return array

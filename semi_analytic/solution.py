@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,8 +33,8 @@ from scenes import (
     Scene,
     Work,
     freeze,
+    scene_of,
 )
-from scenes.frozen import validated
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -65,24 +66,24 @@ _DOUBTFUL = 1e-9
 
 
 def solve(
-    scene: Scene,
+    scene: Scene | str | Path,
     x: ArrayLike | None = None,
     time: ArrayLike | None = None,
     *,
     cycles: Cycles = "all",
-    fields: Iterable[str] = FIELDS,
+    fields: str | Iterable[str] = FIELDS,
     straight_steps: bool = False,
 ) -> ContactSolution:
     """The half-plane answer to a scene, exact to rounding at every point and instant asked for.
 
     Parameters
     ----------
-    scene : the question
-    x : (n_points,) contact points [length]; 200 across the largest contact and a little beyond if None
-    time : (n_steps,) instants, in any order; about 400 a cycle, all events among them, if None
+    scene : the question, or its name in the library, or the path of its file
+    x : (n_points,) contact points, or one [length]; 200 across the largest contact and a little beyond if None
+    time : (n_steps,) instants, in any order, or one; about 400 a cycle, all events among them, if None
     cycles : "all" (the initial loading and every cycle up to the first steady one) or "steady" (that one only); no effect where
         `time` is given
-    fields : names out of `FIELDS`; the others come back as NaN (state: open) and are counted in `work.skipped`
+    fields : a name out of `FIELDS`, or several; the others come back as NaN (state: open) and are counted in `work.skipped`
     straight_steps : follow straight lines between the given times (ascending) instead of the scene's path: the polygon that a
         step-by-step solver saw, so that its step error can be told apart
 
@@ -102,12 +103,11 @@ def solve(
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path, with the instant and the loads.
 
-    >>> from scenes import load_scene
-    >>> solution = solve(load_scene("hertz-normal"), x=[0.0], time=[1.0], fields=("pressure",))
+    >>> solution = solve("hertz-normal", x=0.0, time=1.0, fields="pressure")
     >>> round(solution.pressure.item() / (2 * 90.62286500739786 / math.pi), 12)  # 2 P/(pi a) with a = 1
     1.0
     """
-    scene = validated(scene, Scene)
+    scene = scene_of(scene)
     wanted, points, asked = checked(fields, cycles), vector(x, "x"), vector(time, "time")
     started = clock.perf_counter()
     contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient

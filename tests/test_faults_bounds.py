@@ -182,7 +182,7 @@ def bomb(path: Path, shape: tuple[int, int]) -> Path:
     with h5py.File(path, "a") as file:
         del file["pressure"]
         file.create_dataset("pressure", shape, "f8", chunks=(1, 2**17), compression="gzip", fillvalue=0.0)
-        for axis, name in enumerate(("step", "point")):
+        for axis, name in enumerate(("time", "x")):
             file["pressure"].dims[axis].label = name
     assert path.stat().st_size < 10**6
     return path

@@ -152,7 +152,7 @@ def test_the_first_table_has_both_values_in_the_scene_s_units() -> None:
     work = table["dissipation"]
     assert work["label"] == "Dissipation [N·mm/mm]"
     assert float(work["result"].replace("−", "-")) == pytest.approx(0.98 * TRUTH.dissipation, rel=1e-4)
-    assert (work["difference"], work["verdict"]) == ("−2.00 ± 0.06 %", "not judged")
+    assert (work["difference"], work["verdict"]) == ("−2.00 ± 0.06 %", "–")
     assert float(table["largest_pressure"]["reference"]) == pytest.approx(TRUTH.pressure.max(), rel=1e-4)
     assert table["permanent_stick"]["difference"].endswith(" of a")
     assert table["largest_slip"]["label"] == "Largest slip [µm]"

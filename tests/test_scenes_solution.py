@@ -2,9 +2,12 @@
 
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import xarray as xr
 
+import semi_analytic
 from scenes import ConvergenceError, InadmissibleLoadError, InputError, load_scene
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
 
@@ -113,10 +116,59 @@ def test_the_comparison_of_that_test_sees_one_changed_number():
 
 def test_dataset_names_its_dimensions():
     data = small_solution().to_dataset()
-    assert data["pressure"].dims == ("step", "point")
-    assert data["stick_edges"].dims == ("step", "side")
+    assert data["pressure"].dims == ("time", "x")
+    assert data["stick_edges"].dims == ("time", "side")
     assert list(data["side"].values) == ["left", "right"]
-    assert data["certificate_cone"].dims == data["energy_external"].dims == data["time"].dims == ("step",)
+    assert data["certificate_cone"].dims == data["energy_external"].dims == data["time"].dims == ("time",)
+
+
+def test_dataset_has_units_long_names_and_coordinates(tmp_path):
+    """Of every variable, in the scene's own units; they and the selection by place survive a file."""
+    solution = replace(small_solution(), scene=load_scene("hertz-paper").vary(units="kN, mm, GPa"))
+    solution.save(tmp_path / "answer.nc")
+    for data in (solution.to_dataset(), xr.load_dataset(tmp_path / "answer.nc", engine="h5netcdf")):
+        named = [name for name in ARRAYS if name in data.variables]
+        assert set(named) == set(ARRAYS)
+        assert all(data[name].attrs["long_name"] and data[name].attrs["units"] for name in named)
+        assert data["pressure"].attrs == {"long_name": "contact pressure p", "units": "GPa"}
+        assert [data[name].attrs["units"] for name in ("x", "normal_load", "cycle_dissipation", "state")] == [
+            "mm",
+            "kN/mm",
+            "kN·mm/mm",
+            "1",
+        ]
+        assert float(data["pressure"].sel(x=0.5)[3]) == solution.pressure[3, 3]
+        assert data["pressure"].isel(x=0).sel(time=solution.time[2]).item() == solution.pressure[2, 0]
+    assert load_scene("hertz-paper").vary(units="whatever").unit_words == ("force", "length", "stress")
+
+
+def test_figures_of_a_solution():
+    solution = semi_analytic.solve("hertz-paper")
+    figure = solution.plot()
+    tractions, states = figure.axes
+    (pressure, shear, *_) = tractions.get_lines()
+    steps = solution.last_cycle
+    step = steps[np.argmax(np.abs(solution.tangential_load[steps]))]
+    np.testing.assert_array_equal(pressure.get_ydata(), solution.pressure[step])
+    np.testing.assert_array_equal(shear.get_ydata(), solution.shear[step])
+    assert (tractions.get_ylabel(), states.get_xlabel()) == ("p, q [MPa]", "x [mm]")
+    assert states.collections[0].get_array().size == len(steps) * len(solution.x)
+    np.testing.assert_array_equal(
+        solution.plot(time=4.0).axes[0].get_lines()[0].get_ydata(), solution.pressure[np.abs(solution.time - 4).argmin()]
+    )
+    loop = solution.plot_loop()
+    np.testing.assert_array_equal(loop.axes[0].get_lines()[0].get_xydata()[:, 1], solution.tangential_load[steps])
+    assert "W = 0.002058 N·mm/mm per cycle" in loop.axes[0].get_title(loc="left")
+    for kept in (figure, loop):
+        kept.canvas.draw()
+        plt.close(kept)
+    plt.close("all")
+    with pytest.raises(InputError, match="time = 99 lies outside"):
+        solution.plot(time=99)
+    alone = semi_analytic.solve("hertz-paper", x=0.0, fields="dissipation")
+    for draw, words in ((alone.plot, "holds no pressure"), (alone.plot_loop, "no relative tangential displacement")):
+        with pytest.raises(InputError, match=words):
+            draw()
 
 
 @pytest.mark.parametrize("name", ARRAYS)

@@ -14,6 +14,7 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
+from meshes import MeshSettings
 from reports import score
 from reports.maps.corrections import correction
 from reports.sweep import run
@@ -184,10 +185,43 @@ def test_a_table_made_past_its_checks_is_refused() -> None:
         semi_analytic.solve(past_the_checks()["not finite numbers"])
 
 
-@pytest.mark.parametrize("door", ["semi_analytic.solve", "semi_analytic.events", "halfplane_fe.solve"])
-def test_a_name_is_no_scene(door: str) -> None:
+def test_events_take_a_scene_alone() -> None:
     with pytest.raises(InputError, match="a Scene is needed, not 'hertz-paper'; load_scene reads one"):
-        DOORS[door]("hertz-paper")  # type: ignore[arg-type]
+        DOORS["semi_analytic.events"]("hertz-paper")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("door", ["semi_analytic.solve", "halfplane_fe.solve"])
+def test_a_number_and_an_unknown_name_are_no_scene(door: str) -> None:
+    with pytest.raises(InputError, match="a Scene is needed, not 7; load_scene reads one"):
+        DOORS[door](7)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="hertz-papr: no such scene or file; did you mean hertz-paper"):
+        DOORS[door]("hertz-papr")  # type: ignore[arg-type]
+
+
+def test_a_name_a_path_and_a_scene_have_one_answer(tmp_path: Path) -> None:
+    scene = load_scene("hertz-paper").vary(name="mine", friction=0.9)
+    scene.save(tmp_path / "mine.toml")
+    assert load_scene(tmp_path / "mine.toml") == scene
+    for given in (str(tmp_path / "mine.toml"), tmp_path / "mine.toml"):
+        assert semi_analytic.solve(given, x=0.5, fields="pressure").dissipation_density.shape == (1,)
+    one = semi_analytic.solve("hertz-paper", x=0.5, time=9.0, fields="shear")
+    same = semi_analytic.solve(load_scene("hertz-paper"), x=[0.5], time=[9.0], fields=["shear"])
+    assert one.shear.item() == same.shear.item() != 0.0
+    coarse = MeshSettings(element_size=0.25, edge_element_size=0.25, order=1)
+    by_name, by_scene = (halfplane_fe.solve(given, mesh=coarse) for given in ("hertz-normal", load_scene("hertz-normal")))
+    assert (by_name.pressure == by_scene.pressure).all()
+
+
+def test_one_material_stands_for_both_bodies() -> None:
+    """As in a scene file, also where a material is given from Python."""
+    titanium = Elastic(young_modulus=115e3, poisson_ratio=0.32)
+    both = Materials(upper=titanium, lower=titanium)
+    scene = load_scene("hertz-paper")
+    assert scene.vary(material=titanium) == scene.vary(material=both)
+    assert Scene(**{**dict(scene), "material": titanium}).material == both
+    loads = {"friction_coefficient": 0.5, "mean_normal_load": 3.0, "normal_amplitude": 1.0, "tangential_amplitude": 1.0}
+    one, two = (semi_analytic.dissipation(profile=scene.profile, material=m, **loads) for m in (titanium, both))
+    assert one.value == two.value
 
 
 @pytest.mark.parametrize("batch", [semi_analytic.dissipation, semi_analytic.peak_dissipation])

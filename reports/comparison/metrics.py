@@ -521,7 +521,7 @@ def _(pair: Pair) -> Measured:
 
 @metric(
     "largest_half_width",
-    "Contact half-width, largest",
+    "Contact half-width",
     "of the reference",
     _FIGURE,
     _WHOLE,
@@ -537,7 +537,7 @@ def _(pair: Pair) -> Measured:
 
 @metric(
     "permanent_stick",
-    "Permanent stick half-width",
+    "Stick half-width, permanent",
     "of a_ref",
     _FIGURE,
     _WHOLE,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 from reports.comparison import Comparison, Report
@@ -248,7 +249,7 @@ def headline(report: Report) -> str:
     told = "; no uncertainty was measured" if unknown else ""
     if ours and are_half_planes(comparison.scene):
         sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
-        parts = [f"{percent(size, signed=False)} in the {_words_of(metric)}" for metric, size in sizes]
+        parts = [f"{minus(f'{100 * _settled(size):.2g}')} % in the {_words_of(metric)}" for metric, size in sizes]
         return f"The two solutions agree to {' and '.join(parts)}{told}."
     parts = [_claim(metric, judge_theory) for metric in metrics]
     if judge_theory:
@@ -294,7 +295,7 @@ def _shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
 def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     """The table of absolute values: its heads, and a row for each quantity that either solution has.
 
-    Keys of a row: label, reference, result, difference, verdict, tolerance, note, key.
+    Keys of a row: label, reference, result, difference, verdict, place (of the result's), tolerance, note, key.
     """
     comparison = report.comparison
     heads = (
@@ -308,15 +309,15 @@ def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     for metric in comparison.headlines:
         factor, unit = _shown_unit(comparison.scene, metric.definition.quantity)
         reference, result = metric.amounts or (math.nan, math.nan)
-        place = "" if metric.place is None or metric.value is None else f", at x = {signed(float(f'{metric.place:.2g}'))} a"
         found.append(
             {
                 "key": metric.key,
                 "label": f"{metric.label} [{unit}]",
                 "reference": _amount_words(reference * factor),
-                "result": _amount_words(result * factor) + (place if metric.key == "dissipation_density_peak" else ""),
+                "result": _amount_words(result * factor),
+                "place": "" if metric.place is None or metric.value is None else f"x = {signed(float(f'{metric.place:.2g}'))} a",
                 "difference": difference_of(metric),
-                "verdict": metric.verdict or ("not judged" if metric.value is not None else "–"),
+                "verdict": metric.verdict or "–",
                 "tolerance": tolerance_of(metric),
                 "note": metric.note,
             }
@@ -340,9 +341,12 @@ def difference_of(metric: Metric) -> str:
     if not math.isfinite(metric.value) or metric.absolute:
         return open_value_of(metric)
     value = 100 * _settled(metric.value)
-    doubt = None if metric.uncertainty is None else 100 * metric.uncertainty
-    sign = "+" if value > 0 else ""
-    return f"{sign}{with_uncertainty(value, doubt)} %{' of a' if metric.definition.unit == 'of a_ref' else ''}"
+    words = with_uncertainty(value, None if metric.uncertainty is None else 100 * metric.uncertainty)
+    if not re.search("[1-9]", words.partition("±")[0]):
+        words = words.removeprefix("−")  # of a zero no sign is known
+    elif value > 0:
+        words = f"+{words}"
+    return f"{words} %{' of a' if metric.definition.unit == 'of a_ref' else ''}"
 
 
 def summary(report: Report) -> str:
