@@ -385,7 +385,8 @@ def show_verdict(report: Report) -> None:
     heads, rows = first_table(report)
     keys = ("label", "reference", "result", "difference", "verdict")
     say(headline(report), "bold")
-    show_table(scene.title or scene.name, heads, [tuple(row[key] for key in keys) for row in rows], right=(1, 2, 3))
+    cells = [tuple(row[key].replace(" ± ", "±").replace(" %", "%") for key in keys) for row in rows]
+    show_table(scene.title or scene.name, heads, cells, right=(1, 2, 3))
     say(f"{lead(report)} {verdict(report)}".strip(), _STYLES.get(standing(report.comparison) or "", ""))
     if words := how_judged(report):
         say(words)
