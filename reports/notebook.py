@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison import Report
 from reports.comparison.words import first_table, headline, how_judged, lead, verdict
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from reports.comparison import Report
 
 Array = NDArray[np.float64]
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from reports.comparison import Comparison, Report
-from reports.comparison.budget import Budget, ErrorBudget, Term
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
 from reports.units import energy_unit, load_unit, minus, number, signed, units
 from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, Pad, PolygonLoad, Scene, Shape
+
+if TYPE_CHECKING:
+    from reports.comparison import Comparison, Report
+    from reports.comparison.budget import Budget, ErrorBudget, Term
 
 CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
 # Terms that are nothing but bounds of rounding in nearly every run: on the page and in the file, not in the terminal.
