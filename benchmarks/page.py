@@ -19,7 +19,7 @@ from scenes import load_scene
 SCENES = ("hertz-paper", "flat-rounded-paper", "flat-pad-on-block", "motor", "time-series")
 # What is promised.
 MOST_SECONDS, MOST_MEGABYTES = 3.0, 8.0
-_DRAWN = ("matplotlib", "plotly", "pyvista", "typst")
+_DRAWN = ("matplotlib", "pyvista", "typst")
 
 
 def compared(name: str) -> Comparison:

@@ -118,33 +118,32 @@ def _mark_of_total(low: float, total: float, doubt: float, wide: float) -> Itera
 
 
 def ladders(budget: ErrorBudget) -> Plate | None:
-    """|phi(h) - phi(0)| of the headline metrics over the element size; None where fewer than three meshes or no metric converge."""
+    """|phi(h) - phi(0)| of the headline metrics over the element size; None for two meshes or where no metric converges."""
     rungs = [rung for rung in budget.ladders.mesh if not rung.failure]
     curves = {}
     for one in budget.budgets:
         values = [(rung.size, rung.values.get(one.metric.key)) for rung in rungs]
         points = [(size, float(value)) for size, value in values if value is not None and math.isfinite(value)]
         if one.metric.definition.headline and len(points) >= 3:
-            found = extrapolate(Ladder(*(tuple(column) for column in zip(*points, strict=True)), 2.0, ROUNDING))
+            found = extrapolate(Ladder(tuple(size for size, _ in points), tuple(value for _, value in points), 2.0, ROUNDING))
             if found.kind == "monotone" and found.value is not None:
                 curves[one.metric.label] = [(size, abs(value - found.value)) for size, value in points if value != found.value]
-    return _convergence(
-        "ladders", "Mesh ladders", "Each metric on coarser meshes, its distance from what the ladder extrapolates to; a metric that only "
-        "scatters is left out.", ("element size, over that of the run", "distance from the value at size zero"), curves,
-        [rung.size for rung in rungs],
-    )  # fmt: skip
+    words = "element size, over that of the run", "distance from the value at size zero"
+    caption = (
+        "Each metric on coarser meshes, its distance from what the ladder extrapolates to; a metric that only scatters is left out."
+    )
+    return _convergence("ladders", "Mesh ladders", caption, words, curves, [rung.size for rung in rungs])
 
 
 def distances(study: Study) -> Plate | None:
-    """|E(h) - E(0)| of every headline metric that goes to a value, over the element size; None for two meshes or where none does."""
+    """|E(h) - E(0)| of each headline metric that goes to a value, over the element size; None for two meshes or where none does."""
     sizes, curves = [level.size for level in study.levels], {}
     for line in study.lines:
         if line.metric.definition.headline and line.found.kind == "monotone" and (limit := line.found.value) is not None:
             curves[line.metric.label] = [(size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)]
-    return _convergence(
-        "study", "How fast it converges", "Each metric on each mesh, its distance from what the meshes extrapolate to; a metric that "
-        "only scatters, or is exact, is left out.", ("element size at the contact", "distance from the value at h = 0"), curves, sizes,
-    )  # fmt: skip
+    words = "element size at the contact", "distance from the value at h = 0"
+    caption = "Each metric on each mesh, its distance from what the meshes extrapolate to; one that only scatters, or is exact, is left out."
+    return _convergence("study", "How fast it converges", caption, words, curves, sizes)
 
 
 def _convergence(

@@ -1,4 +1,4 @@
-"""Figures through the cycle: edges, errors and slip over time; the path of the loads and the hysteresis loop with their instants."""
+"""Figures through the cycle: edges, errors and slip over time; the path of the loads and the hysteresis loop."""
 
 from __future__ import annotations
 

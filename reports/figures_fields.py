@@ -78,8 +78,8 @@ def tractions(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
     return Plate(
         "tractions",
         "Pressure and shear traction at chosen instants",
-        "Tractions in p_ref and f p_ref; beneath each, result − reference in per cent of the same scales, with its root mean square "
-        "over the contact and its largest value. Peaks at the edges are one or two elements wide: the mesh, not the theory.",
+        "Tractions in p_ref and f p_ref; beneath each, result − reference in per cent of the same scales, with its root mean "
+        "square over the contact and its largest value. Peaks at the edges are one or two elements wide: the mesh, not the theory.",
         "Panels of pressure and shear over x for both engines, each with the difference beneath.",
         cells,
         {
@@ -159,8 +159,8 @@ def now(comparison: Comparison, chosen: Sequence[Event]) -> Plate:
     return Plate(
         "cycle",
         "The instant shown",
-        "Tractions of both engines, what each point does, and result − reference with its root mean square over the contact and its "
-        "largest value.",
+        "Tractions of both engines, what each point does, and result − reference with its root mean square over the contact and "
+        "its largest value.",
         "Pressure and shear of both engines at one instant, zones of stick and slip, and their difference.",
         (above, _zones(comparison, start, width), difference),
         {
@@ -273,7 +273,7 @@ def dissipation_density(comparison: Comparison) -> Plate | None:
         "dissipation_density",
         "Dissipation, point by point",
         "First: friction work per unit area in the last cycle. Dot: the peak, "
-        f"{ours[peak]:.4g} at x = {signed(float(x[peak]))} a_ref{stuck}. Second: result − reference, over the largest of the reference.",
+        f"{ours[peak]:.4g} at x = {signed(float(x[peak]))} a_ref{stuck}. Second: result − reference, over the largest reference.",
         "Dissipation density over x for both engines, and the difference.",
         (
             Panel(

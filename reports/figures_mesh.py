@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -136,8 +137,8 @@ def stress(
     return Plate(
         name,
         "Von Mises stress",
-        "Left: both bodies, drawn apart, displacements exaggerated by the factor stated. Right: the contact to true scale, and the "
-        f"state of its points. {NO_PEAK}",
+        "Left: both bodies, drawn apart, displacements exaggerated by the factor stated. Right: the contact to true "
+        f"scale, and the state of its points. {NO_PEAK}",
         "Von Mises stress in both bodies at the instants asked for.",
         tuple(stacks),
         {
@@ -190,10 +191,7 @@ def _at_instant(
     x, states = solution.x[inside], solution.state[step][inside]
     middles = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
     turns = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
-    blocks = [
-        Block((float(middles[a]), float(middles[b])), (0.0, 1.0), f"state-{states[a]}")
-        for a, b in zip(turns[:-1], turns[1:], strict=True)
-    ]
+    blocks = [Block((float(middles[a]), float(middles[b])), (0.0, 1.0), f"state-{states[a]}") for a, b in pairwise(turns)]
     strip = Panel(
         f"{name}-states", Axis(-half, half, ""), Axis(0.0, 1.0, ""), [*blocks, Block((-half, half), (0.0, 1.0), "outline")],
         "Open, stick and slip along the contact", 440.0, 20.0, bare=True, room=(72.0, 2.0, 20.0, 2.0),

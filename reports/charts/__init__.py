@@ -1,5 +1,5 @@
-"""Figures as values, and their two forms: SVG for pages (light, dark, live, on a phone), matplotlib for files to be published.
+"""Figures as values, and their two forms: SVG for pages (light, dark, live, on a phone), matplotlib for files of good print.
 
-A figure is a `Plate` of `Panel`s, and a panel is two axes and marks in the units of what it shows. `svg` and `publication` draw
+A figure is a `Plate` of `Panel`s, and a panel is two axes and marks in the units of what it shows. `plate` and `publication` draw
 the same marks; what they look like stands once, in templates/charts.css. Nothing here knows a metric or an engine.
 """

@@ -1,7 +1,7 @@
 """A figure as a value: its panels with their marks, the key to its lines, its words and its numbers; and its form as SVG.
 
-On a page the style sheet colours a panel, so that it follows dark mode and print; alone it carries its colours. Words are escaped in
-`element` and `_Pen.words` and nowhere else.
+On a page the style sheet colours a panel, so that it follows dark mode and print; alone it carries its colours. Words are escaped
+in `element` and `_Pen.words` and nowhere else.
 """
 
 from __future__ import annotations
@@ -266,7 +266,7 @@ def outlines(band: Band) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float
 
 
 def png(pixels: NDArray[np.uint8], colours: Sequence[str] = ()) -> bytes:
-    """A picture as a PNG file (ISO/IEC 15948, 8 bits, no filter): (n, m) numbers of `colours`, or (n, m, 3) of which 255 colours are kept.
+    """A picture as a PNG file (ISO/IEC 15948): (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are kept.
 
     >>> png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
@@ -275,7 +275,7 @@ def png(pixels: NDArray[np.uint8], colours: Sequence[str] = ()) -> bytes:
         from PIL import Image
 
         stream = io.BytesIO()
-        Image.fromarray(pixels).quantize(255).save(stream, "PNG", optimize=True)  # type: ignore[no-untyped-call]
+        Image.fromarray(pixels).quantize(255).save(stream, "PNG", optimize=True)
         return stream.getvalue()
     height, width = pixels.shape
     rows = np.concatenate([np.zeros((height, 1), np.uint8), pixels.astype(np.uint8)], axis=1)
@@ -343,8 +343,8 @@ class _Pen:
                 return self.block(mark)
             case Bitmap():
                 address = "data:image/png;base64," + base64.b64encode(png(mark.pixels, mark.colours)).decode()
-                place = {"x": left, "y": top, "width": right - left, "height": bottom - top}
-                return element("image", **place, href=address, preserveAspectRatio="none", **self.look("map"))
+                box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
+                return element("image", **box, href=address, preserveAspectRatio="none", **self.look("map"))
             case Note():
                 x, y = float(frame.x.place(mark.x)), float(frame.y.place(mark.y))
                 given = {"dx": mark.shift[0] or None, "dy": mark.shift[1] or None} | self.data(mark.data)

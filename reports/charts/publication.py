@@ -1,11 +1,11 @@
-"""Figures as files of publication quality, drawn by matplotlib from the marks of the page's own panels. Nothing is described twice."""
+"""Figures as files of publication quality: matplotlib draws the marks of the page's own panels. Nothing is described twice."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,7 +58,7 @@ def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:
         axes.set_title(title)
 
 
-def write_plots(plates: Iterable[Plate], folder: Path, formats: Sequence[str]) -> list[str]:
+def write_plots(plates: Iterable[Plate], folder: File, formats: Sequence[str]) -> list[str]:
     """Write each figure in each of `formats`, of "pdf", "svg" and "png"; returns the names of the files, in `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     names = []
@@ -106,19 +106,20 @@ def figure_of(plate: Plate) -> Figure:
         figure.text(*place(left + 30, top + 11), _words(key.text), **_text("word"))
     for panel, left, top in paper.panels:
         frame = panel.frame
-        l, t, r, b = frame.box
-        axes = figure.add_axes((*place(left + l, top + b), (r - l) / paper.width, (b - t) / paper.height))
+        start, above, end, below = frame.box
+        size = (end - start) / paper.width, (below - above) / paper.height
+        axes = figure.add_axes((*place(left + start, top + below), *size))
         _axes(axes, panel)
         for mark in panel.marks:
             _draw(axes, mark)
         lines = [*([(panel.title, "title")] if panel.title else []), *((note, "measure") for note in panel.notes)]
         for k, (text, css) in enumerate(reversed(lines)):
-            figure.text(*place(left + (l if css == "title" else 24), top + t - 7 - LINE * k), _words(text), **_text(css))
+            figure.text(*place(left + (start if css == "title" else 24), top + above - 7 - LINE * k), _words(text), **_text(css))
         if panel.y.words and not panel.bare:
-            middle = place(left + 12, top + (t + b) / 2)
+            middle = place(left + 12, top + (above + below) / 2)
             figure.text(*middle, _words(panel.y.words), rotation=90, rotation_mode="anchor", ha="center", **_text("name"))
         if panel.x.words and not panel.bare:
-            figure.text(*place(left + (l + r) / 2, top + b + 36), _words(panel.x.words), ha="center", **_text("name"))
+            figure.text(*place(left + (start + end) / 2, top + below + 36), _words(panel.x.words), ha="center", **_text("name"))
     return figure
 
 
@@ -145,8 +146,8 @@ def _axes(axes: Axes, panel: Panel) -> None:
 
 def _draw(axes: Axes, mark: Mark) -> None:
     """A mark in axes that have their limits already."""
-    from matplotlib.collections import LineCollection
-    from matplotlib.patches import Rectangle
+    from matplotlib.patches import PathPatch, Rectangle
+    from matplotlib.path import Path
 
     match mark:
         case Curve():
@@ -162,8 +163,11 @@ def _draw(axes: Axes, mark: Mark) -> None:
             for x, y in outlines(mark):
                 axes.fill(x, y, **_area(f"band {mark.css}"))
         case Segments():
-            look = _line(f"curve {mark.css}")
-            axes.add_collection(LineCollection(list(mark.ends), colors=look["color"], linewidths=look["linewidth"]), autolim=False)
+            look, limits = _line(f"curve {mark.css}"), (axes.get_xlim(), axes.get_ylim())
+            low, high = mark.ends.min(axis=1), mark.ends.max(axis=1)
+            seen = np.all([(high[:, k] >= min(end)) & (low[:, k] <= max(end)) for k, end in enumerate(limits)], axis=0)
+            path = Path(mark.ends[seen].reshape(-1, 2), [Path.MOVETO, Path.LINETO] * int(seen.sum()))
+            axes.add_patch(PathPatch(path, fill=False, edgecolor=look["color"], linewidth=look["linewidth"]))
         case Dot():
             look = _area(mark.css)
             face, edge, width = mark.fill or look["facecolor"], look["edgecolor"], look["linewidth"]

@@ -49,12 +49,12 @@ def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
 
 
 def pieces(text: str) -> list[tuple[str, bool]]:
-    """A text in its parts; whether each is a subscript. A symbol is one or two letters.
+    """A text in its parts; whether each is a subscript. A symbol is one letter.
 
     >>> pieces("p/p_ref, q/(f p_ref)")
     [('p/p', False), ('ref', True), (', q/(f p', False), ('ref', True), (')', False)]
     """
-    parts = re.split(r"(?<![^\W_])([^\W\d_]{1,2})_([A-Za-z0-9]+)", text)
+    parts = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)", text)
     found: list[tuple[str, bool]] = []
     for k in range(0, len(parts) - 2, 3):
         found += [(parts[k] + parts[k + 1], False), (parts[k + 2], True)]
@@ -77,9 +77,8 @@ def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
     for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet):
         resolved = re.sub(r"var\(--([\w-]+)\)", lambda use: colours[use[1]], body)
         declared = {name: value.removesuffix("px") for name, value in re.findall(r"([\w-]+): ([^;]+);", resolved)}
-        for selector in selectors.split(","):
-            if plain := re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip()):
-                found.append((frozenset(plain[2].split(".")[1:]), bool(plain[1]), declared))
+        asked = (re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip()) for selector in selectors.split(","))
+        found += [(frozenset(plain[2].split(".")[1:]), bool(plain[1]), declared) for plain in asked if plain]
     return sorted(found, key=lambda rule: len(rule[0]))
 
 

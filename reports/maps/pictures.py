@@ -70,12 +70,12 @@ def _cells(chart: Chart, part: Readings, figure: str, name: str, title: str, end
             if len(lines):
                 marks.append(Segments(lines, f"curve {css}"))
                 middle = lines[len(lines) // 2].mean(axis=0)
-                marks.append(Note(*middle.tolist(), f"{level:g} %", "tick over", "middle", (0.0, -3.0)))
-    axes = (
+                marks.append(Note(float(middle[0]), float(middle[1]), f"{level:g} %", "tick over", "middle", (0.0, -3.0)))
+    horizontal, vertical = (
         Axis(float(borders[0]), float(borders[-1]), AXES.get(of, of), ticks=_ticks(places, values))
         for of, borders, places, values in ((chart.across, left, across, x), (chart.up, below, up, y))
     )
-    return Panel(name, *axes, marks, title, 340.0, 270.0, title)
+    return Panel(name, horizontal, vertical, marks, title, 340.0, 270.0, title)
 
 
 def _ticks(at: Array, values: Array) -> tuple[tuple[float, str], ...]:

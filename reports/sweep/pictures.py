@@ -184,8 +184,8 @@ def _map(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> C
     least, most = float(np.nanmin(sheet.value)), float(np.nanmax(np.abs(sheet.value)))
     low, high, colours = (-most, most, "RdBu_r") if least < 0 else (least, float(np.nanmax(sheet.value)), "viridis")
     share = (sheet.value - low) / ((high - low) or 1.0)
-    axes = [sheet.axis(column, cells=True) for column in moving]
-    drawn: list[Mark] = [Block((axes[0].low, axes[0].high), (axes[1].low, axes[1].high), "no-value")]
+    horizontal, vertical = (sheet.axis(column, cells=True) for column in moving)
+    drawn: list[Mark] = [Block((horizontal.low, horizontal.high), (vertical.low, vertical.high), "no-value")]
     for row in np.flatnonzero(here & np.isfinite(sheet.value)):
         (left, right), (below, above) = (
             (border[k], border[k + 1])
@@ -195,7 +195,7 @@ def _map(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> C
         label = f"{plain(sheet.name)} = {number(float(sheet.value[row]))}" + (", not resolved" if sheet.unresolved[row] else "")
         fill = shades([share[row]], colours)[0]
         drawn.append(Block((float(left), float(right)), (float(below), float(above)), "", label, fill, bool(sheet.unresolved[row])))
-    panel = Panel(name, *axes, drawn, f"Map of {plain(sheet.name)}, {part}", 480.0, 360.0, plain(part))
+    panel = Panel(name, horizontal, vertical, drawn, f"Map of {plain(sheet.name)}, {part}", 480.0, 360.0, plain(part))
     return Cell((panel, colour_scale(f"{name}-colours", low, high, sheet.words, colours)), None)
 
 
