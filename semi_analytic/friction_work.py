@@ -178,7 +178,7 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
             reach = contact.reach(at, np.maximum(edge - (load - slipped), 0.0), load - slipped)
             return np.asarray(contact.pressure(at, load) * reach)
 
-        allowed = max(_share(contact, marks) * size, float(np.max(_rounding(span, weighed))))
+        allowed = max(_share(contact, marks) * size, float(np.median(_rounding(span, weighed))))
         found = by_halving(part, begin[here], end[here], allowed, marks)
         work[span.direction][here] += found.value - rough
         error[here] += found.error
@@ -380,28 +380,39 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     return total
 
 
-def closed_integral_of_records(contact: Contact, modulus: float, friction: float, block: Block) -> tuple[float, float]:
-    """Closed integral of Q dU over the records of a steady cycle and what rounding may have left in it, as for spans.
+class Loop:
+    """Closed integral of Q dU over the records of a steady cycle, block by block, and what rounding may have left in it.
 
     With G = int_0^P ln(2 L/a) d eta and the slope m of the line that a record goes through, U over A/pi grows along it by m times
     the growth of G(P_c) plus s f times that of G(P) - G(P_c).
     """
-    records, largest = block.records, float(np.max(block.rows[:, 0]))
-    contact = _flat_at(contact, largest)
-    slope = np.array([line.slope if line is not None else 0.0 for line in block.lines])
-    limit, growth = records.direction * friction, records.load_after - records.load
 
-    def moved(which: Indices, load: Array, slipped: Array) -> Array:
-        whole = contact.log_distance(load)
-        front = np.where(slipped > 0, contact.log_distance(np.maximum(load - slipped, 0.0)), whole)
-        return slope[which, None] * front + limit[which, None] * (whole - front)
+    def __init__(self, contact: Contact, modulus: float, friction: float, largest: float) -> None:
+        self._contact, self._friction, self._shift, self._total, self._path = _flat_at(contact, largest), friction, 0.0, 0.0, 0.0
+        self._unit, self._size = 2 / (math.pi * modulus), 2 * abs(float(self._contact.log_distance(largest)))
 
-    ends = np.stack([records.load, records.load_after], axis=1), np.stack([records.slipped, records.slipped_after], axis=1)
-    begin, end = moved(np.arange(len(slope)), *ends).T
-    force = np.where(records.direction == 0, slope * growth, records.direction * (records.rise + friction * growth))
-    total = -float(np.sum(force * (np.cumsum(end - begin) - end + _means(contact, records, moved)[0])))
-    doubt = _DIGITS_OF_SHIFT * friction * 2 * abs(float(contact.log_distance(largest))) * float(np.sum(np.abs(force)))
-    return 2 / (math.pi * modulus) * total, 2 / (math.pi * modulus) * doubt
+    def add(self, block: Block) -> None:
+        """The records of the next block."""
+        contact, records = self._contact, block.records
+        slope = np.array([line.slope if line is not None else 0.0 for line in block.lines])
+        limit, growth = records.direction * self._friction, records.load_after - records.load
+
+        def moved(which: Indices, load: Array, slipped: Array) -> Array:
+            whole = contact.log_distance(load)
+            front = np.where(slipped > 0, contact.log_distance(np.maximum(load - slipped, 0.0)), whole)
+            return slope[which, None] * front + limit[which, None] * (whole - front)
+
+        ends = np.stack([records.load, records.load_after], axis=1), np.stack([records.slipped, records.slipped_after], axis=1)
+        begin, end = moved(np.arange(len(slope)), *ends).T
+        force = np.where(records.direction == 0, slope * growth, records.direction * (records.rise + self._friction * growth))
+        shift = self._shift + np.cumsum(end - begin)
+        self._total -= float(np.sum(force * (shift - end + _means(contact, records, moved)[0])))
+        self._path, self._shift = self._path + float(np.sum(np.abs(force))), float(shift[-1])
+
+    @property
+    def value(self) -> tuple[float, float]:
+        """The integral [energy per unit thickness] and its rounding."""
+        return self._unit * self._total, self._unit * _DIGITS_OF_SHIFT * self._friction * self._size * self._path
 
 
 def work_over_points(contact: Contact, modulus: float, spans: Sequence[Span], work: float) -> Converged:
@@ -473,10 +484,10 @@ def by_halving(
     rough = work(which, low, high)
     while len(which):
         middle = (low + high) / 2
-        # The mark next above the middle, else the one below it, else the middle itself.
-        number = np.searchsorted(cuts, middle)
+        # The mark next above the middle, else the one below it, else the middle itself: parts next to nothing would change nothing.
+        number, margin = np.searchsorted(cuts, middle), (high - low) / 16
         for nearest in (cuts[number - 1], cuts[number]):
-            inside = (nearest > low) & (nearest < high)
+            inside = (nearest > low + margin) & (nearest < high - margin)
             middle, depth = np.where(inside, nearest, middle), np.where(inside, -1, depth)
         left, right = np.split(work(np.tile(which, 2), np.r_[low, middle], np.r_[middle, high]), 2)
         change = np.abs(left + right - rough)

@@ -14,6 +14,7 @@ taken a block at a time: what stays in memory is what was asked for, and the kno
 from __future__ import annotations
 
 import gc
+from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -37,8 +38,8 @@ _NOISE = 1e-14
 _LAST_DIGITS = 4e-15
 # Share of f P within which a path runs along the curve that it unloads, and share within which a line goes straight on.
 _ALONG, _STRAIGHT_ON = 8e-15, 1e-15
-# Steps that are followed at a time: more are no faster, for the garbage collector sees all their records.
-_BLOCK = 1000
+# Steps that are followed at a time.
+_BLOCK = 10_000
 # Rows beyond which a path is answered at its rows, with pointwise fields at about so many of them.
 _MANY, _FEW = 1000, 400
 # Share of a step within which somebody else's instant is a row.
@@ -87,46 +88,61 @@ class Knot(NamedTuple):
         return
 
 
+_knot = tuple.__new__  # half the time of the class, a million times
 Station = tuple[float, float, float]
 """P, Q and the share of the step that is over."""
-Rows = list[tuple[Knot | None, float, float, float, float, float, float, float]]
-"""Records while steps are followed: the line of the memory that each goes through, then the columns of `Records`."""
+Rows = tuple[list["Knot | None"], Any]
+"""Records while steps are followed: the line of the memory that each goes through, and one after the other the columns of `Records`
+but for the row, in an array or a list."""
 
 
-def _step(curve: Knot | None, first: Station, last: Station, friction: float, records: Rows) -> Knot | None:
-    """The curve after a straight step."""
-    normal, tangential = last[0] - first[0], last[1] - first[1]
-    limit = friction * normal
-    noise = _NOISE * (abs(tangential) + abs(limit))
-    forward, reverse = tangential - limit > noise, -tangential - limit > noise
-    if normal < 0 and forward == reverse:
-        return _unload(curve, first, last, friction, records)
+def _step(
+    curve: Knot | None, load: float, force: float, normal: float, tangential: float, friction: float, records: Rows
+) -> Knot | None:
+    """The curve after a straight step from P, Q = (load, force) to (normal, tangential)."""
+    growth, rise = normal - load, tangential - force
+    limit = friction * growth
+    noise = _NOISE * (abs(rise) + abs(limit))
+    forward, reverse = rise - limit > noise, -rise - limit > noise
+    if growth < 0 and forward == reverse:
+        return _unload(curve, (load, force, 0.0), (normal, tangential, 1.0), friction, records)
     if forward or reverse:
-        return _slip(curve, 1 if forward else -1, first, last, friction, records)
-    if normal > 0:  # full stick
-        below, length, rise = curve, normal, tangential
+        return _slip(curve, 1 if forward else -1, load, force, 0.0, normal, tangential, 1.0, friction, records)
+    if growth > 0:  # full stick
+        below, length = curve, growth
         if curve is not None:
             one, other = curve.rise * length, rise * curve.length
             if abs(one - other) <= _STRAIGHT_ON * (abs(one) + abs(other)):
                 below, length, rise = curve.below, length + curve.length, rise + curve.rise
-        curve = Knot(below, last[0], last[1], length, rise, below.depth + 1 if below is not None else 1)
-    records.append((curve, 0, first[0], last[0], 0.0, 0.0, 0.0, last[2]))
+        curve = _knot(Knot, (below, normal, tangential, length, rise, below.depth + 1 if below is not None else 1))
+    records[0].append(curve)
+    records[1].extend((0, load, normal, 0.0, 0.0, 0.0, 1.0))
     return curve
 
 
-def _slip(curve: Knot | None, s: int, first: Station, last: Station, friction: float, records: Rows) -> Knot | None:
-    """Slip in direction s: the front goes down through the lines, as far as the level rises."""
-    (load, _, until), (normal, tangential, end), begin = first, last, first[2]
-    growth = normal - load
-    total = rest = s * (tangential - first[1]) - friction * growth
+def _slip(
+    curve: Knot | None,
+    s: int,
+    load: float,
+    force: float,
+    begin: float,
+    normal: float,
+    tangential: float,
+    end: float,
+    friction: float,
+    records: Rows,
+) -> Knot | None:
+    """Slip in direction s from (load, force), share `begin` of the step: the front goes down through the lines as the level rises."""
+    start, growth, until = load, normal - load, begin
+    total = rest = s * (tangential - force) - friction * growth
     digits = _LAST_DIGITS * friction * (load if load > normal else normal)
     slid = passed = part = length = 0.0
     # What slips already is at the limit, and the front is below it.
-    if curve is not None and curve.below is not None and friction * curve.length <= s * curve.rise:
-        slid = passed = curve.length
-        curve = curve.below
+    if curve is not None and curve[0] is not None and friction * curve[3] <= s * curve[4]:
+        slid = passed = curve[3]
+        curve = curve[0]
     while curve is not None:
-        below, top, force, length, rise, depth = curve
+        below, top, held, length, rise, depth = curve
         needed = friction * length - s * rise
         # A front that meets a knot at the very end of the step, to rounding, has not passed it: what lies below may be at the limit
         # already, and the front would jump through it.
@@ -139,20 +155,25 @@ def _slip(curve: Knot | None, s: int, first: Station, last: Station, friction: f
         if needed > 0:
             rest -= needed
             share = 1 - rest / total
-            after, slipped, until = first[0] + share * growth, passed + share * growth, begin + share * (end - begin)
-            records.append((curve, s, load, after, slid, slipped, needed, until))
+            after, slipped, until = start + share * growth, passed + share * growth, begin + share * (end - begin)
+            records[0].append(curve)
+            records[1].extend((s, load, after, slid, slipped, needed, until))
             load, slid = after, slipped
         else:
             slid += length
         curve = below
     slipped = passed + part * length + growth
-    records.append((curve, s, load, normal, slid, slipped if slipped > 0 else 0.0, rest if rest > 0 else 0.0, end))
+    records[0].append(curve)
+    records[1].extend((s, load, normal, slid, slipped if slipped > 0 else 0.0, rest if rest > 0 else 0.0, end))
     if part > 0:
         left = 1 - part
-        curve = Knot(below, top - part * length, force - part * rise, left * length, left * rise, depth) if left > 0 else below
+        if left > 0:
+            curve = _knot(Knot, (below, top - part * length, held - part * rise, left * length, left * rise, depth))
+        else:
+            curve = below
     if not slipped > 0:
         return curve
-    return Knot(curve, normal, tangential, slipped, s * friction * slipped, curve.depth + 1 if curve is not None else 1)
+    return _knot(Knot, (curve, normal, tangential, slipped, s * friction * slipped, curve[5] + 1 if curve is not None else 1))
 
 
 def _unload(curve: Knot | None, first: Station, last: Station, friction: float, records: Rows) -> Knot | None:
@@ -161,26 +182,27 @@ def _unload(curve: Knot | None, first: Station, last: Station, friction: float, 
     The admissible cones of later points lie inside those of earlier ones, so the state is that of one step.
     """
     drop, slope, noise = first[0] - last[0], (last[1] - first[1]) / (last[0] - first[0]), _ALONG * friction * first[0]
-    runs: list[tuple[float, int]] = []  # (fall of P at the end, side) of each part
+    runs: list[tuple[float, int]] = []  # (fall of P at the end, side) of each part but the last
     down, above, before, line = 0.0, 0.0, 0, curve
+    here = 0  # side of the part that goes on
     while line is not None and down < drop:
-        step = min(line.length, drop - down)
-        now = above + line.rise * (step / line.length) - slope * step
+        below, _, _, length, rise, _ = line
+        step = length if length < drop - down else drop - down
+        now = above + rise * (step / length) - slope * step
         side = 0 if abs(now) <= noise else (1 if now > 0 else -1)
         if side * before < 0:
             runs.append((down + step * above / (above - now), before))
-        down += step
+        elif down > 0 and (side or before) != here:
+            runs.append((down, here))
         here = side or before
-        if runs and runs[-1][1] == here:
-            runs.pop()
-        runs.append((down, here))
-        above, before, line = now, side, line.below
+        down += step
+        above, before, line = now, side, below
     begin = first
-    for number, (fall, side) in enumerate(runs or [(drop, 0)], 1):
-        share = first[2] + fall / drop * (last[2] - first[2])
-        end = last if number >= len(runs) else (first[0] - fall, first[1] - slope * fall, share)
-        curve = (_slip(curve, side, begin, end, friction, records)) if side else _along(curve, begin, end, records)
+    for fall, side in runs:
+        end = (first[0] - fall, first[1] - slope * fall, first[2] + fall / drop * (last[2] - first[2]))
+        curve = _slip(curve, side, *begin, *end, friction, records) if side else _along(curve, begin, end, records)
         begin = end
+    curve = _slip(curve, here, *begin, *last, friction, records) if here else _along(curve, begin, last, records)
     return curve if last[0] > 0 else None
 
 
@@ -193,11 +215,13 @@ def _along(curve: Knot | None, first: Station, last: Station, records: Rows) -> 
         part, rest = rest / length, rest - length
         after = 1 - max(rest, 0.0) / drop
         end = last if below is None or rest <= 0 else (first[0] - after * drop, 0.0, first[2] + after * (last[2] - first[2]))
-        records.append((curve, 0, begin[0], end[0], 0.0, 0.0, 0.0, end[2]))
+        records[0].append(curve)
+        records[1].extend((0, begin[0], end[0], 0.0, 0.0, 0.0, end[2]))
         begin, left = end, 1 - part
         curve = Knot(below, top - part * length, force - part * rise, left * length, left * rise, depth) if left > 0 else below
     if begin is not last:
-        records.append((curve, 0, begin[0], last[0], 0.0, 0.0, 0.0, last[2]))
+        records[0].append(curve)
+        records[1].extend((0, begin[0], last[0], 0.0, 0.0, 0.0, last[2]))
     return curve
 
 
@@ -251,7 +275,8 @@ def follow(curve: Knot | None, rows: Array, friction: float) -> Block:
     >>> block.records.slipped_after.tolist(), block.alive  # Q/f, then (Q - Q')/(2 f)
     ([0.0, 1.0, 1.0], 2)
     """
-    records: Rows = []
+    records: Rows = [], array("d")
+    lines, numbers = records
     counts, alive = [0], 0
     p, q = rows[0].tolist()
     # Nothing here can hold itself: the garbage collector would look at all other objects again and again, for half of the time.
@@ -259,17 +284,16 @@ def follow(curve: Knot | None, rows: Array, friction: float) -> Block:
     gc.disable()
     try:
         for normal, tangential in rows[1:].tolist():
-            curve = _step(curve, (p, q, 0.0), (normal, tangential, 1.0), friction, records)
+            curve = _step(curve, p, q, normal, tangential, friction, records)
             p, q = normal, tangential
-            counts.append(len(records))
+            counts.append(len(lines))
             if curve is not None and curve.depth > alive:
                 alive = curve.depth
     finally:
         if collects:
             gc.enable()
-    lines, *columns = zip(*records, strict=True)
-    table = [*(np.array(column, dtype=float) for column in columns), np.repeat(np.arange(len(rows) - 1), np.diff(counts))]
-    return Block(rows, Records._make(table), lines, curve, alive)
+    table = [*np.frombuffer(numbers).reshape(-1, 7).T, np.repeat(np.arange(len(rows) - 1), np.diff(counts))]
+    return Block(rows, Records._make(table), tuple(lines), curve, alive)
 
 
 def knots_of(curve: Knot | None) -> Array:
@@ -508,9 +532,14 @@ class States:
         begin = np.where(np.diff(records.row, prepend=-1) > 0, 0.0, np.append(0.0, records.until[:-1]))[number]
         part = np.clip((share - begin) / np.maximum(records.until[number] - begin, np.finfo(float).tiny), 0.0, 1.0)
         used, which = np.unique(number, return_inverse=True)
-        lines = [block.lines[k] for k in used]
-        ends = [(line.top, line.force, line.slope, line.bottom) if line is not None else (0.0,) * 4 for line in lines]
-        top, held, slope, bottom = np.array(ends)[which].T
+        lines = [block.lines[k] for k in used.tolist()]
+        open_ = (None, 0.0, 0.0, 1.0, 0.0, 0)
+        ends = [
+            (top, held, length, rise, below[1] if below is not None else 0.0)
+            for below, top, held, length, rise, _ in (line or open_ for line in lines)
+        ]
+        top, held, length, rise, bottom = np.array(ends)[which].T
+        slope = rise / length
         before, way = block.rows[step], block.rows[step + 1] - block.rows[step]
         load, force = np.where(share[:, None] > 0.5, before + way - (1 - share)[:, None] * way, before + share[:, None] * way).T
         load = np.maximum(load, 0.0)  # a path that unloads fully may end below 0 by rounding

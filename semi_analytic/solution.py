@@ -39,8 +39,8 @@ from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
 from semi_analytic.friction_work import (
+    Loop,
     closed_integral_and_rounding,
-    closed_integral_of_records,
     density_of_records,
     global_dissipation,
     pointwise_dissipation,
@@ -48,7 +48,7 @@ from semi_analytic.friction_work import (
     work_error,
 )
 from semi_analytic.history import History, Span, history_of, slipped_share
-from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, follow, own_series, straight_series
+from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
 from semi_analytic.memory import Snapshot, pieces, value_on
 from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.quadrature import NODES
@@ -138,9 +138,7 @@ def solve(
     errors = _errors(request, found, series, grids, arcs, work, loop)
     steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     notes = [*neglected_coupling(scene.material)]
-    if "dissipation" in wanted and path.period is not None and path.long:
-        notes.append("no closed integral of Q dU is taken over a long series: the dissipation was found in one way only")
-    elif "dissipation" in wanted and path.period is not None and not steady:
+    if "dissipation" in wanted and path.period is not None and not steady:
         notes.append("the last cycle is not steady: no closed integral of Q dU to compare the dissipation with")
     if left_out:
         notes.append(
@@ -236,6 +234,8 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
     works, errors, shares = (np.zeros(len(series.parts)) for _ in range(3))
     each = np.zeros(1 + (starts[-1] if at_rows else 0))
     density, least, stick = np.zeros(len(request.distance)), math.inf, 0
+    largest = float(np.max(series.parts[covered[-1]].rows[:, 1]))
+    loop = Loop(contact, request.modulus, friction, largest) if whole and steady else None
     counts = dict.fromkeys(("spans", "slips", "pieces_alive", "pieces_dropped", "slip_quadratures", "quadrature_nodes"), 0)
     for k in needed:
         part, last, worked = series.parts[k], k == covered[-1], whole and (at_rows or k in covered)
@@ -263,14 +263,12 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
             if last:
                 fronts = records.load - records.slipped, records.load_after - records.slipped_after
                 least = min(least, *(float(np.min(front)) for front in fronts))
+                if loop is not None:
+                    loop.add(block)
                 if pointwise:
                     density += unit * friction * density_of_records(contact, slips, request.distance)
     rounding = 3 * np.array([rounding_of_slip(share) for share in shares.tolist()])
     errors = np.divide(errors, works, out=np.zeros(len(works)), where=works > 0) + rounding
-    loop, last_cycle = None, series.parts[covered[-1]]
-    if whole and steady and not series.long:  # over a million rows it would cost as much as all the rest
-        block = follow(last_cycle.curve, last_cycle.rows[:, 1:], friction)
-        loop = closed_integral_of_records(contact, request.modulus, friction, block)
     so_far = np.cumsum(each)[(step + (share == 1))[back]] if at_rows else np.empty(0)
     snapshot, balance = states.snapshot(request.time, back)
     return Along(
@@ -282,7 +280,7 @@ def _along_series(series: LoadSeries, request: Request) -> Along:
         each_error=float(np.max(errors[covered])) if whole else 0.0,
         density=density if pointwise else np.full(len(density), math.nan),
         density_error=rounding[covered[-1]] if pointwise else 0.0,
-        loop=loop,
+        loop=loop.value if loop is not None else None,
         spans=(),
         increments=np.diff(so_far, prepend=so_far[:1]),
         counts={"rows": len(series.times), **counts, "curves": len(snapshot.actives) if states.curves else 0},

@@ -162,7 +162,8 @@ def quadrature_error(values: Array, size: Array) -> Array:
     It is what the first two differ by, or if that falls like an exponential as it does where all is smooth, the power 1.5 of it
     (the power 2 would be just).
     """
-    near, far = (np.abs(values[k] - values[k + 1]) / np.where(size > 0, size, 1.0) for k in (0, 1))
+    apart = (np.abs(values[k] - values[k + 1]) / np.where(size > 0, size, 1.0) for k in (0, 1))
+    near, far = (np.minimum(each, 1e100) for each in apart)  # of slips of 1e-265 too
     return np.where(near <= far**1.5, near**1.5, near)
 
 

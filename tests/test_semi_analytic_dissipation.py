@@ -12,6 +12,7 @@ from scenes import load_scene
 from semi_analytic import solve
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import CONVERGED, by_halving
+from semi_analytic.quadrature import crowded
 from semi_analytic_cases import REFERENCE, ellipse, make_scene, polygon, reference_scene
 
 ONLY = ("dissipation",)
@@ -188,3 +189,16 @@ def test_what_is_not_finite_is_not_halved():
 
     assert np.isnan(by_halving(lost, [0.0], [1.0], CONVERGED).value[0])
     assert rounds == [1, 2]
+
+
+def test_a_corner_next_to_an_end_does_not_pass_for_halving():
+    """A part cut off by the last digit changes nothing: W(x) at a knot of a table was 4e-9 off, stated 2e-13."""
+
+    def rough(_, low, high):
+        nodes, weights = crowded(low, high)
+        return np.sum(weights * np.sqrt(np.abs(nodes - 0.3)), axis=-1)
+
+    found = by_halving(rough, [0.0], [1.0], CONVERGED, [1 - 1e-15])
+    assert found.value[0] == pytest.approx((0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-8)
+    cut = by_halving(rough, [0.0], [1.0], CONVERGED, [0.3, 1 - 1e-15])
+    assert cut.value[0] == pytest.approx((0.3**1.5 + 0.7**1.5) / 1.5, rel=1e-13)

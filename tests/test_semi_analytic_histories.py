@@ -226,11 +226,11 @@ def test_what_slips_is_that_of_sixty_digits(share, steady):
     ends = []
     with mp.workdps(60):
         for number in (float, mp.mpf):
-            curve, records, slipped, last = None, [], [], (number(0), number(0), number(0))
+            curve, records, slipped, last = None, ([], []), [], (number(0), number(0))
             for p, q in [(2.4, 0.24), *rows]:
-                curve = load_series._step(curve, last, (number(p), number(q), number(1)), number(0.5), records)
-                slipped.append(float(records[-1][5]))
-                last = (number(p), number(q), number(0))
+                curve = load_series._step(curve, *last, number(p), number(q), number(0.5), records)
+                slipped.append(float(records[1][-3]))
+                last = (number(p), number(q))
             ends.append(np.array(slipped))
     found, exact = ends
     assert np.max(exact) > 0.3 * share
