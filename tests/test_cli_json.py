@@ -1,6 +1,7 @@
 """`--json`: one document of one schema on stdout and nothing else, the same values as the words, and the exit code of the words."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -172,6 +173,19 @@ def test_every_command_with_json_is_in_the_schema(said: Any) -> None:
     commands = {one["if"]["properties"]["command"]["const"] for one in answer_schema()["allOf"]}
     silent = {"init", "schema", "completion"}
     assert commands == {name for name in app if name[0] != "-"} - silent | {"sweep status", "sweep report"}
+
+
+def test_the_manual_lists_every_key_that_the_schema_requires() -> None:
+    schema = answer_schema()
+    text = (Path(__file__).parents[1] / "docs" / "json.md").read_text(encoding="utf-8")
+    listed = {
+        command: set(re.findall(r"`([^`]+)`", keys)) for command, keys in re.findall(r"(?m)^\| `([^`]+)` \| (`.*`) \|$", text)
+    }
+    for one in schema["allOf"]:
+        result = one["then"]["properties"]["result"]
+        table = result["anyOf"][1] if "anyOf" in result else result
+        table = schema["$defs"][table["$ref"].removeprefix("#/$defs/")] if "$ref" in table else table
+        assert listed[one["if"]["properties"]["command"]["const"]] == set(table["required"])
 
 
 def test_the_schema_refuses_another_envelope_and_a_lost_key() -> None:

@@ -13,7 +13,7 @@ import traceback
 import warnings
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager, suppress
-from contextvars import copy_context
+from contextvars import Context
 from typing import Any
 
 from cyclopts import (
@@ -130,10 +130,10 @@ for _group, _rows in _COMMANDS.items():
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; without `arguments` the process is ours, its streams and signals too."""
     if arguments is not None:
-        return copy_context().run(_run, list(arguments))
+        return Context().run(_run, list(arguments))
     with settled() as process:
         try:
-            code = copy_context().run(_run, sys.argv[1:], process.received)
+            code = Context().run(_run, sys.argv[1:], process.received)
             if (fault := process.unwritten()) is not None:
                 code = _refused(f"the answer could not be written to stdout: {fault.strerror}; see to that and ask again")
         except KeyboardInterrupt:  # a second one, while the first was told
