@@ -140,9 +140,10 @@ def distances(study: Study) -> Plate | None:
     sizes, curves = [level.size for level in study.levels], {}
     for line in study.lines:
         if line.metric.definition.headline and line.found.kind == "monotone" and (limit := line.found.value) is not None:
-            curves[line.metric.label] = [(size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)]
+            pairs = zip(sizes, line.values, strict=True)
+            curves[line.metric.label] = [(size, abs(value - limit)) for size, value in pairs]
     words = "element size at the contact", "distance from the value at h = 0"
-    caption = "Each metric on each mesh, its distance from what the meshes extrapolate to; one that only scatters, or is exact, is left out."
+    caption = "Each metric on each mesh, its distance from what the meshes extrapolate to, but those that scatter or are exact."
     return _convergence("study", "How fast it converges", caption, words, curves, sizes)
 
 

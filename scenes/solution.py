@@ -19,7 +19,6 @@ from scenes.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -231,15 +230,15 @@ class ContactSolution:
         """For a notebook."""
         return str(import_module("reports.notebook").solution_html(self))  # words and pictures are those of the reports
 
-    def plot(self, time: float | None = None) -> Figure:
-        """A matplotlib figure of p, q and the states: at the stored instant next to `time`, and through the last cycle.
+    def plot(self, time: float | None = None) -> Any:
+        """A matplotlib Figure of p, q and the states: at the stored instant next to `time`, and through the last cycle.
 
         Without `time` the instant is that of the largest |Q| of the last cycle.
         """
         return import_module("reports.notebook").solution_figure(self, time)
 
-    def plot_loop(self) -> Figure:
-        """A matplotlib figure of Q over the relative tangential displacement U through the last cycle."""
+    def plot_loop(self) -> Any:
+        """A matplotlib Figure of Q over the relative tangential displacement U through the last cycle."""
         return import_module("reports.notebook").loop_figure(self)
 
     @property

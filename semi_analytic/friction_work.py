@@ -256,12 +256,12 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
     rough = np.array([len(cuts) > 0 or uneven(contact, span) for cuts, span in zip(marks, spans, strict=True)])
     values = np.zeros(len(spans))
     for which, rule in ((np.flatnonzero(rough), crowded), (np.flatnonzero(~rough), graded)):
-        some = [spans[k] for k in which]
+        some = [spans[int(k)] for k in which]
         if some:
             values[which] = loop(some, [span.begin.time for span in some], [span.end.time for span in some], rule)
     # What is stored and given back may be much larger than the rest; a short part by itself may be all rounding.
     size = max(abs(float(np.sum(values))), _STORED * float(np.sum(np.abs(values[rough]))))
-    for k in np.flatnonzero(rough):
+    for k in map(int, np.flatnonzero(rough)):
 
         def parts(_: Indices, begin: Array, end: Array, span: Span = spans[k]) -> Array:
             return loop([span], begin, end, crowded)
