@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from scenes.scene import OWN_TOLERANCES
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Measure = Callable[["Pair"], "Measured"]
 
 # Instants with less than this share of P_ref are shown and not judged: on its way from or to the unloaded state a contact
 # passes through sizes of a few elements and of one, where an error relative to its own traction measures the mesh only.
@@ -250,7 +252,7 @@ class Definition:
     region: str
     text: str
     needs: tuple[str, ...]
-    measure: Callable[[Pair], Measured]
+    measure: Measure
     signed: bool = True
     absolute_unit: str = ""
     quantity: str = ""
@@ -304,23 +306,20 @@ class Metric(Measured):
 METRICS: dict[str, Definition] = {}
 
 
-def metric(
-    key: str, label: str, unit: str, norm: str, region: str, text: str, *needs: str, **more: object
-) -> Callable[[Callable[[Pair], Measured]], Callable[[Pair], Measured]]:
-    """Puts the function below it into the table, with its words and the fields that it needs."""
+def metric(key: str, unit: str, norm: str, region: str, *needs: str, words: str = "", **more: Any) -> Callable[[Measure], Measure]:
+    """Puts the function below it into the table; its docstring is "label: how it is computed." (or `words` are)."""
 
-    def register(measure: Callable[[Pair], Measured]) -> Callable[[Pair], Measured]:
-        METRICS[key] = Definition(
-            key=key,
-            label=label,
-            unit=unit,
-            norm=norm,
-            region=region,
-            text=text,
-            needs=needs,
-            measure=measure,
-            **{"judged_by": key, **more},  # type: ignore[arg-type]
-        )
+    def register(measure: Measure) -> Measure:
+        label, _, text = " ".join((words or measure.__doc__ or "").split()).partition(": ")
+        row: dict[str, Any] = {
+            "key": key,
+            "label": label,
+            "unit": unit,
+            "norm": norm,
+            "region": region,
+            "text": text.removesuffix("."),
+        }
+        METRICS[key] = Definition(**row, needs=needs, measure=measure, **{"judged_by": key, **more})
         return measure
 
     return register
@@ -465,7 +464,7 @@ def peak_place(expected: Array, found: Array, x: Array) -> Array:
 
 
 def _at_worst(
-    pair: Pair, series: Array, applies: Mask | None = None, *, places: Array | None = None, to_a_point: bool = False, **more: object
+    pair: Pair, series: Array, applies: Mask | None = None, *, places: Array | None = None, to_a_point: bool = False, **more: Any
 ) -> Measured:
     """`series` (k,) at the worst of the instants that are judged, or of those that apply.
 
@@ -476,7 +475,7 @@ def _at_worst(
     if places is not None and time is not None:
         place = float(places[pair.found.time == time][0]) / length
         doubt = spacing_at(pair.found.x, place * length) / length if to_a_point else None
-    return Measured(value=value, time=time, series=series, place=place, uncertainty=doubt, **more)  # type: ignore[arg-type]
+    return Measured(value=value, time=time, series=series, place=place, uncertainty=doubt, **more)
 
 
 def _none(why: str) -> Measured:
@@ -484,11 +483,11 @@ def _none(why: str) -> Measured:
     return Measured(value=None, note=why)
 
 
-def _of_amounts(expected: float, found: float, scale: float, **more: object) -> Measured:
+def _of_amounts(expected: float, found: float, scale: float, **more: Any) -> Measured:
     """Found less expected over expected; over `scale` where that is nothing beside it (1e-12)."""
     nothing = abs(expected) <= 1e-12 * scale
     value = (found - expected) / (scale if nothing else expected)
-    return Measured(value=value, absolute=nothing, amounts=(expected, found), **more)  # type: ignore[arg-type]
+    return Measured(value=value, absolute=nothing, amounts=(expected, found), **more)
 
 
 _POINTS = "every point, edges kept; judged instants"
@@ -499,54 +498,34 @@ _WORST_POINT = "value at the worst point and instant"
 _L2 = "L2 over x; worst instant"
 _FIGURE = "one figure"
 _WORK_SCALE = "A f² P_ref²"
-_NEAREST = "where several peaks of the reference lie within 5 % of its largest, the nearest of them"
 
 # ---------------------------------------------------------------------------------- the first table: absolute values of both
 
 
 @metric(
     "largest_pressure",
-    "Peak pressure",
     "of the reference",
     _FIGURE,
     "every point; last cycle",
-    "largest p of the cycle less that of the reference, over the latter, both over the same points",
     "pressure",
     quantity="stress",
     judged_by="peak_pressure",
 )
 def _(pair: Pair) -> Measured:
+    """Peak pressure: largest p of the cycle less that of the reference, over the latter, both over the same points."""
     return _of_amounts(float(pair.expected.pressure.max()), float(pair.found.pressure.max()), pair.scales.pressure)
 
 
-@metric(
-    "largest_half_width",
-    "Contact half-width",
-    "of the reference",
-    _FIGURE,
-    _WHOLE,
-    "largest half of the distance between the contact edges less that of the reference, over the latter",
-    "pressure",
-    quantity="length",
-    judged_by="contact_edge",
-)
+@metric("largest_half_width", "of the reference", _FIGURE, _WHOLE, "pressure", quantity="length", judged_by="contact_edge")
 def _(pair: Pair) -> Measured:
+    """Contact half-width: largest half of the distance between the contact edges less that of the reference, over the latter."""
     expected, found = (float(np.nanmax(np.diff(c.contact_edges, axis=1), initial=0.0)) / 2 for c in (pair.expected, pair.found))
     return _of_amounts(expected, found, pair.scales.half_width)
 
 
-@metric(
-    "permanent_stick",
-    "Stick half-width, permanent",
-    "of a_ref",
-    _FIGURE,
-    _WHOLE,
-    "half-width that sticks through the whole last cycle less the reference's",
-    "state",
-    WHOLE_CYCLE,
-    quantity="length",
-)
+@metric("permanent_stick", "of a_ref", _FIGURE, _WHOLE, "state", WHOLE_CYCLE, quantity="length")
 def _(pair: Pair) -> Measured:
+    """Stick half-width, permanent: half-width that sticks through the whole last cycle less the reference's."""
     expected, found = (float(s.permanent_stick_half_width) for s in (pair.reference, pair.result))
     lacking = [name_of(s.engine) for s in (pair.reference, pair.result) if math.isnan(s.permanent_stick_half_width)]
     if lacking:
@@ -557,11 +536,9 @@ def _(pair: Pair) -> Measured:
 
 @metric(
     "largest_slip",
-    "Largest slip",
     "of the reference",
     _FIGURE,
     "points in contact in both; last cycle",
-    "largest range of s of a point through the cycle less that of the reference, over the latter",
     "slip",
     "state",
     WHOLE_CYCLE,
@@ -569,7 +546,8 @@ def _(pair: Pair) -> Measured:
     absolute_unit="f p_ref a_ref/E*",
 )
 def _(pair: Pair) -> Measured:
-    """Of the instants at which a point is in contact in both: out of contact s is a displacement and nothing slips."""
+    """Largest slip: largest range of s of a point through the cycle less that of the reference, over the latter."""
+    # Of the instants at which a point is in contact in both: out of contact s is a displacement and nothing slips.
     touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
     if not pair.result.scene.friction.coefficient or not touching.any():
         return _none("nothing resists slip" if touching.any() else "no instant has points in contact in both")
@@ -583,36 +561,26 @@ def _(pair: Pair) -> Measured:
     return _of_amounts(float(theirs.max()), float(ours.max()), scale, place=place)
 
 
-@metric(
-    "dissipation",
-    "Dissipation",
-    "of W_ref",
-    _FIGURE,
-    _WHOLE,
-    "W less W_ref",
-    "dissipation",
-    WHOLE_CYCLE,
-    quantity="energy",
-    absolute_unit=_WORK_SCALE,
-)
+@metric("dissipation", "of W_ref", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE, quantity="energy", absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
+    """Dissipation: W less W_ref."""
     found = _of_amounts(pair.reference.dissipation, pair.result.dissipation, pair.scales.dissipation)
     return replace(found, note="the reference dissipates nothing, so the value is absolute") if found.absolute else found
 
 
 @metric(
     "dissipation_density_peak",
-    "Largest pointwise dissipation",
     "of largest w_ref",
     _FIGURE,
     "every point, edges kept; last cycle",
-    "largest w less largest w_ref, over largest w_ref, both over the same points; with its place",
     "dissipation_density",
     WHOLE_CYCLE,
     quantity="energy density",
     absolute_unit=f"{_WORK_SCALE}/a_ref",
 )
 def _(pair: Pair) -> Measured:
+    """Largest pointwise dissipation: largest w less largest w_ref, over largest w_ref, both over the same points; with its
+    place."""
     length = pair.scales.half_width
     expected, found = (float(cycle.dissipation_density.max()) for cycle in (pair.expected, pair.found))
     place = float(pair.found.x[np.argmax(pair.found.dissipation_density)]) / length
@@ -622,48 +590,25 @@ def _(pair: Pair) -> Measured:
 # --------------------------------------------------------------------------------------------------- pressure and shear
 
 
-@metric(
-    "peak_pressure",
-    "Peak pressure, worst instant",
-    "of peak p_ref",
-    _WORST_INSTANT,
-    _POINTS,
-    "largest p less largest p_ref, over largest p_ref, both over the same points",
-    "pressure",
-)
+@metric("peak_pressure", "of peak p_ref", _WORST_INSTANT, _POINTS, "pressure")
 def _(pair: Pair) -> Measured:
+    """Peak pressure, worst instant: largest p less largest p_ref, over largest p_ref, both over the same points."""
     # Both maxima over the same points: where these lie beside the true peak cancels. A reference at its own peak would make
     # every result look too low by up to (h/a)^2/8.
     expected, found = pair.expected.pressure.max(axis=1), pair.found.pressure.max(axis=1)
     return _at_worst(pair, over(found - expected, expected))
 
 
-@metric(
-    "pressure",
-    "Pressure, L2",
-    "of ‖p_ref‖",
-    _L2,
-    _POINTS,
-    "L2 norm over x of p less p_ref, over the norm of p_ref",
-    "pressure",
-    signed=False,
-)
+@metric("pressure", "of ‖p_ref‖", _L2, _POINTS, "pressure", signed=False)
 def _(pair: Pair) -> Measured:
+    """Pressure, L2: L2 norm over x of p less p_ref, over the norm of p_ref."""
     x, expected = pair.found.x, pair.expected.pressure
     return _at_worst(pair, over(norm(x, pair.found.pressure - expected), norm(x, expected)))
 
 
-@metric(
-    "shear",
-    "Shear traction, L2",
-    "of f ‖p_ref‖",
-    _L2,
-    _POINTS,
-    "L2 norm over x of q less q_ref, over f times the norm of p_ref, since q changes sign on the way",
-    "shear",
-    signed=False,
-)
+@metric("shear", "of f ‖p_ref‖", _L2, _POINTS, "shear", signed=False)
 def _(pair: Pair) -> Measured:
+    """Shear traction, L2: L2 norm over x of q less q_ref, over f times the norm of p_ref, since q changes sign on the way."""
     x, expected = pair.found.x, pair.expected
     return _at_worst(pair, over(norm(x, pair.found.shear - expected.shear), pair.scales.friction * norm(x, expected.pressure)))
 
@@ -685,15 +630,9 @@ def _elements(pair: Pair, value: float | None) -> float | None:
     return value * pair.scales.half_width / float(size) if size and value is not None else None
 
 
-@metric(
-    "contact_edge",
-    "Contact edge",
-    "of a_ref",
-    _WORST_INSTANT,
-    _INSTANTS,
-    "outward shift of the worse edge",
-)
+@metric("contact_edge", "of a_ref", _WORST_INSTANT, _INSTANTS)
 def _(pair: Pair) -> Measured:
+    """Contact edge: outward shift of the worse edge."""
     found = _at_worst(pair, _edge(pair.expected.contact_edges, pair.found.contact_edges, pair.scales.half_width))
     return replace(found, elements=_elements(pair, found.value))
 
@@ -708,16 +647,11 @@ def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
 
 
-@metric(
-    "stick_edge",
-    "Stick edge",
-    "of a_ref",
-    _WORST_INSTANT,
-    f"{_INSTANTS} at which both have one",
-    "outward shift of the worse edge, where both have one (in full stick: the contact edge)",
-)
+@metric("stick_edge", "of a_ref", _WORST_INSTANT, f"{_INSTANTS} at which both have one")
 def _(pair: Pair) -> Measured:
-    """Instants at which the two differ in full stick, partial slip or full slip are counted, not hidden."""
+    """Stick edge: outward shift of the worse edge, where both have one (in full stick: the contact edge)."""
+    # Instants at which the two differ in full stick, partial slip or full slip are counted, not
+    # hidden.
     length = pair.scales.half_width
     theirs, ours = (stick_status(cycle, length) for cycle in (pair.expected, pair.found))
     series = _edge(pair.expected.stick_edges, pair.found.stick_edges, length)
@@ -729,17 +663,9 @@ def _(pair: Pair) -> Measured:
     return replace(found, note=note, elements=_elements(pair, found.value))
 
 
-@metric(
-    "state",
-    "Stick/slip map",
-    "of the contact",
-    "mean over the cycle",
-    "points in contact in either; instants in contact",
-    "share of the length in contact whose state (open, stick, forward or reverse slip) differs",
-    "state",
-    signed=False,
-)
+@metric("state", "of the contact", "mean over the cycle", "points in contact in either; instants in contact", "state", signed=False)
 def _(pair: Pair) -> Measured:
+    """Stick/slip map: share of the length in contact whose state (open, stick, forward or reverse slip) differs."""
     expected, found, length = pair.expected.state, pair.found.state, np.gradient(pair.found.x)
     touching = (expected != OPEN) | (found != OPEN)
     series = over(((expected != found) * length).sum(axis=1), (touching * length).sum(axis=1))
@@ -759,46 +685,25 @@ def _stroke(pair: Pair) -> tuple[Array, Mask, str]:
     return difference, pair.judged & moves, "" if (pair.judged & moves).any() else "the reference does not move sideways"
 
 
-@metric(
-    "tangential_displacement",
-    "Tangential displacement",
-    "of U_ref's stroke",
-    _WORST_INSTANT,
-    _INSTANTS,
-    "U less U_ref over the range of U_ref in the cycle",
-    "tangential_displacement",
-)
+@metric("tangential_displacement", "of U_ref's stroke", _WORST_INSTANT, _INSTANTS, "tangential_displacement")
 def _(pair: Pair) -> Measured:
+    """Tangential displacement: U less U_ref over the range of U_ref in the cycle."""
     difference, moves, note = _stroke(pair)
     return _at_worst(pair, difference, moves, note=note)
 
 
-@metric(
-    "dissipation_polygon",
-    "Dissipation, steps' error out",
-    "of W_ref",
-    _FIGURE,
-    _WHOLE,
-    "W less the reference's W on the straight lines between the instants: every error but that of the steps",
-    "dissipation",
-    WHOLE_CYCLE,
-    absolute_unit=_WORK_SCALE,
-)
+@metric("dissipation_polygon", "of W_ref", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
+    """Dissipation, steps' error out: W less the reference's W on the straight lines between the instants: every error but that
+    of the steps."""
     polygon = pair.polygon_reference or pair.reference
     return replace(_of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation), amounts=None)
 
 
-@metric(
-    "dissipation_step",
-    "Dissipation, steps' error only",
-    "of W_ref",
-    _FIGURE,
-    _WHOLE,
-    "the reference's W on the straight lines between the instants less its W on the smooth path",
-    absolute_unit=_WORK_SCALE,
-)
+@metric("dissipation_step", "of W_ref", _FIGURE, _WHOLE, absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
+    """Dissipation, steps' error only: the reference's W on the straight lines between the instants less its W on the smooth
+    path."""
     polygon = pair.polygon_reference or pair.reference
     return replace(_of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation), amounts=None)
 
@@ -821,18 +726,10 @@ def normal_work(solution: ContactSolution) -> float | None:
     return float(np.trapezoid(solution.normal_load[steps], solution.normal_approach[steps]))
 
 
-@metric(
-    "hysteresis",
-    "Hysteresis loop",
-    "of its area",
-    _FIGURE,
-    _WHOLE,
-    "closed integral of Q dU less that of the reference, both by the trapezoidal rule over the same instants",
-    "tangential_displacement",
-    WHOLE_CYCLE,
-    absolute_unit=_WORK_SCALE,
-)
+@metric("hysteresis", "of its area", _FIGURE, _WHOLE, "tangential_displacement", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
+    """Hysteresis loop: closed integral of Q dU less that of the reference, both by the trapezoidal rule over the same
+    instants."""
     if not pair.periodic:
         return _none("the path is not periodic: no loop")
     return replace(_of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation), amounts=None)
@@ -846,16 +743,15 @@ def _density(pair: Pair) -> tuple[float, bool]:
 
 @metric(
     "dissipation_density",
-    "Pointwise dissipation",
     "of largest w_ref",
     "value at the worst point",
     "every point, edges kept; last cycle",
-    "w(x) less w_ref(x) over the largest w_ref; with its place",
     "dissipation_density",
     WHOLE_CYCLE,
     absolute_unit=f"{_WORK_SCALE}/a_ref",
 )
 def _(pair: Pair) -> Measured:
+    """Pointwise dissipation: w(x) less w_ref(x) over the largest w_ref; with its place."""
     scale, nothing = _density(pair)
     expected, found = pair.expected.dissipation_density, pair.found.dissipation_density
     difference = (found - expected) / (scale if nothing else np.max(np.abs(expected)))
@@ -863,75 +759,43 @@ def _(pair: Pair) -> Measured:
     return Measured(value=value, absolute=nothing, place=None if place is None else place / pair.scales.half_width)
 
 
-@metric(
-    "pressure_maximum",
-    "Pressure, maximum",
-    "of peak p_ref",
-    _WORST_POINT,
-    _POINTS,
-    "p less p_ref where it is largest in size, over the largest p_ref of the instant; with its place",
-    "pressure",
-)
+@metric("pressure_maximum", "of peak p_ref", _WORST_POINT, _POINTS, "pressure")
 def _(pair: Pair) -> Measured:
+    """Pressure, maximum: p less p_ref where it is largest in size, over the largest p_ref of the instant; with its place."""
     peak = pair.expected.pressure.max(axis=1, keepdims=True)
     series, places = worst_point(over(pair.found.pressure - pair.expected.pressure, peak), pair.found.x)
     return _at_worst(pair, series, places=places)
 
 
-@metric(
-    "pressure_peak_place",
-    "Place of peak pressure",
-    "of a_ref",
-    _WORST_INSTANT,
-    _POINTS,
-    f"x of the largest p less x of the largest p_ref, to a point; {_NEAREST}",
-    "pressure",
-)
+@metric("pressure_peak_place", "of a_ref", _WORST_INSTANT, _POINTS, "pressure")
 def _(pair: Pair) -> Measured:
+    """Place of peak pressure: x of the largest p less x of the largest p_ref, to a point; where several peaks of the reference
+    lie within 5 % of its largest, the nearest of them."""
     x, found = pair.found.x, pair.found.pressure
     series = peak_place(pair.expected.pressure, found, x) / pair.scales.half_width
     return _at_worst(pair, series, places=x[np.argmax(found, axis=1)], to_a_point=True)
 
 
-@metric(
-    "shear_maximum",
-    "Shear traction, maximum",
-    "of f peak p_ref",
-    _WORST_POINT,
-    _POINTS,
-    "q less q_ref where it is largest in size, over f times the largest p_ref of the instant; with its place",
-    "shear",
-)
+@metric("shear_maximum", "of f peak p_ref", _WORST_POINT, _POINTS, "shear")
 def _(pair: Pair) -> Measured:
+    """Shear traction, maximum: q less q_ref where it is largest in size, over f times the largest p_ref of the instant; with
+    its place."""
     peak = pair.scales.friction * pair.expected.pressure.max(axis=1, keepdims=True)
     series, places = worst_point(over(pair.found.shear - pair.expected.shear, peak), pair.found.x)
     return _at_worst(pair, series, places=places)
 
 
-@metric(
-    "peak_shear",
-    "Peak shear traction",
-    "of f peak p_ref",
-    _WORST_INSTANT,
-    _POINTS,
-    "largest size of q less that of q_ref, over f times the largest p_ref of the instant",
-    "shear",
-)
+@metric("peak_shear", "of f peak p_ref", _WORST_INSTANT, _POINTS, "shear")
 def _(pair: Pair) -> Measured:
+    """Peak shear traction: largest size of q less that of q_ref, over f times the largest p_ref of the instant."""
     difference = np.abs(pair.found.shear).max(axis=1) - np.abs(pair.expected.shear).max(axis=1)
     return _at_worst(pair, over(difference, pair.scales.friction * pair.expected.pressure.max(axis=1)))
 
 
-@metric(
-    "shear_peak_place",
-    "Place of peak shear traction",
-    "of a_ref",
-    _WORST_INSTANT,
-    f"{_POINTS} that carry shear",
-    f"x where q is largest in size less that of q_ref, to a point; {_NEAREST}",
-    "shear",
-)
+@metric("shear_peak_place", "of a_ref", _WORST_INSTANT, f"{_POINTS} that carry shear", "shear")
 def _(pair: Pair) -> Measured:
+    """Place of peak shear traction: x where q is largest in size less that of q_ref, to a point; where several peaks of the
+    reference lie within 5 % of its largest, the nearest of them."""
     x, expected, found = pair.found.x, np.abs(pair.expected.shear), np.abs(pair.found.shear)
     # Asked the other way round, a NaN would count as no shear and hide.
     sheared = pair.judged & ~(expected.max(axis=1) <= NO_SHEAR * pair.scales.shear)
@@ -966,25 +830,18 @@ def _resultant(pair: Pair, component: int) -> Measured:
     return _at_worst(pair, over(lacking, pair.found.normal_load), note=note)
 
 
-metric(
-    "resultant_normal",
-    "Normal resultant",
-    "of P",
-    _WORST_INSTANT,
-    _INSTANTS,
-    "resultant of the result's tractions less P, over P: with the result's own weights and normals where it has them "
-    "(needs no reference), else by the trapezoidal rule less what the same rule misses of the reference",
-    "pressure",
-)(partial(_resultant, component=0))
-metric(
-    "resultant_tangential",
-    "Tangential resultant",
-    "of P",
-    _WORST_INSTANT,
-    _INSTANTS,
-    "resultant of the result's tractions less Q, over P: by the rule of the normal resultant",
-    "shear",
-)(partial(_resultant, component=1))
+@metric("resultant_normal", "of P", _WORST_INSTANT, _INSTANTS, "pressure")
+def _(pair: Pair) -> Measured:
+    """Normal resultant: resultant of the result's tractions less P, over P: with the result's own weights and normals where it
+    has them (needs no reference), else by the trapezoidal rule less what the same rule misses of the reference."""
+    return _resultant(pair, 0)
+
+
+@metric("resultant_tangential", "of P", _WORST_INSTANT, _INSTANTS, "shear")
+def _(pair: Pair) -> Measured:
+    """Tangential resultant: resultant of the result's tractions less Q, over P: by the rule of the normal resultant."""
+    return _resultant(pair, 1)
+
 
 # ------------------------------------------------------------------------------------------------ contact, stick and slip
 
@@ -1015,29 +872,25 @@ def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
 
 for _kind in ("contact", "stick"):
     for _side in SIDES:
-        metric(
-            f"{_kind}_edge_{_side}",
-            f"{_kind.capitalize()} edge, {_side}",
-            "of a_ref",
-            _WORST_INSTANT,
-            _INSTANTS if _kind == "contact" else f"{_INSTANTS} at which both have one",
-            f"outward shift of the {_side} edge; also over the local spacing h of the result's points, and with the "
-            "uncertainty that the result states",
-        )(partial(_edge_of_side, kind=_kind, side=_side))
+        _words = f"{_kind.capitalize()} edge, {_side}: outward shift of the {_side} edge; also over the local spacing h of the "
+        _words += "result's points, and with the uncertainty that the result states."
+        _where = _INSTANTS if _kind == "contact" else f"{_INSTANTS} at which both have one"
+        _measure = partial(_edge_of_side, kind=_kind, side=_side)
+        metric(f"{_kind}_edge_{_side}", "of a_ref", _WORST_INSTANT, _where, words=_words)(_measure)
 
 
 @metric(
     "stick_set",
-    "Stick set, not shared",
     "of the union",
     "Jaccard distance over x and time",
     "points that stick in either; last cycle",
-    "1 less the quotient of what sticks in both and what sticks in either, each measured by length times time",
     "state",
     WHOLE_CYCLE,
     signed=False,
 )
 def _(pair: Pair) -> Measured:
+    """Stick set, not shared: 1 less the quotient of what sticks in both and what sticks in either, each measured by length
+    times time."""
     if not pair.result.scene.friction.coefficient:
         return _none(_FRICTIONLESS)
     theirs, ours = pair.expected.state == STICK, pair.found.state == STICK
@@ -1114,19 +967,18 @@ def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     return _change(pair, _Changes(np.array(late), index, missing, len(ours) - len(used)), none)
 
 
-for _key, _word, _at, _out in (("full_stick_start", "Start", 0, "into"), ("full_stick_end", "End", -1, "out of")):
-    metric(
-        _key,
-        f"{_word} of full stick",
-        "of the period",
-        _WORST_INSTANT,
-        _WHOLE,
-        f"{'first' if _at == 0 else 'last'} instant of full stick less that of the reference, known to the step between two "
-        "instants; full stick is an interval of at least two instants whose stick edges are the contact edges; each of the "
-        "reference's is compared with the one of the result that shares most instants with it",
-        "state",
-        WHOLE_CYCLE,
-    )(partial(_full_stick, at=_at, none=f"the reference does not come {_out} full stick"))
+@metric("full_stick_start", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
+def _(pair: Pair) -> Measured:
+    """Start of full stick: first instant of full stick less that of the reference, known to the step between two instants; full
+    stick is an interval of at least two instants whose stick edges are the contact edges; each of the reference's is compared
+    with the one of the result that shares most instants with it."""
+    return _full_stick(pair, 0, "the reference does not come into full stick")
+
+
+@metric("full_stick_end", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
+def _(pair: Pair) -> Measured:
+    """End of full stick: last instant of full stick less that of the reference, by the rule of its start."""
+    return _full_stick(pair, -1, "the reference does not come out of full stick")
 
 
 def slip_sense(cycle: Cycle) -> NDArray[np.int8]:
@@ -1159,18 +1011,10 @@ def _reversals_to(sense: int, pair: Pair) -> _Changes:
     return _Changes(min(matches, key=lambda late: float(np.max(np.abs(late))), default=np.zeros(0)), theirs)
 
 
-@metric(
-    "slip_reversal",
-    "Reversal of slip",
-    "of the period",
-    _WORST_INSTANT,
-    _WHOLE,
-    "first instant of slip in the new sense less that of the reference, the sense being that of the longer slip zone, "
-    "known to the step between two instants",
-    "state",
-    WHOLE_CYCLE,
-)
+@metric("slip_reversal", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
+    """Reversal of slip: first instant of slip in the new sense less that of the reference, the sense being that of the longer
+    slip zone, known to the step between two instants."""
     if not pair.result.scene.friction.coefficient:
         return _none(_FRICTIONLESS)
     found = [_reversals_to(sense, pair) for sense in (1, -1)]
@@ -1211,57 +1055,34 @@ def _slip_metric(pair: Pair, maximum: bool) -> Measured:
     return _at_worst(pair, np.sqrt(mean), applies, absolute=nothing)
 
 
-metric(
-    "slip",
-    "Slip, L2",
-    "of the range of s_ref",
-    _L2,
-    "points in contact in both; judged instants",
-    "root of the mean square over x of s less s_ref, over the range of s_ref in the cycle",
-    "slip",
-    signed=False,
-    absolute_unit="f p_ref a_ref/E*",
-)(partial(_slip_metric, maximum=False))
-metric(
-    "slip_maximum",
-    "Slip, maximum",
-    "of the range of s_ref",
-    _WORST_POINT,
-    "points in contact in both; judged instants",
-    "s less s_ref where it is largest in size, over the range of s_ref in the cycle; with its place",
-    "slip",
-    absolute_unit="f p_ref a_ref/E*",
-)(partial(_slip_metric, maximum=True))
+_IN_CONTACT = "points in contact in both; judged instants"
+
+
+@metric("slip", "of the range of s_ref", _L2, _IN_CONTACT, "slip", signed=False, absolute_unit="f p_ref a_ref/E*")
+def _(pair: Pair) -> Measured:
+    """Slip, L2: root of the mean square over x of s less s_ref, over the range of s_ref in the cycle."""
+    return _slip_metric(pair, maximum=False)
+
+
+@metric("slip_maximum", "of the range of s_ref", _WORST_POINT, _IN_CONTACT, "slip", absolute_unit="f p_ref a_ref/E*")
+def _(pair: Pair) -> Measured:
+    """Slip, maximum: s less s_ref where it is largest in size, over the range of s_ref in the cycle; with its place."""
+    return _slip_metric(pair, maximum=True)
+
 
 # ------------------------------------------------------------------------------------------------------- work and energy
 
 
-@metric(
-    "dissipation_absolute",
-    "Dissipation, absolute",
-    f"of {_WORK_SCALE}",
-    _FIGURE,
-    _WHOLE,
-    "W less W_ref over A f² P_ref², which stays of use near full stick, where W_ref goes to 0",
-    "dissipation",
-    WHOLE_CYCLE,
-)
+@metric("dissipation_absolute", f"of {_WORK_SCALE}", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
+    """Dissipation, absolute: W less W_ref over A f² P_ref², which stays of use near full stick, where W_ref goes to 0."""
     return Measured(value=(pair.result.dissipation - pair.reference.dissipation) / pair.scales.dissipation)
 
 
-@metric(
-    "hysteresis_distance",
-    "Hysteresis loop, distance",
-    "of U_ref's stroke",
-    _WORST_INSTANT,
-    _INSTANTS,
-    "U less U_ref less the mean of that over time: how far the loops are apart in U at the same phase (and so at the same "
-    "Q), laid on each other",
-    "tangential_displacement",
-    WHOLE_CYCLE,
-)
+@metric("hysteresis_distance", "of U_ref's stroke", _WORST_INSTANT, _INSTANTS, "tangential_displacement", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
+    """Hysteresis loop, distance: U less U_ref less the mean of that over time: how far the loops are apart in U at the same
+    phase (and so at the same Q), laid on each other."""
     difference, moves, note = _stroke(pair)
     weight = shares(pair.found.time)
     return _at_worst(pair, difference - (weight @ difference) / weight.sum(), moves, note=note)
@@ -1269,17 +1090,16 @@ def _(pair: Pair) -> Measured:
 
 @metric(
     "dissipation_density_norm",
-    "Pointwise dissipation, L2",
     "of ‖w_ref‖",
     "L2 over x",
     "every point, edges kept; last cycle",
-    "L2 norm over x of w less w_ref, over the norm of w_ref",
     "dissipation_density",
     WHOLE_CYCLE,
     signed=False,
     absolute_unit=f"{_WORK_SCALE}/√a_ref",
 )
 def _(pair: Pair) -> Measured:
+    """Pointwise dissipation, L2: L2 norm over x of w less w_ref, over the norm of w_ref."""
     scale, nothing = _density(pair)
     x, expected, found = pair.found.x, pair.expected.dissipation_density, pair.found.dissipation_density
     whole = scale * np.sqrt(pair.scales.half_width) if nothing else norm(x, expected)
@@ -1287,16 +1107,11 @@ def _(pair: Pair) -> Measured:
 
 
 @metric(
-    "dissipation_density_peak_place",
-    "Pointwise dissipation, place of peak",
-    "of a_ref",
-    _FIGURE,
-    "every point, edges kept; last cycle",
-    f"x of the largest w less x of the largest w_ref, to a point; {_NEAREST}",
-    "dissipation_density",
-    WHOLE_CYCLE,
+    "dissipation_density_peak_place", "of a_ref", _FIGURE, "every point, edges kept; last cycle", "dissipation_density", WHOLE_CYCLE
 )
 def _(pair: Pair) -> Measured:
+    """Pointwise dissipation, place of peak: x of the largest w less x of the largest w_ref, to a point; where several peaks of
+    the reference lie within 5 % of its largest, the nearest of them."""
     if _density(pair)[1]:
         return _none("the reference dissipates nothing")
     x, length = pair.found.x, pair.scales.half_width
@@ -1306,18 +1121,11 @@ def _(pair: Pair) -> Measured:
     return Measured(value=shift, place=place / length, uncertainty=spacing_at(x, place) / length)
 
 
-@metric(
-    "energy_balance",
-    "Energy balance",
-    "of the work of the loads",
-    _WORST_INSTANT,
-    _WHOLE,
-    "what the loads put in less what the bodies store and friction takes, step by step, over the "
-    "largest that the loads have put in so far, as the result's record states it; needs no reference",
-    signed=False,
-)
+@metric("energy_balance", "of the work of the loads", _WORST_INSTANT, _WHOLE, signed=False)
 def _(pair: Pair) -> Measured:
-    """From the record of the result, which alone knows what its bodies store."""
+    """Energy balance: what the loads put in less what the bodies store and friction takes, step by step, over the largest that
+    the loads have put in so far, as the result's record states it; needs no reference."""
+    # From the record of the result, which alone knows what its bodies store.
     balance = pair.result.record.certificates.get("energy_balance")
     if balance is None:
         return _none("the result records none")
