@@ -497,7 +497,7 @@ def heads(budget: ErrorBudget, *, full: bool = True) -> tuple[str, ...]:
 
 
 def narrow(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Both for a terminal: without the verdict on accuracy, which the table above has, and without what is none everywhere."""
+    """Both without the verdict on accuracy, which the first table has, and without what is none everywhere."""
     kept = [k for k, head in enumerate(heads) if head != "accurate" and any(row[k] != "none" for row in rows)]
     return tuple(heads[k] for k in kept), [tuple(row[k] for k in kept) for row in rows]
 

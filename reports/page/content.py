@@ -25,6 +25,7 @@ from reports.comparison.words import (
     honesty,
     how_judged,
     lead,
+    narrow,
     percent,
     question,
     rows,
@@ -133,10 +134,12 @@ def _budget(report: Report) -> dict[str, Any] | None:
     if report.budget is None:
         return None
     found = report.budget
+    first, others = rows(found), rows(found, headline=False)
+    columns, both = narrow(heads(found), [*first, *others])
     return {
-        "heads": heads(found),
-        "rows": rows(found),
-        "others": rows(found, headline=False),
+        "heads": columns,
+        "rows": both[: len(first)],
+        "others": both[len(first) :],
         "how": [(one.metric.label, [(term.name, term.how) for term in one.terms]) for one in found.budgets],
         "cost": cost(found),
     }
