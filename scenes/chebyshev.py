@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -134,28 +133,28 @@ class Unresolved(ValueError):
 
 def halved(function: Function, edges: Array, scale: float | None = None) -> Pieces:
     """A function by series on pieces, halved as `fit` does; next to a corner as short as need be."""
-    found: list[tuple[float, Array]] = []
-    middle = edges[:-1, None] + np.diff(edges)[:, None] * (1 + NODES) / 2
-    size = np.max(np.abs(np.asarray(function(middle), dtype=float)), axis=1)
+    low, high, owner = edges[:-1], edges[1:], np.arange(len(edges) - 1)
+    shortest = np.maximum(_SHORTEST * (high - low), 4e-16 * np.maximum(np.abs(low), np.abs(high)))
+    values = np.asarray(function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float)
+    size = np.max(np.abs(values), axis=1)
     # What is next to a piece counts too: a piece may be flat.
     floor = np.maximum(1e-15 * np.maximum(size, np.append(size[1:], 0.0)), 4e-15 * (scale or 0.0))
-    for (begin, end), least in zip(pairwise(edges.tolist()), floor.tolist(), strict=True):
-        todo, budget = [(begin, end)], _PIECES
-        shortest = max(_SHORTEST * (end - begin), 4e-16 * max(abs(begin), abs(end)))
-        while todo:
-            low, high = todo.pop()
-            values = np.asarray(function(low + (high - low) * (1 + NODES) / 2), dtype=float)
-            coefficients = series(values)
-            limit = max(1e-13 * float(np.max(np.abs(values))), least)
-            budget -= 1
-            if budget < 0 or not np.all(np.isfinite(values)):
-                raise Unresolved(low, high)
-            if float(tail(coefficients)) > limit and high - low > shortest:
-                todo += [((low + high) / 2, high), (low, (low + high) / 2)]
-            else:
-                found.append((low, coefficients))
-    starts = np.array([low for low, _ in found] + [float(edges[-1])])
-    return Pieces(starts, np.array([c for _, c in found]).T.copy())
+    starts, found, count = [low[:0]], [np.empty((0, DEGREE + 1))], np.zeros(len(low), dtype=int)
+    while len(low):
+        coefficients, count = series(values), count + np.bincount(owner, minlength=len(count))
+        limit = np.maximum(1e-13 * np.max(np.abs(values), axis=1), floor[owner])
+        rough = (tail(coefficients) > limit) & (high - low > shortest[owner])
+        bad = np.flatnonzero(~np.all(np.isfinite(values), axis=1) | (rough & (count[owner] > _PIECES)))
+        if len(bad):
+            raise Unresolved(float(low[bad[0]]), float(high[bad[0]]))
+        starts.append(low[~rough])
+        found.append(coefficients[~rough])
+        low, high, owner = low[rough], high[rough], np.tile(owner[rough], 2)
+        middle = (low + high) / 2
+        low, high = np.append(low, middle), np.append(middle, high)
+        values = np.asarray(function(low[:, None] + (high - low)[:, None] * (1 + NODES) / 2), dtype=float) if len(low) else values
+    order = np.argsort(np.concatenate(starts))
+    return Pieces(np.append(np.concatenate(starts)[order], edges[-1]), np.concatenate(found)[order].T.copy())
 
 
 def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:

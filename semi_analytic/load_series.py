@@ -132,7 +132,7 @@ def _slip(
     friction: float,
     records: Rows,
 ) -> Knot | None:
-    """Slip in direction s from (load, force), share `begin` of the step: the front goes down the lines as the level rises."""
+    """Slip in direction s from (load, force) at the share `begin` of the step: the front goes down through the lines."""
     start, growth, until = load, normal - load, begin
     total = rest = s * (tangential - force) - friction * growth
     digits = _LAST_DIGITS * friction * (load if load > normal else normal)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from itertools import pairwise
 
 import numpy as np
@@ -307,13 +307,16 @@ def two_curvatures(modulus: float, inner_radius: float, outer_radius: float, inn
         return rising_root(beyond, rate, (inner + outer) * share, rough(share)) / rough(share)
 
     ends = 2.0 ** np.arange(-2, 12)
-    table = halved(quotient, np.concatenate([[0.0], ends]), 1e6)
+
+    @cache
+    def table() -> Pieces:
+        return halved(quotient, np.concatenate([[0.0], ends]), 1e6)
 
     def advance(p: Array) -> Array:
         rest = np.maximum(p - corner, 0.0)
         share = rest / (inner + outer)
         root = np.sqrt(share)
-        guess = rough(share) * np.where(root < ends[-1], table(np.minimum(root, ends[-1])), 1.0)
+        guess = rough(share) * np.where(root < ends[-1], table()(np.minimum(root, ends[-1])), 1.0)
         square = rising_root(beyond, rate, rest, guess)
         return np.where(p <= corner, np.minimum(np.sqrt(4 * p / (np.pi * tip)), b), b * np.sqrt(1 + square))
 
