@@ -118,7 +118,11 @@ def look(snapshots: Sequence[Snapshot]) -> Look:
 
 
 def stress(
-    solution: FiniteElementSolution, snapshots: Sequence[Snapshot], instants: Sequence[Instant], shared: Look, name: str = "von_mises",
+    solution: FiniteElementSolution,
+    snapshots: Sequence[Snapshot],
+    instants: Sequence[Instant],
+    shared: Look,
+    name: str = "von_mises",
     pixels: int = 560,
 ) -> Plate:  # fmt: skip
     """Von Mises' stress at instants: whole bodies, drawn apart and deformed; and at the contact to true scale, with the mesh.
