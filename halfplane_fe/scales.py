@@ -16,12 +16,11 @@ from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.interface import Interface, couple
 from halfplane_fe.pair import condensed_pair, face_room, initial_gap, meshed_pair, shapes_alike
-from halfplane_fe.path import turns
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
 from meshes import MeshSettings, SurfaceGrading
-from scenes import STICK, Bodies, Elastic, InputError, Scene, sampled
+from scenes import NORMAL_LOAD, STICK, Bodies, Elastic, InputError, Scene, sampled
 
 Array = NDArray[np.float64]
 
@@ -72,7 +71,7 @@ def contact_modulus(lower: Elastic, upper: Elastic) -> float:
 def largest_load(scene: Scene) -> float:
     """Largest normal load of the path, at an end of a leg or where P turns round [force per thickness]."""
     legs = tuple(scene.load.path().legs(1))
-    return max(float(np.max(leg.loads(np.array([leg.start, *sorted(turns(leg, 1.0, 0.0)), leg.end]))[0])) for leg in legs)
+    return max(float(np.max(leg.loads(np.array([leg.start, *leg.turning_points(NORMAL_LOAD), leg.end]))[0])) for leg in legs)
 
 
 def sheared(scene: Scene) -> bool:

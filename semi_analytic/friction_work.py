@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import NORMAL_LOAD, Combination, NotFoundError
 from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
-from semi_analytic.history import Span, corner_times, smooth_spans, take
+from semi_analytic.history import Span, corner_times, take
 from semi_analytic.load_series import Block, Records
 from semi_analytic.memory import change_from, level, level_on
 from semi_analytic.profiles import Contact
@@ -88,7 +88,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         works[k] = _work_of_span(contact, span, [span.begin.time], [span.end.time], crowded if halved else graded)[0]
     # One size for all: a short span by itself may be all rounding, and would never converge to its own.
     size, error = float(np.sum(works)), 0.0
-    for number in np.flatnonzero(rough):
+    for number in np.flatnonzero(rough).tolist():
         span = slipping[number]
 
         def part(_: Indices, begin: Array, end: Array, span: Span = span) -> Array:
@@ -175,8 +175,8 @@ def pointwise_dissipation(contact: Contact, modulus: float, spans: Sequence[Span
             return _work_at(contact, span, at[which], edge[which], low, high, crowded)
 
         def weighed(load: float, slipped: Array, at: Array = at, edge: Array = edge) -> Array:
-            reach = contact.reach(at, np.maximum(edge - (load - slipped), 0.0), load - slipped)
-            return np.asarray(contact.pressure(at, load) * reach)
+            ratio = contact.arccosh_ratio(at, np.maximum(edge - (load - slipped), 0.0), contact.advance(load - slipped))
+            return np.asarray(contact.pressure(at, load) * ratio)
 
         allowed = max(_share(contact, marks) * size, float(np.median(_rounding(span, weighed))))
         found = by_halving(part, begin[here], end[here], allowed, marks)
@@ -209,13 +209,16 @@ def _work_at(contact: Contact, span: Span, x: Array, edge_load: Array, begin: Ar
     times, weights = rule(begin, end)
     load = span.leg.loads(times)[0]
     front = load - span.slipped(times)
-    reach = contact.reach(x[:, None], np.maximum(edge_load[:, None] - front, 0.0), front)
+    ratio = contact.arccosh_ratio(x[:, None], np.maximum(edge_load[:, None] - front, 0.0), contact.advance(front))
     growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
-    return span.friction * np.sum(weights * contact.pressure(x[:, None], load) * growth * reach, axis=-1)
+    return span.friction * np.sum(weights * contact.pressure(x[:, None], load) * growth * ratio, axis=-1)
 
 
-def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> float:
-    """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness]: the area of the hysteresis loop.
+def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:
+    """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness], the area of the hysteresis loop.
+
+    And what the last digits of the tangential displacement U may have left in it. Written as -int U dQ, of which any multiple of
+    the integral of Q dQ, which vanishes, may be taken away.
 
     Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -226,16 +229,8 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     >>> rows = [(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3), (3.0, 1.0, -0.3), (4.0, 1.0, 0.3)]  # k = 0.6
     >>> spans, _ = march(None, straight_segments(rows), 0.5, 0.0)
     >>> closed = 4 * 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
-    >>> round(closed_integral(contact, 1.0, [span for span in spans if span.begin.time >= 2.0]), 12), round(closed, 12)
+    >>> round(closed_integral(contact, 1.0, [span for span in spans if span.begin.time >= 2.0])[0], 12), round(closed, 12)
     (0.017024392768, 0.017024392768)
-    """
-    return closed_integral_and_rounding(contact, modulus, spans)[0]
-
-
-def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequence[Span]) -> tuple[float, float]:
-    """The same, and what the last digits of the tangential displacement U may have left in it.
-
-    Written as -int U dQ, of which any multiple of the integral of Q dQ, which vanishes, may be taken away.
     """
     largest = max(max(span.begin.normal, span.end.normal) for span in spans)
     contact = _flat_at(contact, largest)
@@ -256,12 +251,12 @@ def closed_integral_and_rounding(contact: Contact, modulus: float, spans: Sequen
     rough = np.array([len(cuts) > 0 or uneven(contact, span) for cuts, span in zip(marks, spans, strict=True)])
     values = np.zeros(len(spans))
     for which, rule in ((np.flatnonzero(rough), crowded), (np.flatnonzero(~rough), graded)):
-        some = [spans[int(k)] for k in which]
+        some = [spans[k] for k in which.tolist()]
         if some:
             values[which] = loop(some, [span.begin.time for span in some], [span.end.time for span in some], rule)
     # What is stored and given back may be much larger than the rest; a short part by itself may be all rounding.
     size = max(abs(float(np.sum(values))), _STORED * float(np.sum(np.abs(values[rough]))))
-    for k in map(int, np.flatnonzero(rough)):
+    for k in np.flatnonzero(rough).tolist():
 
         def parts(_: Indices, begin: Array, end: Array, span: Span = spans[k]) -> Array:
             return loop([span], begin, end, crowded)
@@ -374,8 +369,8 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
             n, i = number[j : j + _CHUNK // NODES], point[j : j + _CHUNK // NODES]
             at, weight = graded(begin[n, i], end[n, i])
             p, p_c = start[n] + way[n] * at, np.maximum(c[n] - fall[n] * at, 0.0)
-            reach = contact.reach(x[i, None], np.maximum(edge[i, None] - p_c, 0.0), p_c)
-            work = parts.rise[some][n] * np.sum(weight * contact.pressure(x[i, None], p) * reach, axis=1)
+            ratio = contact.arccosh_ratio(x[i, None], np.maximum(edge[i, None] - p_c, 0.0), contact.advance(p_c))
+            work = parts.rise[some][n] * np.sum(weight * contact.pressure(x[i, None], p) * ratio, axis=1)
             total += np.bincount(i, work, len(x))
     return total
 
@@ -413,41 +408,6 @@ class Loop:
     def value(self) -> tuple[float, float]:
         """The integral [energy per unit thickness] and its rounding."""
         return self._unit * self._total, self._unit * _DIGITS_OF_SHIFT * self._friction * self._size * self._path
-
-
-def work_over_points(contact: Contact, modulus: float, spans: Sequence[Span], work: float) -> Converged:
-    """Integral of W(x) over the whole contact [energy per unit thickness], and its error; `work` is about what it will be.
-
-    Cut at every kink of W(x); where fronts run by no formula W(x) may be steep anywhere, and is found by halving in between.
-    """
-
-    def rule(_: Indices, low: Array, high: Array) -> Array:
-        x, weight = graded(low, high)
-        density = pointwise_dissipation(contact, modulus, spans, x.ravel()).total
-        return 2 * np.sum(weight * density.reshape(x.shape), axis=-1)
-
-    marks = kinks(contact, spans)
-    if not any(uneven(contact, span) for span in spans):
-        whole = float(np.sum(rule(np.arange(len(marks) - 1), marks[:-1], marks[1:])))
-        return Converged(np.array(whole), np.array(0.0))
-    found = by_halving(rule, marks[:-1], marks[1:], CONVERGED * work)
-    return Converged(np.asarray(np.sum(found.value)), np.asarray(np.sum(found.error)))
-
-
-def kinks(contact: Contact, spans: Sequence[Span]) -> Array:
-    """The x >= 0 between which W(x) is smooth, ascending: edges of contact and of stick where a span begins or ends.
-
-    Spans that are cut at the corners of the profile count too: a front at a corner goes on with another speed, which the points
-    feel that come into contact at that instant.
-    """
-    marks = [np.asarray(getattr(contact, "breaks", ()), dtype=float)]
-    for span in smooth_spans(contact, spans):
-        times = np.array([span.begin.time, span.end.time])
-        load = span.leg.loads(times)[0]
-        marks += [contact.half_width(load), contact.half_width(np.maximum(load - span.slipped(times), 0.0))]
-    every = np.unique(np.concatenate(marks))
-    every = every[every <= max(float(np.max(half)) for half in marks[1:])]
-    return every[np.diff(every, prepend=-np.inf) > 1e-12 * every[-1]]
 
 
 class Converged(NamedTuple):

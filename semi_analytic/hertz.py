@@ -133,11 +133,6 @@ class HertzContact:
         rest = first * (2 * edge * (first - root) - 2 / 3 * (first**3 - root**3))
         return inner**2 / 2 * _arc(gap, inner) + rest / 4
 
-    def reach(self, x: ArrayLike, excess: ArrayLike, load: ArrayLike) -> Array:
-        """arccosh(|x|/a(eta)), given the excess P_x - eta >= 0 free of cancellation."""
-        del x
-        return _arc(np.asarray(excess, dtype=float), np.asarray(load, dtype=float))
-
     def advance(self, load: ArrayLike) -> Array:
         """How far the edge is beyond that of no load: a itself [length]."""
         return self.half_width(load)

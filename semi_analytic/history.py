@@ -525,15 +525,6 @@ def take(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     )
 
 
-def smooth_spans(contact: Contact, spans: Sequence[Span]) -> Sequence[Span]:
-    """The spans, each cut at the times at which P or P_c is the load of a corner."""
-    parts: list[Span] = []
-    for span in spans:
-        stations = [span.begin, *(instant(span.leg, time) for time in corner_times(contact, span).tolist()), span.end]
-        parts += [replace(span, begin=begin, end=end) for begin, end in pairwise(stations)] if len(stations) > 2 else [span]
-    return parts
-
-
 def corner_times(contact: Contact, span: Span) -> Array:
     """Times of the leg within a span at which P or P_c is the load of a corner, (n,) ascending, none alike."""
     loads, leg, first, last = contact.break_loads, span.leg, span.begin, span.end

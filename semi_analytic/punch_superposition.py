@@ -241,12 +241,11 @@ class PunchSuperposition:
 
     # --- kernels between a load and a point, from differences of load that are free of cancellation
 
-    def reach(self, x: ArrayLike, excess: ArrayLike, load: ArrayLike) -> Array:
-        """arccosh(|x|/a(eta)) from eta and P_x - eta >= 0; 0 is returned for eta = 0 and a = 0, where it is multiplied by eta."""
-        return self.arccosh_ratio(x, excess, self.law.advance(as_is(load)))
-
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """arccosh(|x|/a(eta)) = arsinh(sqrt(x^2 - a^2)/a) from P_x - eta >= 0 and the advance d(eta)."""
+        """arccosh(|x|/a(eta)) = arsinh(sqrt(x^2 - a^2)/a) from P_x - eta >= 0 and the advance d(eta).
+
+        0 is returned for eta = 0 and a = 0, where it is multiplied by eta.
+        """
         outer, rise, low = np.broadcast_arrays(self._beyond(x), as_is(excess), as_is(advance))
         half = low + self.least
         return np.arcsinh(np.sqrt(self._squares_apart(low, np.maximum(outer, low), rise)) / np.where(half > 0, half, np.inf))

@@ -40,7 +40,7 @@ from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
 from semi_analytic.friction_work import (
     Loop,
-    closed_integral_and_rounding,
+    closed_integral,
     density_of_records,
     global_dissipation,
     pointwise_dissipation,
@@ -326,7 +326,7 @@ def _along_spans(history: History, request: Request) -> Along:
             density, worst = split.total, float(np.max(split.error))
             density_error = (worst / float(np.max(density)) if worst else 0.0) + 3 * rounding_of_slip(slipped_share(spans))
     steady = bool(works) and history.steady_from is not None and last >= history.steady_from
-    loop = closed_integral_and_rounding(contact, modulus, spans) if steady and works[last][0] else (0.0, 0.0)
+    loop = closed_integral(contact, modulus, spans) if steady and works[last][0] else (0.0, 0.0)
     slipping = sum(span.direction != 0 for span in used)
     fronts = [span.leg.loads(time)[0] - span.slipped(time) for span in spans for time in (span.begin.time, span.end.time)]
     return Along(

@@ -249,6 +249,6 @@ def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
             s, weight = graded(cuts[member, piece], cuts[member, piece + 1], every)
             growth, slipped, load = phase_of(PHASES[number], e.take(member), s)
             front = np.maximum(load - slipped, 0.0)
-            reach = contact.reach(x[member], np.maximum(edge[member] - front, 0.0), front)
-            np.add.at(total[number], member, np.sum(weight * growth * contact.pressure(x[member], load) * reach, axis=1))
+            ratio = contact.arccosh_ratio(x[member], np.maximum(edge[member] - front, 0.0), contact.advance(front))
+            np.add.at(total[number], member, np.sum(weight * growth * contact.pressure(x[member], load) * ratio, axis=1))
     return total

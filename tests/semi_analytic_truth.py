@@ -7,10 +7,12 @@ import mpmath as mp
 import numpy as np
 
 from scenes import Elastic, Materials, ellipse_segment
+from semi_analytic import friction_work
 from semi_analytic.arcs import Arc
 from semi_analytic.memory import Piece, instant
 from semi_analytic.profiles import contact_of, power_law
 from semi_analytic.punch_superposition import PunchSuperposition
+from semi_analytic.quadrature import graded
 
 STEP, RANGE = mp.mpf("0.2"), 225
 with mp.workdps(40):
@@ -129,7 +131,7 @@ def check_close_pairs(contact, widths, tolerance):
             inner = float(contact.half_width(load - excess))
             digits = tolerance + 4e-16 / part
             reach = np.arccosh(outer / a) if part > 1e-3 else np.arcsinh(np.sqrt((outer - a) * (outer + a)) / a)
-            np.testing.assert_allclose(contact.reach(outer, excess, load), reach, rtol=100 * digits)
+            np.testing.assert_allclose(contact.arccosh_ratio(outer, excess, contact.advance(load)), reach, rtol=100 * digits)
             quotient = np.sqrt(excess / ((a - inner) * (a + inner)))
             np.testing.assert_allclose(
                 np.sqrt(excess) * contact.inverse_root(inner, excess, contact.advance(load)), quotient, rtol=100 * digits
@@ -178,3 +180,28 @@ def slip_of_an_arc(n, place):
     below = Piece(None, instant(leg, first).normal, instant(leg, first), 0.0)
     piece = Piece(below, end.normal, end, 0.0, 0.0, (first, last))
     return Arc(contact, "slip", piece, np.atleast_1d(x)).up_to(np.array([last])).item(), exact
+
+
+def work_over_points(contact, modulus, spans, work):
+    """Integral of W(x) over the whole contact, about `work`: another way to W.
+
+    W(x) is smooth between the edges of contact and of stick where a span begins, passes a corner of the profile or ends; where
+    fronts run by no formula it may be steep anywhere.
+    """
+    marks = [np.array(contact.breaks, dtype=float)]
+    for span in spans:
+        times = np.array([span.begin.time, *friction_work.corner_times(contact, span), span.end.time])
+        load = span.leg.loads(times)[0]
+        marks += [contact.half_width(load), contact.half_width(np.maximum(load - span.slipped(times), 0.0))]
+    every = np.unique(np.concatenate(marks))
+    every = every[every <= max(float(np.max(half)) for half in marks[1:])]
+    every = every[np.diff(every, prepend=-np.inf) > 1e-12 * every[-1]]
+
+    def rule(_, low, high):
+        x, weight = graded(low, high)
+        density = friction_work.pointwise_dissipation(contact, modulus, spans, x.ravel()).total
+        return 2 * np.sum(weight * density.reshape(x.shape), axis=-1)
+
+    if not any(friction_work.uneven(contact, span) for span in spans):
+        return float(np.sum(rule(None, every[:-1], every[1:])))
+    return float(np.sum(friction_work.by_halving(rule, every[:-1], every[1:], friction_work.CONVERGED * work).value))

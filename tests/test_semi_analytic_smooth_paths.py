@@ -114,7 +114,7 @@ def test_harmonics_balance_their_energy(normal, tangential, squeeze, use):
     contact, modulus = contact_of(scene.profile, scene.material), composite_modulus(scene.material)
     spans = history.cycles[-1]
     work = float(global_dissipation(contact, modulus, spans).total)
-    assert closed_integral(contact, modulus, spans) == pytest.approx(work, rel=1e-9, abs=1e-13)
+    assert closed_integral(contact, modulus, spans)[0] == pytest.approx(work, rel=1e-9, abs=1e-13)
     solution = solve(scene, x=[0.0], fields=(), time=8 * np.pi + ANGLES)
     assert np.max(solution.record.certificates["tangential_balance"]) < 1e-11
 
