@@ -122,7 +122,7 @@ def _refuse_taken(path: Path) -> None:
 def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
     """The commented example with the `given` values in it; with `bodies`, its tables of bodies are no comments any more."""
     text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
-    start, end = text.index("# [bodies.lower]"), text.index("[tolerances]")
+    start, end = text.index("# [bodies.lower]"), text.index("# What you admit")
     if bodies:
         text = text[:start] + re.sub(r"(?m)^# ", "", text[start:end]) + text[end:]
     values = dict(given or {})
