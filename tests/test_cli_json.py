@@ -14,7 +14,7 @@ from reports.cli.application import app
 from reports.cli.process import OUTSIDE, WITHIN
 from reports.paper.page import PaperReport
 from reports.paper.tables import Misprint, Statement, Verdict
-from scenes import scene_text
+from scenes import ConvergenceError, scene_text
 from test_cli_commands import COARSE
 
 STUDY = """
@@ -194,6 +194,17 @@ def test_the_schema_refuses_another_envelope_and_a_lost_key() -> None:
     for wrong in ({**answer, "format": "halfplane verdict 1"}, {**answer, "result": {"passed": True}}, {**answer, "more": 1}):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(wrong, answer_schema())
+
+
+def test_a_reference_that_does_not_converge_is_an_answer_too(said: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object, **__: object) -> None:
+        raise ConvergenceError("step 3 does not converge")
+
+    monkeypatch.setattr("halfplane_fe.solve", fails)
+    kept = str(Path(__file__).parent / "fixtures" / "format1" / "result.nc")
+    code, found = said("score", kept, "--scene", "cattaneo-mindlin", "--against", "fe", "--quiet")
+    assert (code, found["passed"], found["file"]) == (3, False, None)
+    assert found["error"] == "the reference is not converged: step 3 does not converge"
 
 
 def test_schema_prints_both(capsys: pytest.CaptureFixture[str]) -> None:

@@ -76,7 +76,10 @@ def score(
             with stages.stage("diagnosis"):
                 report = diagnosed(report)
     except ConvergenceError as failure:
-        complain(f"halfplane: {scene.name}: the reference is not converged: {failure}")
+        sentence = f"the reference is not converged: {failure}"
+        complain(f"halfplane: {scene.name}: {sentence}")
+        if options.json:
+            return answer("score", NOT_CONVERGED, {"passed": False, "error": sentence, "file": None}, scene.name)
         return NOT_CONVERGED
     with stages.stage("report"):
         from reports.page.writing import write
