@@ -12,8 +12,9 @@ from reports.charts.marks import Axis, Block, Curve, Dot, Mark, Note, Rule
 from reports.charts.plate import Key, Panel, Plate
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget
 from reports.comparison.convergence import Ladder, extrapolate
-from reports.comparison.words import open_value_of
+from reports.comparison.words import value_of
 from reports.figures_cycle import LINES
+from reports.units import minus
 
 if TYPE_CHECKING:
     from reports.scoring.study import Study
@@ -67,7 +68,8 @@ def bars(budget: ErrorBudget) -> Plate | None:
                 marks.append(Block((start, start + share), (low + 0.14, low + 0.5), f"term-{k} edge", label))
         marks += _mark_of_total(low, over(one, one.total), over(one, one.uncertainty), wide)
         beyond = ", cut off" if reaches[row] > wide else ""
-        words = f"{one.metric.label}: {open_value_of(one.metric)}{beyond}"
+        known = "" if one.metric.absolute or one.uncertainty is None else minus(f" ± {100 * one.uncertainty:.2g} %")
+        words = f"{one.metric.label}: {value_of(one.metric)}{known}{beyond}"
         marks.append(Note(-wide, low + 0.7, words, "tick over", shift=(6.0, 0.0)))
     panel = Panel(
         "budget",

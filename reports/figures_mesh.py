@@ -124,7 +124,7 @@ def stress(
     shared: Look,
     name: str = "von_mises",
     pixels: int = 560,
-) -> Plate:  # fmt: skip
+) -> Plate:
     """Von Mises' stress at instants: whole bodies, drawn apart and deformed; and at the contact to true scale, with the mesh.
 
     Parameters

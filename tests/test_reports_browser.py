@@ -1,6 +1,7 @@
 """The page in a real browser: quiet, offline, moved by one slider and by keys, nothing over anything else, at every size."""
 
 import shutil
+import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,8 @@ import halfplane_fe
 import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, compare, write
+from reports.console import Stages
+from reports.paper import page as paper
 from scenes import Scene, load_scene
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 
@@ -97,6 +100,15 @@ OVERLAPS = """() => [...document.querySelectorAll("svg.panel, svg.sketch")].flat
   return texts.flatMap(([a, p], k) => texts.slice(k + 1).filter(([, q]) =>
     Math.min(p.right, q.right) - Math.max(p.left, q.left) > 1.5 && Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) > 3
   ).map(([b]) => `${svg.id}: ${a} / ${b}`)); })"""
+# Whatever reaches beyond the window, or scrolls sideways in a box of its own; code in the manual may, and side bars that are away.
+WIDER = """(but) => [...document.querySelectorAll("body *:not(svg *)")].filter((e) => {
+  if (!e.getClientRects().length || e.closest(but)) return false;
+  const box = e.getBoundingClientRect();
+  return (e.clientWidth > 1 && e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).overflowX !== "visible")
+    || (box.width > 1 && box.right > innerWidth + 1);
+}).map((e) => `${e.tagName}#${e.id}.${e.className} ${e.scrollWidth} > ${e.clientWidth}`)"""
+WIDTHS = (360, 390, 768, 1024, 1366, 1440, 1920)
+MANUAL = Path(__file__).parents[1] / "docs" / "_build" / "html"
 CUT_OFF = """() => [...document.querySelectorAll("svg.panel, svg.sketch")].flatMap((svg) => {
   const box = svg.getBoundingClientRect();
   return [...svg.querySelectorAll("text")].filter((e) => { const t = e.getBoundingClientRect();
@@ -200,6 +212,154 @@ def test_a_click_chooses_a_point_and_a_pointer_reads_numbers(visit: Callable[...
     assert "half-plane theory: " in page.locator("#hint").inner_text()
     page.locator("#panel-map-reference").hover(position={"x": 170, "y": 100})
     assert "finite elements: " in page.locator("#hint").inner_text()
+
+
+@pytest.mark.parametrize("name", ["bodies", "nasty"])
+def test_nothing_is_wider_than_its_column(visit: Callable[..., Any], name: str) -> None:
+    page = visit(name)
+    for details in page.locator("details").all():
+        details.locator("summary").click()
+    for width in WIDTHS:
+        page.set_viewport_size({"width": width, "height": 900})
+        page.wait_for_timeout(100)
+        assert page.evaluate(WIDER, ".none") == [], width
+
+
+@pytest.mark.skipif(not MANUAL.is_dir(), reason="the manual is not built: make docs")
+@pytest.mark.parametrize("name", ["index", "report", "verification", "theory", "metrics", "score", "published/blocks"])
+def test_no_page_of_the_manual_is_wider_than_its_column(browser: Any, name: str) -> None:
+    page = browser.new_page()
+    page.goto((MANUAL / f"{name}.html").as_uri())
+    for width in WIDTHS:
+        page.set_viewport_size({"width": width, "height": 900})
+        page.wait_for_timeout(100)
+        assert page.evaluate(WIDER, "pre, .formula, .toc-drawer, .sidebar-drawer") == [], width
+    page.close()
+
+
+def test_on_a_phone_every_verdict_is_in_sight(visit: Callable[..., Any]) -> None:
+    page = visit("bodies", **PHONE)
+    cells = page.locator("#verdict-table td:is(.within, .outside, .undecided)")
+    assert cells.count() >= 6
+    for cell in cells.all():
+        box = cell.bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= 390
+
+
+def test_no_underscore_stands_in_a_figure(visit: Callable[..., Any]) -> None:
+    page = visit("bodies")
+    words = page.evaluate('[...document.querySelectorAll("figure, nav.contents")].map((e) => e.textContent)')
+    assert len(words) > 12
+    assert not [text for text in words if "_" in text]
+    assert page.locator("#tractions svg .sub").count() >= 12
+    page.locator("#panel-now").hover(position={"x": 300, "y": 120})
+    assert "_" not in page.locator("#hint").inner_text()
+
+
+def test_a_click_on_the_legend_hides_its_curves_and_shows_them_again(visit: Callable[..., Any]) -> None:
+    page = visit("bodies")
+    curves = page.locator("#tractions .panel .curve.f.q")
+    entry = page.locator("#tractions .legend li", has_text="q, finite elements")
+    assert curves.first.is_visible()
+    entry.click()
+    assert entry.get_attribute("aria-pressed") == "false"
+    assert not any(curve.is_visible() for curve in curves.all())
+    assert page.locator("#tractions .panel .curve.r.q").first.is_visible()
+    entry.press("Enter")
+    assert curves.first.is_visible()
+    page.locator("#cycle-figure .legend li", has_text="p, finite elements").click()
+    page.keyboard.press("End")  # the slider moves what is hidden, too, and does not bring it back
+    assert not page.locator("#panel-now .curve.f.p").is_visible()
+
+
+def test_a_drag_zooms_a_double_click_and_keys_show_it_whole(visit: Callable[..., Any]) -> None:
+    page = visit("bodies")
+    panel, ticks = page.locator("#panel-edges"), page.locator("#panel-edges .tick.across")
+    panel.scroll_into_view_if_needed()
+    path, before, labels = panel.locator(".curve").first, None, ticks.all_text_contents()
+    before = path.get_attribute("d")
+    box = panel.bounding_box()
+
+    def drag(x: float, y: float) -> None:
+        page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 0.3 * box["height"])
+        page.mouse.down()
+        page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"], steps=4)
+        page.mouse.up()
+
+    drag(0.6, 0.6)
+    assert path.get_attribute("d") != before
+    zoomed = [float(text.replace("−", "-")) for text in ticks.all_text_contents()]
+    assert max(zoomed) - min(zoomed) < 0.5  # of a period
+    back = page.locator("#half_widths button", has_text="Whole view")
+    assert back.is_visible()
+    panel.dblclick(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
+    assert path.get_attribute("d") == before
+    assert ticks.all_text_contents() == labels
+    assert not back.is_visible()
+    panel.focus()
+    page.keyboard.press("+")
+    assert path.get_attribute("d") != before
+    now = page.locator("#instant").input_value()
+    page.keyboard.press("Shift+ArrowRight")
+    assert page.locator("#instant").input_value() == now
+    page.keyboard.press("0")
+    assert path.get_attribute("d") == before
+    # What the slider moves, and a point that is chosen, follow a zoom.
+    page.locator("#panel-now").scroll_into_view_if_needed()
+    page.locator("#panel-now").focus()
+    page.keyboard.press("+")
+    shown = page.locator("#panel-now .curve.f.p").get_attribute("d")
+    page.locator("#instant").fill("3")
+    assert page.locator("#panel-now .curve.f.p").get_attribute("d") != shown
+    page.keyboard.press("0")
+
+
+def test_every_figure_can_be_saved_as_svg_and_png(visit: Callable[..., Any]) -> None:
+    page = visit("bodies")
+    names = page.evaluate('[...document.querySelectorAll("figure")].map((e) => e.id)')
+    for name in names:
+        for kind in ("SVG", "PNG"):
+            assert page.locator(f"#{name} .files button", has_text=kind).count() == 1, name
+        assert page.locator(f"#{name} .files a[data-csv]").count() == 1
+    for name in ("tractions", "mesh", "state_map"):
+        for kind, start in (("SVG", b"<svg"), ("PNG", b"\x89PNG")):
+            with page.expect_download() as waiting:
+                page.locator(f"#{name} .files button", has_text=kind).click()
+            assert waiting.value.suggested_filename == f"{name}.{kind.lower()}"
+            content = Path(waiting.value.path()).read_bytes()
+            assert content.startswith(start)
+            assert len(content) > 20_000
+            if kind == "SVG":
+                assert not [word for word in (b"<use", b"var(", b'class="') if word in content]
+                assert ET.fromstring(content).tag.endswith("svg")
+
+
+def test_the_paper_s_page_is_as_interactive(browser: Any, tmp_path: Path) -> None:
+    heard: list[str] = []
+    written = paper.write(tmp_path / "out", Stages(quiet=True))
+    page = browser.new_context(**DESKTOP).new_page()
+    page.on("console", lambda message: heard.append(message.text))
+    page.on("pageerror", lambda error: heard.append(str(error)))
+    page.goto(written.page.as_uri())
+    entry = page.locator("#figure_07a .legend li", has_text="f = 0.6")
+    entry.click()
+    assert not page.locator("#figure_07a .panel .curve.c2").is_visible()
+    page.locator("#panel-figure_07a").hover(position={"x": 500, "y": 400})
+    assert "f = 1: " in page.locator("#hint").inner_text()
+    page.locator("#panel-figure_07a").focus()
+    page.keyboard.press("+")
+    assert page.locator("#figure_07a button", has_text="Whole view").is_visible()
+    with page.expect_download() as waiting:
+        page.locator("#figure_02 .files button", has_text="PNG").click()
+    assert len(Path(waiting.value.path()).read_bytes()) > 20_000
+    for width in WIDTHS:
+        page.set_viewport_size({"width": width, "height": 900})
+        page.wait_for_timeout(100)
+        assert page.evaluate(WIDER, ".none") == [], width
+        assert page.evaluate(CUT_OFF) == [], width
+    assert heard == []
+    page.context.close()
 
 
 def test_words_from_outside_do_nothing(visit: Callable[..., Any]) -> None:

@@ -202,14 +202,10 @@ def colour_scale(
 ) -> Panel:
     """What the colours of a map stand for; `own` ticks where round numbers are not wanted."""
     high = high if high > low else low + (abs(low) or 1.0)
-    ends = np.geomspace(low, high, 65) if log else np.linspace(low, high, 65)
-    blocks = [
-        Block((float(a), high), (0.0, 1.0), fill=fill)  # up to the end, so that no seam is seen between two
-        for a, fill in zip(ends[:-1], shades((np.arange(64) + 0.5) / 64, colours), strict=True)
-    ]
+    row = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades((np.arange(64) + 0.5) / 64, colours))
     numbers = [value for value in own if low <= value <= high] if own else ticks(low, high, 4, log=log)
     axis = Axis(low, high, words, log, ticks=tuple(zip(numbers, labels(numbers), strict=True)))
-    return Panel(name, axis, Axis(0.0, 1.0, "", count=0), blocks, f"Colours: {words}", width, 74.0, css="colours")
+    return Panel(name, axis, Axis(0.0, 1.0, "", count=0), [row], f"Colours: {words}", width, 74.0, css="colours")
 
 
 def attributes(given: Mapping[str, object]) -> str:

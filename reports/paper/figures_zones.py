@@ -84,13 +84,13 @@ def figure_4a(case: Case) -> Plate:
     load = {letter: case.events[letter].normal_load / case.unit for letter in "ACDFHKLM"}
     ticks = [(0.0, "0"), *((float(value), f"{value}") for value in (1, 2))]
     ticks += [(places[letter], f"{value:.3g}") for letter, value in load.items()]
-    words = f"normal load P {LOAD}: growing to C, falling to F, growing to K, falling to M"
+    words = f"normal load P {LOAD}, along its path"
     across, up = axes((0.0, far + 0.05, words), (0.0, 1.3, "half-width / a(P₀)"), tuple(ticks))
     panel = Panel("figure_04a", across, up, parts, "Half-widths over the path of P", 820.0, 420.0)
     return plate(
         "figure_04a",
         "Figure 4a. Half-widths of contact and stick over the path of P, Hertz",
-        "The abscissa is the way that P has gone, so that it runs on where P falls. Slip is deeper in the first cycle (B to E) "
+        "The abscissa is the way that P has gone, growing to C, falling to F, growing to K, falling to M. Slip is deeper in the first cycle (B to E) "
         "than in the steady state, as deep in reverse slip (E to G) as in forward slip (I to M), and there is none from G to I. "
         "At E, G and M the whole contact sticks at once.",
         "Contact and stick half-width over the progress of the normal load, slip shaded by its direction.",

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from reports.charts import marks
 from reports.charts.marks import Band, Block, Curve, Dot, Mark, Rule
 from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
-from reports.charts.scale import limits
+from reports.charts.scale import labels, limits
 from reports.charts.style import shades
 from reports.sweep.axes import Axis
 from reports.sweep.figures import axis_label, is_error
 from reports.sweep.index import Table
-from reports.units import minus, number
+from reports.units import number
 from scenes import Scene
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ class Sheet:
         apart = (log or cells) and len(values) <= 8 and np.all(np.diff(at) > 0.04 * np.ptp(at))
         ends = borders_of(at)[[0, -1]] if cells else np.array(limits(at, margin=0.05))
         low, high = (np.exp(ends) if log else ends).tolist()
-        own = tuple((float(value), minus(f"{value:.3g}")) for value in values) if apart else ()
+        own = tuple(zip(values.tolist(), labels([float(f"{value:.3g}") for value in values]), strict=True)) if apart else ()
         return marks.Axis(low, high, self.label(column), log, ticks=own)
 
 

@@ -49,7 +49,7 @@
   };
   const fit = (panel, element) => {
     const base = bases.get(element), [a, b] = affine(panel.x, panel.base.x), [c, d] = affine(panel.y, panel.base.y);
-    const X = (v) => (a * v + b).toFixed(2), Y = (v) => (c * v + d).toFixed(2);
+    const X = (v) => +(a * v + b).toFixed(2), Y = (v) => +(c * v + d).toFixed(2);
     if ("d" in base) element.setAttribute("d", base.d.replace(/([ML])([-\d.e]+) ([-\d.e]+)/g, (_, pen, x, y) => pen + X(x) + " " + Y(y)));
     else if ("transform" in base) element.setAttribute("transform", `matrix(${a} 0 0 ${c} ${b} ${d}) ${base.transform}`);
     else for (const [name, v] of Object.entries(base)) {
