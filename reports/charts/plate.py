@@ -226,11 +226,13 @@ def element(name: str, content: str = "", /, **given: object) -> str:
     return f"<{name}{attributes(given)}>{content}</{name}>" if content else f"<{name}{attributes(given)}/>"
 
 
-def path_of(horizontal: ArrayLike, vertical: ArrayLike) -> str:
+def path_of(horizontal: ArrayLike, vertical: ArrayLike, apart: float = 0.0) -> str:
     """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are left out.
 
-    >>> path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1])
-    'M0 0L1 1M2 1L3 1'
+    With `apart`, of the places inside a line about one for each `apart` of its length: for files that nobody zooms far into.
+
+    >>> path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]), path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 0], 2.0)
+    ('M0 0L1 1M2 1L3 1', 'M0 0L2 0L4 0')
 
     A place that stands alone is a line to itself, which round ends make a dot.
 
@@ -242,7 +244,12 @@ def path_of(horizontal: ArrayLike, vertical: ArrayLike) -> str:
     moved = np.ones(len(across), dtype=bool)
     moved[1:] = (across[1:] != across[:-1]) | (down[1:] != down[:-1]) | ~good[:-1]
     starts = good & ~np.concatenate([[False], good[:-1]])
-    alone = starts & ~np.concatenate([good[1:], [False]])
+    ends = good & ~np.concatenate([good[1:], [False]])
+    if apart:
+        length = np.cumsum(np.nan_to_num(np.hypot(np.diff(across), np.diff(down))))
+        moved[1:] &= np.diff(np.floor(length / apart), prepend=0.0) > 0
+        moved |= starts | ends
+    alone = starts & ends
     rows = np.flatnonzero(good & moved)
     places = {k: f"{across[k]:g} {down[k]:g}" for k in rows.tolist()}
     return "".join(f"M{at}L{at}" if alone[k] else f"{'M' if starts[k] else 'L'}{at}" for k, at in places.items())
@@ -319,7 +326,7 @@ class _Pen:
         left, top, right, bottom = frame.box
         match mark:
             case Curve():
-                d = path_of(frame.x.place(mark.x), frame.y.place(mark.y)) or "M0 0"
+                d = path_of(frame.x.place(mark.x), frame.y.place(mark.y), 1.5 if self.alone else 0.0) or "M0 0"
                 given = self.data({"label": mark.label} | dict(mark.data))
                 return element("path", d=d + ("Z" if mark.closed else ""), **self.look(f"curve {mark.css}"), **given)
             case Band():

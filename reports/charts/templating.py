@@ -44,6 +44,7 @@ def contents(page: str) -> Markup:
 
 
 def script() -> tuple[Markup, str]:
-    """The script of all pages, and what a page's policy calls it: no other may run."""
+    """The script of all pages without its indents and notes, and what a page's policy calls it: no other may run."""
     text = (resources.files("reports") / "templates" / "report.js").read_text("utf-8")
+    text = re.sub(r"^ +(// .*\n|/\*.*\*/\n)?", "", text, flags=re.MULTILINE)
     return Markup(text), "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()

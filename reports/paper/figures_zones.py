@@ -90,7 +90,8 @@ def figure_4a(case: Case) -> Plate:
     return plate(
         "figure_04a",
         "Figure 4a. Half-widths of contact and stick over the path of P, Hertz",
-        "The abscissa is the way that P has gone, growing to C, falling to F, growing to K, falling to M. Slip is deeper in the first cycle (B to E) "
+        "The abscissa is the way that P has gone, growing to C, falling to F, growing to K, falling to M. Slip is "
+        "deeper in the first cycle (B to E) "
         "than in the steady state, as deep in reverse slip (E to G) as in forward slip (I to M), and there is none from G to I. "
         "At E, G and M the whole contact sticks at once.",
         "Contact and stick half-width over the progress of the normal load, slip shaded by its direction.",
