@@ -33,12 +33,13 @@ _DECADES = 2.5
 _SHOWN = 0.06
 
 
-def mesh(bodies: Sequence[BodyMesh], half_width: float, edge: float) -> Plate:
-    """The meshes of both bodies, y out of the lower one: whole, at the contact, at its edge; boundaries in colours and named.
+def mesh(bodies: Sequence[BodyMesh], half_width: float, edge: float, *, named: bool = False) -> Plate:
+    """The meshes of both bodies, y out of the lower one: whole, at the contact, at its edge.
 
     Parameters
     ----------
     half_width : a_ref, the unit of both axes [length]; edge : half-width of the largest contact [length]
+    named : whether boundaries have colours and stand in the legend
     """
     names, flips = ("lower", "upper"), (1.0, -1.0)
     sides = {
@@ -53,7 +54,7 @@ def mesh(bodies: Sequence[BodyMesh], half_width: float, edge: float) -> Plate:
         ("at the contact", np.zeros(2), 1.35 * max(edge, 1.0)),
         ("at the contact's edge", np.array([edge, 0.0]), 0.06),
     )
-    found = {name: [body for body in bodies if name in body.mesh.boundaries] for name in BOUNDARIES}
+    found = {name: [body for body in bodies if name in body.mesh.boundaries] for name in (BOUNDARIES if named else ())}
     boundaries = [
         Segments(_boundary(body, name, flip) / half_width, f"curve side-{name}")
         for name, having in found.items()

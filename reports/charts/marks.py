@@ -52,11 +52,15 @@ class Band:
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Straight lines (n, 2, 2) between places. A page holds them once, where panels show the same ones under one `name`."""
+    """Straight lines (n, 2, 2) between places. A page holds them once, where panels show the same ones under one `name`.
+
+    There they are whole numbers of `grain`; a panel that uses those of another has "again" after the name.
+    """
 
     ends: NDArray[np.float64]
     css: str
     name: str = ""
+    grain: float = 2e-4
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,6 @@ from reports.charts.templating import template
 
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are 12 high].
 LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0
-# Coordinates of segments that panels share are whole numbers of the width of the first panel over this.
-_GRAIN = 40000
 _UNIT = Scale(0.0, 1.0, 0.0, 1.0)
 _HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
 
@@ -229,7 +227,7 @@ def element(name: str, content: str = "", /, **given: object) -> str:
 def path_of(horizontal: ArrayLike, vertical: ArrayLike, apart: float = 0.0) -> str:
     """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are left out.
 
-    With `apart`, of the places inside a line about one for each `apart` of its length: for files that nobody zooms far into.
+    With `apart`, of the places inside a line about one for each `apart` of its length.
 
     >>> path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]), path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 0], 2.0)
     ('M0 0L1 1M2 1L3 1', 'M0 0L2 0L4 0')
@@ -326,7 +324,7 @@ class _Pen:
         left, top, right, bottom = frame.box
         match mark:
             case Curve():
-                d = path_of(frame.x.place(mark.x), frame.y.place(mark.y), 1.5 if self.alone else 0.0) or "M0 0"
+                d = path_of(frame.x.place(mark.x), frame.y.place(mark.y), 1.5 if self.alone else 0.2) or "M0 0"
                 given = self.data({"label": mark.label} | dict(mark.data))
                 return element("path", d=d + ("Z" if mark.closed else ""), **self.look(f"curve {mark.css}"), **given)
             case Band():
@@ -371,7 +369,7 @@ class _Pen:
             seen &= (y.max(axis=1) >= frame.y.end) & (y.min(axis=1) <= frame.y.start)
             lines = zip(np.round(x[seen], 2).tolist(), np.round(y[seen], 2).tolist(), strict=True)
             return element("path", d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0", **look)
-        grain = float(np.ptp(mark.ends[..., 0])) / _GRAIN or 1.0
+        grain = mark.grain
         zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * grain
         x0, y0 = float(frame.x.place(0.0)), float(frame.y.place(0.0))
         transform = f"translate({x0:.3f} {y0:.3f}) scale({zoom:.7g} {-zoom:.7g})"

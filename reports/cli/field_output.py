@@ -165,7 +165,7 @@ def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snaps
 
         edge = float(np.nanmax(solution.contact_half_width))
         names, shared = (
-            write_plots([mesh(solution.bodies, edge, edge)], folder, ("png",)),
+            write_plots([mesh(solution.bodies, edge, edge, named=True)], folder, ("png",)),
             look([snapshot for _, snapshot in stills]),
         )
         for number, (instant, snapshot) in enumerate(stills):
