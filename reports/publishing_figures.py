@@ -8,10 +8,10 @@ import numpy as np
 
 from reports.charts.plate import Key, Plate
 from reports.comparison import Comparison
+from reports.comparison.cycles import events
 from reports.comparison.metrics import name_of
 from reports.figures_cycle import half_widths, hysteresis
 from reports.figures_fields import X, sides, traction_panels
-from reports.comparison.cycles import events
 
 
 def picture(comparison: Comparison) -> str:

@@ -1,5 +1,0 @@
-"""Moved to reports.comparison."""
-
-from reports.comparison.expected import HEADS, Finding, check, content, measure, rows, scale
-
-__all__ = ["HEADS", "Finding", "check", "content", "measure", "rows", "scale"]
