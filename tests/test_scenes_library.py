@@ -21,7 +21,8 @@ import halfplane_fe
 import layer_truth
 import semi_analytic
 from meshes import MeshSettings
-from reports import expected, library_page
+from reports import library_page
+from reports.comparison import expected
 from reports.cli.scene_files import tagged
 from reports.comparison import compare
 from reports.comparison.content import as_json
