@@ -7,9 +7,6 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
-from reports.comparison.content import strict
-from reports.console import say
-
 FORMAT = "halfplane answer 2"
 
 
@@ -18,6 +15,9 @@ def answer(command: str, code: int, result: Mapping[str, Any], scene: str | None
 
     What is not finite in `result` becomes null. `scene` is the name of the scene; None where a command is about none.
     """
+    from reports.comparison.content import strict
+    from reports.console import say
+
     content = {"format": FORMAT, "command": command, "exit_code": code, "scene": scene, "result": result}
     say(json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False))
     return code

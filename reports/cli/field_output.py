@@ -8,22 +8,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 from cyclopts import Parameter
 
-from reports import fields as files
 from reports.cli.answers import answer
 from reports.cli.options import FiniteElements, SceneName, flag, several
 from reports.cli.process import WITHIN
 from reports.cli.solving import at_work, load_engines, require_drawing, require_times, solve_finite_elements
-from reports.comparison.content import strict
 from reports.console import Stages, say, show_table
-from reports.fields import NO_PEAK, Instant, Seen, seen
-from reports.folder import filled
-from scenes import ContactSolution, InputError, Scene
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, Snapshot
+    from reports.fields import Instant, Seen
+    from scenes import ContactSolution, Scene
 
 # Snapshots that are computed at once: the bodies are factorised once for all of them, and each takes about a megabyte.
 _AT_ONCE = 64
@@ -62,6 +58,10 @@ _FIELDS = FieldsOptions()
 
 def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
     """Finite elements, and displacement, stress and tractions of both bodies on disk."""
+    from reports import fields as files
+    from reports.comparison.content import strict
+    from reports.folder import filled
+
     require_series(options.every, options.frames)
     options, source = replace(options, at=options.named), scene
 
@@ -82,7 +82,7 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
             """Snapshots on their way to disk: what is stated of each is noted, those of named instants are kept for stills."""
             wanted = {one.time for one in named}
             for instant, snapshot in zip(instants, snapshots_of(solution, instants), strict=True):
-                told.append(seen(instant, snapshot))
+                told.append(files.seen(instant, snapshot))
                 if instant.time in wanted:
                     stills.append((instant, snapshot))
                 yield snapshot
@@ -101,7 +101,7 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
         films = [f"animation/{name}" for name in film["files"]] if film else []
         whole, file = ["fields/fields.json", *written, *drawn, *films], str(folder / "fields" / "fields.pvd")
         if options.json:
-            shown = {"passed": True, "instants": [_content(one) for one in told], "largest nodal stresses": NO_PEAK}
+            shown = {"passed": True, "instants": [_content(one) for one in told], "largest nodal stresses": files.NO_PEAK}
             more = {"notes": notes, "files": whole, "file": file, "seconds": stages.seconds}
             return answer("fields", WITHIN, shown | more, scene.name)
         _show(scene, told, whole, notes)
@@ -123,6 +123,7 @@ def _content(one: Seen) -> dict[str, Any]:
 
 def _show(scene: Scene, instants: Sequence[Seen], written: Sequence[str], notes: Sequence[str]) -> None:
     """The instants with their largest nodal stress, the largest of all where they are many, and what was written."""
+    from reports.fields import NO_PEAK
     from reports.units import load_unit, number, units
 
     _, length, stress = units(scene)
@@ -205,6 +206,8 @@ def _animate(
 
 def require_series(every: int | None, frames: int | None) -> None:
     """InputError for both at once, and for counts that make no series."""
+    from scenes import InputError
+
     if every is not None and frames is not None:
         raise InputError("--every and --frames: both say how many instants of the cycle there are; leave one of the two out")
     if every is not None and every < 1:
@@ -223,6 +226,10 @@ def series_of(solution: ContactSolution, every: int | None, frames: int | None) 
 
     The end of a cycle that repeats is left out, since it is its start.
     """
+    import numpy as np
+
+    from reports.fields import Instant
+
     require_series(every, frames)
     steps, repeats = solution.last_cycle, solution.scene.load.path().period is not None
     if repeats:

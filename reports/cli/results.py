@@ -11,15 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from reports.cli.answers import answer
-from reports.cli.findings import SAME, Difference, Row, difference, is_baseline, read_findings, tolerances_of, write_baseline
 from reports.cli.options import Output, SceneName, Silent, flag, several
 from reports.cli.process import NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.cli.solving import exit_code, read, show_verdict
 from reports.console import Stages, complain, say, show_table
-from reports.folder import claim, default_folder
-from scenes import ConvergenceError, InputError
 
 if TYPE_CHECKING:
+    from reports.cli.findings import Difference, Row
     from reports.comparison import Report
     from reports.maps.advice import Advice
 
@@ -49,6 +47,9 @@ def score(
     options: ScoreOptions = _SCORE,
 ) -> int:
     """A file, or each file of a folder, against the reference: verdict, likely causes of the difference, page."""
+    from reports.folder import claim, default_folder
+    from scenes import ConvergenceError, InputError
+
     if options.mapping_example:
         say((resources.files("reports") / "templates" / "mapping.toml").read_text("utf-8").rstrip())
         return WITHIN
@@ -141,6 +142,9 @@ def diff(
     options: DiffOptions = _DIFF,
 ) -> int:
     """The table of A and B; with --accept B becomes a baseline of A."""
+    from reports.cli.findings import difference, is_baseline, read_findings, tolerances_of, write_baseline
+    from scenes import InputError
+
     given, path, first = tolerances_of(options.tolerance), Path(b), read_findings(a)
     if not options.accept:
         if not path.exists():
@@ -161,6 +165,8 @@ def diff(
 
 
 def _show_diff(found: Difference, code: int, options: DiffOptions) -> int:
+    from reports.cli.findings import SAME
+
     if options.json:
         return answer("diff", code, found.content(), found.scene)
     if options.quiet:
@@ -203,6 +209,7 @@ _ADVISE = AdviseOptions()
 def advise(scene: SceneName, *, options: AdviseOptions = _ADVISE) -> int:
     """What the published maps say of a scene; outside where the error of dissipation may exceed the limit, or is not known."""
     from reports.maps.advice import Advice, parts_of, sentence
+    from scenes import InputError
 
     if not 0 < options.limit < 1:
         raise InputError(f"--limit {options.limit:g} is refused: it is a share above 0 and below 1, such as 0.05 for 5 %")

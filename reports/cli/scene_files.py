@@ -12,17 +12,18 @@ from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
-from reports.checking import check_path, in_words, largest_contact, remarks
 from reports.cli.answers import answer, answer_schema
 from reports.cli.options import SceneName, Silent, flag
 from reports.cli.process import WITHIN
 from reports.cli.solving import load_engines, naming, read
 from reports.console import Stages, say, width
-from scenes import InputError, Scene, TimeSeriesLoad, load_scene, scene_companions, scene_names, scene_schema, scene_text, tags
+
+if TYPE_CHECKING:
+    from scenes import Scene
 
 # Rows of a load series up to which `check` asks the finite elements too: 10,000 take them a second to look at, and hours to solve.
 _MOST_ROWS = 10_000
@@ -73,6 +74,8 @@ _INIT = InitOptions()
 
 def init(file: Annotated[Path, Parameter(help="New file, ending in .toml.")], *, options: InitOptions = _INIT) -> int:
     """Write a scene file: a copy of a library scene, or the commented example with the values given as options."""
+    from scenes import InputError, scene_companions, scene_text
+
     start, given = options.start, options.given
     if start and (options.bodies or given):
         word = "--bodies" if options.bodies else "--" + next(iter(given)).replace("_", "-")
@@ -115,6 +118,8 @@ def init(file: Annotated[Path, Parameter(help="New file, ending in .toml.")], *,
 
 
 def _refuse_taken(path: Path) -> None:
+    from scenes import InputError
+
     if os.path.lexists(path):
         raise InputError(f"{path}: the file is there already and stays as it is; name another")
 
@@ -151,7 +156,9 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
 # ----------------------------------------------------------------------------------------------------------------------- check
 def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
+    from reports.checking import check_path, in_words, largest_contact, remarks
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
+    from scenes import TimeSeriesLoad
 
     source, found = scene, read(scene)
     largest, path = largest_contact(found, source), check_path(found)
@@ -192,6 +199,8 @@ def show(
     json: Json = False,
 ) -> int:
     """The library, or one scene of it with all its numbers."""
+    from scenes import InputError
+
     if name and tag:
         raise InputError("--tag: it goes with the whole library, not with the name of one scene; leave one of the two out")
     found = [read(name)] if name else tagged(tag)
@@ -204,6 +213,8 @@ def show(
 
 def tagged(wanted: Sequence[str]) -> list[Scene]:
     """The scenes of the library that have all these tags; InputError for a word that is no tag."""
+    from scenes import InputError, load_scene, scene_names, tags
+
     for tag in wanted:
         if tag not in tags():
             raise InputError(f"--tag {tag}: there is no such tag; there are {', '.join(tags())}")
@@ -246,6 +257,8 @@ def _details(scene: Scene) -> Iterator[str]:
 
 def _companions(scene: Scene) -> list[str]:
     """What a scene of the library reads besides its own file."""
+    from scenes import scene_companions, scene_names
+
     return list(scene_companions(scene.name)) if scene.name in scene_names() else []
 
 
@@ -260,5 +273,7 @@ def _record(scene: Scene) -> dict[str, Any]:
 
 def schema(*, answers: Annotated[bool, flag("That of what --json prints, in place of a scene file's.")] = False) -> int:
     """The JSON schema on stdout."""
+    from scenes import scene_schema
+
     say(json.dumps(answer_schema() if answers else scene_schema(), indent=2))
     return WITHIN

@@ -11,23 +11,20 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import numpy as np
 from cyclopts import Parameter
 
-from meshes.interrupts import interrupts_wait
-from reports.checking import largest_contact, require_admissible
 from reports.cli.answers import answer
 from reports.cli.options import FiniteElements, Output, SceneName, flag, several, tolerances_of
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
-from reports.folder import FilledBefore, claim, default_folder, filled
-from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, LoadSegment, Scene, load_scene
 
+# All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
     from reports.comparison import Comparison, Report
     from reports.third.opinion import ThirdOpinion
+    from scenes import ContactSolution, LoadSegment, Scene
 
 _THIRD_LIMIT = 1800.0
 _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yellow"}
@@ -36,6 +33,9 @@ _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yel
 # ------------------------------------------------------------------------------------------- what every command that solves does
 def read(source: str) -> Scene:
     """The scene of `source`, its load path checked; InputError in a sentence otherwise."""
+    from reports.checking import require_admissible
+    from scenes import load_scene
+
     scene = load_scene(source)
     require_admissible(scene, source)
     return scene
@@ -44,6 +44,8 @@ def read(source: str) -> Scene:
 @contextmanager
 def naming(source: str) -> Generator[None, None, None]:
     """Lets an engine's InputError name the scene it is about; one about an option or the file names that already."""
+    from scenes import InputError
+
     try:
         yield
     except InputError as fault:
@@ -54,8 +56,12 @@ def naming(source: str) -> Generator[None, None, None]:
 
 def load_engines(stages: Stages) -> None:
     """Import the engines as a stage of its own; InputError where a library can't be loaded."""
+    from scenes import InputError
+
     with stages.stage("loading"):
         try:
+            from meshes.interrupts import interrupts_wait
+
             with interrupts_wait():  # compiled modules make an ImportError of it
                 import_module("halfplane_fe")
                 import_module("semi_analytic")
@@ -66,6 +72,7 @@ def load_engines(stages: Stages) -> None:
 def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages, *, coarse_mesh: bool = False) -> ContactSolution:
     """The finite-element answer, with what its dissipation is uncertain by at least if a coarse mesh is wanted for that."""
     import halfplane_fe
+    from scenes import InputError
 
     mesh, settings = options.settings()
     with suppress(InputError):  # of theory: it is no reason to refuse finite elements
@@ -111,7 +118,10 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings, *, coars
     Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
     each node that the edge of contact passes, and halved ones, as measured on the library's scenes.
     """
+    import numpy as np
+
     from halfplane_fe.path import stretches
+    from reports.checking import largest_contact
     from semi_analytic.profiles import contact_of
 
     path, friction = scene.load.path(), scene.friction.coefficient
@@ -153,6 +163,9 @@ def solve_half_plane(
 
 def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path, Stages], int]) -> int:
     """Read the scene, claim the folder, do the work of command `name`; what was solved before a failure is kept there."""
+    from reports.folder import claim, default_folder
+    from scenes import ConvergenceError, Interrupted
+
     stages, scene = Stages(options.quiet), read(source)
     folder = claim(options.out or default_folder(scene.name))
     try:
@@ -182,6 +195,7 @@ def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path
 def require_drawing(stages: Stages) -> None:
     """InputError where nothing can be drawn: found in a process of its own, for some libraries bring theirs down."""
     from reports.cli.machine import drawing
+    from scenes import InputError
 
     with stages.stage("can pictures be drawn?"):
         finding = drawing()
@@ -227,6 +241,9 @@ _RUN = RunOptions()
 
 def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
     """Both engines on one scene, their comparison, its page; the exit code is that of the verdict."""
+    from reports.checking import largest_contact
+    from scenes import InputError
+
     source = scene
     if options.third is None and options.third_limit is not None:
         raise InputError(f"--third-limit {options.third_limit:g}: it goes with --third calculix")
@@ -289,6 +306,9 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
 @contextmanager
 def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]:
     """Ctrl-C after the finite elements are solved hands on what they found, but where the whole report was written already."""
+    from reports.folder import FilledBefore
+    from scenes import Interrupted
+
     try:
         yield
     except FilledBefore:
@@ -498,6 +518,8 @@ def is_admissible(solution: ContactSolution) -> bool:
 
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """What a person wants to know first, as (quantity, value)."""
+    import numpy as np
+
     from reports.comparison.laws import certificates
     from reports.comparison.metrics import name_of, normal_work
     from reports.units import energy_unit, load_unit, units
@@ -550,6 +572,7 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
     from reports.cli.findings import SOLUTION
     from reports.comparison.content import solution_content, strict
     from reports.comparison.laws import certificates
+    from reports.folder import filled
 
     stem = name or solution.engine
     with filled(out, fresh=()) as folder:
@@ -579,6 +602,8 @@ class ExportOptions(Output):
 
 def export(scene: SceneName, *, options: ExportOptions) -> int:
     """The bodies and the load history as an input deck."""
+    from reports.folder import default_folder, filled
+
     source = scene
 
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
@@ -644,6 +669,8 @@ _PAPER = PaperOptions()
 
 def paper(*, options: PaperOptions = _PAPER) -> int:
     """The paper's figures and both tables; outside if a misprint is not proven."""
+    from reports.folder import claim, default_folder
+
     stages = Stages(options.quiet)
     folder = claim(options.out or default_folder("paper"))
     with stages.stage("loading"):

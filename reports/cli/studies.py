@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Group, Parameter
 
@@ -13,13 +13,10 @@ from reports.cli.answers import answer
 from reports.cli.options import Output, flag
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, WITHIN
 from reports.console import Stages, complain, say, show_table
-from reports.folder import claim, default_folder
-from reports.sweep.executing import Tally
-from reports.sweep.points import described
-from reports.sweep.progress import State, duration, state_of, teller, time_left
-from reports.sweep.running import Prepared, prepare, work
-from reports.sweep.store import Store, StoreError
-from scenes import InputError
+
+if TYPE_CHECKING:
+    from reports.sweep.progress import State
+    from reports.sweep.running import Prepared
 
 _SHOWN, _NOTES = 20, 3
 
@@ -54,7 +51,12 @@ def sweep(
 
 def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, State | None]:
     """Run a study, or resume it: the exit code, and how far it is. Without `tell` nothing is printed on stdout."""
+    from reports.folder import claim, default_folder
     from reports.sweep.crews import available_cores, crew_of
+    from reports.sweep.points import described
+    from reports.sweep.progress import state_of, teller
+    from reports.sweep.running import prepare, work
+    from reports.sweep.store import StoreError
 
     stages = Stages(options.quiet)
     folder = claim(options.out or default_folder(Path(source).stem))
@@ -100,6 +102,9 @@ def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, Stat
 
 
 def _announce(prepared: Prepared, workers: int, executor: str) -> None:
+    from reports.sweep.executing import Tally
+    from reports.sweep.progress import duration, time_left
+
     points, plan = len(prepared.plan.points), prepared.plan
     study = prepared.study
     say(f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)}; {', '.join(study.figures)}")
@@ -134,6 +139,9 @@ def _content(state: State) -> dict[str, Any]:
 @sweep_app.command(help_epilogue="")
 def status(folder: Folder, /, *, json: Json = False) -> int:
     """How far a sweep is: done, failed, running, time left."""
+    from reports.sweep.progress import duration, state_of
+    from reports.sweep.store import Store
+
     state, _ = state_of(Store(folder))
     if json:
         return answer("sweep status", WITHIN, _content(state))
@@ -156,6 +164,8 @@ def status(folder: Folder, /, *, json: Json = False) -> int:
 def report(folder: Folder, /, *, json: Json = False) -> int:
     """The page of a sweep: its table and a figure of each quantity, also while it runs."""
     from reports.sweep.page import write_page
+    from reports.sweep.progress import state_of
+    from reports.sweep.store import Store
 
     store = Store(folder)
     page = write_page(store)
@@ -195,6 +205,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
     from reports.maps.readings import as_csv
     from reports.staging import replace_text
     from reports.sweep import read_index
+    from scenes import InputError
 
     if options.out is None and not (PUBLISHED / "README.md").exists():
         raise InputError("the published maps are those of a checkout, and this is an installed copy: name a folder by --out")
