@@ -13,6 +13,7 @@ import pytest
 
 from reports.cli import main
 from reports.cli.application import app
+from reports.folder import claim
 from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -414,6 +415,16 @@ class TestInternalErrors:
         assert everything(Path("here")) == before | {"run.log"}
         assert everything(Path.cwd()) == {"here", *(f"here/{name}" for name in everything(Path("here")))}
         assert main(asked) == 0
+
+    def test_the_folder_of_another_command_is_left_alone(
+        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        """One that a script claimed before it called the command line: it got the traceback of a command without a folder."""
+        claim("other")
+        monkeypatch.setattr("reports.cli.machine.examine", self.planted)
+        assert main(["doctor"]) == 70
+        assert Path(self.told(capsys)).parent == Path.cwd()
+        assert not Path("other").exists()
 
     @pytest.mark.parametrize("words", ["run", "fe", "fields --at 1 --no-pictures"])
     def test_no_answer_is_left_half_written(

@@ -189,10 +189,10 @@ class TestTolerance:
 class TestCost:
     @pytest.mark.parametrize("name", ["hertz-paper", "cattaneo-mindlin", "unload-reload"])
     def test_increments_are_those_of_the_solution(self, name: str) -> None:
-        """To a third: how often increments are halved is measured, not known."""
+        """To a quarter: how often increments are halved is measured, not known."""
         scene, mesh, settings = load_scene(name), MeshSettings.coarse(), SolverSettings()
         solved = halfplane_fe.solve(scene, mesh=mesh, settings=settings).work.counts["steps solved"]
-        assert cost_of(scene, mesh, settings).increments == pytest.approx(solved, rel=1 / 3)
+        assert cost_of(scene, mesh, settings).increments == pytest.approx(solved, rel=0.25)
 
     def test_it_follows_steps_mesh_and_rows(self) -> None:
         scene = load_scene("hertz-paper")
