@@ -18,8 +18,8 @@ from reports.cli.options import tolerances_of
 from reports.cli.process import NOT_CONVERGED
 from reports.cli.solving import LONG, cost_of
 from reports.console import Stages, TimeLeft
-from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_text
-from test_cli_commands import COARSE, halfplane
+from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_names, scene_text
+from test_cli_commands import COARSE, ROOT, halfplane
 from test_reports_synthetic import cattaneo_mindlin
 
 
@@ -193,6 +193,15 @@ class TestCost:
         scene, mesh, settings = load_scene(name), MeshSettings.coarse(), SolverSettings()
         solved = halfplane_fe.solve(scene, mesh=mesh, settings=settings).work.counts["steps solved"]
         assert cost_of(scene, mesh, settings).increments == pytest.approx(solved, rel=0.25)
+
+    def test_the_published_runs_of_the_library_have_the_increments_that_are_stated(self) -> None:
+        published = json.loads((ROOT / "reports" / "published" / "values.json").read_text(encoding="utf-8"))["scenes"]
+        solved = {name: published[name]["frozen"]["halfplane_fe.counts.steps_solved"] for name in scene_names()}
+        stated = {name: cost_of(load_scene(name), MeshSettings(), SolverSettings()).increments for name in solved}
+        over = {name: stated[name] / solved[name] for name in solved}
+        assert not {name: ratio for name, ratio in over.items() if not 0.45 < ratio < 3}
+        assert sum(3 / 4 < ratio < 4 / 3 for ratio in over.values()) >= 27
+        assert over["hertz-normal"] == over["cylinder-roller-frictionless"] == 1  # nothing is halved: they can be counted
 
     def test_it_follows_steps_mesh_and_rows(self) -> None:
         scene = load_scene("hertz-paper")
