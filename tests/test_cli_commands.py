@@ -294,7 +294,7 @@ class TestExitCodes:
         done = halfplane(tmp_path, "run", "wide.toml", "--quiet", *COARSE)
         assert done.returncode == 0, done.stdout + done.stderr
         assert done.stderr == ""
-        assert "within all 6 tolerances" in done.stdout
+        assert "within all 8 tolerances" in done.stdout
 
     @pytest.mark.parametrize("command", ["run", "fe"])
     def test_not_converged_is_3_and_keeps_what_was_solved(

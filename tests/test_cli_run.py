@@ -145,7 +145,9 @@ class TestProgress:
 class TestTolerance:
     def test_a_share_is_for_four_metrics_and_a_key_for_one(self) -> None:
         assert tolerances_of(()) == {}
-        assert tolerances_of(["5%"]) == dict.fromkeys(("dissipation", "peak_pressure", "contact_edge", "stick_edge"), 0.05)
+        assert tolerances_of(["5%"]) == dict.fromkeys(
+            ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick"), 0.05
+        )
         assert tolerances_of(["0.1", "shear=3%", "dissipation=0.02"])["shear"] == pytest.approx(0.03)
         assert tolerances_of(["0.1", "dissipation=0.02"])["dissipation"] == 0.02
         assert tolerances_of(["dissipation=0.02", "0.1"])["dissipation"] == 0.1  # the last counts
@@ -175,7 +177,16 @@ class TestTolerance:
     ) -> None:
         """The coarse mesh is outside the scene's own tolerances; the same mesh, the user's tolerances: within."""
         monkeypatch.chdir(tmp_path)
-        given = ["--tolerance", "50%", "pressure=50%", "--tolerance", "shear=0.5"]
+        given = [
+            "--tolerance",
+            "50%",
+            "pressure=50%",
+            "peak_pressure=50%",
+            "--tolerance",
+            "shear=0.5",
+            "contact_edge=1",
+            "stick_edge=1",
+        ]
         text = scene_text("cattaneo-mindlin").split("[[expected]]")[0]
         Path("mine.toml").write_text(text, encoding="utf-8")
         assert main(["run", "mine.toml", "--quiet", "--json", *COARSE]) == 1
@@ -183,7 +194,7 @@ class TestTolerance:
         capsys.readouterr()
         whole = json.loads(Path("out/mine/comparison.json").read_text(encoding="utf-8"))
         assert whole["metrics"]["shear"]["tolerance"] == whole["metrics"]["dissipation"]["tolerance"] == 0.5
-        assert "--tolerance 50% pressure=50% shear=0.5" in whole["command"]
+        assert "--tolerance 50% pressure=50% peak_pressure=50% shear=0.5 contact_edge=1 stick_edge=1" in whole["command"]
 
 
 class TestCost:
