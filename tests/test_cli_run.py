@@ -197,6 +197,23 @@ class TestTolerance:
         assert "--tolerance 50% pressure=50% peak_pressure=50% shear=0.5 contact_edge=1 stick_edge=1" in whole["command"]
 
 
+def test_figures_are_written_in_the_formats_that_are_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "cattaneo-mindlin", "--quiet", "--plots", "svg", "pdf", *COARSE]) == 1
+    plots = {path.name for path in Path("out/cattaneo-mindlin/plots").iterdir()}
+    drawn = {path.stem for path in Path("out/cattaneo-mindlin/figures").glob("*.csv")}
+    assert plots == {f"{name}.{kind}" for name in drawn for kind in ("svg", "pdf")}
+    assert Path("out/cattaneo-mindlin/plots/hysteresis.pdf").read_bytes().startswith(b"%PDF")
+    assert "--plots svg pdf" in json.loads(Path("out/cattaneo-mindlin/comparison.json").read_text(encoding="utf-8"))["command"]
+    assert main(["run", "cattaneo-mindlin", "--quiet", *COARSE]) == 1
+    assert not Path("out/cattaneo-mindlin/plots").exists()  # of an earlier run
+    capsys.readouterr()
+    assert main(["run", "cattaneo-mindlin", "--plots", "gif"]) == 2
+    assert '"pdf", "svg", "png"' in capsys.readouterr().err
+
+
 class TestCost:
     @pytest.mark.parametrize("name", ["hertz-paper", "cattaneo-mindlin", "unload-reload"])
     def test_increments_are_those_of_the_solution(self, name: str) -> None:

@@ -236,6 +236,10 @@ class RunOptions(FiniteElements):
     vtu: Annotated[tuple[str, ...], several('Write both bodies for ParaView at these times, or at "events".')] = ()
     stress: Annotated[tuple[str, ...], several('Show von Mises stress on the page at these times, or at "events".')] = ()
     pdf: Annotated[bool, flag("Write report.pdf too; needs the extra halfplane[pdf].")] = False
+    plots: Annotated[
+        tuple[Literal["pdf", "svg", "png"], ...],
+        several("Every figure as a file of publication quality too, in plots/: pdf svg png."),
+    ] = ()
     third: Annotated[Literal["calculix"] | None, Parameter(help="A third solver: runs `ccx` on the exported deck.")] = None
     third_limit: Annotated[float | None, Parameter(help="Seconds until the third solver is stopped; 1800 if left out.")] = None
 
@@ -300,6 +304,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
                     seconds=dict(stages.seconds),
                     stress_instants=instants_of(options.stress, result, "--stress"),
                     pdf=options.pdf,
+                    plots=options.plots,
                     log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *stages.log),
                 )
         return _tell_run(report, page, stages, as_json=options.json)

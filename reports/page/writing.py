@@ -41,6 +41,7 @@ def write(
     seconds: Mapping[str, float] | None = None,
     stress_instants: Sequence[Instant] = (),
     pdf: bool = False,
+    plots: Sequence[str] = (),
     log: Sequence[str] = (),
 ) -> Path:
     """Write the report and return the path of the page.
@@ -54,6 +55,7 @@ def write(
     seconds : stage -> wall time, for the page
     stress_instants : where the page shows von Mises' stress; nowhere by default
     pdf : whether report.pdf is written too, which needs typst
+    plots : formats of which every figure is written too, in plots/: "pdf", "svg", "png"
     log : lines of run.log; without any there is none
 
     Raises
@@ -90,6 +92,10 @@ def write(
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
             (folder / "run.log").write_text("\n".join([*log, headline(report), verdict(report)]) + "\n", encoding="utf-8")
+        if plots:
+            from reports.charts.publication import write_plots
+
+            write_plots(drawings, folder / "plots", plots)
         if pdf:
             from reports.pdf import write_pdf
 
