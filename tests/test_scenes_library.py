@@ -22,9 +22,8 @@ import layer_truth
 import semi_analytic
 from meshes import MeshSettings
 from reports import library_page
-from reports.comparison import expected
 from reports.cli.scene_files import tagged
-from reports.comparison import compare
+from reports.comparison import compare, expected
 from reports.comparison.content import as_json
 from reports.comparison.laws import certificates
 from scenes import (
