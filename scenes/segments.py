@@ -105,10 +105,6 @@ class LoadSegment(abc.ABC):
         """(dP/dt, dQ/dt) at `time`."""
         return self.rate_of(NORMAL_LOAD, time), self.rate_of(TANGENTIAL_LOAD, time)
 
-    def change(self, time: ArrayLike, since: ArrayLike) -> Loads:
-        """(P, Q) at `time` minus (P, Q) at `since`, free of cancellation however close the two are."""
-        return self.change_of(NORMAL_LOAD, time, since), self.change_of(TANGENTIAL_LOAD, time, since)
-
     @abc.abstractmethod
     def rate_of(self, what: Combination, time: ArrayLike) -> Array:
         """Time derivative of a combination."""

@@ -125,11 +125,11 @@ def check(legs: Sequence[LoadSegment], friction: float) -> None:
     """
     scale = max(abs(float(leg.loads(time)[0])) for leg in legs for time in (leg.start, leg.end))
     for leg in legs:
-        for begin, end in stretches(leg, friction):
-            _check_stretch(leg, begin, end, friction, _ROUNDING * scale)
+        for begin, end in monotonic_parts(leg, friction):
+            _check_part(leg, begin, end, friction, _ROUNDING * scale)
 
 
-def _check_stretch(leg: LoadSegment, begin: float, end: float, friction: float, slack: float) -> None:
+def _check_part(leg: LoadSegment, begin: float, end: float, friction: float, slack: float) -> None:
     last = instant(leg, end)
     limits = [(NORMAL_LOAD, -last.normal, "separation", slack)]
     limits += [
@@ -157,13 +157,13 @@ def _check_stretch(leg: LoadSegment, begin: float, end: float, friction: float, 
         raise InadmissibleLoadError(reason, time, where.normal, where.tangential, friction, seen)
 
 
-def stretches(leg: LoadSegment, friction: float) -> list[tuple[float, float]]:
+def monotonic_parts(leg: LoadSegment, friction: float) -> list[tuple[float, float]]:
     """The segment, cut where P, u = Q - f P or v = Q + f P turn round.
 
     >>> from math import pi
     >>> from scenes import ellipse_segment
     >>> circle = ellipse_segment(0.0, 2 * pi, (3.0, 0.0), (1.0, 1.0), pi / 2)
-    >>> [round(begin / pi, 2) for begin, _ in stretches(circle, 1.0)]
+    >>> [round(begin / pi, 2) for begin, _ in monotonic_parts(circle, 1.0)]
     [0.0, 0.25, 0.75, 1.0, 1.25, 1.75]
     """
     combinations = (NORMAL_LOAD, level(1, friction), level(-1, friction))
@@ -187,14 +187,14 @@ def march(curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: flo
     """
     spans: list[Span] = []
     for leg in legs:
-        for begin, end in stretches(leg, friction):
-            for span in _stretch(curve, leg, begin, end, friction, delay):
+        for begin, end in monotonic_parts(leg, friction):
+            for span in _spans_of_part(curve, leg, begin, end, friction, delay):
                 spans.append(span)
                 curve = span.curve(span.end.time)
     return tuple(spans), curve
 
 
-def _stretch(curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float) -> Iterator[Span]:
+def _spans_of_part(curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float) -> Iterator[Span]:
     """Spans of a stretch on which neither P, u nor v turns round."""
     middle = (begin + end) / 2
     normal, tangential = (float(part) for part in leg.rates(middle))
@@ -247,7 +247,7 @@ def _unload(curve: Curve, first: Instant, last: Instant, friction: float, delay:
     The admissible cones of later points lie inside those of earlier ones, so the state is that of one step; only the
     direction may change, where the path crosses the curve.
     """
-    for begin, end, direction in sides(curve, first, last, friction):
+    for begin, end, direction in slip_directions(curve, first, last, friction):
         a, b = instant(first.leg, begin), instant(first.leg, end)
         if direction:
             for span in _slip(curve, direction, a, b, friction, delay):
@@ -272,7 +272,7 @@ def _retrace(curve: Curve, first: Instant, last: Instant, friction: float, delay
         yield Span(begin, last, delay, 0, curve, friction)
 
 
-def sides(curve: Curve, first: Instant, last: Instant, friction: float) -> list[tuple[float, float, int]]:
+def slip_directions(curve: Curve, first: Instant, last: Instant, friction: float) -> list[tuple[float, float, int]]:
     """(begin, end, direction) where the path runs above (+1), below (-1) or along (0) the curve that it unloads."""
     runs: list[tuple[float, float, int]] = []
     begin = first.time
@@ -281,7 +281,7 @@ def sides(curve: Curve, first: Instant, last: Instant, friction: float) -> list[
         reached = float(first.leg.change_of(NORMAL_LOAD, last.time, first.time)) < drop
         end = float(first.leg.time_of(NORMAL_LOAD, drop, first.time, last.time)) if reached else last.time
         if end > begin:
-            runs += _sides_on(piece, first.leg, begin, end, friction)
+            runs += _directions_on(piece, first.leg, begin, end, friction)
         begin = max(begin, end)
         if not reached:
             break
@@ -294,7 +294,7 @@ def sides(curve: Curve, first: Instant, last: Instant, friction: float) -> list[
     return merged
 
 
-def _sides_on(piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float) -> list[tuple[float, float, int]]:
+def _directions_on(piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float) -> list[tuple[float, float, int]]:
     """The same while the load is within one piece: signs of Q - M(P) between its roots."""
 
     def excess(time: ArrayLike) -> Array:

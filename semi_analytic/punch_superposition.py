@@ -306,26 +306,20 @@ class PunchSuperposition:
             smooth &= d <= _APART * p  # twelve nodes would miss a half-width at which P hardly grows
         far = ~smooth & (d > _APART * p)
         result = np.zeros(p.shape)
-        for here, area in ((smooth, self._area_nearby), (far, self._area_apart), (~smooth & ~far & (d > 0), self._area_across)):
+        for here, area in ((far, self._area_apart), (~far & (d > 0), self._area_within)):
             if np.any(here):
                 result[here] = area(p[here], d[here])
         return result
-
-    def _area_nearby(self, load: Array, slipped: Array) -> Array:
-        node, weight = gauss(12)
-        advance = self.law.advance((load - slipped)[:, None] + slipped[:, None] * node)
-        rate = (self.least + advance) * self.law.stiffness(advance)
-        return np.square(slipped) * np.sum(weight * (1 - node) / rate, axis=-1)
 
     def _area_apart(self, load: Array, slipped: Array) -> Array:
         upper, lower = self.law.advance(load), self.law.advance(np.maximum(load - slipped, 0.0))
         ratio = np.log1p((upper - lower) / np.maximum(self.least + lower, np.finfo(float).tiny * np.maximum(upper, 1.0)))
         return load * ratio - (self._logarithm(0, upper)[0] - self._logarithm(0, lower)[0])
 
-    def _area_across(self, load: Array, slipped: Array) -> Array:
-        """Across corners, or close behind one: between one corner and the next as P is a smooth function of sqrt(P - P_b) there.
+    def _area_within(self, load: Array, slipped: Array) -> Array:
+        """From P_c on, between one corner and the next by Gauss' rule in sqrt(P - P_b): a smooth function of that is a(P) there.
 
-        What lies below the first corner is integrated by the rule for singular ends: there P goes as any power of the advance.
+        Close to no load it goes as any power of P: there by the rule for singular ends.
         """
         front, total = load - slipped, np.zeros(load.shape)
         first = np.searchsorted(self._begin_loads, front, side="right")
@@ -339,8 +333,11 @@ class PunchSuperposition:
             )
             low, high = np.maximum(front[which], ends[behind]), np.minimum(load[which], ends[behind + 1])
             parts = np.zeros(len(which))
+            smooth = (behind > 0) | (high - low < _NEARBY * low)
             for rooted in (True, False):
-                some = (behind > 0) == rooted
+                some = smooth == rooted
+                if not np.any(some):
+                    continue
                 here, begin, way = which[some], low[some, None], (high - low)[some, None]
                 if rooted:
                     inner = np.sqrt(begin - ends[behind[some], None])

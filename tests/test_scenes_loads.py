@@ -10,6 +10,8 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from scenes import (
+    NORMAL_LOAD,
+    TANGENTIAL_LOAD,
     ChebyshevSegment,
     EllipseLoad,
     FlatRounded,
@@ -68,7 +70,7 @@ def test_change_is_free_of_cancellation(leg, part, step, ahead):
     since = at_part(leg, part)
     time = since + (1 if ahead else -1) * 10**step
     assume(leg.start <= time <= leg.end and time != since)
-    found = [float(v) for v in leg.change(time, since)]
+    found = [float(leg.change_of(what, time, since)) for what in (NORMAL_LOAD, TANGENTIAL_LOAD)]
     with mpmath.workdps(50):
         exact = [b - a for a, b in zip(exact_loads(leg, since), exact_loads(leg, time), strict=True)]
         # 4e-15 of the sines' arguments, which are rounded: counted where a sine is near its zero.
@@ -84,13 +86,17 @@ def test_plain_difference_would_fail_that_test():
     with mpmath.workdps(50):
         exact = exact_loads(ELLIPSE, time)[0] - exact_loads(ELLIPSE, since)[0]
         assert abs(plain - exact) > 1e-6 * abs(exact)
-        assert abs(float(ELLIPSE.change(time, since)[0]) - exact) < 1e-14 * abs(exact)
+        assert abs(float(ELLIPSE.change_of(NORMAL_LOAD, time, since)) - exact) < 1e-14 * abs(exact)
 
 
 @EVERY_LEG
 def test_any_shape_goes_in_and_comes_out(leg):
     times = np.full((2, 3), at_part(leg, 0.25))
-    for found in (leg.loads(times), leg.rates(times), leg.change(times, leg.start)):
+    for found in (
+        leg.loads(times),
+        leg.rates(times),
+        [leg.change_of(what, times, leg.start) for what in (NORMAL_LOAD, TANGENTIAL_LOAD)],
+    ):
         assert [part.shape for part in found] == [(2, 3), (2, 3)]
 
 

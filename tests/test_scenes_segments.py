@@ -140,7 +140,8 @@ def test_segments_state_what_they_are():
 def test_the_parabola_of_a_segment_is_its_path(segment):
     form = segment.slope_and_bend(segment.end)
     if form:
-        dp, dq = segment.change(np.linspace(segment.start, segment.end, 11), segment.end)
+        times = np.linspace(segment.start, segment.end, 11)
+        dp, dq = (segment.change_of(what, times, segment.end) for what in (NORMAL_LOAD, TANGENTIAL_LOAD))
         np.testing.assert_allclose(dq, (form[0] + form[1] * dp) * dp, atol=1e-14)
 
 

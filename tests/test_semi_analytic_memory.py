@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scenes import NORMAL_LOAD, Combination, StraightSegment, ellipse_segment, parabola_segment
-from semi_analytic.history import Turn, follow, stretches
+from semi_analytic.history import Turn, follow, monotonic_parts
 from semi_analytic.memory import instant, level, pieces, same, unload_to, values
 from semi_analytic_cases import brute_force_curve, ellipse
 
@@ -136,7 +136,7 @@ LEGS = [
 @pytest.mark.parametrize("leg", LEGS, ids=lambda leg: type(leg).__name__)
 @pytest.mark.parametrize("what", [NORMAL_LOAD, Combination(0.0, 1.0), level(1, 0.7), level(-1, 0.7)])
 def test_combinations_turn_where_they_say_and_inverses_invert(leg, what):
-    for begin, end in stretches(leg, 0.7):
+    for begin, end in monotonic_parts(leg, 0.7):
         times = np.linspace(begin, end, 41)
         steps = np.diff(leg.change_of(what, times, begin))
         if what.normal:
@@ -151,8 +151,8 @@ def test_the_closed_forms_of_one_wave_are_what_the_general_routines_find():
     general = replace(known, normal=(*known.normal, (1e-300, 0.0)))
     assert known.ellipse
     assert not general.ellipse
-    np.testing.assert_allclose(stretches(general, 0.7), stretches(known, 0.7), atol=1e-14)
-    begin, end = stretches(known, 0.7)[1]
+    np.testing.assert_allclose(monotonic_parts(general, 0.7), monotonic_parts(known, 0.7), atol=1e-14)
+    begin, end = monotonic_parts(known, 0.7)[1]
     amount = np.linspace(0, float(known.change_of(NORMAL_LOAD, end, begin)), 7)
     np.testing.assert_allclose(
         general.time_of(NORMAL_LOAD, amount, begin, end), known.time_of(NORMAL_LOAD, amount, begin, end), atol=1e-12
