@@ -219,7 +219,7 @@ _IN_LINE = 1e-9
 _SHORTEST = 1e-6
 # Of x: rows nearer to each other than this have no slope between them that rounding leaves.
 _CLOSEST = 1e-9
-# Rows of one side. The normal load is a sum over all of them for each: 2,000 take some 5 s, and the fields of a cycle a minute.
+# Rows of one side. The normal load is a sum over all of them: 2,000 take 0.2 s, and the fields of a cycle some seconds.
 _MOST = 2_000
 # A rise counts as a whole number of steps to this; steps are coarse where half of all rises are less than so many.
 _WHOLE, _COARSE = 1e-3, 1000

@@ -192,8 +192,8 @@ def peak_dissipation(
 
     W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least load, and one further out. Each
     piece between the kinks of W(x) is searched, which are at a(P_min) and at the corners of the profile. The value is good to some
-    1e-10 of itself, or to `value_error` where slip is tiny. A member takes 3 ms for Hertz, 10 ms for power laws, flat and rounded,
-    50 to 130 ms for polynomials, wedges and compound curvatures, half a second for tables.
+    1e-10 of itself, or to `value_error` where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for power laws, flat and
+    rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for tables of 31 rows.
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
