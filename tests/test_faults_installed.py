@@ -32,7 +32,7 @@ def test_every_requirement_has_a_lower_bound() -> None:
     import installed
 
     pins = installed.lowest()
-    assert len(pins) >= 17
+    assert len(pins) >= 16
     assert all(pin.count("==") == 1 for pin in pins)
 
 
