@@ -47,7 +47,7 @@ def measured(difference: Array, along: Array, where: str, unit: str = "", weight
     """The numbers of a difference (n,) along x or time (n,): root mean square over the length, the largest value, its place.
 
     >>> measured(np.array([0.0, -3.0, 0.0]), np.array([0.0, 1.0, 2.0]), "x = {} a_ref", " %")
-    'rms 2.1 %, largest −3 % at x = 1 a_ref'
+    'rms 1.7 %, largest −3 % at x = 1 a_ref'
     """
     known = np.isfinite(difference) & (True if weight is None else weight)
     if not known.any():

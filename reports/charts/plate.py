@@ -224,13 +224,13 @@ def element(name: str, content: str = "", /, **given: object) -> str:
     return f"<{name}{attributes(given)}>{content}</{name}>" if content else f"<{name}{attributes(given)}/>"
 
 
-def path_of(horizontal: ArrayLike, vertical: ArrayLike, apart: float = 0.0) -> str:
+def path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes: int = 0) -> str:
     """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are left out.
 
-    With `apart`, of the places inside a line about one for each `apart` of its length.
+    In each of `passes` every other place goes that lies within `off` of the straight line between its neighbours.
 
-    >>> path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]), path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 0], 2.0)
-    ('M0 0L1 1M2 1L3 1', 'M0 0L2 0L4 0')
+    >>> path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]), path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 5], 0.1, 2)
+    ('M0 0L1 1M2 1L3 1', 'M0 0L3 0L4 5')
 
     A place that stands alone is a line to itself, which round ends make a dot.
 
@@ -242,13 +242,13 @@ def path_of(horizontal: ArrayLike, vertical: ArrayLike, apart: float = 0.0) -> s
     moved = np.ones(len(across), dtype=bool)
     moved[1:] = (across[1:] != across[:-1]) | (down[1:] != down[:-1]) | ~good[:-1]
     starts = good & ~np.concatenate([[False], good[:-1]])
-    ends = good & ~np.concatenate([good[1:], [False]])
-    if apart:
-        length = np.cumsum(np.nan_to_num(np.hypot(np.diff(across), np.diff(down))))
-        moved[1:] &= np.diff(np.floor(length / apart), prepend=0.0) > 0
-        moved |= starts | ends
-    alone = starts & ends
+    alone = starts & ~np.concatenate([good[1:], [False]])
     rows = np.flatnonzero(good & moved)
+    for _ in range(passes):
+        before, here, after = (rows[k : len(rows) - 2 + k : 2] for k in range(3))
+        chord, apart = (np.array([across[to] - across[before], down[to] - down[before]]) for to in (after, here))
+        away = np.abs(chord[0] * apart[1] - chord[1] * apart[0]) <= off * np.hypot(*chord)
+        rows = rows[~np.isin(rows, here[away & ~starts[here] & ~starts[after]])]
     places = {k: f"{across[k]:g} {down[k]:g}" for k in rows.tolist()}
     return "".join(f"M{at}L{at}" if alone[k] else f"{'M' if starts[k] else 'L'}{at}" for k, at in places.items())
 
@@ -324,7 +324,8 @@ class _Pen:
         left, top, right, bottom = frame.box
         match mark:
             case Curve():
-                d = path_of(frame.x.place(mark.x), frame.y.place(mark.y), 1.5 if self.alone else 0.2) or "M0 0"
+                thin = (0.1, 8) if self.alone else (0.02, 1)  # a pointer on a page needs points everywhere
+                d = path_of(frame.x.place(mark.x), frame.y.place(mark.y), *thin) or "M0 0"
                 given = self.data({"label": mark.label} | dict(mark.data))
                 return element("path", d=d + ("Z" if mark.closed else ""), **self.look(f"curve {mark.css}"), **given)
             case Band():
@@ -410,11 +411,11 @@ class _Pen:
         frame = self.frame
         left, top, right, bottom = frame.box
         parts = []
-        for place, text in tick_places(x, frame.x):
+        for place, text in ((float(frame.x.place(number)), text) for number, text in tick_pairs(x, frame.x)):
             parts.append(element("line", x1=place, x2=place, y1=top, y2=bottom, **self.look("grid across")))
             if frame.height - bottom > 16:
                 parts.append(self.words(place, bottom + 15, text, "tick across", text_anchor="middle"))
-        for place, text in tick_places(y, frame.y):
+        for place, text in ((float(frame.y.place(number)), text) for number, text in tick_pairs(y, frame.y)):
             parts.append(element("line", x1=left, x2=right, y1=place, y2=place, **self.look("grid upright")))
             parts.append(self.words(left - 6, place + 4, text, "tick upright", text_anchor="end"))
         middle = (top + bottom) / 2
@@ -425,15 +426,12 @@ class _Pen:
         return "".join(parts)
 
 
-def tick_places(axis: Axis, scale: Scale) -> list[tuple[float, str]]:
-    """Place and number of each tick of an axis."""
-    if not axis.count:
-        return []
-    pairs = axis.ticks
-    if not pairs:
-        numbers = ticks(scale.low, scale.high, axis.count, log=axis.log)
-        pairs = tuple(zip(numbers, labels(numbers), strict=True))
-    return [(float(scale.place(number)), text) for number, text in pairs]
+def tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
+    """Each tick of an axis with its text: the axis' own, or round numbers."""
+    if axis.ticks or not axis.count:
+        return axis.ticks
+    numbers = ticks(scale.low, scale.high, axis.count, log=axis.log)
+    return tuple(zip(numbers, labels(numbers), strict=True))
 
 
 def panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reports.charts.marks import Arrow, Band, Bitmap, Block, Curve, Dot, Group, Mark, Note, Rule, Segments
-from reports.charts.plate import LINE, Panel, Plate, arranged, outlines
-from reports.charts.scale import labels, ticks
+from reports.charts.plate import LINE, Panel, Plate, arranged, outlines, tick_pairs
 from reports.charts.style import pieces, style_of
 
 if TYPE_CHECKING:
@@ -126,22 +125,17 @@ def figure_of(plate: Plate) -> Figure:
 def _axes(axes: Axes, panel: Panel) -> None:
     """Limits, ticks and frame of a panel."""
     scales = panel.frame
-    axes.set(xlim=(scales.x.low, scales.x.high), ylim=(scales.y.low, scales.y.high))
     if panel.bare:
         axes.set_axis_off()
-        return
     for spine in axes.spines.values():
         spine.set(color=style_of("axis")["stroke"], linewidth=_POINT)
     axes.tick_params(length=0, pad=5, colors=style_of("tick")["fill"], labelsize=_POINT * 11.5)
+    axes.set(xlim=(scales.x.low, scales.x.high), ylim=(scales.y.low, scales.y.high))  # first: 0 is no place of a logarithmic axis
+    axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
     for which, axis, scale in ((axes.xaxis, panel.x, scales.x), (axes.yaxis, panel.y, scales.y)):
-        (axes.set_xscale if which is axes.xaxis else axes.set_yscale)("log" if axis.log else "linear")
-        pairs = list(axis.ticks)
-        if axis.count and not pairs:
-            numbers = ticks(scale.low, scale.high, axis.count, log=axis.log)
-            pairs = list(zip(numbers, labels(numbers), strict=True))
+        pairs = tick_pairs(axis, scale)
         which.set_ticks([number for number, _ in pairs], labels=[_words(text) for _, text in pairs])
         which.set_ticks([], minor=True)
-    axes.set(xlim=(scales.x.low, scales.x.high), ylim=(scales.y.low, scales.y.high))
 
 
 def _draw(axes: Axes, mark: Mark) -> None:
