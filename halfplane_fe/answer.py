@@ -22,12 +22,14 @@ States = NDArray[np.int8]
 
 def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales) -> dict[str, Any]:
     """Fields of FiniteElementSolution that are numbers, by name."""
-    states = run.states
+    kept = run.kept
+    states = [run.states[index] for index in kept]
     displacement = scales.load / scales.modulus
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
-    seen = visible_states(states, run.cycle_starts, problem.friction)
+    every = visible_states(run.states, run.cycle_starts, problem.friction)
+    seen = every[kept]
     edges = np.array([_edges(problem, state, visible) for state, visible in zip(states, seen, strict=True)])
     edges *= scales.half_width
     forces = {name: np.array([getattr(s, name) for s in states]) * scales.load for name in ("pressure", "shear")}
@@ -55,7 +57,7 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "dissipation_density": freeze(densities[-1] / weights if len(densities) else np.zeros_like(weights)),
         "dissipation": float(densities[-1].sum()) if len(densities) else float("nan"),
         "cycle_dissipation": freeze(densities.sum(axis=1)),
-        "permanent_stick_half_width": _permanent_stick(scene, problem, run, seen) * scales.half_width,
+        "permanent_stick_half_width": _permanent_stick(scene, problem, run, every) * scales.half_width,
         "steady_from": run.steady_from,
         "loop_work": _loop_work(scene, run) * work,
     }
@@ -107,26 +109,35 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
 
 
 def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()) -> Record:
-    """How the run went, step by step; the first entry is the unloaded state. `notes` are what a reader must know besides."""
+    """How the run went, from one kept instant to the next; the first is the unloaded state. `notes`: what a reader must know too.
+
+    Energies and iterations are those of all increments since the kept instant before, checks the worst of them.
+    """
     note = audit.note()
     names = run.checks[0] if run.checks else {}
-    checks = {name: freeze([0.0, *(check[name] for check in run.checks)]) for name in names}
+    firsts = run.kept[:-1]  # of the increments from each kept instant to the next
+
+    def between(rule: np.ufunc, values: Iterable[float]) -> Array:
+        steps = np.array(list(values))
+        return np.concatenate([[0.0], rule.reduceat(steps, firsts) if len(steps) else steps])
+
+    checks = {name: freeze(between(np.maximum, (check[name] for check in run.checks))) for name in names}
     energies = {
-        name: np.array([0.0, *(getattr(increment.energy, name) for increment in run.increments)])
+        name: np.array([getattr(energy, name) for energy in run.energies])
         for name in ("external", "external_end_of_step", "elastic", "interface", "end_of_step", "step_error", "layer")
     }
     if note is None:
         del energies["layer"]
-    energies["dissipation"] = np.array([0.0, *(increment.energy.dissipation.sum() for increment in run.increments)])
+    energies["dissipation"] = np.array([energy.dissipation.sum() for energy in run.energies])
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
     return Record(
         converged=run.failure is None,
         termination=_termination(run),
         message=_message(run),
-        iterations=freeze([0, *(increment.iterations for increment in run.increments)], np.int64),
-        certificates={**checks, "energy_balance": freeze(balance / largest)},
-        energy={name: freeze(values * scales.load**2 / scales.modulus) for name, values in energies.items()},
+        iterations=freeze(between(np.add, run.iterations), np.int64),
+        certificates={**checks, "energy_balance": freeze(between(np.maximum, balance / largest))},
+        energy={name: freeze(between(np.add, values) * scales.load**2 / scales.modulus) for name, values in energies.items()},
         notes=(*(() if note is None else (note,)), *notes),
     )
 
@@ -140,7 +151,7 @@ def _termination(run: PathRun) -> str:
 def _message(run: PathRun) -> str:
     if run.failure is not None:
         return str(run.failure)
-    steps = len(run.increments)
+    steps = len(run.energies)
     if run.steady_from is None:
         return f"the path ended after {steps} increments without a revolution that repeats"
     return (

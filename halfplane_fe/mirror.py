@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import InterfaceState
+from halfplane_fe.energy import IncrementEnergy
 from halfplane_fe.interface import Interface
 from halfplane_fe.run import PathRun
-from halfplane_fe.stepping import Increment
 from scenes import freeze
 
 Array = NDArray[np.float64]
@@ -70,23 +70,21 @@ def whole(run: PathRun, n: int) -> PathRun:
     place, share = _images(n)
 
     def state(one: InterfaceState) -> InterfaceState:
-        return replace(
-            one,
-            pressure=freeze(one.pressure[place] * share),
-            shear=freeze(one.shear[place] * share),
-            gap=freeze(one.gap[place]),
-            slip=freeze(one.slip[place]),
-            state=freeze(one.state[place], np.int8),
+        found = replace(one, slip=freeze(one.slip[place]), state=freeze(one.state[place], np.int8))
+        if not len(one.pressure):  # dropped
+            return found
+        pressure, shear, gap = (
+            freeze(values) for values in (one.pressure[place] * share, one.shear[place] * share, one.gap[place])
         )
+        return replace(found, pressure=pressure, shear=shear, gap=gap)
 
-    def increment(one: Increment, after: InterfaceState) -> Increment:
-        energy = replace(one.energy, dissipation=one.energy.dissipation[place] * share)
-        return replace(one, solved=state(one.solved), state=after, energy=energy)
+    def energy(one: IncrementEnergy) -> IncrementEnergy:
+        nodal = one.dissipation
+        return one if len(nodal) == 1 else replace(one, dissipation=nodal[place] * share)
 
-    states = [state(one) for one in run.states]
     return replace(
         run,
-        states=states,
-        increments=[increment(one, after) for one, after in zip(run.increments, states[1:], strict=True)],
+        states=[state(one) for one in run.states],
+        energies=[energy(one) for one in run.energies],
         cycle_density=[density[place] * share for density in run.cycle_density],
     )

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
-from halfplane_fe.energy import certificates
+from halfplane_fe.energy import IncrementEnergy, certificates
 from halfplane_fe.path import stretches
-from halfplane_fe.stepping import Increment, follow
-from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment
+from halfplane_fe.stepping import follow
+from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int | None, str], None]
@@ -22,16 +22,26 @@ Progress = Callable[[int, int | None, str], None]
 REPEATS = 5e-4
 # Dissipation over f^2 P^2/E* below which the step error need not follow it down.
 _LEAST_DISSIPATION = 1e-2
+# Instants of a path of straight legs that keep pressure, shear and gap: a record of 2,000 rows has 40,000 increments, which would
+# take gigabytes. No scene of the library comes near.
+MOST_INSTANTS = 4000
+_NONE = freeze(np.empty(0))
 
 
 @dataclass(eq=False)
 class PathRun:
     """What a load path left behind; the first of `states` is the unloaded one.
 
+    A path of straight legs with more than `MOST_INSTANTS` increments is thinned while it is followed. The dropped states are left
+    without pressure, shear and gap, whose arrays are empty, and their energies with the sum of the dissipation in place of that of
+    each node. Between the rows every second, fourth, ... state stays; of the rows too, where these alone are too many.
+
     Attributes
     ----------
     states : (n_steps + 1)
-    increments, checks : (n_steps)
+    straight : whether all legs of the path are straight
+    energies, iterations, checks : (n_steps), of each increment
+    density : (n,) dissipation of each node in the revolution so far
     cycle_starts : index of the state at which each revolution starts
     cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it is not periodic
     steady_from : index of the first revolution that ended as it started
@@ -40,13 +50,55 @@ class PathRun:
     """
 
     states: list[InterfaceState]
-    increments: list[Increment] = field(default_factory=list)
+    straight: bool = False
+    energies: list[IncrementEnergy] = field(default_factory=list)
+    iterations: list[int] = field(default_factory=list)
     checks: list[dict[str, float]] = field(default_factory=list)
+    density: Array = field(default_factory=lambda: np.zeros(0))
     cycle_starts: list[int] = field(default_factory=list)
     cycle_density: list[Array] = field(default_factory=list)
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
     failure: ConvergenceError | Interrupted | None = None
+    # States at the ends of stretches by number, how many states are whole, and of which every so many-th stays.
+    _corners: dict[int, int] = field(default_factory=dict)
+    _whole: int = 1
+    _stride: int = 1
+    _corner_stride: int = 1
+
+    @property
+    def kept(self) -> NDArray[np.int64]:
+        """Indices of the states that are whole, the first and the last among them."""
+        return np.flatnonzero([len(state.pressure) > 0 for state in self.states])
+
+    def corner(self) -> None:
+        """The last state is the end of a stretch: a turning point, a vertex of a polygon, a row of a record."""
+        self._corners[len(self.states) - 1] = len(self._corners)
+
+    def thin(self) -> None:
+        """Drop the state before the last, or others, where too many are whole; the last is the history of the next increment."""
+        if not self.straight or self._drop(len(self.states) - 2):
+            return
+        self._whole += 1
+        while self._whole > MOST_INSTANTS and max(self._stride, self._corner_stride) < len(self.states):
+            # Three quarters of the room are for the ends of the stretches.
+            if 4 * len(self._corners) > 3 * MOST_INSTANTS * self._corner_stride:
+                self._corner_stride *= 2
+            else:
+                self._stride *= 2
+            self._whole -= sum(self._drop(int(index)) for index in self.kept[:-1])
+
+    def _drop(self, index: int) -> bool:
+        """Whether this state is not to be kept; if so, it is whole no more. Cycles that count are kept whole at their ends."""
+        if index == 0 or index in self.cycle_starts[-2:]:
+            return False
+        number = self._corners.get(index)
+        if (index % self._stride if number is None else number % self._corner_stride) == 0:
+            return False
+        self.states[index] = replace(self.states[index], pressure=_NONE, shear=_NONE, gap=_NONE)
+        energy = self.energies[index - 1]
+        self.energies[index - 1] = replace(energy, dissipation=energy.dissipation.sum(keepdims=True))
+        return True
 
 
 @dataclass(frozen=True)
@@ -70,18 +122,19 @@ def run_path(problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, p
 
     Neither a ConvergenceError nor Ctrl-C gets lost: it ends the run and is kept in `failure` with everything solved before it.
     """
-    run = PathRun([untouched(problem.height, path.start)])
+    # Thinned only where theory on the straight steps between the instants is theory on the path itself, whichever of them are kept.
+    straight = all(leg.is_straight for leg in (*path.initial_loading, *path.cycle))
+    run = PathRun([untouched(problem.height, path.start)], straight)
     try:
         _follow_legs(problem, run, path.initial_loading, pace.steps_per_cycle / 8, pace, progress, "initial loading")
         if path.period is None:
-            run.cycle_density.append(_density(problem, run.increments))
+            run.cycle_density.append(run.density)
             return run
         for number in range(cycles):
             before = run.states[-1]
-            first = len(run.increments)
-            run.cycle_starts.append(first)
+            run.cycle_starts.append(len(run.energies))
             _follow_legs(problem, run, path.cycle_legs(number), pace.steps_per_cycle, pace, progress, f"revolution {number + 1}")
-            run.cycle_density.append(_density(problem, run.increments[first:]))
+            run.cycle_density.append(run.density)
             run.cycle_change.append(_change(before, run.states[-1], problem.friction))
             if run.cycle_change[-1] <= REPEATS:
                 run.steady_from = number
@@ -90,20 +143,15 @@ def run_path(problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, p
         run.failure = failure
     except KeyboardInterrupt:
         _drop_unfinished(run)
-        run.failure = Interrupted(f"interrupted at time {run.states[-1].time:.6g}, after {len(run.increments)} steps")
+        run.failure = Interrupted(f"interrupted at time {run.states[-1].time:.6g}, after {len(run.energies)} steps")
     return run
 
 
 def _drop_unfinished(run: PathRun) -> None:
     """Leave only steps of which everything is there: an interrupt falls between any two instructions."""
-    whole = min(len(run.increments), len(run.checks), len(run.states) - 1)
-    del run.increments[whole:], run.checks[whole:], run.states[whole + 1 :]
+    whole = min(len(run.energies), len(run.iterations), len(run.checks), len(run.states) - 1)
+    del run.energies[whole:], run.iterations[whole:], run.checks[whole:], run.states[whole + 1 :]
     run.cycle_starts[:] = [start for start in run.cycle_starts if start <= whole]
-
-
-def _density(problem: ContactProblem, increments: list[Increment]) -> Array:
-    """Dissipation of each node in a number of increments."""
-    return sum((increment.energy.dissipation for increment in increments), np.zeros_like(problem.height))
 
 
 def _follow_legs(
@@ -112,6 +160,7 @@ def _follow_legs(
     longest = max(leg.end - leg.start for leg in legs)
     pieces = [piece for leg in legs for piece in stretches(leg, problem.friction, steps * (leg.end - leg.start) / longest)]
     duration = legs[-1].end - legs[0].start
+    run.density = np.zeros_like(problem.height)
     # What the tolerance refers to: the dissipation of the revolution before; until there is one, a share of f^2 P^2/E*.
     expected = float(run.cycle_density[-1].sum()) if run.cycle_density else 0.0
     # Rounded down to a power of two: what the initial loading left in the revolution before shall not choose other increments.
@@ -121,14 +170,18 @@ def _follow_legs(
         return pace.step_tolerance * reference * time / duration
 
     def said() -> str:
-        return f"{text}, {len(run.increments)} steps, {problem.work['contact iterations']} contact iterations"
+        return f"{text}, {len(run.energies)} steps, {problem.work['contact iterations']} contact iterations"
 
     for done, piece in enumerate(pieces):
         progress(done, len(pieces), said())
         for increment in follow(problem, run.states[-1], piece, pace.load, allowed):
             run.checks.append(certificates(problem, run.states[-1], increment.solved))
-            run.increments.append(increment)
+            run.energies.append(increment.energy)
+            run.iterations.append(increment.iterations)
             run.states.append(increment.state)
+            run.density = run.density + increment.energy.dissipation
+            run.thin()
+        run.corner()
     progress(len(pieces), len(pieces), said())
 
 

@@ -27,7 +27,7 @@ from halfplane_fe.pair import check_supports, condensed_pair, initial_gap, meshe
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
 from halfplane_fe.resolution import Seen, coarse, resolution_notes
-from halfplane_fe.run import REPEATS, Pace, PathRun, Progress, run_path
+from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, contact_modulus, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
@@ -176,7 +176,7 @@ def _solve(
     answer = _solution(scene, mesh, settings, scales, condensed, problem, run, watch)
     if run.failure is not None:
         raise type(run.failure)(str(run.failure), answer) from run.failure
-    _check_room(answer)
+    _check_room(answer, run)
     return answer
 
 
@@ -259,9 +259,9 @@ def _contact_problem(
     )
 
 
-def _check_room(answer: FiniteElementSolution) -> None:
+def _check_room(answer: FiniteElementSolution, run: PathRun) -> None:
     """The contact must end before the last node that may touch."""
-    if any(state.closed[0] or state.closed[-1] for state in answer.states):
+    if any(state.closed[0] or state.closed[-1] for state in run.states):
         raise ConvergenceError(
             f"the contact reached the end of the meshed side at |x| = {answer.x[-1]:.6g}: the coarse run took it for "
             f"smaller, {answer.scales.reach:.6g}",
@@ -280,11 +280,12 @@ def _solution(
     watch: _Watch,
 ) -> FiniteElementSolution:
     arrays = answer_arrays(scene, problem, run, scales)
-    audit = penalty_audit(scene, problem, run.states, arrays, scales)
+    states = tuple(run.states[index] for index in run.kept)
+    audit = penalty_audit(scene, problem, states, arrays, scales)
     own: dict[str, Any] = {
         "bodies": (condensed[0].body, condensed[1].body),
         "condensed": condensed,
-        "states": tuple(run.states),
+        "states": states,
         "weights": freeze(problem.interface.weights * scales.half_width),
         "normals": problem.interface.normals,
         "scales": scales,
@@ -315,13 +316,23 @@ def _notes(scene: Scene, mesh: MeshSettings, run: PathRun, arrays: Mapping[str, 
     """What the mesh does not resolve in the last revolution; `element` is that of the lower side [length]."""
     if run.failure is not None:
         return ()
-    first = run.cycle_starts[-1] + 1 if run.cycle_starts else 1
+    first = int(np.searchsorted(run.kept, run.cycle_starts[-1])) + 1 if run.cycle_starts else 1
     load, contact, stick = (arrays[name][first:] for name in ("normal_load", "contact_half_width", "stick_half_width"))
     unit = 2 / contact_modulus(scene.material.lower, scene.material.upper) * (scene.friction.coefficient * np.max(load)) ** 2
     work = float(arrays["dissipation"] / unit) if unit > 0 else 0.0
     coarser = element * max(mesh.upper_ratio, 1.0)
     seen = Seen(load, contact, stick, coarser, mesh.order, work, needs_shear(scene))
-    return (*_drift_notes(run), *resolution_notes(scene, seen))
+    return (*_drift_notes(run), *_thinned_notes(run), *resolution_notes(scene, seen))
+
+
+def _thinned_notes(run: PathRun) -> Iterator[str]:
+    """That not every increment is in the answer, and what is of all of them nevertheless."""
+    if dropped := len(run.states) - len(run.kept):
+        yield (
+            f"{dropped} of {len(run.states)} instants of this long path are left out of the answer, its files and figures (at most "
+            f"{MOST_INSTANTS} are kept, the rows of the record first); W, W(x), U over a cycle, the permanent stick zone and the "
+            "checks are of all of them"
+        )
 
 
 def _drift_notes(run: PathRun) -> Iterator[str]:
@@ -351,7 +362,7 @@ def _work(
         "condensations": problem.work["condensations"],
         "degrees of freedom": int(condensed[0].diagnostics["degrees_of_freedom"]),
         "contact nodes": len(condensed[0].x),
-        "steps solved": len(run.increments),
+        "steps solved": len(run.energies),
         "sparse factorisations": problem.work["sparse factorisations"],
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
@@ -365,11 +376,13 @@ def _work(
     if mirrored(problem.interface):
         skipped["contact nodes"] = (len(problem.interface.x) // 2, "p and q are even in x: solved on one half")
     if not problem.tangential:
-        skipped["tangential problem"] = (len(run.increments), "no shear can arise")
+        skipped["tangential problem"] = (len(run.energies), "no shear can arise")
     if problem.tangential and not problem.work["slip iterations"]:
-        skipped["slip iterations"] = (len(run.increments), "no node left stick")
+        skipped["slip iterations"] = (len(run.energies), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
         skipped["revolutions"] = (scene.cycles - run.steady_from - 1, "the revolution before ended as it started")
+    if dropped := len(run.states) - len(run.kept):
+        skipped["instants"] = (dropped, f"stored at {len(run.kept)} instants: more would take gigabytes")
     return Work(counts, skipped, dict(seconds))
 
 

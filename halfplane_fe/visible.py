@@ -11,6 +11,7 @@ from halfplane_fe.contact import InterfaceState
 from halfplane_fe.law import slip_sign
 from scenes import OPEN, STICK
 
+Array = NDArray[np.float64]
 States = NDArray[np.int8]
 
 # A sliding node that has come less far, since it last stuck or turned round, than this share of the farthest one counts as
@@ -39,28 +40,38 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
     cycle_starts : index of the state at which each revolution starts; what comes before them is the initial loading
     friction : coefficient f
     """
-    law = np.array([state.state for state in states])
-    increments = np.diff(np.array([states[0].slip, *(state.slip for state in states)]), axis=0)
-    increments[np.abs(increments) <= _ROUNDING * np.abs(increments).max(initial=0.0)] = 0.0
-    run = np.zeros_like(increments)  # slip in one direction without a stop, open or closed
-    for step in range(1, len(states)):
-        goes_on = run[step - 1] * increments[step] > 0
-        run[step] = np.where(goes_on, run[step - 1], 0.0) + increments[step]
-    forward = slip_sign(law) * run
-    moved = forward > _MOVED * forward.max(axis=1, keepdims=True)
+    # Row by row: arrays of all steps and nodes would take gigabytes of a long record.
+    seen = np.array([state.state for state in states])
     loads = np.array([(state.normal_load, state.tangential_load) for state in states])
     change = np.abs(np.diff(loads, axis=0, prepend=loads[:1])).sum(axis=1)
-    along = slip_sign(law) * np.diff(loads[:, 1], prepend=0.0)[:, None]  # forward slip is driven while Q - f P grows, reverse
-    driven = along > friction * np.diff(loads[:, 0], prepend=0.0)[:, None]  # slip while Q + f P falls
-    pace = np.abs(increments) * (slip_sign(law) != 0) / np.maximum(change, 1e-300)[:, None]
+    normal, tangential = np.diff(loads[:, 0], prepend=0.0), np.diff(loads[:, 1], prepend=0.0)
+
+    def increment(step: int) -> Array:
+        return np.asarray(states[step].slip - states[max(step - 1, 0)].slip)
+
+    rounding = _ROUNDING * max(float(np.abs(increment(step)).max(initial=0.0)) for step in range(len(states)))
+
+    def moves(step: int) -> tuple[NDArray[np.int64], Array, Array]:
+        """Direction by the law, slip of the increment, and that of a sliding node per change of load: (n,) each."""
+        sign, slip = slip_sign(states[step].state), increment(step)
+        slip[np.abs(slip) <= rounding] = 0.0
+        return sign, slip, np.abs(slip) * (sign != 0) / max(change[step], 1e-300)
+
+    run, moved = np.zeros_like(states[0].slip), np.zeros(len(states[0].slip), dtype=bool)
     for part in np.split(np.arange(len(states)), np.asarray(cycle_starts, dtype=int) + 1):
-        fastest = pace[part].max(initial=0.0)
-        moved[part] |= pace[part] > _BRISK * fastest
-        for step in part:
-            goes_on = driven[step] & (moved[step - 1] & (run[step] * run[step - 1] > 0) if step else False)
-            moved[step] &= pace[step] > np.where(goes_on, _DYING, _CREEP) * fastest
-            moved[step, _slow_rim(law[step], moved[step], pace[step] > _RIM_CREEP * fastest)] = False
-    return np.where((slip_sign(law) != 0) & ~moved, STICK, law).astype(np.int8)
+        fastest = max((float(moves(step)[2].max(initial=0.0)) for step in part.tolist()), default=0.0)
+        for step in part.tolist():
+            sign, slip, pace = moves(step)
+            before, along = run, sign * tangential[step]
+            run = np.where(before * slip > 0, before, 0.0) + slip  # slip in one direction without a stop, open or closed
+            forward = sign * run
+            driven = along > friction * normal[step]  # forward slip is driven while Q - f P grows, reverse slip while Q + f P falls
+            goes_on = driven & (moved & (run * before > 0) if step else False)
+            moved = (forward > _MOVED * forward.max()) | (pace > _BRISK * fastest)
+            moved &= pace > np.where(goes_on, _DYING, _CREEP) * fastest
+            moved[_slow_rim(states[step].state, moved, pace > _RIM_CREEP * fastest)] = False
+            seen[step] = np.where((sign != 0) & ~moved, STICK, states[step].state)
+    return seen.astype(np.int8)
 
 
 def _slow_rim(law: States, moved: NDArray[np.bool_], fast: NDArray[np.bool_]) -> NDArray[np.int64]:

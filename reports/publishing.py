@@ -71,7 +71,7 @@ def compute(name: str) -> Comparison:
     scene = load_scene(name)
     result = halfplane_fe.solve(scene)
     reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-    polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=True)
+    polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=not result.thinned)
     return compare(reference, result, polygon_reference=polygon)
 
 

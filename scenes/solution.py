@@ -143,6 +143,11 @@ class ContactSolution:
     dissipation_uncertainty: float = float("nan")
 
     @property
+    def thinned(self) -> bool:
+        """Whether instants of a long path of straight lines were left out, counted in `work.skipped`; W is of all of them."""
+        return "instants" in self.work.skipped
+
+    @property
     def dissipation_drift(self) -> float:
         """Change of the dissipation from the cycle before the last to the last, over that of the last.
 

@@ -147,7 +147,7 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
                 result = halfplane_fe.solve(scene, mesh, settings, report, scales=scales)
             except ConvergenceError as failure:
                 return Rung(label, size, {}, f"{label} did not converge: {failure}", time.process_time() - began)
-            polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=True)
+            polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=not result.thinned)
             values = _values(compare(polygon, result))
         return Rung(label, size, values, "", time.process_time() - began, len(result.time), len(result.x))
 

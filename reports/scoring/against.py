@@ -186,7 +186,7 @@ def _on_polygon(solution: ContactSolution) -> ContactSolution | None:
         return None
     import semi_analytic
 
-    return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time, straight_steps=True)
+    return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time, straight_steps=not solution.thinned)
 
 
 def _finite_elements(solution: ContactSolution) -> ContactSolution:

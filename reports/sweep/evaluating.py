@@ -74,7 +74,7 @@ def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool =
 
         straight = None
         if not polygon and {"dissipation_polygon", "dissipation_step"} & set(metrics):
-            straight = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=True)
+            straight = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=not fe.thinned)
         comparison = compare(exact, fe, polygon_reference=straight)
         for name in metrics:
             metric = comparison.metric(name)
