@@ -72,7 +72,9 @@ def budget(question: Question, fe: FiniteElementSolution, values: Values, notes:
     from reports.comparison import compare
     from reports.comparison.budget import climb, error_budget
 
-    exact, polygon = (semi_analytic.solve(question.scene, x=fe.x, time=fe.time, straight_steps=way) for way in (False, not fe.thinned))
+    exact, polygon = (
+        semi_analytic.solve(question.scene, x=fe.x, time=fe.time, straight_steps=way) for way in (False, not fe.thinned)
+    )
     comparison = compare(exact, fe, polygon_reference=polygon)
     found = error_budget(comparison, climb(comparison, question.mesh, question.solver, _silent), 1.0)
     more: Values = {}
