@@ -125,13 +125,14 @@ def figure_of(plate: Plate) -> Figure:
 def _axes(axes: Axes, panel: Panel) -> None:
     """Limits, ticks and frame of a panel."""
     scales = panel.frame
+    axes.set(xlim=(scales.x.low, scales.x.high), ylim=(scales.y.low, scales.y.high))
     if panel.bare:
         axes.set_axis_off()
+        return
+    axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
     for spine in axes.spines.values():
         spine.set(color=style_of("axis")["stroke"], linewidth=_POINT)
     axes.tick_params(length=0, pad=5, colors=style_of("tick")["fill"], labelsize=_POINT * 11.5)
-    axes.set(xlim=(scales.x.low, scales.x.high), ylim=(scales.y.low, scales.y.high))  # first: 0 is no place of a logarithmic axis
-    axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
     for which, axis, scale in ((axes.xaxis, panel.x, scales.x), (axes.yaxis, panel.y, scales.y)):
         pairs = tick_pairs(axis, scale)
         which.set_ticks([number for number, _ in pairs], labels=[_words(text) for _, text in pairs])
