@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
 
+from reports import animation_stage
+from reports.animation_stage import Close, CloseUps, View
 from reports.fields import contact_line
 from reports.rendering import round_down, triangles
 
@@ -23,59 +24,6 @@ Report = Callable[[int, int | None, str], None]
 _WIDTH, _FLATNESS = 1.7, 0.585
 # Largest exaggerated motion over the window's half-width.
 _SHOWN = 0.16
-
-
-@dataclass(frozen=True, eq=False)
-class Close:
-    """The part of a body that is near the contact.
-
-    Attributes
-    ----------
-    name : "lower" or "upper"
-    points : (n, 2) undeformed [length]
-    shape : (n,) height of the untouched face at the node's x [length]: its part of the gap
-    shape_shown : how many times the mesh itself shows `shape`: 0 for flat faces, 1 for true ones
-    triangles : (m, 3); surface : (k,) nodes that may touch, from left to right; face : (l,) those and the free ones beside them
-    """
-
-    name: str
-    points: Array
-    shape: Array
-    shape_shown: int
-    triangles: NDArray[np.int64]
-    surface: NDArray[np.int64]
-    face: NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class View:
-    """An instant: its step; for each body displacement (n, 2) [length], von Mises' and shear stress (n,) [stress]."""
-
-    step: int
-    displacement: tuple[Array, Array]
-    von_mises: tuple[Array, Array]
-    shear: tuple[Array, Array]
-
-
-@dataclass(frozen=True, eq=False)
-class CloseUps:
-    """All instants of a film and what they share.
-
-    Attributes
-    ----------
-    half_width, half_height : of the window around the contact [length]
-    origin : (2,) displacement that the exaggeration counts from: the lower body's under the middle, its mean over the instants
-    factor : the exaggeration of displacements and gap
-    largest : of von Mises' stress and of |shear stress| within the window, over all instants [stress]
-    """
-
-    bodies: tuple[Close, Close]
-    views: tuple[View, ...]
-    half_width: float
-    half_height: float
-    origin: Array
-    factor: float
-    largest: tuple[float, float]
 
 
 def close_ups(solution: FiniteElementSolution, snapshots: Iterable[Snapshot]) -> CloseUps:
@@ -105,25 +53,17 @@ def frames_of(
     solution: FiniteElementSolution, shots: CloseUps, report: Report = lambda _done, _total, _text: None
 ) -> Iterator[NDArray[np.uint8]]:
     """Pictures (720, 1280, 3) of every instant; axes, words and scales are drawn once, and only what moves anew."""
-    from reports.animation_stage import draw, set_up
 
-    stage = set_up(solution, shots)
+    stage = animation_stage.set_up(solution, shots)
     canvas = FigureCanvasAgg(stage.figure)
     canvas.draw()
     still = canvas.copy_from_bbox(stage.figure.bbox)
     for number, view in enumerate(shots.views):
         report(number, len(shots.views), f"time {solution.time[view.step]:.6g}")
         canvas.restore_region(still)
-        draw(stage, solution, shots, view)
+        animation_stage.draw(stage, solution, shots, view)
         yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
     report(len(shots.views), len(shots.views), f"{len(shots.views)} frames")
-
-
-def places(body: Close, displacement: Array, shots: CloseUps) -> Array:
-    """Where the nodes are drawn: displacements and gap both times `factor`, so that faces touch where they do."""
-    moved = body.points + shots.factor * (displacement - shots.origin)
-    moved[:, 1] += (shots.factor - body.shape_shown) * body.shape
-    return np.asarray(moved)
 
 
 def _near(body: BodyFields, half: float) -> NDArray[np.int64]:

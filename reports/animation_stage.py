@@ -20,7 +20,6 @@ from matplotlib.text import Text
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from reports.animation import CloseUps, View, places
 from reports.charts.publication import STYLE
 from reports.charts.style import DIFFERENCE, QUIET, REFERENCE, RESULT, STATE_COLOURS, STATE_NAMES
 from reports.units import load_unit, number, signed, units
@@ -38,6 +37,66 @@ _MAPS = ("viridis", "RdBu_r")
 _SHADES = 96  # of each map in a film of few colours
 GAP = "#b9b9b9"
 _TICKS = 15  # material lines on each face of a window
+
+
+@dataclass(frozen=True, eq=False)
+class Close:
+    """The part of a body that is near the contact.
+
+    Attributes
+    ----------
+    name : "lower" or "upper"
+    points : (n, 2) undeformed [length]
+    shape : (n,) height of the untouched face at the node's x [length]: its part of the gap
+    shape_shown : how many times the mesh itself shows `shape`: 0 for flat faces, 1 for true ones
+    triangles : (m, 3); surface : (k,) nodes that may touch, from left to right; face : (l,) those and the free ones beside them
+    """
+
+    name: str
+    points: Array
+    shape: Array
+    shape_shown: int
+    triangles: NDArray[np.int64]
+    surface: NDArray[np.int64]
+    face: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """An instant: its step; for each body displacement (n, 2) [length], von Mises' and shear stress (n,) [stress]."""
+
+    step: int
+    displacement: tuple[Array, Array]
+    von_mises: tuple[Array, Array]
+    shear: tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class CloseUps:
+    """All instants of a film and what they share.
+
+    Attributes
+    ----------
+    half_width, half_height : of the window around the contact [length]
+    origin : (2,) displacement that the exaggeration counts from: the lower body's under the middle, its mean over the instants
+    factor : the exaggeration of displacements and gap
+    largest : of von Mises' stress and of |shear stress| within the window, over all instants [stress]
+    """
+
+    bodies: tuple[Close, Close]
+    views: tuple[View, ...]
+    half_width: float
+    half_height: float
+    origin: Array
+    factor: float
+    largest: tuple[float, float]
+
+
+def places(body: Close, displacement: Array, shots: CloseUps) -> Array:
+    """Where the nodes are drawn: displacements and gap both times `factor`, so that faces touch where they do."""
+    moved = body.points + shots.factor * (displacement - shots.origin)
+    moved[:, 1] += (shots.factor - body.shape_shown) * body.shape
+    return np.asarray(moved)
 
 
 @dataclass(frozen=True, eq=False)

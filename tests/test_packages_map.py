@@ -49,6 +49,29 @@ def test_imports_go_round_in_no_circle(package):
     assert not left
 
 
+def imported_at_run_time(file: Path, modules: set[str]) -> set[str]:
+    """Modules that a file imports, wherever in it, but for the checker of types; of a package its `__init__`."""
+    parts = [
+        part for part in ast.parse(file.read_text(encoding="utf-8")).body if not ast.unparse(part).startswith("if TYPE_CHECKING")
+    ]
+    nodes = [node for part in parts for node in ast.walk(part) if isinstance(node, ast.ImportFrom)]
+    names = {(node.module or "", f"{node.module}.{name.name}") for node in nodes for name in node.names}
+    return {whole if whole in modules else part for part, whole in names if {part, whole} & modules}
+
+
+def test_imports_of_reports_go_round_in_no_circle() -> None:
+    """The same through all folders of reports; a module stands for its file, a package for its `__init__.py`."""
+    root = Path(import_module("reports").__file__ or "").parents[1]
+    files = {
+        ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in (root / "reports").rglob("*.py")
+    }
+    left = {name: imported_at_run_time(path, set(files)) for name, path in files.items() if name != "reports"}
+    while last := {name for name, needs in left.items() if not needs & left.keys() - {name}}:
+        left = {name: needs for name, needs in left.items() if name not in last}
+    assert not left
+
+
 @pytest.mark.parametrize("package", ["scenes", "semi_analytic"])
 def test_no_module_has_the_name_of_a_public_function(package):
     module = import_module(package)

@@ -11,8 +11,8 @@ from PIL import Image, ImageSequence
 from halfplane_fe import FiniteElementSolution
 from problems import COARSE, FEW_STEPS, fe_run
 from reports import film
-from reports.animation import CloseUps, close_ups, frames_of, places
-from reports.animation_stage import colours
+from reports.animation import close_ups, frames_of
+from reports.animation_stage import CloseUps, colours, places
 from reports.cli import main
 from reports.cli.field_output import FieldsOptions, require_series, series_of, shortfall, snapshots_of
 from scenes import InputError, load_scene

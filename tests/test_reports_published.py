@@ -20,11 +20,12 @@ from reports.publishing import (
     findings,
     frozen,
     half_plane_findings,
+    index,
+    page,
     published_by_others,
     stored_content,
 )
 from reports.publishing_figures import picture
-from reports.publishing_pages import index, page
 from scenes import load_scene, scene_names
 
 ROOT = Path(__file__).parents[1]
