@@ -24,6 +24,8 @@ X = "x / a_ref"
 _STATES = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")
 STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items())
 _COLUMNS, _ROWS = 440, 360
+# Rows of the table of states: of a long path evenly many instants, 25 MB.
+_MOST_STATES = 500_000
 
 
 def sides(comparison: Comparison) -> tuple[tuple[str, Cycle, ContactSolution], ...]:
@@ -205,6 +207,8 @@ def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
     inside = np.flatnonzero(np.abs(found.x) <= wide * length)
     columns = np.abs(found.x[:, None] / length - np.linspace(-wide, wide, _COLUMNS)).argmin(axis=0)
     rows = np.abs(time[:, None] - np.linspace(time[-1], time[0], _ROWS)).argmin(axis=0)
+    written = np.linspace(0, len(time) - 1, min(len(time), max(_MOST_STATES // len(inside), 2))).round().astype(int)
+    of = "" if len(written) == len(time) else f" The CSV holds {len(written)} of the {len(time)} instants."
     metric = comparison.metric("state")
     # The metric's own number: points crowd at the edges, so that counting them would give another, larger share.
     share = "" if metric.value is None else f"{value_of(metric)} of the length in contact"
@@ -223,7 +227,8 @@ def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
         "state_map",
         "Stick and slip over x and time",
         "State of each surface point at each instant of the last cycle; time runs upwards."
-        + (f" They differ over {share}, in the mean over time." if share else ""),
+        + (f" They differ over {share}, in the mean over time." if share else "")
+        + of,
         "Two maps of open, stick, forward slip and reverse slip over x and time, one for each engine, and a third of "
         "their difference.",
         tuple(
@@ -242,10 +247,10 @@ def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
             for states, palette, words, name in maps
         ),
         {
-            "time": np.repeat(found.time, len(inside)),
-            "x": np.tile(found.x[inside], len(time)),
-            f"state_reference ({codes})": expected.state[:, inside].ravel(),
-            f"state_result ({codes})": found.state[:, inside].ravel(),
+            "time": np.repeat(found.time[written], len(inside)),
+            "x": np.tile(found.x[inside], len(written)),
+            f"state_reference ({codes})": expected.state[np.ix_(written, inside)].ravel(),
+            f"state_result ({codes})": found.state[np.ix_(written, inside)].ravel(),
         },
         STATE_KEYS,
         columns=3,

@@ -41,6 +41,8 @@ from reports.charts.templating import template
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are 12 high].
 LEFT, RIGHT, TOP, BOTTOM, LINE = 72.0, 20.0, 12.0, 46.0, 15.0
 _UNIT = Scale(0.0, 1.0, 0.0, 1.0)
+# Of a line of more places only those that show stay: in each strip so wide the first, the last, the highest and the lowest.
+_LONG_LINE, _STRIP = 2000, 1.0
 _HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
 
 
@@ -225,7 +227,7 @@ def element(name: str, content: str = "", /, **given: object) -> str:
 
 
 def path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes: int = 0) -> str:
-    """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are left out.
+    """A line through places; a NaN breaks it. Places that repeat the last one to a hundredth are left out, and see `_LONG_LINE`.
 
     In each of `passes` every other place goes that lies within `off` of the straight line between its neighbours.
 
@@ -239,6 +241,14 @@ def path_of(horizontal: ArrayLike, vertical: ArrayLike, off: float = 0.0, passes
     """
     across, down = np.round(np.asarray(horizontal, dtype=float), 2), np.round(np.asarray(vertical, dtype=float), 2)
     good = np.isfinite(across) & np.isfinite(down)
+    if len(across) > _LONG_LINE:
+        strips = np.where(good, np.floor(across / _STRIP), np.nan)
+        strip = np.concatenate([[0], np.cumsum(strips[1:] != strips[:-1])])  # of places that follow each other
+        by_height = np.lexsort((np.where(good, down, 0.0), strip))
+        first = np.flatnonzero(np.diff(strip, prepend=-1))
+        last = np.append(first[1:], len(strip)) - 1
+        shown = np.unique(np.concatenate([first, last, by_height[first], by_height[last]]))
+        across, down, good = across[shown], down[shown], good[shown]
     moved = np.ones(len(across), dtype=bool)
     moved[1:] = (across[1:] != across[:-1]) | (down[1:] != down[:-1]) | ~good[:-1]
     starts = good & ~np.concatenate([[False], good[:-1]])

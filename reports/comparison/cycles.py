@@ -82,13 +82,18 @@ def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
 
 
 def _cycle(solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, whole: bool) -> Cycle:
-    picked: dict[str, Any] = {name: freeze(getattr(solution, name)[steps]) for name in (*FIELDS, *EDGES, *SERIES)}
+    def of_cycle(name: str) -> Any:
+        """Those of a path that is one cycle are not copied: of a long record they take tens of megabytes each."""
+        values = getattr(solution, name)
+        return values if len(steps) == len(values) else freeze(values[steps], values.dtype)
+
+    picked: dict[str, Any] = {name: of_cycle(name) for name in (*FIELDS, *EDGES, *SERIES)}
     return Cycle(
         time=freeze(solution.time[steps]),
         fraction=freeze(fraction),
         whole=whole,
         x=solution.x,
-        state=freeze(solution.state[steps], np.int8),
+        state=of_cycle("state"),
         dissipation_density=solution.dissipation_density,
         **picked,
     )
