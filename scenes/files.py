@@ -221,13 +221,13 @@ def netcdf_of(data: xr.Dataset) -> memoryview:
     return content.getbuffer()
 
 
-def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
+def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> xr.Dataset:
     """The dataset in a NetCDF file, in memory, with every variable of `form` (name -> dimensions) there and made of numbers.
 
     Raises
     ------
     InputError
-        One sentence: it can't be read, is larger than the limit once unpacked, or is of another form.
+        One sentence: it can't be read, is larger than the limit once unpacked, of another form, or of a later format than `newest`.
     """
     import xarray as xr
 
@@ -241,6 +241,15 @@ def stored_dataset(path: Path, form: Mapping[str, tuple[str, ...]]) -> xr.Datase
             if unpacked > SOLUTION:
                 most = in_words(SOLUTION)
                 raise InputError(f"{path}: {WHAT} takes {in_words(unpacked)} once unpacked, and at most {most} are read")
+            # Asked first: the variables of a later format may be others. The first format has no such word.
+            (kind, _, known), (same, _, stated) = (
+                words.rpartition(" ") for words in (newest, str(data.attrs.get("format", newest)))
+            )
+            if same == kind and stated.isdecimal() and int(stated) > int(known):
+                raise InputError(
+                    f"{path}: format is '{same} {stated}', of a later version, and this one reads numbers 1 to {known}; update "
+                    "halfplane, or solve the scene again"
+                )
             old = {new: name for name, new in RENAMED.items()}
             for present, dimensions in form.items():
                 name = present if present in data.variables else old.get(present, present)

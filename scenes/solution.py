@@ -225,7 +225,7 @@ class ContactSolution:
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
         """Read what `save` wrote; InputError for a file that can't be read, is too large or of another form."""
-        data = stored_dataset(Path(path), _FORM)
+        data = stored_dataset(Path(path), _FORM, FORMAT)
         try:
             return cls.from_dataset(data)
         except (ArithmeticError, AttributeError, KeyError, RecursionError, TypeError, ValueError) as reason:

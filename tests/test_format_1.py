@@ -30,6 +30,18 @@ def test_a_solution_is_loaded_with_every_number() -> None:
     assert found.record.converged
 
 
+def test_a_later_format_is_refused_and_this_one_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Before its variables are looked for: a later format may have others."""
+    data = ContactSolution.load(KEPT / "result.nc").to_dataset()
+    assert data.attrs["format"] == "halfplane solution 2"
+    later = data.drop_vars("slip").assign_attrs(format="halfplane solution 3")
+    for name, stored in (("two.nc", data), ("three.nc", later)):
+        stored.to_netcdf(tmp_path / name, engine="h5netcdf")
+    assert ContactSolution.load(tmp_path / "two.nc").dissipation == pytest.approx(DISSIPATION, rel=1e-15)
+    assert main(["diff", str(tmp_path / "three.nc"), str(tmp_path / "two.nc")]) == 2
+    assert "three.nc: format is 'halfplane solution 3', of a later version" in capsys.readouterr().err.replace("\n", " ")
+
+
 def test_diff_reads_each_kind(capsys: pytest.CaptureFixture[str]) -> None:
     """A run, its baseline, one engine's summary and its NetCDF: of one solution, so no row differs."""
     for a, b in (("comparison.json", "baseline.json"), ("result.nc", "halfplane_fe.json"), ("comparison.json", "result.nc")):
