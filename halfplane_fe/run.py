@@ -39,7 +39,7 @@ class PathRun:
     Attributes
     ----------
     states : (n_steps + 1)
-    straight : whether all legs of the path are straight
+    bounded : whether states may be dropped
     energies, iterations, checks : (n_steps), of each increment
     density : (n,) dissipation of each node in the revolution so far
     cycle_starts : index of the state at which each revolution starts
@@ -50,7 +50,7 @@ class PathRun:
     """
 
     states: list[InterfaceState]
-    straight: bool = False
+    bounded: bool = False
     energies: list[IncrementEnergy] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
     checks: list[dict[str, float]] = field(default_factory=list)
@@ -60,8 +60,9 @@ class PathRun:
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
     failure: ConvergenceError | Interrupted | None = None
-    # States at the ends of stretches by number, how many states are whole, and of which every so many-th stays.
+    # States at the ends of stretches by number, that of the largest P, how many are whole, and of which every so many-th stays.
     _corners: dict[int, int] = field(default_factory=dict)
+    _largest: int = 0
     _whole: int = 1
     _stride: int = 1
     _corner_stride: int = 1
@@ -77,7 +78,10 @@ class PathRun:
 
     def thin(self) -> None:
         """Drop the state before the last, or others, where too many are whole; the last is the history of the next increment."""
-        if not self.straight or self._drop(len(self.states) - 2):
+        before = len(self.states) - 2
+        if self.states[before].normal_load > self.states[self._largest].normal_load:
+            self._largest = before
+        if not self.bounded or self._drop(before):
             return
         self._whole += 1
         while self._whole > MOST_INSTANTS and max(self._stride, self._corner_stride) < len(self.states):
@@ -89,8 +93,8 @@ class PathRun:
             self._whole -= sum(self._drop(int(index)) for index in self.kept[:-1])
 
     def _drop(self, index: int) -> bool:
-        """Whether this state is not to be kept; if so, it is whole no more. Cycles that count are kept whole at their ends."""
-        if index == 0 or index in self.cycle_starts[-2:]:
+        """Whether this state is not to be kept; if so, it is whole no more. The largest P and the ends of the last cycle stay."""
+        if index in (0, self._largest, *self.cycle_starts[-2:]):
             return False
         number = self._corners.get(index)
         if (index % self._stride if number is None else number % self._corner_stride) == 0:
@@ -117,14 +121,16 @@ class Pace:
     step_tolerance: float
 
 
-def run_path(problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, progress: Progress) -> PathRun:
-    """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats.
+def run_path(
+    problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, progress: Progress, *, keep_all: bool = False
+) -> PathRun:
+    """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats; `keep_all` states of a long path.
 
     Neither a ConvergenceError nor Ctrl-C gets lost: it ends the run and is kept in `failure` with everything solved before it.
     """
     # Thinned only where theory on the straight steps between the instants is theory on the path itself, whichever of them are kept.
-    straight = all(leg.is_straight for leg in (*path.initial_loading, *path.cycle))
-    run = PathRun([untouched(problem.height, path.start)], straight)
+    straight = not keep_all and all(leg.is_straight for leg in (*path.initial_loading, *path.cycle))
+    run = PathRun([untouched(problem.height, path.start)], bounded=straight)
     try:
         _follow_legs(problem, run, path.initial_loading, pace.steps_per_cycle / 8, pace, progress, "initial loading")
         if path.period is None:

@@ -153,7 +153,9 @@ def _grading(size: float, ratio: float) -> SurfaceGrading:
 
 def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:
     problem = pair.problem(size, needs_shear(pair.scene))
-    run = run_path(problem, pair.scene.load.path(), Pace(pair.load, _COARSE_STEPS, np.inf), 2, lambda _done, _total, _text: None)
+    pace = Pace(pair.load, _COARSE_STEPS, np.inf)
+    # All states, for their edges decide about the mesh; there are few nodes.
+    run = run_path(problem, pair.scene.load.path(), pace, 2, lambda _done, _total, _text: None, keep_all=True)
     if run.failure is not None:
         raise run.failure
     return problem, run
