@@ -16,6 +16,7 @@ from reports.comparison.metrics import are_half_planes, missing, name_of
 from reports.figures_fields import first_shown, measured, sides
 from reports.units import load_unit, minus, signed, units
 from scenes import ContactSolution, sampled
+from scenes.scene import OWN_TOLERANCES
 
 Array = NDArray[np.float64]
 LINES = tuple(f"line-{k}" for k in range(7))
@@ -88,11 +89,11 @@ def _when(time_words: str) -> str:
 def errors(comparison: Comparison, time: Array, time_words: str) -> Plate:
     """Metrics that have a value at each instant, at the instants that are judged: over their tolerances, where there are any.
 
-    Where the scene states no tolerance, those of the first table in per cent.
+    Where no tolerance was given, those that half-planes are judged by, in per cent.
     """
     series = [m for m in comparison.metrics if m.series is not None]
     judged = [m for m in series if m.tolerance is not None]
-    shown = judged or [m for m in series if m.definition.headline]
+    shown = judged or [m for m in series if m.key in OWN_TOLERANCES]
     sizes = {
         m.key: np.where(comparison.judged, np.abs(np.asarray(m.series)) / (m.tolerance or (1.0 if judged else 0.01)), np.nan)
         for m in shown
@@ -107,7 +108,7 @@ def errors(comparison: Comparison, time: Array, time_words: str) -> Plate:
     unit = "" if judged else " %"
     beyond = " Curves above 8 are cut off: their values are in the CSV." if judged and largest > 8 else ""
     over = "Each metric over its own tolerance, at the instants that are judged: above 1 it fails." if judged else (
-        "Each metric in per cent of its scale, at the instants that are judged; the scene states no tolerance."
+        "Each metric in per cent of its scale, at the instants that are judged; no tolerance was given."
     )  # fmt: skip
     panel = Panel(
         "errors",

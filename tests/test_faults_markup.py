@@ -15,7 +15,7 @@ import pytest
 
 import reports
 from reports.charts.table import harmless, table_text
-from reports.comparison import Comparison
+from reports.comparison import Report
 from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled
 from reports.notebook import scene_html, solution_html
@@ -60,17 +60,17 @@ def hostile(scene: Scene) -> Scene:
     return scene.vary(**dict.fromkeys(("name", "title", "purpose", "source", "units"), EVIL))
 
 
-def evil_comparison() -> Comparison:
+def evil_report() -> Report:
     truth = cattaneo_mindlin()
     record = replace(truth.record, notes=(EVIL,), message=EVIL)
     changed = {"scene": hostile(truth.scene), "record": record, "settings": {EVIL: EVIL}, "versions": {EVIL: EVIL}}
     found = reports.compare(replace(truth, **changed), replace(truth, engine=EVIL, **changed), polygon_reference=truth)
-    return replace(found, guesses=(EVIL,), notes=(EVIL,))
+    return Report(replace(found, notes=(EVIL,)), guesses=(EVIL,))
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return reports.write(evil_comparison(), tmp_path_factory.mktemp("evil") / "out", command=EVIL, log=(EVIL,))
+    return reports.write(evil_report(), tmp_path_factory.mktemp("evil") / "out", command=EVIL, log=(EVIL,))
 
 
 @pytest.fixture(scope="module")
@@ -127,8 +127,8 @@ def test_a_browser_runs_nothing_of_them(which: str, request: pytest.FixtureReque
 
 
 def test_notebooks_show_hostile_words_and_run_none() -> None:
-    solution = evil_comparison().result
-    for text in (scene_html(solution.scene), solution_html(solution), evil_comparison()._repr_html_()):
+    solution = evil_report().comparison.result
+    for text in (scene_html(solution.scene), solution_html(solution), evil_report()._repr_html_()):
         assert Page(text).scripts == 0
         assert Page(text).dangers == []
 

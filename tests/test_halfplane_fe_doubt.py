@@ -138,7 +138,7 @@ def test_run_says_so_on_the_terminal_in_json_and_on_the_page(
     scene_file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    main(["run", scene_file, "--out", str(out), *OPTIONS])
+    main(["run", scene_file, "--no-budget", "--out", str(out), *OPTIONS])
     words = " ".join(capsys.readouterr().out.split())
     note = drift_note(unsettled())
     assert f"Note: {note}." in words

@@ -123,7 +123,7 @@ def test_page_and_file_show_every_term(paper):
     comparison, ladders = paper
     told = with_budget(comparison, error_budget(comparison, ladders, ladders.seconds))
     page = render(told, (), "", {})
-    assert all(f">{name}</th>" in page for name in ("mesh", "penalty", "step", "far field", "unexplained"))
+    assert all(f">{name}</th>" in page for name in ("mesh", "step", "far field", "unexplained"))
     assert "Run and budget took 2.00 times" in page
     assert "Where the discrepancy comes from" not in render(comparison, (), "", {})
     found = json.loads(as_json(told))

@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from reports.writing import draw
 
-from reports import compare
+from reports import Report, compare
 from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, Group, Note, Rule, Segments
 from reports.charts.plate import Cell, Key, Panel, Plate, arranged
 from reports.charts.publication import drawn, figure_of, write_plots
 from reports.charts.style import marked, style_of
+from reports.page.writing import draw
+from scenes import load_scene
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 
 CHARTS = Path(__file__).parents[1] / "reports" / "charts"
@@ -112,7 +113,7 @@ def test_both_engines_put_the_axes_at_one_place() -> None:
 
 
 def test_every_figure_of_a_report_can_be_published(tmp_path: Path) -> None:
-    plates = draw(compare(TRUTH, with_fields(TRUTH, shear=0.99 * TRUTH.shear)))
+    plates = draw(Report(compare(TRUTH, with_fields(TRUTH, shear=0.99 * TRUTH.shear))))
     names = write_plots(plates, tmp_path, ("svg",))
     assert names == [f"{plate.name}.svg" for plate in plates]
     assert all((tmp_path / name).stat().st_size > 3000 for name in names)
@@ -120,7 +121,7 @@ def test_every_figure_of_a_report_can_be_published(tmp_path: Path) -> None:
 
 def test_every_plot_of_a_difference_carries_its_number() -> None:
     """5 % more pressure: rms and the largest are those of p/p_ref, and the place is where p is largest."""
-    plates = {p.name: p for p in draw(compare(TRUTH, with_fields(TRUTH, pressure=1.05 * TRUTH.pressure)))}
+    plates = {p.name: p for p in draw(Report(compare(TRUTH, with_fields(TRUTH, pressure=1.05 * TRUTH.pressure))))}
     cell = plates["tractions"].panels[0]
     assert isinstance(cell, Cell)
     p, q = cell.panels[1].notes
@@ -132,3 +133,12 @@ def test_every_plot_of_a_difference_carries_its_number() -> None:
     }
     assert {"tractions", "cycle", "half_widths", "slip_history", "dissipation_density", "hysteresis"} <= noted
     assert "they differ" in plates["state_map"].panels[2].title  # type: ignore[union-attr]
+
+
+def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent() -> None:
+    blocks = TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={})
+    found = compare(with_fields(TRUTH, scene=blocks), with_fields(TRUTH, scene=blocks, pressure=1.02 * TRUTH.pressure))
+    assert found.verdict is None
+    (plate,) = (one for one in draw(Report(found)) if one.name == "errors")
+    assert {"peak_pressure", "pressure", "contact_edge"} <= set(plate.table)
+    assert "Peak pressure, worst instant: 2 % at" in " ".join(key.text for key in plate.keys)

@@ -129,7 +129,7 @@ def test_report_of_a_contact_that_is_only_pressed(tmp_path: Path) -> None:
     page = write(found, tmp_path / "out").read_text(encoding="utf-8")
     assert not {"hysteresis", "dissipation_density"} & {drawing.name for drawing in draw(Report(found))}
     assert "Nothing slips under load" in page
-    assert "less than 0.1 P_ref" in page
+    assert "less than 0.1 P<sub>ref</sub>" in page
 
 
 def test_report_of_both_engines(paper: Comparison, tmp_path: Path) -> None:

@@ -131,7 +131,8 @@ class TestSlip:
         assert abs(found.metric("slip_maximum").value or 0.0) == pytest.approx(0.01, rel=1e-9)
         x = TRUTH.x[INSIDE[0]]
         assert found.metric("slip").value == pytest.approx(0.01 * np.sqrt(np.mean(x**2)) / np.abs(x).max(), rel=1e-9)
-        assert seen(found) == {"slip", "slip_maximum"}
+        assert seen(found) == {"largest_slip", "slip", "slip_maximum"}
+        assert found.metric("largest_slip").value == pytest.approx(0.02, rel=1e-9)
 
     @pytest.mark.parametrize("offset", [-0.06, 0.06])
     def test_sign(self, offset: float) -> None:

@@ -8,6 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from scenes import (
+    NORMAL_LOAD,
     CallableLoad,
     ChebyshevSegment,
     HarmonicLoad,
@@ -78,9 +79,9 @@ def test_high_harmonics_are_what_they_say_however_many_times_are_asked_for(order
     np.testing.assert_allclose(q, waves[0][0] * np.cos(t - math.radians(waves[0][1])), atol=1e-14)
     alone = [(leg.loads(x)[0], leg.rates(x)[0]) for x in t[1, ::50]]
     np.testing.assert_array_equal(alone, np.transpose([p[1, ::50], leg.rates(t)[0][1, ::50]]))
-    change = leg.change(t, t[::-1])[0]
+    change = leg.change_of(NORMAL_LOAD, t, t[::-1])
     np.testing.assert_allclose(change, p - p[::-1], atol=1e-11)
-    assert change[0, 3] == leg.change(t[0, 3], t[2, 3])[0]
+    assert change[0, 3] == leg.change_of(NORMAL_LOAD, t[0, 3], t[2, 3])
 
 
 @pytest.mark.parametrize(

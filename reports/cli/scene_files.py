@@ -233,8 +233,10 @@ def _listing(found: Sequence[Scene]) -> Iterator[str]:
 
 
 def _details(scene: Scene) -> Iterator[str]:
+    from reports.comparison.metrics import are_half_planes, tolerances_of
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 
+    admitted = tolerances_of(scene, are_half_planes(scene))
     expected = [
         f"{one.quantity.replace('_', ' ')} = {one.value:.9g} to {one.tolerance:g}, {one.engine}: {one.source}"
         for one in scene.expected
@@ -247,7 +249,10 @@ def _details(scene: Scene) -> Iterator[str]:
         ("tags", ", ".join(scene.tags)),
         ("question", question(scene)),
         ("bodies", " ".join(filter(None, (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))))),
-        ("tolerances", ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in scene.tolerances.model_dump().items())),
+        (
+            "tolerances",
+            ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in admitted.items()) or "none: nothing is judged",
+        ),
         *(("files", ", ".join(files)) for files in [_companions(scene)] if files),
         *(("expected", text) for text in expected or ["no number"]),
     )
