@@ -18,7 +18,7 @@ from reports.cli.options import tolerances_of
 from reports.cli.process import NOT_CONVERGED
 from reports.cli.solving import LONG, cost_of
 from reports.console import Stages, TimeLeft
-from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_names, scene_text
+from scenes import ContactSolution, ConvergenceError, Record, TimeSeriesLoad, freeze, load_scene, scene_names, scene_text
 from test_cli_commands import COARSE, ROOT, halfplane
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -239,6 +239,36 @@ class TestCost:
         assert plain.seconds < LONG < fine.seconds
         assert many.increments > plain.increments + 1500
         assert fine.memory > 2 * plain.memory
+        # A record keeps 4,000 instants, whatever its length; ten times the rows take ten times the seconds, not the memory.
+        long, longer = (
+            cost_of(scene.vary(load=TimeSeriesLoad(rows=rows)), MeshSettings(), SolverSettings())
+            for rows in ([[k, 90 + k % 2, 0] for k in range(n)] for n in (1000, 10_000))
+        )
+        assert longer.seconds > 8 * long.seconds
+        assert longer.memory < 4 * long.memory
+
+    def test_a_long_run_of_real_bodies_measures_no_uncertainty_unless_asked_and_says_so(
+        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    ) -> None:
+        """Before the work on the terminal, after it in the notes; never where the budget was asked for or left out by the user."""
+        scene = tmp_path / "pad.toml"
+        main(["init", str(scene), "--bodies", "--quiet"])
+        monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: semi_analytic.solve(scene))
+        monkeypatch.setattr("reports.comparison.budget.climb", lambda *_: pytest.fail("a budget was measured"))
+        capsys.readouterr()
+        for seconds, words, said in ((120.0, ["--no-budget"], False), (0.0, ["--no-budget"], False), (0.0, [], True)):
+            monkeypatch.setattr("reports.cli.solving._LONG_FOR_A_BUDGET", seconds)
+            main(["run", str(scene), "--out", str(tmp_path / "out"), "--no-coarse-mesh", "--json", *words])
+            shown = capsys.readouterr()
+            pattern = r"no uncertainty was measured: it would take about \d+ s more; --budget measures it"
+            assert bool(re.search(pattern, shown.err)) is said
+            notes = json.loads(shown.out)["result"]["notes"]
+            assert any(re.fullmatch(rf"N{pattern[1:]}\.", note) for note in notes) is said
+            assert ("No uncertainty was measured: it would take" in (tmp_path / "out" / "report.html").read_text("utf-8")) is said
+        for seconds, words in ((120.0, []), (0.0, ["--budget"])):
+            monkeypatch.setattr("reports.cli.solving._LONG_FOR_A_BUDGET", seconds)
+            with pytest.raises(pytest.fail.Exception, match="a budget was measured"):
+                main(["run", str(scene), "--out", str(tmp_path / "out"), "--no-coarse-mesh", "--quiet", *words])
 
     def test_long_work_is_announced_and_short_work_is_not(
         self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path

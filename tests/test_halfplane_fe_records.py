@@ -83,7 +83,7 @@ def test_of_more_rows_than_there_is_room_for_some_stay() -> None:
 
 
 def test_a_cycle_that_repeats_keeps_its_start_and_its_end() -> None:
-    found, whole = solved(10, 16, repeats=True), solved(10, 10**9, repeats=True)
+    found, whole = solved(11, 16, repeats=True), solved(11, 10**9, repeats=True)
     assert_thinned(found, whole, 16)
     assert found.time[found.last_cycle[[0, -1]]].tolist() == whole.time[whole.last_cycle[[0, -1]]].tolist()
 
