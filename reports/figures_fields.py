@@ -114,29 +114,36 @@ def traction_panels(
     """
     width, height = size
     expected, found, scales = comparison.expected, comparison.found, comparison.scales
-    x, wide, every = found.x / scales.half_width, reach(comparison), list(rows)
+    x, wide = found.x / scales.half_width, reach(comparison)
     near = np.abs(x) <= wide * 1.02
     fields = {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear)}
-    both = {key: [getattr(cycle, field)[:, near] / size for cycle in (expected, found)] for key, (field, size) in fields.items()}
+    # Instant k, which is drawn, before the others that the axes hold; a line copies its row, or it would keep all in memory.
+    grid = np.ix_(list(dict.fromkeys((k, *rows))), near)
+    both = {key: [getattr(cycle, field)[grid] / size for cycle in (expected, found)] for key, (field, size) in fields.items()}
     apart = {key: 100 * (pair[1] - pair[0]) for key, pair in both.items()}
     across = Axis(-wide, wide, "")
-    up = Axis(*limits(*(series[every] for pair in both.values() for series in pair), zero=True), "p/p_ref,  q/(f p_ref)")
-    below = Axis(*limits(*(d[every] for d in apart.values()), zero=True, least=1e-9), "difference, %", count=3)
-    touching = (both["p"][0][k] != 0) | (both["p"][1][k] != 0)
+    up = Axis(*limits(*(series for pair in both.values() for series in pair), zero=True), "p/p_ref,  q/(f p_ref)")
+    below = Axis(*limits(*apart.values(), zero=True, least=1e-9), "difference, %", count=3)
+    touching = (both["p"][0][0] != 0) | (both["p"][1][0] != 0)
     engines = (("r", comparison.reference), ("f", comparison.result))
     lines: list[Mark] = [Rule(0.0, "zero")]
     lines += [
         Curve(
-            x[near], both[key][n][k], f"{who} {key}", f"{key}, {name_of(solution.engine)}", {"field": f"{key}{n}"} if live else {}
+            x[near],
+            both[key][n][0].copy(),
+            f"{who} {key}",
+            f"{key}, {name_of(solution.engine)}",
+            {"field": f"{key}{n}"} if live else {},
         )
         for n, (who, solution) in enumerate(engines)
         for key in "pq"
     ]
     differences: list[Mark] = [Rule(0.0, "zero")]
     differences += [
-        Curve(x[near], apart[key][k], f"d {key}", f"difference of {key}, %", {"field": f"d{key}"} if live else {}) for key in "pq"
+        Curve(x[near], apart[key][0].copy(), f"d {key}", f"difference of {key}, %", {"field": f"d{key}"} if live else {})
+        for key in "pq"
     ]
-    notes = [f"{key}: {measured(apart[key][k], x[near], 'x = {} a_ref', ' %', touching)}" for key in "pq"]
+    notes = [f"{key}: {measured(apart[key][0], x[near], 'x = {} a_ref', ' %', touching)}" for key in "pq"]
     room = (72.0, 26.0 if title else 12.0, 20.0, 20.0)
     return (
         Panel(name, across, up, lines, f"Pressure and shear over x. {title}".strip(), width, height, title, room=room),
