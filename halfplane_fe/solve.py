@@ -330,8 +330,8 @@ def _thinned_notes(run: PathRun) -> Iterator[str]:
     if dropped := len(run.states) - len(run.kept):
         yield (
             f"{dropped} of {len(run.states)} instants of this long path are left out of the answer, its files and figures (at most "
-            f"{MOST_INSTANTS} are kept, the rows of the record first); the worst instants of metrics are those of the kept ones, W, "
-            "W(x), the closed integral of Q dU, the permanent stick zone and the checks are of all of them"
+            f"{MOST_INSTANTS} are kept, the rows of the record first); the worst instants of metrics are those of the kept ones, "
+            "W, W(x), the closed integral of Q dU, the permanent stick zone and the checks are of all of them"
         )
 
 
