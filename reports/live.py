@@ -105,7 +105,8 @@ def carried(data: dict[str, Any]) -> str:
         return "The slider moves through every instant and point of the last cycle."
     return (
         f"The slider moves through {data['instants']} of the {instants} instants and {data['points']} of the {points} points of "
-        "the last cycle (those near the contact); figures that stand still, and the CSV, hold all of them."
+        "the last cycle (those near the contact); figures that stand still, and the CSV, hold all of them, but where their "
+        "captions say less."
     )
 
 
