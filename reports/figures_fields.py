@@ -118,7 +118,7 @@ def traction_panels(
     near = np.abs(x) <= wide * 1.02
     fields = {"p": ("pressure", scales.pressure), "q": ("shear", scales.shear)}
     # Instant k, which is drawn, before the others that the axes hold; a line copies its row, or it would keep all in memory.
-    grid = np.ix_(list(dict.fromkeys((k, *rows))), near)
+    grid = np.ix_(np.array(list(dict.fromkeys((k, *rows)))), np.flatnonzero(near))
     both = {key: [getattr(cycle, field)[grid] / size for cycle in (expected, found)] for key, (field, size) in fields.items()}
     apart = {key: 100 * (pair[1] - pair[0]) for key, pair in both.items()}
     across = Axis(-wide, wide, "")
