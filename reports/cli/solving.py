@@ -88,7 +88,7 @@ def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages,
 _EACH, _PAIR, _MESHES = 1e-3, 1.5e-8, 3.0
 # Bytes: of the libraries, of what an instant that is kept holds at each contact node (state, answers, files and page), and of what
 # every increment of a long record holds there (slip and state).
-_LIBRARIES, _KEPT, _PASSED = 2e8, 250.0, 10.0
+_LIBRARIES, _KEPT, _PASSED = 2e8, 250.0, 15.0
 # Halved increments where anything may slip: so many on any path (of such a mirror image, and else), and so many for each stretch
 # between turning points.
 _HALVED, _HALVED_EACH = (150, 450), 13
