@@ -60,6 +60,20 @@ def test_a_wrong_result_is_outside_and_told_what_it_suffers_from(tmp_path):
     assert "What it most likely suffers from" in (tmp_path / "here/report.html").read_text(encoding="utf-8")
 
 
+def test_a_tolerance_judges_before_that_of_the_scene(tmp_path):
+    """Shear 0.05 % too large: within the engines' own tolerance, outside one of 1e-5; a key that is none is refused."""
+    table = rows(exact("hertz-paper", 13, 53))
+    table["shear"] *= 1.0005
+    written(table, tmp_path / "mine.csv")
+    asked = ("mine.csv", "--scene", "hertz-paper", "--quiet", "--out", "here")
+    assert _halfplane(tmp_path, *asked).returncode == 0
+    strict = _halfplane(tmp_path, *asked, "--tolerance", "shear=0.001%")
+    assert strict.returncode == 1, strict.stderr
+    assert "tolerance in shear traction, L2" in " ".join(strict.stdout.split())
+    refused = _halfplane(tmp_path, *asked, "--tolerance", "sheer=5%")
+    assert (refused.returncode, "unknown metric 'sheer'" in refused.stderr) == (2, True)
+
+
 def test_one_frame_of_a_path_is_scored_and_drawn(tmp_path):
     solution = exact("hertz-paper", 13, 53)
     table = rows(solution)

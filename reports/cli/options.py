@@ -39,6 +39,9 @@ def several(words: str) -> Parameter:
     return Parameter(consume_multiple=True, negative="", help=words)
 
 
+Tolerance = Annotated[tuple[str, ...], several("5%: of dissipation, peak pressure and both half-widths; KEY=VALUE: of one metric.")]
+
+
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
 class Output:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from reports.cli.answers import answer
-from reports.cli.options import Output, SceneName, Silent, flag, several
+from reports.cli.options import Output, SceneName, Silent, Tolerance, flag, several, tolerances_of
 from reports.cli.process import NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.cli.solving import exit_code, read, show_verdict
 from reports.console import Stages, complain, say, show_table
@@ -31,6 +31,7 @@ class ScoreOptions(Output):
     scene: Annotated[str | None, Parameter(help="The scene that it answers: a library name, or a .toml or .json file.")] = None
     mapping: Annotated[Path | None, Parameter(help="TOML file: names of columns, units, signs. Usual ones need none.")] = None
     against: Annotated[Literal["exact", "fe"], Parameter(help="Half-plane theory, or the project's own finite elements.")] = "exact"
+    tolerance: Tolerance = ()
     out: Annotated[Path | None, Parameter(help="Folder for the results; out/score-<result> if left out.")] = None
     mapping_example: Annotated[bool, flag("Print a commented mapping file and stop.")] = False
 
@@ -63,6 +64,7 @@ def score(
     scene, mapping, against = read(options.scene), load_mapping(options.mapping), options.against
     if not path.exists():
         raise InputError(f"{result}: there is no such file or folder")
+    tolerances = tolerances_of(options.tolerance)
     folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
     command = options.command("score", result, folder)
     try:
@@ -70,10 +72,10 @@ def score(
             from reports.scoring.against import diagnosed, score_file
             from reports.scoring.study_files import score_folder
         if path.is_dir():
-            report = score_folder(path, mapping, scene, stages, against=against)
+            report = score_folder(path, mapping, scene, stages, against=against, tolerances=tolerances)
         else:
             with stages.stage("reading and scoring"):
-                report = score_file(path, mapping, scene, against=against)
+                report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
             with stages.stage("diagnosis"):
                 report = diagnosed(report)
     except ConvergenceError as failure:
@@ -142,10 +144,11 @@ def diff(
     options: DiffOptions = _DIFF,
 ) -> int:
     """The table of A and B; with --accept B becomes a baseline of A."""
-    from reports.cli.findings import difference, is_baseline, read_findings, tolerances_of, write_baseline
+    from reports.cli import findings
+    from reports.cli.findings import difference, is_baseline, read_findings, write_baseline
     from scenes import InputError
 
-    given, path, first = tolerances_of(options.tolerance), Path(b), read_findings(a)
+    given, path, first = findings.tolerances_of(options.tolerance), Path(b), read_findings(a)
     if not options.accept:
         if not path.exists():
             raise InputError(f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it as a baseline")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from reports.cli.answers import answer
-from reports.cli.options import FiniteElements, Output, SceneName, flag, several, tolerances_of
+from reports.cli.options import FiniteElements, Output, SceneName, Tolerance, flag, several, tolerances_of
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 
@@ -243,9 +243,7 @@ def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
 class RunOptions(FiniteElements):
     """What `run` computes beside the two solutions, and how they are judged."""
 
-    tolerance: Annotated[
-        tuple[str, ...], several("5%: of dissipation, peak pressure, contact and stick edge; KEY=VALUE: of one metric.")
-    ] = ()
+    tolerance: Tolerance = ()
     budget: Annotated[
         bool | None,
         Parameter(help="Measure where the difference comes from: coarser meshes, other far fields."),
