@@ -43,7 +43,7 @@ run: $(PROGRAM) ## the main job: the paper's Hertz cycle through both engines, a
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(PY) -m reports run hertz-paper
 
-test: lint types contracts docs pytest ## everything that CI checks: lint, types, import contracts, the pages, tests
+test: lint types contracts sizes docs pytest ## everything that CI checks: lint, types, import contracts, the pages, tests
 
 lint: $(STAMP) ## ruff: rules and format
 	@echo "==> lint: ruff check"
@@ -58,6 +58,10 @@ types: $(STAMP) ## mypy over the five packages
 contracts: $(STAMP) ## import-linter: who may import whom
 	@echo "==> contracts: import-linter"
 	@.venv/bin/lint-imports --no-logo --cache-dir .cache/import-linter
+
+sizes: $(STAMP) ## files, lines and statements of each package beside the last release; growth that the changelog does not explain fails
+	@echo "==> sizes: beside the last release"
+	@$(PY) benchmarks/sizes.py
 
 pytest: $(STAMP) ## tests and doctests, slow ones skipped (more options: PYTEST_ARGS="-k hertz")
 	@echo "==> tests: pytest on 2 processes"
