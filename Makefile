@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest contract slow nightly fresh lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
+.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
 
 PY := .venv/bin/python
 PROGRAM := .venv/.installed
@@ -43,7 +43,12 @@ run: $(PROGRAM) ## the main job: the paper's Hertz cycle through both engines, a
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(PY) -m reports run hertz-paper
 
-test: lint types contracts sizes docs pytest ## everything that CI checks: lint, types, import contracts, the pages, tests
+test: lint contracts sizes checks pytest ## everything that CI checks: lint, import contracts, types, the pages, tests
+
+checks: $(STAMP) # types and pages take one core each: side by side
+	@$(MAKE) --no-print-directory types & types=$$!; \
+	pages=0; $(MAKE) --no-print-directory docs || pages=$$?; \
+	wait $$types; exit $$pages
 
 lint: $(STAMP) ## ruff: rules and format
 	@echo "==> lint: ruff check"
@@ -154,6 +159,7 @@ pages: $(STAMP) ## what pages take from files, engines and their own examples: o
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/executed.py
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/report_picture.py
 
+# Python compiles what is imported when it is imported: pip would compile all 12,000 files, for 50 s of one core.
 # The stamps: what the program needs, then what tests, pages and tools need besides. A second call does nothing until pyproject.toml
 # or constraints.txt changes; an interrupted one starts again.
 $(PROGRAM): pyproject.toml constraints.txt
@@ -171,21 +177,21 @@ $(PROGRAM): pyproject.toml constraints.txt
 	    $$python -m venv --clear .venv; \
 	fi
 	@echo "==> .venv: the pinned packages that the program needs"
-	@$(PY) -m pip install -c constraints.txt hatchling editables
-	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e .
+	@$(PY) -m pip install --no-compile -c constraints.txt hatchling editables
+	@$(PY) -m pip install --no-compile -c constraints.txt --no-build-isolation -e .
 	@echo "==> .venv: $$(du -sm .venv | cut -f1) MB on disk"
 	@touch $@
 
 $(STAMP): $(PROGRAM)
 	@echo "==> .venv: the pinned packages of tests, pages and tools"
-	@$(PY) -m pip install -c constraints.txt --no-build-isolation -e ".[$(EXTRAS)]"
+	@$(PY) -m pip install --no-compile -c constraints.txt --no-build-isolation -e ".[$(EXTRAS)]"
 	@echo "==> .venv: $$(du -sm .venv | cut -f1) MB on disk"
 	@touch $@
 
 $(PEERS_STAMP): peers.txt
 	@mkdir -p "$$TMPDIR"
 	@$(PY) -m venv --clear .peers
-	@.peers/bin/python -m pip install -r peers.txt
+	@.peers/bin/python -m pip install --no-compile -r peers.txt
 	@touch $@
 
 constraints: $(PROGRAM) ## renew constraints.txt: the newest packages that the oldest Python takes, each with wheels for all Pythons
