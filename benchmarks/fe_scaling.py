@@ -21,8 +21,7 @@ from threadpoolctl import threadpool_limits
 
 import halfplane_fe
 from halfplane_fe import SolverSettings
-from halfplane_fe.assembly import assemble
-from halfplane_fe.elasticity import condense, factorise
+from halfplane_fe.elasticity import assemble, condense, factorise
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
 from scenes import Block, Elastic, Hertz, load_scene
 

@@ -17,7 +17,7 @@ import numpy as np
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe.nested import NestedFactor
+from halfplane_fe.active_subsets import NestedFactor
 from halfplane_fe.systems import Systems
 from meshes import MeshSettings
 from scenes import ContactSolution, ConvergenceError, InadmissibleLoadError, InputError, Scene, load_scene, scene_names
@@ -61,7 +61,7 @@ def every_revolution() -> contextlib.AbstractContextManager[Any]:
 
 def both_bodies() -> contextlib.AbstractContextManager[Any]:
     """Like bodies are meshed and condensed one by one."""
-    pair = module("pair")
+    pair = module("interface")
     own = pair.build
 
     def twice(scene: Scene, mesh: MeshSettings, grading: Callable[[float], Any]) -> tuple[Any, Any]:

@@ -66,11 +66,11 @@ def with_slivers(share: float) -> Found:
     angles = []
 
     def build(*arguments: object) -> BodyMesh:
-        body = squeezed(meshes.build(*arguments), share)  # type: ignore[arg-type]
+        body = squeezed(meshes.solids(*arguments), share)  # type: ignore[arg-type]
         angles.append(body.quality["least_angle"])
         return body
 
-    with mock.patch("halfplane_fe.pair.build", build):
+    with mock.patch("halfplane_fe.interface.build", build):
         found = against_theory(scene_of(ellipse(*LOOP)))
     return replace(found, shown={**found.shown, "aspect": aspect(min(angles))})
 

@@ -16,7 +16,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from meshes import foreign, limits
+from meshes import bodies, foreign
 from reports.paper.cases import Paper
 from reports.paper.page import misprints, statements, tally
 from reports.scoring import calculix_frd, reading_csv
@@ -100,7 +100,7 @@ def limit_values() -> dict[str, Entry]:
         "unpacked": foreign.UNPACKED,
         ".frd and .dat": calculix_frd.LARGEST,
     }
-    counts = {"rows": reading_csv.MOST_ROWS, "contact nodes": limits.MOST_CONTACT_NODES, "nodes": limits.MOST_NODES}
+    counts = {"rows": reading_csv.MOST_ROWS, "contact nodes": bodies.MOST_CONTACT_NODES, "nodes": bodies.MOST_NODES}
     shown = {key: in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
     return {f"limit: {key}": _entry(text, "the code") for key, text in shown.items()}
 

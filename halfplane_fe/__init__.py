@@ -5,19 +5,18 @@ In the order in which a scene passes through::
     settings.py                            method and step control
     path.py                                turning points of the loads, increments, inadmissible paths
     scales.py                              the coarse run: half-width, innermost edge
-    pair.py                                the two bodies: meshed, condensed, supported, their gap
-    assembly.py                            the stiffness of a body by elements that do not lock
-    elasticity.py, far_field.py, store.py  static condensation (Schur complement) to the contact nodes, Flamant far field, cache
-    interface.py, mortar.py                both bodies as one compliance; dual mortar for sides that do not match, or are curved
-    mirror.py, datum.py                    symmetric faces on one half; the datum of approach and shift
+    elasticity.py, far_field.py, store.py  elements that do not lock; static condensation (Schur complement) to the contact nodes,
+                                           Flamant far field; cache on disk
+    interface.py, mortar.py                the two bodies as one compliance; dual mortar for sides that do not match, or are curved
+    mirror.py                              symmetric faces on one half
     law.py                                 Signorini and Coulomb as one projection: return mapping
     contact.py                             one increment: active set, semismooth Newton
-    systems.py, nested.py, coupled.py      its linear systems, of like and unlike bodies: Woodbury updates, cached by kept.py
+    systems.py, active_subsets.py          its linear systems, of like and unlike bodies: Woodbury updates, cached
     tresca.py                              the two convex halves (Signorini, Tresca), where the sets do not settle
     events.py, stepping.py, run.py         to the next touch or release, along a stretch, over the whole path
-    energy.py                              balance, friction work, step error, certificates
+    energy.py                              balance, friction work, step error, admissibility checks
     edges.py, visible.py                   edges of contact and stick, states as a reader sees them
-    answer.py, solve.py                    the answer: `solve`
+    answer.py, solve.py                    the answer: `solve`; datum of approach and tangential displacement
     penalty.py, resolution.py, dundurs.py  what the layer costs, what the mesh can't see, how unlike the bodies are
     fields.py                              displacement and stress inside the bodies
 """

@@ -1,8 +1,14 @@
-"""From scaled interface states to the arrays and the record of a ContactSolution, in the scene's units."""
+"""From scaled interface states to the arrays and the record of a ContactSolution, in the scene's units.
+
+Normal approach and tangential displacement of half-planes are counted from the datum of the scene; no traction depends on it.
+
+# notation: L distance from a force at which the surface counts as unmoved; P, Q loads; 1/E* = sum of (1 - nu^2)/E
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,9 +18,32 @@ from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
 from halfplane_fe.penalty import PenaltyAudit
 from halfplane_fe.run import PathRun
-from halfplane_fe.scales import Scales
+from halfplane_fe.scales import Scales, contact_modulus
 from halfplane_fe.visible import visible_states
-from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
+from scenes import OPEN, STICK, HalfPlane, Interrupted, Record, Scene, freeze
+
+
+def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
+    """The run with approach and shift counted from a datum length `ratio` times that of its bodies.
+
+    Each half-plane moves by (2/pi) (1 - nu^2)/E ln(ratio) of P and Q less, as a rigid body; blocks, pads and cylinders stand on
+    something and have no datum. The energies of the record stay those of the datum that the run had.
+    """
+    bodies = ((scene.bodies.lower, scene.material.lower), (scene.bodies.upper, scene.material.upper))
+    half_planes = [material for shape, material in bodies if isinstance(shape, HalfPlane)]
+    soft = sum((1 - material.poisson_ratio**2) / material.young_modulus for material in half_planes)
+    modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    by_load = 2 / np.pi * soft * modulus * float(np.log(ratio))
+    moved = [
+        replace(
+            state,
+            approach=state.approach + by_load * state.normal_load,
+            shift=state.shift + by_load * state.tangential_load,
+        )
+        for state in run.states
+    ]
+    return replace(run, states=moved)
+
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]

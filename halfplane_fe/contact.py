@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.coupled import SingularSet
+from halfplane_fe.active_subsets import SingularSet
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
 from halfplane_fe.systems import Forces, Layer, Systems

@@ -10,8 +10,7 @@ import skfem
 from numpy.typing import NDArray
 from skfem.helpers import sym_grad
 
-from halfplane_fe.assembly import scalar_element, split_lame
-from halfplane_fe.elasticity import CondensedBody, displacement_fields
+from halfplane_fe.elasticity import CondensedBody, displacement_fields, scalar_element, split_lame
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
 from scenes import InputError

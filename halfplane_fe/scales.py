@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
-from halfplane_fe.interface import Interface, couple
-from halfplane_fe.pair import condensed_pair, face_room, initial_gap, meshed_pair, shapes_alike
+from halfplane_fe.interface import Interface, condensed_pair, couple, face_room, initial_gap, meshed_pair, shapes_alike
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states

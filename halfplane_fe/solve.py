@@ -16,14 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from halfplane_fe.answer import answer_arrays, record_of
+from halfplane_fe.answer import answer_arrays, from_datum, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
-from halfplane_fe.datum import from_datum
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import CondensedBody
-from halfplane_fe.interface import Interface, couple
+from halfplane_fe.interface import Interface, check_supports, condensed_pair, couple, initial_gap, meshed_pair
 from halfplane_fe.mirror import half, mirrored, whole
-from halfplane_fe.pair import check_supports, condensed_pair, initial_gap, meshed_pair
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
 from halfplane_fe.resolution import Seen, coarse, resolution_notes

@@ -28,8 +28,7 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 
-from halfplane_fe.assembly import assemble
-from halfplane_fe.elasticity import LARGEST_ERROR, CondensedBody, arc_loads, condensation_error, condense, condensed_body
+from halfplane_fe.elasticity import LARGEST_ERROR, CondensedBody, arc_loads, assemble, condensation_error, condense, condensed_body
 from meshes import BodyMesh
 from scenes import Elastic
 from scenes.files import source_digest

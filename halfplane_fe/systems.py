@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.coupled import CoupledFactor, SingularSet
+from halfplane_fe.active_subsets import CoupledFactor, NestedFactor, SingularSet
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
-from halfplane_fe.nested import NestedFactor
 from scenes import STICK
 
 Array = NDArray[np.float64]

@@ -2,22 +2,18 @@
 
 Where to find what::
 
-    bodies.py                              what a mesh is asked to be, and what it is
-    build.py                               from a shape to a mesh: half_disc.py for half-planes, solids.py for all others
-    grading.py, limits.py                  sizes of elements, and how many there may be
-    mirrored.py                            half a body by gmsh, reflected
-    quality.py                             whether a mesh is fit for use
+    bodies.py                              what a mesh is asked to be, and what it is; sizes of elements, how many there may be
+    solids.py                              from a shape to a mesh: half-discs, blocks, pads, cylinders
+    mirrored.py                            half a body by gmsh, reflected; the quality of a mesh
     interrupts.py                          Ctrl-C that waits until what must not be cut in two is done
     files.py, foreign.py                   field files written, and those of other programs read
 """
 
 from meshes.bodies import BodyMesh, MeshSettings, SurfaceGrading
-from meshes.build import build, check
 from meshes.files import PvdEntry, write_pvd, write_vtu
 from meshes.foreign import FieldFrame, FieldPart, collected_files, joined, read_frames
-from meshes.half_disc import half_disc
-from meshes.quality import mesh_quality
-from meshes.solids import solid
+from meshes.mirrored import mesh_quality
+from meshes.solids import build, check, half_disc, solid
 
 __all__ = [
     "BodyMesh",

@@ -1,4 +1,7 @@
-"""Blocks, pads and cylinders, meshed by gmsh: graded to the contact, mirror-symmetric, the face where it truly is."""
+"""Blocks, pads and cylinders, meshed by gmsh: graded to the contact, mirror-symmetric, the face where it truly is.
+
+The half-disc stands for a half-plane. `build` goes from a shape to its mesh.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,54 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.bodies import BodyMesh, Cells, SurfaceGrading
-from meshes.grading import rounded, scaled_grading, size_field, surface_points
-from meshes.mirrored import mirrored_mesh
-from meshes.quality import mesh_quality
-from scenes import Block, Cylinder, InputError, Pad, Profile
+from meshes.bodies import (
+    BodyMesh,
+    Cells,
+    MeshSettings,
+    SurfaceGrading,
+    check_count,
+    rounded,
+    scaled_grading,
+    size_field,
+    surface_points,
+)
+from meshes.mirrored import mesh_quality, mirrored_mesh
+from scenes import Block, Cylinder, HalfPlane, InputError, Pad, Profile, Shape
 from scenes.bodies import Face, face_of
+
+
+def half_disc(name: str, grading: SurfaceGrading, growth: float = 0.2, order: int = 2, cells: Cells = "triangles") -> BodyMesh:
+    """A half-disc y <= 0 of radius `grading.radius`, meshed by gmsh.
+
+    One quarter is meshed and reflected in x = 0, so that a symmetric contact stays symmetric in rounding too.
+    Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of y = 0), "far_field" (the arc).
+
+    Returns
+    -------
+    BodyMesh
+        MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for order 1; MeshQuad2 of nine-node
+        quadrilaterals, MeshQuad.
+    """
+    unit = scaled_grading(grading, 1 / grading.outer).drawn_for(cells)
+    mesh = mirrored_mesh(lambda: _quarter(unit), size_field(unit, growth), order, cells).scaled(float(grading.outer))
+    exact_area = np.pi * grading.radius**2 / 2
+    return BodyMesh(name, mesh, grading, mesh_quality(mesh, exact_area))
+
+
+def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
+    """Draws the quarter x >= 0 of the half-disc."""
+    geo = gmsh.model.geo
+    surface = [geo.addPoint(float(x), 0, 0) for x in surface_points(grading)]
+    corner, bottom = geo.addPoint(grading.radius, 0, 0), geo.addPoint(0, -grading.radius, 0)
+    contact = [geo.addLine(a, b) for a, b in itertools.pairwise(surface)]
+    free = geo.addLine(surface[-1], corner)
+    arc = geo.addCircleArc(corner, surface[0], bottom)
+    axis = geo.addLine(bottom, surface[0])
+    geo.addPlaneSurface([geo.addCurveLoop([*contact, free, arc, axis])])
+    for line in contact:
+        geo.mesh.setTransfiniteCurve(line, 2)
+    return {"contact": contact, "free": [free], "far_field": [arc]}
+
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -141,3 +186,31 @@ class _Outline:
             nodes = np.union1d(nodes, named["free"])
         settled[nodes, 1] = -self._true_depth(points[nodes, 0])
         return settled
+
+
+def check(name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings) -> None:
+    """InputError for all that `build` refuses, before gmsh is asked."""
+    check_count(name, grading, mesh.growth, mesh.order)
+    if not isinstance(shape, HalfPlane):
+        check_face(name, shape, profile, grading)
+
+
+def build(name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings) -> BodyMesh:
+    """The mesh of a body: a half-disc for a half-plane, the body itself for a block, a pad or a cylinder.
+
+    Parameters
+    ----------
+    name : "lower" or "upper", as the scene calls it
+    profile : the face of a pad
+    grading : of the contact side
+    mesh : growth, order and kind of the elements
+
+    Raises
+    ------
+    InputError
+        Where the mesh would be too large for memory, with the limit; where a solid's face is shorter than the contact.
+    """
+    check(name, shape, profile, grading, mesh)
+    if isinstance(shape, HalfPlane):
+        return half_disc(name, grading, mesh.growth, mesh.order, mesh.cells)
+    return solid(name, shape, profile, grading, mesh.growth, mesh.order, mesh.cells)

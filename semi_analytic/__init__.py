@@ -13,13 +13,11 @@ The history of P and Q::
     history.py              curved paths: spans of stick and slip, the steady cycle, gross sliding and separation
     load_series.py          straight paths of any length: knots of the memory curve, slip of each step
     event_times.py          events: the instants A to M
-    roundoff.py             round-off error where next to nothing slips
 
 From a request to an answer::
 
     request.py              options: points, instants and fields
     fields.py               shear traction q (Cattaneo-Mindlin), slip s, relative tangential displacement U by superposition
-    arcs.py                 the same integrals along curved segments in full stick
     friction_work.py        global and pointwise dissipation W and W(x), the area of the loop of Q over U
     quadrature.py           Gauss' rule; trapezoidal rule for singular ends
     solution.py             `solve`: all of it together
@@ -28,10 +26,8 @@ From a request to an answer::
 
 Arrays of ellipses in one call::
 
-    batches.py              `dissipation` and `peak_dissipation` of arrays of loads and profiles
+    batches.py              `dissipation` and `peak_dissipation` of arrays of loads and profiles, the maxima of W(x)
     steady_ellipse.py       W and W(x) of a steady ellipse, its permanent stick zone
-    slip_work.py            W of many steady ellipses: an integral over the contact, or one Gauss rule for each phase
-    density_peaks.py        the maxima of W(x)
 """
 
 from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipation, peak_dissipation

@@ -20,10 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import NotFoundError
 from semi_analytic.history import Span
-from semi_analytic.memory import Snapshot, level, pieces
+from semi_analytic.memory import PROMISED, Snapshot, level, pieces
 from semi_analytic.profiles import Contact
 from semi_analytic.request import Request
-from semi_analytic.roundoff import PROMISED
 
 Array = NDArray[np.float64]
 

@@ -5,21 +5,348 @@
 q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d eta: one sum over the pieces
 of the curve with three kernels, for many instants and points at once. What instants have in common, the pieces under the
 uppermost, is summed once.
+
+Arcs: what a curved piece of the memory, travelled in full stick, leaves in q, s and U.
+
+# notation: P_x load at which a = |x|; K kernel, of P alone or of P and x; P_t load at the turning point of P next to an end of the
+#           arc;
+#           z^2 = |P - P_t|, e^2 = +-(P_x - P_t), negative where P_x is beyond the turning point
+
+    int Q'(t) K(x, P(t)) dt from the begin of the arc to each of many instants, P growing all along
+
+    shear   K = 1/(pi sqrt(a^2 - x^2))  while |x| is inside
+    slip    K = arccosh(|x|/a)          while |x| is outside
+    shift   K = ln(2 L/a)
+
+The arc is cut into panels, at the corners of the profile too. On a panel that is far from P_x (in loads, measured by its own range)
+the integrand is smooth: one Chebyshev series in time serves all instants, and its last coefficients are its error. Near P_x, whose
+inverse root (shear) or root (slip) meets a mirror image at the turning point of P, the variable ln(z + sqrt(z^2 - e^2)) makes it
+smooth, for e^2 < 0 too, and arcsin(z/e) where it is sqrt(e^2 - z^2): there Gauss' rule goes from instant to instant. So an edge of
+contact anywhere, and an arc that begins next to the least load or ends next to the largest, cost no digits. Where P is close to 0,
+for the length of a step, and beside corners, behind which a(P) goes as d^(3/2), the rule for singular ends takes its place.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from semi_analytic.arcs import Arc, Kernel
+from scenes import NORMAL_LOAD, LoadSegment
+from scenes.chebyshev import DEGREE, NODES, series, tail
 from semi_analytic.memory import Curve, Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import Contact
-from semi_analytic.quadrature import gauss
+from semi_analytic.quadrature import gauss, graded
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Kernel = Literal["shear", "slip", "shift"]
+
+# Panels at first, halvings of one at most, and the share of the largest integral at which a series is resolved.
+_PANELS, _HALVINGS, _RESOLVED = 12, 9, 1e-14
+# Ranges of a panel's load that P_x must be away from it: there the series leaves 5^-25 at most.
+_FAR = 2.0
+# Longest range of the variable, and how many of Gauss' nodes it takes. Against twice as many nodes tractions keep 2e-14 of the
+# largest, slips and shifts 7e-14 (2e-13 for |x|^20).
+_SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
+# Nodes that are held at a time.
+_NODES = 2_000_000
+# From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of length 1.
+_PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
+# Digits, as a power of e, that Gauss' rule shall keep beside a logarithm.
+_DIGITS = 34.0
+# Share of the root of an arc's load from either side of a turning point that one series serves.
+_THROUGH = 0.1
+# Steps of which the error is looked at.
+_SAMPLE = 40
+
+
+class Turn(NamedTuple):
+    """A turning point of P at an end of the arc or beyond it: its time and load; `sign` +1 for a least P, -1 for a largest.
+
+    `farthest` is the other end of the arc. dQ/dz is smooth through the turning point, where the last digits of the time spoil P':
+    for |z| < `near` it is a Chebyshev series, `force`; where P does not turn `near` is 0.
+    """
+
+    time: float
+    load: float
+    sign: float
+    farthest: float
+    near: float
+    force: Array
+
+
+class Arc:
+    """The integrals of one kernel over the arc of a piece, at |x| = `x` (k,), up to any instant of it.
+
+    Pieces that are cut from one arc share it. Of a shift `x` plays no part: one column stands for all.
+
+    Attributes
+    ----------
+    error : largest error of the integrals, estimated: what series left out, and what steps differ from their halves by
+    """
+
+    def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
+        assert piece.arc is not None  # for the type checker: only called for arcs
+        self._contact, self._kernel, self._leg = contact, kernel, piece.anchor.leg
+        self._x = np.zeros(1) if kernel == "shift" else x
+        self._edge, self._factor = contact.load(self._x), 1 / math.pi if kernel == "shear" else 1.0
+        first, last = piece.arc[0], piece.anchor.time
+        loads = contact.break_loads
+        loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]
+        self._corners = front_time(piece, loads) if len(loads) else loads
+        self._turns = _turn(self._leg, first, last), _turn(self._leg, last, first)
+        # Even between the corners: a panel that began just behind one would not be smooth.
+        ends = np.unique(np.clip([first, *self._corners, last], first, last))
+        counts = np.maximum(np.ceil(np.diff(ends) / (last - first) * _PANELS), 1).astype(int)
+        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
+        marks = np.append(np.concatenate(parts), last)
+        half_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
+        self._middle = float(marks[np.argmin(np.abs(marks - half_load))])
+        self._follow(marks)
+
+    def up_to(self, time: Array) -> Array:
+        """From the begin of the arc to each time (n,): shape (n, k).
+
+        >>> from scenes import ellipse_segment
+        >>> from semi_analytic.hertz import HertzContact
+        >>> from semi_analytic.memory import load_in_stick, instant
+        >>> leg = ellipse_segment(-math.pi, 0.0, (3.0, 1.0), (1.0, 0.25), 0.0)  # P from 2 to 4, dQ = dP/4
+        >>> below = Piece(None, 2.0, instant(leg, -math.pi), 0.0)
+        >>> contact = HertzContact(modulus=math.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
+        >>> arc = Arc(contact, "shear", load_in_stick(below, leg, -math.pi, instant(leg, 0.0)), np.zeros(1))
+        >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
+        [[0.146446609407]]
+        """
+        marks = self._marks
+        time = np.clip(time, marks[0], marks[-1])
+        stops, fold = np.unique(time, return_inverse=True)
+        panel = np.clip(np.searchsorted(marks, stops, side="right") - 1, 0, len(marks) - 2)
+        value = self._before[panel]
+        share = np.clip((stops - marks[panel]) / (marks[panel + 1] - marks[panel]), 0.0, 1.0)
+        # The inverse of 3 u^2 - 2 u^3.
+        u = np.where(self._cornered[panel], 0.5 - np.sin(np.arcsin(1 - 2 * share) / 3), share)
+        terms = chebyshev.chebvander(2 * u - 1, DEGREE + 1)
+        begins = np.flatnonzero(np.diff(panel, prepend=-1))
+        for here in np.split(np.arange(len(stops)), begins[1:]):
+            value[here] += terms[here] @ self._primitive[panel[here[0]]].T
+        # Near P_x from stop to stop, in each panel from its begin.
+        low = np.append(marks[0], stops[:-1])
+        low[begins] = marks[panel[begins]]
+        step, point = np.nonzero(self._near[panel] & (stops > low)[:, None])
+        rises = np.zeros(value.shape)
+        rises[step, point] = self._steps(low[step], stops[step], point, self._cornered[panel[step]])
+        sums = np.cumsum(rises, axis=0)
+        before = (sums - rises)[begins]
+        value += sums - np.repeat(before, np.diff(np.append(begins, len(stops))), axis=0)
+        return self._factor * value[fold.ravel()]
+
+    def _follow(self, marks: Array) -> None:
+        """Series on the panels between `marks`, halved until they are resolved, and steps through whole panels near P_x."""
+        done: list[tuple[NDArray[Any], ...]] = []
+        low, high, size, points = marks[:-1], marks[1:], 0.0, len(self._x)
+        for turn in range(_HALVINGS + 1):
+            near, cornered, panel, point, found = self._series(low, high)
+            worth = tail(found)
+            size = max(size, float(np.max(np.abs(found[:, 0]), initial=0.0)) * math.sqrt(len(low)))
+            left, table = np.zeros((len(low), points)), np.zeros((len(low), points, DEGREE + 1))
+            left[panel, point], table[panel, point] = worth, found
+            good = (np.max(left, axis=1, initial=0.0) <= _RESOLVED * size) | (turn == _HALVINGS)
+            done.append(tuple(values[good] for values in (low, high, near, cornered, table, left)))
+            if np.all(good):
+                break
+            low, middle, high = low[~good], (low[~good] + high[~good]) / 2, high[~good]
+            low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        low, high, near, cornered, table, left = (np.concatenate(parts) for parts in zip(*done, strict=True))
+        order = np.argsort(low)
+        low, high, self._near, self._cornered = low[order], high[order], near[order], cornered[order]
+        self._marks = np.append(low, high[-1])
+        self._primitive = table[order] @ _PRIMITIVE
+        panel, point = np.nonzero(self._near)
+        whole = np.sum(self._primitive, axis=2)
+        a, b = low[panel], high[panel]
+        # Of some steps their halves too: what they differ by is the error.
+        some = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int)) if len(panel) else np.empty(0, dtype=int)
+        middle, all_of = (a[some] + b[some]) / 2, np.concatenate([np.arange(len(panel)), some, some])
+        ends = np.concatenate([a, a[some], middle]), np.concatenate([b, middle, b[some]])
+        steps, first, second = np.split(
+            self._steps(*ends, point[all_of], self._cornered[panel][all_of]), [len(panel), len(panel) + len(some)]
+        )
+        whole[panel, point] += steps
+        self._before = np.cumsum(whole, axis=0) - whole
+        apart = np.abs(steps[some] - first - second)
+        off = float(np.max(apart, initial=0.0)) * math.sqrt(np.max(np.bincount(point), initial=0))
+        self.error = self._factor * (off + float(np.max(np.sum(left, axis=0), initial=0.0)))
+
+    def _steps(self, low: Array, high: Array, point: Indices, cornered: NDArray[np.bool_]) -> Array:
+        """The integrals from low[k] to high[k] at x[point[k]], (m,), near P_x; no step crosses the middle of the arc."""
+        result = np.empty(len(low))
+        upper = low >= self._middle
+        for turn, part in zip(self._turns, (~upper, upper), strict=True):
+            x, edge = self._x[point[part]], self._edge[point[part]]
+            result[part] = _near(self._contact, self._kernel, self._leg, turn, low[part], high[part], x, edge, cornered[part])
+        return result
+
+    def _series(self, low: Array, high: Array) -> tuple[NDArray[Any], ...]:
+        """Near and cornered panels; panel, point and coefficients (n, nodes) of the integrand over u for those that are far."""
+        contact, x, edge, slip = self._contact, self._x, self._edge, self._kernel == "slip"
+        begin, end = np.isin(low, self._corners), np.isin(high, self._corners)
+        cornered = begin | end
+        u = (1 + NODES) / 2
+        share = np.where(cornered[:, None], u * u * (3 - 2 * u), u)
+        time = low[:, None] + (high - low)[:, None] * share
+        load = np.maximum(self._leg.loads(time)[0], 0.0)
+        least, most = (np.maximum(self._leg.loads(ends)[0], 0.0)[:, None] for ends in (low, high))
+        spread = _FAR * (most - least)
+        empty = least < spread  # P is close to 0
+        if slip:
+            near, away = (edge > least) & ((edge < most + spread) | empty), (edge >= most + spread) & ~empty
+        else:
+            near, away = (edge < most) & (edge > least - spread), edge <= least - spread
+        panel, point = np.nonzero(away)
+        density = self._leg.rates(time)[1] * (high - low)[:, None] * np.where(cornered[:, None], 6 * u * (1 - u), 1.0)
+        advance = contact.advance(load)
+        found = np.empty((len(panel), DEGREE + 1))
+        for k in range(0, len(panel), _NODES // (DEGREE + 1)):
+            here = slice(k, k + _NODES // (DEGREE + 1))
+            p, i = panel[here], point[here]
+            values = _kernel(contact, self._kernel, x[i, None], load[p] - edge[i, None], load[p], advance[p])
+            found[here] = series(density[p] * values)
+        return near, cornered, panel, point, found
+
+
+@lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
+def _turn(leg: LoadSegment, end: float, other: float) -> Turn:
+    """The turning point of P at an end of an arc, or beyond it by less than its length; the end itself where there is none.
+
+    `other` is the other end. The leg's formulas hold beyond its ends too.
+    """
+    length, time = other - end, end
+    width, sign = 1e-3 * length, math.copysign(1.0, length)
+    for _ in range(20):
+        slope = float(leg.rate_of(NORMAL_LOAD, time))
+        bend = float(leg.rate_of(NORMAL_LOAD, time + width) - leg.rate_of(NORMAL_LOAD, time - width)) / (2 * width)
+        if bend * sign <= 0 or abs(step := slope / bend) > abs(length) or (end - time + step) * sign < -abs(width):
+            return Turn(end, float(leg.loads(end)[0]), sign, other, 0.0, np.zeros(1))
+        time -= step
+        if abs(step) <= 1e-15 * (abs(time) + abs(length)):
+            break
+    time = min(time, end) if length > 0 else max(time, end)
+    # At the turning point itself the last digits of the time do not count.
+    turn = Turn(time, float(leg.loads(time)[0]), sign, other, 0.0, np.zeros(1))
+    near = _THROUGH * math.sqrt(abs(float(leg.change_of(NORMAL_LOAD, other, time))))
+    # An even number of nodes: at 0 itself dQ/dz is 0/0.
+    place = chebyshev.chebpts1(14)
+    z = near * np.abs(place)
+    across = time - 2 * (float(leg.time_of(NORMAL_LOAD, sign * near**2, time, other)) - time)
+    sides = _force_over_root(leg, turn, z), _force_over_root(leg, turn._replace(farthest=across), z)
+    return turn._replace(
+        near=near, force=np.asarray(chebyshev.chebfit(place, np.where(place > 0, *sides), len(place) - 1), dtype=float)
+    )
+
+
+def _force_over_root(leg: LoadSegment, turn: Turn, z: Array) -> Array:
+    """|dQ/dz| with the sign of dQ/dt, from dP = 2 z dz."""
+    time = leg.time_of(NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
+    slope = np.abs(leg.rate_of(NORMAL_LOAD, time))
+    return np.asarray(leg.rates(time)[1] * 2 * z / np.where(slope > 0, slope, np.inf))
+
+
+def _kernel(contact: Contact, kernel: Kernel, x: Array, above: Array, load: Array, advance: Array) -> Array:
+    """K from P - P_x, P and the advance of the edge."""
+    if kernel == "shear":
+        return contact.inverse_root(x, above, advance)
+    return contact.arccosh_ratio(x, -above, advance) if kernel == "slip" else contact.log_ratio(load)
+
+
+def _near(
+    contact: Contact,
+    kernel: Kernel,
+    leg: LoadSegment,
+    turn: Turn,
+    low: Array,
+    high: Array,
+    x: Array,
+    edge: Array,
+    cornered: NDArray[np.bool_],
+) -> Array:
+    """The integrals from low[k] to high[k] at x[k], (m,): P_x is among the loads there or close to them, or P close to 0."""
+    result = np.zeros(len(low))
+    if not len(low):
+        return result
+    inner, outer = (np.sqrt(np.maximum(turn.sign * leg.change_of(NORMAL_LOAD, ends, turn.time), 0.0)) for ends in (low, high))
+    inner, outer = np.minimum(inner, outer), np.maximum(inner, outer)
+    square = turn.sign * (edge - turn.load)
+    # An e of 0 would stretch the variable for ever.
+    square = np.where(np.abs(square) < 1e-36 * outer**2, 1e-36 * outer**2, square)
+    # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
+    beyond = (kernel != "slip") == (turn.sign > 0)
+    a, b = _limits_beyond(inner, outer, square) if beyond else _limits_within(inner, outer, square)
+
+    rough = cornered | (_beside_no_load(turn, a, b, square) if kernel == "slip" and not beyond else False)
+    limit = -1.0
+    for longest, count in (*_SPANS, (math.inf, 0)):
+        here = np.flatnonzero((b > a) & (rough if not count else ~rough & (b - a > limit) & (b - a <= longest)))
+        limit = longest
+        for k in range(0, len(here), _NODES // (count or 193)):
+            m = here[k : k + _NODES // (count or 193)]
+            if count:
+                node, weight = gauss(count)
+                s, weight = a[m, None] + (b - a)[m, None] * node, (b - a)[m, None] * weight
+            else:
+                s, weight = graded(a[m], b[m])
+            z, root = _nodes(s, square[m, None], beyond)
+            load = np.maximum(turn.load + turn.sign * z * z, 0.0)
+            force, close = _force_over_root(leg, turn, z), z < turn.near
+            force[close] = chebyshev.chebval(z[close] / max(turn.near, 1e-300), turn.force)
+            advance = contact.advance(load)
+            above = root * root if kernel != "slip" else -root * root
+            result[m] = np.sum(weight * root * force * _kernel(contact, kernel, x[m, None], above, load, advance), axis=1)
+    return result
+
+
+def _beside_no_load(turn: Turn, a: Array, b: Array, square: Array) -> NDArray[np.bool_]:
+    """Which ranges of arcsin(z/e) are too close to where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule with its count of nodes.
+
+    n nodes leave rho^(-2 n), rho + 1/rho being twice the sum of the distances from a and b over b - a.
+    """
+    height = np.arcsinh(np.sqrt(max(turn.load, 0.0) / np.maximum(square, 1e-300)))
+    limits, counts = (np.array(column, dtype=float) for column in zip(*_SPANS, strict=True))
+    count = counts[np.searchsorted(limits, b - a)]
+    return np.asarray(np.hypot(a, height) + np.hypot(b, height) < np.cosh(_DIGITS / (2 * count)) * (b - a))
+
+
+def _limits_beyond(low: Array, high: Array, square: Array) -> tuple[Array, Array]:
+    """ln(z + sqrt(z^2 - e^2)) over its value at z = |e| at both ends, arsinh(z/|e|) for e^2 < 0."""
+    e = np.sqrt(np.abs(square))
+    size = np.maximum(e, 1e-300)
+    low, high = (np.where(square > 0, np.maximum(ends, e), ends) for ends in (low, high))
+    # (z - e)(z + e), not z^2 - e^2: at z = e round-off would leave a root of 1e-8 in the latter.
+    legs = (np.where(square > 0, np.sqrt(np.maximum((z - e) * (z + e), 0.0)), z) for z in (low, high))
+    a, b = (np.arcsinh(leg / size) for leg in legs)
+    return a, np.maximum(a, b)
+
+
+def _limits_within(low: Array, high: Array, square: Array) -> tuple[Array, Array]:
+    """arcsin(z/e) at both ends; equal where there is nothing within."""
+    e = np.sqrt(np.maximum(square, 0.0))
+    a, b = (np.arctan2(z, np.sqrt((e - z) * (e + z))) for z in (np.minimum(low, e), np.minimum(high, e)))
+    return a, np.maximum(a, b)
+
+
+def _nodes(s: Array, square: Array, beyond: bool) -> tuple[Array, Array]:
+    """z and sqrt(|z^2 - e^2|) at s; dz = root ds."""
+    e = np.sqrt(np.abs(square))
+    if not beyond:
+        return e * np.sin(s), e * np.cos(s)
+    wide, narrow = e * np.cosh(s), e * np.sinh(s)
+    return np.where(square > 0, wide, narrow), np.where(square > 0, narrow, wide)
+
 
 # Share of a load up to which a line of the memory is short: differences of slips keep 1e-15 of the whole, over its power 3/2.
 _SHORT = 0.01

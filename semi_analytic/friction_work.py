@@ -28,10 +28,9 @@ from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span, corner_times, take
 from semi_analytic.load_series import Block, Records
-from semi_analytic.memory import change_from, level, level_on
+from semi_analytic.memory import LAST_DIGITS, change_from, level, level_on
 from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import NODES, ROOTS, crowded, gauss, graded
-from semi_analytic.roundoff import LAST_DIGITS
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

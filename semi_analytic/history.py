@@ -30,6 +30,7 @@ from semi_analytic.memory import (
     level_on,
     load_in_stick,
     pieces,
+    repeats_within,
     same,
     slip_to,
     slipped_load,
@@ -37,7 +38,6 @@ from semi_analytic.memory import (
     value_on,
 )
 from semi_analytic.profiles import Contact
-from semi_analytic.roundoff import repeats_within
 
 Array = NDArray[np.float64]
 

@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 
 from scenes import InadmissibleLoadError, InputError, LoadPath, LoadSegment, Scene, StraightSegment, TimeSeriesLoad
 from semi_analytic.history import SLACK, check, evenly, turns_of, within
-from semi_analytic.memory import Curve, Instant, Snapshot
-from semi_analytic.roundoff import repeats_within
+from semi_analytic.memory import Curve, Instant, Snapshot, repeats_within
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

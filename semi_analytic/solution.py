@@ -49,13 +49,11 @@ from semi_analytic.friction_work import (
 )
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
-from semi_analytic.memory import Snapshot, pieces, value_on
+from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, pieces, rounding_of_shift, rounding_of_slip, value_on
 from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
-from semi_analytic.roundoff import LAST_DIGITS, PROMISED, rounding_of_shift, rounding_of_slip
-from semi_analytic.slip_work import dissipation_of
-from semi_analytic.steady_ellipse import density_of, ellipses_of
+from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of
 
 Array = NDArray[np.float64]
 

@@ -23,19 +23,31 @@ a corner of the profile:
 
     P = P_b    cos t = (P_b - P0)/P1:            E-G  t_E + s = t,     I-J  t_E + s = t +- pi,   J-M  t_E - s = +-t
     P_c = P_b  E-G  v sin^2((D - s)/2) = P_b - P_T,   J-M  u sin^2(s/2) = P_b - P_T,   I-J  t_E - s = t +- pi
+
+W of many ellipses at once is one of two forms of a double integral over t and eta:
+
+    W = (f A/pi) int w' Lam(P, P_c) dt        by one Gauss rule for each phase, where Lam is known in few passes over the nodes
+    W = (2 f^2/(pi E*)) int M(P(a)) da/a      for any profile, M being the slip moment of the ellipse at the load eta = P(a):
+    M(eta) = int (P - eta) w' dt/f            over the times with P_c < eta < P
+
+since Lam = int (P - eta) d ln a(eta) over P_c < eta < P. M is elementary, and not smooth at six loads of the ellipse only; P(a)
+needs no inverse but at those, and is smooth between the corners.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from semi_analytic.hertz import log_excess
 from semi_analytic.profiles import Contact
-from semi_analytic.quadrature import graded
+from semi_analytic.quadrature import gauss, graded
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -251,4 +263,335 @@ def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
             front = np.maximum(load - slipped, 0.0)
             ratio = contact.arccosh_ratio(x[member], np.maximum(edge[member] - front, 0.0), contact.advance(front))
             np.add.at(total[number], member, np.sum(weight * growth * contact.pressure(x[member], load) * ratio, axis=1))
+    return total
+
+
+Area = Callable[[Array, Array, Array], Array]
+"""Some multiple of Lam(P, P_c) from P_c, P - P_c and a free array, (phases, n, m) each; may overwrite all but the second."""
+
+_TINY, _FLOOR = 1e-100, 1e-200
+
+# ------------------------------------------------------------------------------------------- any profile, over the contact
+# Nodes and pieces at once, in arrays that fit into the cache.
+_ELEMENTS = 32768
+# A piece has converged at this share of W, or where W is less than a share of P0^2, of that; if careful the second ones hold. Its
+# nodes are doubled up to so many.
+_SETTLED, _NO_WORK, _MOST_NODES = (1e-11, 1e-15), (1e-3, 0.0), (4096, 512)
+# Share of P0 below which P - P_c would not keep ten digits, or thirteen, as a difference of loads; share of the larger of u and v
+# below which the smaller one would not leave W so many.
+_SHALLOW, _UNLIKE = (1e-5, 2e-2), (0.0, 2e-2)
+
+
+def dissipation_of(e: Ellipses, contact: Contact, *, careful: bool = False) -> Array:
+    """Forward and reverse part of W pi E*/(2 f^2) on any profile, (2, m); NaN where the quadrature does not converge.
+
+    To ten digits, or to thirteen if `careful`; over time where a difference of loads would not leave P - P_c as many.
+
+    Between two of the half-widths at which M or P(a) is not smooth by the trapezoidal rule in s, a being a smooth step of s that is
+    flat at both ends, with 16 nodes, 32, 64, ...; the sums over every second node show the error.
+
+    >>> from semi_analytic.hertz import HertzContact
+    >>> from semi_analytic.steady_ellipse import ellipses_of
+    >>> loop = ellipses_of(*(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5)))  # constant P, Q1 = 0.6 f P
+    >>> works = dissipation_of(loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0))
+    >>> round(float(works.sum()), 9), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 9)  # theory, constant load
+    (0.106967415, 0.106967415)
+    """
+    # Half-widths by how far they are beyond that of no load: beside a flat the rest has no digits.
+    corners = np.array(contact.breaks, dtype=float)[:, None] - contact.least
+    chunk = max(_ELEMENTS // (16 * (5 + len(corners))), 8)
+    if len(e.mean) > chunk:
+        parts = [e.take(slice(first, first + chunk)) for first in range(0, len(e.mean), chunk)]
+        return np.concatenate([dissipation_of(part, contact, careful=careful) for part in parts], axis=1)
+    loads = [e.permanent, *(e.load(cosine) for cosine in (-1.0, e.cosine, -e.cosine, np.cos(e.start + e.turn), 1.0))]
+    events = contact.advance(np.clip(loads, loads[0], loads[-1]))
+    ends = np.sort(np.concatenate([events, np.clip(corners, events[0], events[-1])]), axis=0)
+    row, member = np.nonzero(np.diff(ends, axis=0) > 1e-15 * ends[-1])
+    low, high, loops = ends[row, member], ends[row + 1, member], e.take(member)
+    # NaN already where a half-width was not found.
+    works, size = np.zeros((2, 1)) * np.sum(events, axis=0), np.zeros(len(e.mean))
+    sums, trail, count = np.zeros((2, len(member))), np.zeros((3, len(member))), 16
+    while len(member):
+        place = np.arange(1, count, 1 if count == 16 else 2)[:, None] / count
+        turns = 2 * math.pi * np.minimum(place, 1 - place)
+        share = turns / (2 * math.pi) - (45 * np.sin(turns) - 9 * np.sin(2 * turns) + np.sin(3 * turns)) / (60 * math.pi)
+        weights = 16 / 5 * np.sin(math.pi * place[:, 0]) ** 6 / count
+        advance = np.where(place < 0.5, low + (high - low) * share, high - (high - low) * share)
+        terms = slip_moment(loops, np.maximum(contact.load_at(advance) - loops.permanent, 0.0))
+        terms *= (high - low) / (contact.least + advance)
+        sums = sums / 2 + weights @ terms
+        if count == 16:
+            trail = np.stack([k * weights[k - 1 :: k] @ np.sum(terms[:, k - 1 :: k], axis=0) for k in (1, 2, 4)])
+            size = np.maximum(np.bincount(member, trail[0], len(size)), _NO_WORK[careful] * np.square(e.mean))
+        else:
+            trail = np.stack([np.sum(sums, axis=0), *trail[:2]])
+        left = quadrature_error(trail, size[member]) > _SETTLED[careful]
+        for direction in range(2):
+            np.add.at(works[direction], member[~left], sums[direction, ~left])
+        member, low, high, loops = member[left], low[left], high[left], loops.take(left)
+        sums, trail = sums[:, left], trail[:, left]
+        if count == _MOST_NODES[careful]:
+            works[:, member] = np.nan
+            break
+        count *= 2
+    unlike = np.minimum(e.u, e.v) < _UNLIKE[careful] * np.maximum(e.u, e.v)
+    # Fifteen digits may be more than P(a) itself has.
+    rough = careful & np.isnan(np.sum(works, axis=0))
+    shallow = np.flatnonzero((e.deepest <= _SHALLOW[careful] * e.mean) | unlike | rough)
+    exact = np.array(works_over_time(e.take(shallow), contact))
+    # What is known to a share of P0^2 only is better than nothing.
+    works[:, shallow] = np.where(np.isfinite(exact), exact, works[:, shallow])
+    return works
+
+
+def slip_moment(e: Ellipses, above: Array) -> Array:
+    """M(eta) of forward and of reverse slip, (2, n, m), at eta = P_T + `above`, (n, m).
+
+    With s = t - t_I forward slip has the rate f u sin s and P = P0 - P1 cos(t_E + s), reverse slip with s = t_G - t the rate
+    f v sin s and P = P0 + P1 cos(t_G - s). P_c < eta < P holds from where the front passes eta, or P does, to where P does again;
+    in reverse but for the times about the least load at which P < eta, |t - pi| < h with P0 - eta = P1 cos h.
+    """
+    start, end = e.start, e.start + e.turn
+    drop = (e.u + e.v) / 2 - above  # P0 - eta
+    open_half = half_angle((e.amplitude - drop) / (2 * np.maximum(e.amplitude, _FLOOR * e.mean)))
+    by_u, by_v = (half_angle(above / np.maximum(size, _FLOOR * e.mean)) for size in (e.u, e.v))
+    drop *= 2
+    begin = np.where(by_u < e.turn, math.pi - by_u, np.abs(start - open_half))
+    forward = _moment(begin, np.maximum(np.minimum(2 * math.pi - open_half - start, math.pi), begin), drop, e.sine, -e.cosine, e)
+    top, middle = np.minimum(by_v, e.turn), end - math.pi
+    sine, cosine = np.sin(end), np.cos(end)
+    reverse = _moment(np.minimum(np.maximum(middle + open_half, 0.0), top), top, drop, sine, cosine, e)
+    first = np.minimum(middle - open_half, top)
+    early = np.flatnonzero(np.any(first > 0, axis=0))
+    if len(early):
+        begin = np.zeros(1)
+        some = (np.maximum(first[:, early], 0.0), drop[:, early], sine[early], cosine[early], e.take(early))
+        reverse[:, early] += _moment(begin, *some)
+    return np.stack([e.u * forward, e.v * reverse])
+
+
+def _moment(begin: Array, end: Array, twice: Array, sine: Array, cosine: Array, e: Ellipses) -> Array:
+    """int sin s (P0 - eta + P1 cos(s - psi)) ds from begin to end, from 2 (P0 - eta) and P1's part sin psi, cos psi.
+
+    = 2 (P0 - eta) sin m sin d + P1 [sin(2 m - psi) sin d cos d + d sin psi], m the middle and d half the range.
+    """
+    half, middle = (end - begin) / 2, (end + begin) / 2
+    # One tangent for sine and cosine: numpy has it in vector code.
+    tangent = np.tan(half / 2)
+    over = 1 / (1 + tangent * tangent)
+    sine_half, cosine_half = 2 * tangent * over, 2 * over - 1
+    tangent = np.tan(middle / 2)
+    over = 1 / (1 + tangent * tangent)
+    sine_middle, cosine_middle = 2 * tangent * over, 2 * over - 1
+    double = (2 * e.amplitude * cosine) * sine_middle * cosine_middle
+    double += (e.amplitude * sine) * (2 * sine_middle * sine_middle - 1)
+    return sine_half * (twice * sine_middle + cosine_half * double) + (e.amplitude * sine) * half
+
+
+# ------------------------------------------------------------------- Hertz, power laws, flat and rounded faces: by Lam
+# Nodes of one phase at once: arrays that fit into the cache.
+_NODES = 16384
+# Gauss rules on [0, 1], symmetric about the middle; the last one for singularities at the ends.
+_COUNTS = (12, 14, 16, 18, 20, 23, 26, 32, 42)
+_RULES = (*(gauss(count) for count in _COUNTS), graded(0.0, 1.0))
+_LEAST_SUMS = np.cosh(30.0 / (2 * np.array(_COUNTS)))[:, None]
+
+
+def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float) -> tuple[Array, Array]:
+    """Forward and reverse part of W pi E*/(2 f^2), (m,), over what the areas are of Lam: each member by as many nodes as it needs.
+
+    `quick` is right to rounding of P - P_c and serves where that reaches a share `deep` of P0; `careful` to rounding of itself.
+    """
+    # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add rounding times v.
+    unlike = np.minimum(e.u, e.v) <= deep * np.maximum(e.u, e.v)
+    # Members alike together: the same rule, and the same way to Lam.
+    kind = 2 * _rule_of(e) + ((e.deepest <= deep * e.mean) | unlike)
+    order = np.argsort(kind, kind="stable")
+    loops, found = _rows(e).take(order, axis=1), np.empty((3, len(order)))
+    bounds = np.cumsum(np.bincount(kind, minlength=2 * len(_RULES)))
+    # Used again and again: what is not allocated anew stays in the cache.
+    memory = np.empty(12 * max(_NODES, 64 * len(_RULES[-1][0])))
+    for number in np.flatnonzero(np.diff(bounds, prepend=0)).tolist():
+        step = max(_NODES // len(_RULES[number // 2][0]), 64)
+        for begin in range(bounds[number - 1] if number else 0, bounds[number], step):
+            here = slice(begin, min(begin + step, bounds[number]))
+            found[:, order[here]] = phase_integrals(loops[:, here], _RULES[number // 2], (quick, careful)[number % 2], memory)
+    reverse, later, early = 2 * found
+    k = 4 * e.amplitude * e.sine
+    early *= (math.pi - e.turn) * e.u / np.where(k > _FLOOR * e.mean, k, np.inf)
+    return later * e.turn * e.u + early, reverse * e.turn * e.v
+
+
+def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
+    """Index in `_RULES` of the least rule that leaves exp(-30), (m,), from where the integrands stop being analytic.
+
+    In J-M and E-G the logarithm is singular where P_c = 0, at s = +-2 i arsinh(sqrt(P_T/u)) from M, and with v from G. Where P = 0
+    it is so +-2 i arsinh(sqrt(P_min/(2 P1))) beside t = pi, at s = pi - t_E in E-G and s = t_E in I-J; the mirror images in J-M and
+    of I-J are farther away. Gauss' rule of n nodes leaves about rho^(-2 n), rho + 1/rho being the sum of the distances of the
+    nearest singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without slip the integrand is a cube
+    of sines.
+    """
+    start, wide, rest = e.start, np.maximum(e.turn, _TINY), np.maximum(math.pi - e.turn, _TINY)
+    front, load = (
+        np.square(4 * np.arcsinh(np.sqrt(level / np.maximum(size, _TINY))))
+        for level, size in ((e.permanent, np.maximum(e.u, e.v)), (e.mean - e.amplitude, 2 * e.amplitude))
+    )
+    half_sum = np.full(len(wide), np.inf)
+    for centre, square in (
+        (-1.0, front / (wide * wide)),
+        (2 * (math.pi - start) / wide - 1, load / (wide * wide)),
+        (2 * start / rest - 1, load / (rest * rest)),
+    ):
+        near, far = (np.sqrt(np.square(centre + side) + square) for side in (-1, 1))
+        np.minimum(half_sum, (near + far) / 2, out=half_sum)
+    return np.sum(half_sum < _LEAST_SUMS, axis=0, dtype=np.uint8)
+
+
+def _rows(e: Ellipses) -> Array:
+    """What `phase_integrals` takes, (9, m): h, g, P_T, P_min, u, v, alpha, beta, k."""
+    rows = np.empty((9, len(e.mean)))
+    rows[0], rows[1] = e.turn / 2, (math.pi - e.turn) / 2
+    # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never asked for.
+    np.maximum(e.permanent, _FLOOR * e.mean, out=rows[2])
+    np.maximum(e.mean - e.amplitude, _FLOOR * e.mean, out=rows[3])
+    rows[4], rows[5] = e.u, e.v
+    larger = np.sqrt(e.amplitude * (1 + np.abs(e.cosine)))
+    smaller = e.amplitude * e.sine / np.where(larger > 0, larger, 1.0)
+    before = e.cosine < 0
+    rows[6], rows[7] = np.where(before, larger, smaller), np.where(before, smaller, larger)
+    rows[8] = 4 * e.amplitude * e.sine
+    return rows
+
+
+def phase_integrals(loops: Array, rule: tuple[Array, Array], area: Area, memory: Array) -> tuple[Array, Array, Array]:
+    """Sums by the rule of `area` times S C in E-G and J-M, times P - P_c in I-J; `loops` (9, m) are rows h to k. Arrays (m,).
+
+    # notation: h = D/2, g = (pi - D)/2, y node of [0, 1], nodes along axis 0, members along axis 1;
+    #           alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), k = 4 alpha beta = 4 P1 sin(t_E)
+
+    With S = sin(h y), C = cos(h y) at the nodes and a bar for the node 1 - y, which is one of the same rule:
+
+        E-G  s = D (1 - y)    rate 2 f v S C       P_c = P_T + v S^2                    P - P_c = u S-bar^2
+        J-M  s = D y          rate 2 f u S C       P_c = P_T + u S^2                    P - P_c = v S-bar^2 + k S C
+        I-J  s = 2 g y        rate 2 f u s c       P_c = P_min + (alpha c - beta s)^2   P - P_c = k s c,   s, c = sin, cos (g y)
+
+    No difference is taken but one that is squared. One tangent a node stands for sine and cosine: numpy has it in vector code.
+    """
+    (nodes, weights), (half, rest, permanent, least, u, v, alpha, beta, k) = rule, loops
+    shape = (4, 3, len(nodes), len(half))
+    front, slipped, (tangent, both, spare), free = memory[: math.prod(shape)].reshape(shape)
+    np.multiply(nodes[:, None], half, out=tangent)
+    np.tan(tangent, out=tangent)
+    np.multiply(tangent, tangent, out=spare)
+    spare += 1
+    np.divide(tangent, spare, out=both)
+    tangent *= both  # S^2
+    np.multiply(tangent, v, out=front[0])
+    np.multiply(tangent, u, out=front[1])
+    slipped[0] = front[1][::-1]
+    np.multiply(both, k, out=slipped[1])
+    slipped[1] += front[0][::-1]
+    front[:2] += permanent
+    np.multiply(nodes[:, None], rest, out=tangent)
+    np.tan(tangent, out=tangent)
+    np.multiply(tangent, tangent, out=spare)
+    spare += 1
+    np.divide(tangent, spare, out=slipped[2])
+    slipped[2] *= k
+    tangent *= beta
+    np.subtract(alpha, tangent, out=tangent)
+    tangent *= tangent
+    np.divide(tangent, spare, out=front[2])
+    front[2] += least
+    areas = area(front, slipped, free)
+    areas[:2] *= both
+    areas[2] *= slipped[2]
+    return weights @ areas[0], weights @ areas[1], weights @ areas[2]
+
+
+def quick_bracket(front: Array, slipped: Array, free: Array) -> Array:
+    """P ln(P/P_c) - P + P_c, to rounding of P - P_c: n Lam of the power law |x|^n, 2 Lam of Hertz."""
+    np.divide(slipped, front, out=free)
+    np.log1p(free, out=free)
+    front += slipped
+    free *= front
+    free -= slipped
+    return free
+
+
+def careful_bracket(front: Array, slipped: Array, free: Array) -> Array:
+    """The same to rounding of itself."""
+    del free
+    front += slipped
+    return front * log_excess(slipped / front)
+
+
+_CELL_BITS = 4
+_CELLS = 1 << _CELL_BITS
+_REST, _ONE = np.int64((1 << (52 - _CELL_BITS)) - 1), np.int64(1023 << 52)
+# Of the Chebyshev series through twelve points eight terms leave 1e-16; as powers of half its argument.
+_PLACES, _TERMS = np.cos(math.pi * (np.arange(12) + 0.5) / 12), 8
+_SERIES = [np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, _TERMS - 1 - k)) for k, row in enumerate(np.eye(_TERMS))]
+_TO_POWERS = 2.0 ** np.arange(_TERMS)[:, None] * (np.transpose(_SERIES) @ np.linalg.inv(chebyshev.chebvander(_PLACES, 11))[:_TERMS])
+_NEAR_RULE = tuple((float(node), float(weight * (1 - node))) for node, weight in zip(*gauss(7), strict=True))
+
+
+class LamTable:
+    """Lam of one contact whose P(a) has no corners, between two loads: polynomials in P on sixteen cells of every octave.
+
+        Lam(P, P_c) = J(P) - J(P_c) - (P - P_c) L(P_c),     J = int_0^P L d eta, L = ln(a/a(0)) = dJ/dP
+        where P_c is close to P:  (P - P_c)^2 int_0^1 (1 - z) L'(P_c + z (P - P_c)) dz
+
+    The number of a cell is that of the leading bits of the load, so that there is no search. To 1e-13.
+    """
+
+    def __init__(self, contact: Contact, first: int, last: int) -> None:
+        """From 2^first to 2^(last + 1)."""
+        self._first = (1023 + first) << _CELL_BITS
+        octave, cell = (grid.ravel() for grid in np.mgrid[first : last + 2, :_CELLS])
+        load = np.ldexp(1 + (cell[:, None] + (1 + _PLACES) / 2) / _CELLS, octave[:, None])
+        area = contact.dissipation_kernel(load, load)
+        # One octave on the loads are twice as much.
+        load, area, double = load[:-_CELLS], area[:-_CELLS], area[_CELLS:]
+        log = (double - area - contact.dissipation_kernel(2 * load, load)) / load
+        # Of a short way about the load Lam is half of its square times L', but for a share of 3e-14.
+        way = 1e-6 * load
+        with np.errstate(all="ignore"):
+            rate = 2 * contact.dissipation_kernel(load + way * (2 / 3), way) / (way * way)
+        self._area, self._log, self._rate = (_TO_POWERS @ values.T for values in (area, log, rate))
+
+    def _place(self, load: Array) -> tuple[NDArray[np.int64], Array]:
+        """Cells of loads, and places in them from -1/2 to 1/2."""
+        bits = load.view(np.int64)
+        inside = bits & _REST
+        inside <<= _CELL_BITS
+        inside |= _ONE
+        cell = bits >> (52 - _CELL_BITS)
+        cell -= self._first
+        return cell, inside.view(np.float64) - 1.5
+
+    def quick(self, front: Array, slipped: Array, free: Array) -> Array:
+        """Lam from P_c and P - P_c, (phases, n, m), to some 1e-16 of P^2 over P - P_c."""
+        for below, way, area in zip(front, slipped, free, strict=True):  # one phase after the other: it stays in the cache
+            cell, inside = self._place(np.stack([below + way, below]))
+            upper, lower = _series(self._area, cell, inside)
+            upper -= lower
+            np.multiply(way, _series(self._log, cell[1], inside[1]), out=area)
+            np.subtract(upper, area, out=area)
+        return free
+
+    def careful(self, front: Array, slipped: Array, free: Array) -> Array:
+        """The same to 1e-13 of itself."""
+        near = np.zeros(front.shape)
+        for node, weight in _NEAR_RULE:
+            near += weight * _series(self._rate, *self._place(front + node * slipped))
+        return np.where(0.7 * slipped < 0.3 * front, near * slipped * slipped, self.quick(front, slipped, free))
+
+
+def _series(rows: Array, cell: NDArray[np.int64], inside: Array) -> Array:
+    """Polynomials, rows from the lowest power on, columns for the cells; beyond the ends those of the first or last cell."""
+    total, row = rows[-1].take(cell, mode="clip"), np.empty(cell.shape)
+    for coefficients in rows[-2::-1]:
+        total *= inside
+        total += coefficients.take(cell, mode="clip", out=row)
     return total

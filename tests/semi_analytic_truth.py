@@ -8,7 +8,7 @@ import numpy as np
 
 from scenes import Elastic, Materials, ellipse_segment
 from semi_analytic import friction_work
-from semi_analytic.arcs import Arc
+from semi_analytic.fields import Arc
 from semi_analytic.memory import Piece, instant
 from semi_analytic.profiles import contact_of, power_law
 from semi_analytic.punch_superposition import PunchSuperposition

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import halfplane_fe
-from halfplane_fe import pair as pairs
+from halfplane_fe import interface as pairs
 from halfplane_fe.interface import couple
 from halfplane_fe.mortar import Side, mortar
 from meshes import MeshSettings, SurfaceGrading, solids

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from halfplane_fe.coupled import CoupledFactor, SingularSet
+from halfplane_fe.active_subsets import CoupledFactor, SingularSet
 from halfplane_fe.interface import Interface
 
 N, FRICTION = 30, 0.7

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import halfplane_fe
-from halfplane_fe import coupled
+from halfplane_fe import active_subsets
+from halfplane_fe.active_subsets import Kept
 from halfplane_fe.interface import Interface
-from halfplane_fe.kept import Kept
 from meshes import MeshSettings
 from scenes import Block, Bodies, EllipseLoad, Hertz, Materials, Pad, SurfaceState, load_scene
 
@@ -77,14 +77,14 @@ SCENE = load_scene("hertz-paper").vary(
 MESH = MeshSettings(element_size=1 / 8, edge_element_size=1 / 16, growth=0.5)
 
 
-def unlike_factor(n: int) -> coupled.CoupledFactor:
+def unlike_factor(n: int) -> active_subsets.CoupledFactor:
     """A coupled system of n nodes with nothing special about it."""
     rng, zero = np.random.default_rng(5), np.zeros(n)
     normal, tangential = (half @ half.T / n + np.eye(n) for half in rng.standard_normal((2, n, n)))
     coupling = 0.1 * rng.standard_normal((n, n))
     flat = np.stack([zero, zero + 1])
     faces = Interface(np.linspace(-1, 1, n), zero + 1, flat, zero, normal, tangential, coupling)
-    return coupled.CoupledFactor(faces, normal, tangential, coupling, 0.5, Counter())
+    return active_subsets.CoupledFactor(faces, normal, tangential, coupling, 0.5, Counter())
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +94,7 @@ def plain() -> halfplane_fe.FiniteElementSolution:
 
 def test_a_tiny_bound_changes_no_answer(plain: halfplane_fe.FiniteElementSolution, monkeypatch: pytest.MonkeyPatch) -> None:
     """With room for one base and one change the same sets are met and the same forces found, by more work."""
-    monkeypatch.setattr(coupled, "_KEPT_BYTES", 1)
+    monkeypatch.setattr(active_subsets, "_COUPLED_BYTES", 1)
     tight = halfplane_fe.solve(SCENE, MESH)
     assert tight.work.counts["factor updates"] > 1.2 * plain.work.counts["factor updates"]
     np.testing.assert_array_equal(tight.state, plain.state)
@@ -110,7 +110,7 @@ def test_factors_are_updated_far_more_often_than_made(plain: halfplane_fe.Finite
     assert counts["linear solves"] > counts["factor updates"]
 
 
-def bytes_reached(factor: coupled.CoupledFactor) -> tuple[int, int]:
+def bytes_reached(factor: active_subsets.CoupledFactor) -> tuple[int, int]:
     """Bytes of all bases with their columns, and of all changes, that the caches reach in fact, not what they were told."""
     changes = [change for _, change in factor._changes.items()]
     bases = {id(base): base for base in [*(base for _, base in factor._bases.items()), *(change.base for change in changes)]}
@@ -123,7 +123,7 @@ def test_bytes_kept_stay_within_the_bound(every: int, few: int, monkeypatch: pyt
     """Room for two bases or three: columns count, and no change keeps a base that was forgotten."""
     factor, rng = unlike_factor(60), np.random.default_rng(3)
     bound = 3 * 8 * 2 * 122**2
-    monkeypatch.setattr(coupled, "_KEPT_BYTES", bound)
+    monkeypatch.setattr(active_subsets, "_COUPLED_BYTES", bound)
     factor.__post_init__()
     reached, states = [], np.full(60, SurfaceState.STICK, dtype=np.int8)
     for number in range(300):

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from halfplane_fe.nested import NestedFactor
+from halfplane_fe.active_subsets import NestedFactor
 from problems import fe_run
 from scenes import ConvergenceError, load_scene
 

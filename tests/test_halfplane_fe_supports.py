@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from halfplane_fe.elasticity import condense, displacement_fields
-from halfplane_fe.pair import check_supports
+from halfplane_fe.interface import check_supports
 from meshes import SurfaceGrading, solid
 from scenes import Block, Cylinder, Elastic, Hertz, InputError, Pad, Scene, load_scene
 

@@ -7,7 +7,7 @@ import pytest
 
 from reports.cli import main
 from scenes import CallableProfile, FlatRounded, HarmonicLoad, Hertz, PowerLaw, Tabulated, load_scene
-from semi_analytic import FIELDS, arcs, solve
+from semi_analytic import FIELDS, fields, solve
 from semi_analytic.friction_work import work_error
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Records
@@ -105,7 +105,7 @@ def test_closed_forms_tell_what_their_arcs_lose(monkeypatch):
     time = 3 * 2 * np.pi + np.linspace(0, 2 * np.pi, 25)
     truth = solve(scene, x=x, time=time, fields=("shear", "slip"))
     assert not truth.record.errors
-    monkeypatch.setattr(arcs, "_beside_no_load", lambda half, a, *rest: np.zeros(len(a), dtype=bool))
+    monkeypatch.setattr(fields, "_beside_no_load", lambda half, a, *rest: np.zeros(len(a), dtype=bool))
     rough = solve(scene, x=x, time=time, fields=("shear", "slip"))
     off = np.max(np.abs(rough.slip - truth.slip)) / np.max(np.abs(truth.slip))
     assert 1e-10 < off <= rough.record.errors["slip"] < 1e-5
@@ -120,7 +120,7 @@ def test_the_error_of_an_arc_is_stated(monkeypatch):
     x = np.linspace(0, 1, 9)
     good = solve(scene, x=x, fields=("shear",))
     assert good.record.errors["shear"] < 1e-12
-    monkeypatch.setattr(arcs, "_SPANS", ((math.inf, 4),))
+    monkeypatch.setattr(fields, "_SPANS", ((math.inf, 4),))
     poor = solve(scene, x=x, fields=("shear",))
     largest = scene.friction.coefficient * np.max(solve(scene, x=x, fields=("pressure",)).pressure)
     off = np.max(np.abs(poor.shear - good.shear)) / largest

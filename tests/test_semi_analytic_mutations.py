@@ -10,8 +10,7 @@ import semi_analytic.history
 import semi_analytic.load_series
 from scenes import StraightSegment, SurfaceState, load_scene
 from semi_analytic import solve
-from semi_analytic.arcs import Arc
-from semi_analytic.fields import Integrals
+from semi_analytic.fields import Arc, Integrals
 from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
 

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.pair import check_supports, meshed_pair
+from halfplane_fe.interface import check_supports, meshed_pair
 from halfplane_fe.path import stretches
 from halfplane_fe.scales import Scales, find_scales, sheared
 from halfplane_fe.solve import surface_grading
@@ -87,7 +87,7 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
     Raises
     ------
     InputError
-        For a scene that does not pass its own check, and for bodies that can't be meshed or held, see `meshes.build` and
+        For a scene that does not pass its own check, and for bodies that can't be meshed or held, see `meshes.solids` and
         `halfplane_fe.solve`.
     """
     scene, settings = validated(scene, Scene), settings or DeckSettings()

@@ -1,4 +1,18 @@
-r"""Normal and tangential problem of unlike bodies in one system, for many sets of node states (Sherman-Morrison-Woodbury).
+"""Linear systems of many active sets from one factor (Sherman-Morrison-Woodbury), with a cache bounded in bytes.
+
+Like bodies (`NestedFactor`): solutions of M_AA f = b for many sets A of nodes from one Cholesky factor of M.
+
+With the nodes ordered from the middle of the contact outwards, M = L L^T, the factor of the first k of them is the leading block of
+L: every contact and every stick zone that is symmetric about the middle needs no factorisation of its own. Any other set is such a
+prefix P with a few nodes D too many and a few nodes E too few. With a reaction r on D that makes f vanish there,
+
+    M_PP f_P + M_PE f_E = b_P + I_D r,    M_EP f_P + M_EE f_E = b_E,    f_D = 0,
+
+which is m = |D| + |E| columns of triangular solves, C = [I_D, -M_PE], and one m by m system:
+
+    (C^T M_PP^-1 C - diag(0, M_EE)) (r, f_E) = -C^T M_PP^-1 b_P - (0, b_E).
+
+Unlike bodies (`CoupledFactor`): normal and tangential problem in one system, for many sets of node states.
 
 Unknowns z = (p, q, delta, U); each node has two rows, by its state:
 
@@ -17,29 +31,195 @@ which is a column A_0^-1 e of the base for each changed row, kept with it, and o
 from __future__ import annotations
 
 import warnings
-from collections import Counter
+from collections import Counter, OrderedDict
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
+from scipy.linalg import LinAlgError, LinAlgWarning, cholesky, lu_factor, lu_solve
+from scipy.linalg.lapack import dtrtrs
 
 from halfplane_fe.interface import Interface
-from halfplane_fe.kept import Kept
 from halfplane_fe.law import slip_sign
-from scenes import OPEN, STICK
+from scenes import OPEN, STICK, ConvergenceError
+
+T = TypeVar("T")
+
+
+class Kept(Generic[T]):
+    """Values by key; what was asked for last is forgotten last.
+
+    >>> kept = Kept(bound=10)
+    >>> for key in (b"a", b"b"):
+    ...     _ = kept.put(key, key.decode(), 6)
+    >>> kept.get(b"a"), kept.get(b"b")
+    (None, 'b')
+    """
+
+    def __init__(self, bound: int) -> None:
+        self._bound, self._bytes = bound, 0
+        self._values: OrderedDict[bytes, tuple[T, int]] = OrderedDict()
+
+    def get(self, key: bytes) -> T | None:
+        """The value, which thereby counts as used; None where there is none."""
+        if key not in self._values:
+            return None
+        self._values.move_to_end(key)
+        return self._values[key][0]
+
+    def put(self, key: bytes, value: T, nbytes: int) -> T:
+        """Keep a value of so many bytes, in place of one that the key may have had, and give it back."""
+        self._bytes -= self._values.pop(key, (None, 0))[1]
+        self._values[key] = value, nbytes
+        self._bytes += nbytes
+        while self._bytes > self._bound and len(self._values) > 1:
+            self._bytes -= self._values.popitem(last=False)[1][1]
+        return value
+
+    def keep_only(self, wanted: Callable[[T], bool]) -> None:
+        """Forget all other values."""
+        for key in [key for key, (value, _) in self._values.items() if not wanted(value)]:
+            self._bytes -= self._values.pop(key)[1]
+
+    def items(self) -> Iterable[tuple[bytes, T]]:
+        """All there is."""
+        return ((key, value) for key, (value, _) in self._values.items())
+
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+
+# Bytes of corrections kept: a cycle meets the same sets of nodes again and again.
+_PREFIX_BYTES = 100_000_000
+
+
+@dataclass(eq=False)
+class _Correction:
+    """What it takes to go from a prefix of `size` nodes to a set: M_PP^-1 C and the factors of the m by m system.
+
+    `dropped` (in the prefix) and `added` (beyond it) are places in the order of elimination.
+    """
+
+    size: int
+    dropped: Indices
+    added: Indices
+    solved: Array  # (size, m)
+    coupling: Array  # (size, |E|), M_PE
+    factors: tuple[Array, Array] | None
+    by_border: Array | None = None
+
+    @property
+    def nbytes(self) -> int:
+        """What it takes to keep it, roughly."""
+        return self.solved.nbytes + self.coupling.nbytes + 16 * self.size
+
+
+class NestedFactor:
+    """One Cholesky factor of a symmetric positive definite matrix, serving any subset of its rows.
+
+    Parameters
+    ----------
+    matrix : (n, n)
+    x : (n,) places of the nodes, contact and stick zone lying about 0
+    border : (n,) a right-hand side that every set is solved for
+    work : counts "factorisations" (of n^3) and "factor updates" (of m n^2)
+
+    Raises
+    ------
+    ConvergenceError
+        If the matrix is not positive definite.
+
+    >>> factor = NestedFactor(np.array([[2.0, 1.0], [1.0, 4.0]]), np.array([0.0, 1.0]), np.ones(2), Counter())
+    >>> factor.solve(np.array([False, True]), np.array([8.0]))
+    array([2.])
+    """
+
+    def __init__(self, matrix: Array, x: Array, border: Array, work: Counter[str]) -> None:
+        self._order = np.argsort(np.abs(x), kind="stable")
+        self._matrix, self._border = matrix, border
+        self._work = work
+        try:
+            lower = cholesky(matrix[np.ix_(self._order, self._order)], lower=True, check_finite=False)
+        except LinAlgError as reason:
+            raise ConvergenceError(f"contact: the compliance of the contact nodes is not positive definite: {reason}") from reason
+        self._lower = np.asfortranarray(lower)  # so that its leading columns go to LAPACK without a copy
+        self._work["factorisations"] += 1
+        self._kept: Kept[_Correction] = Kept(_PREFIX_BYTES)
+
+    def solve(self, active: Mask, known: Array) -> Array:
+        """f (n_active,) with M_AA f = known, rows by ascending node number."""
+        self._work["linear solves"] += 1
+        right = np.zeros(len(active))
+        right[active] = known
+        return self._solve(self._correction(active), right[self._order])[active]
+
+    def by_border(self, active: Mask) -> Array:
+        """f (n_active,) with M_AA f = border; kept, since every load on a set needs it."""
+        correction = self._correction(active)
+        if correction.by_border is None:
+            correction.by_border = self._solve(correction, np.where(active, self._border, 0.0)[self._order])[active]
+        return correction.by_border
+
+    def _solve(self, correction: _Correction, right: Array) -> Array:
+        """The solution (n,) by node number, zero off the set; `right` (n,) in the order of elimination, zero off the set."""
+        base = self._prefix_solve(right[: correction.size])
+        found = np.zeros_like(right)
+        if correction.factors is not None:
+            reaction = np.concatenate([-base[correction.dropped], correction.coupling.T @ base - right[correction.added]])
+            extra = lu_solve(correction.factors, reaction, check_finite=False)
+            base += correction.solved @ extra
+            base[correction.dropped] = 0.0
+            found[self._order[correction.added]] = extra[len(correction.dropped) :]
+        found[self._order[: correction.size]] = base
+        return found
+
+    def _prefix_solve(self, right: Array) -> Array:
+        """M_PP^-1 right, P the first len(right) nodes of the order."""
+        if not len(right):
+            return right
+        columns = self._lower[:, : len(right)]
+        half, _ = dtrtrs(columns, right, lower=1)
+        solved, _ = dtrtrs(columns, half, lower=1, trans=1)
+        return np.asarray(solved)
+
+    def _correction(self, active: Mask) -> _Correction:
+        key = active.tobytes()
+        if (known := self._kept.get(key)) is not None:
+            return known
+        made = self._make(active[self._order])
+        return self._kept.put(key, made, made.nbytes)
+
+    def _make(self, wanted: Mask) -> _Correction:
+        """The correction of the prefix that differs least from the set; `wanted` is in the order of elimination."""
+        differing = np.concatenate([[0], np.cumsum(~wanted)]) + np.concatenate([np.cumsum(wanted[::-1])[::-1], [0]])
+        size = int(np.argmin(differing))
+        dropped = np.flatnonzero(~wanted[:size])
+        added = size + np.flatnonzero(wanted[size:])
+        n_dropped, n_added = len(dropped), len(added)
+        coupling = self._matrix[np.ix_(self._order[:size], self._order[added])]
+        if n_dropped + n_added == 0:
+            return _Correction(size, dropped, added, np.empty((size, 0)), coupling, None)
+        self._work["factor updates"] += 1
+        columns = np.zeros((size, n_dropped + n_added), order="F")
+        columns[dropped, np.arange(n_dropped)] = 1.0
+        columns[:, n_dropped:] = -coupling
+        solved = self._prefix_solve(columns)
+        small = columns.T @ solved
+        places = self._order[added]
+        small[n_dropped:, n_dropped:] -= self._matrix[np.ix_(places, places)]
+        return _Correction(size, dropped, added, solved, coupling, lu_factor(small, check_finite=False))
+
+
 States = NDArray[np.int8]
 Factors = tuple[Array, Array]
 
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 48
 # Bytes kept, of bases and of what sets add to them: a cycle meets the same sets of nodes again and again.
-_KEPT_BYTES = 300_000_000
+_COUPLED_BYTES = 300_000_000
 
 
 class SingularSet(ArithmeticError):
@@ -96,8 +276,8 @@ class CoupledFactor:
     work: Counter[str]
 
     def __post_init__(self) -> None:
-        self._bases: Kept[_Base] = Kept(_KEPT_BYTES)
-        self._changes: Kept[_Change] = Kept(_KEPT_BYTES)
+        self._bases: Kept[_Base] = Kept(_COUPLED_BYTES)
+        self._changes: Kept[_Change] = Kept(_COUPLED_BYTES)
 
     def solve(self, states: States, gap: Array, slip: Array, loads: tuple[float, float]) -> tuple[Array, Array, float, float]:
         """p, q, approach and shift with the given gap at closed nodes and the given slip at sticking ones, each (n,).
