@@ -159,7 +159,7 @@ def paths_of(stage: str, engine: str, tree: Path) -> list[str]:
 def run_tests(stage: str, engine: str, tree: Path, processes: int, limit: float | None) -> tuple[int | None, str]:
     """Exit code of pytest, None where it was stopped; and the first test that failed, or the last line."""
     parallel = ["-n", str(processes)] if processes > 1 else ["-p", "no:xdist"]
-    options = ["-x", "-q", "--benchmark-disable", "--hypothesis-profile=ci", "-p", "no:cacheprovider"]
+    options = ["-x", "-q", "--benchmark-disable", "--hypothesis-profile=ci"]
     command = [sys.executable, "-m", "pytest", *options, *parallel, *paths_of(stage, engine, tree)]
     cache = tree / ".cache"
     cache.mkdir(exist_ok=True)
