@@ -232,7 +232,7 @@ def test_the_paper_is_quoted_nowhere() -> None:
     paper = frozenset(stored[k : k + 5] for k in range(0, len(stored), 5))
     assert len(paper) > 4000
     texts = {path: path.read_text(encoding="utf-8") for path in written()}
-    assert {ROOT / "README.md", DOCS / "misprints.md", ROOT / "reports" / "paper" / "misprints.py"} <= texts.keys()
+    assert {ROOT / "README.md", DOCS / "misprints.md", ROOT / "reports" / "paper" / "paper.toml"} <= texts.keys()
     found = {str(path.relative_to(ROOT)): quoted for path, text in texts.items() if (quoted := common(text, paper))}
     assert not found
     # A quotation is seen through line breaks, markup and the joints of strings.

@@ -33,12 +33,7 @@ LETTERS = "ABCDEFGHIJKLM"
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One of the paper's ellipses on one of its profiles. Scaled: loads over P0/3, lengths over a0, slips over A P0/3.
-
-    Attributes
-    ----------
-    scene : the question, an ellipse
-    """
+    """One of the paper's ellipses on one of its profiles. Scaled: loads over P0/3, lengths over a0, slips over A P0/3."""
 
     scene: Scene
 
@@ -139,34 +134,34 @@ class Case:
 
     def density(self, x: ArrayLike) -> dict[str, Array]:
         """Pointwise work of each phase of slip at scaled `x`, over A f^2 P0^2/a0."""
-        points = np.asarray(x, dtype=float) * self.length
-        modulus = composite_modulus(self.scene.material)
-        factor = self.length / self.work_unit
-        return {
-            phase: factor * pointwise_dissipation(self.contact, modulus, spans, points).total
-            for phase, spans in self.slipping.items()
-        }
+        points, modulus = np.asarray(x, dtype=float) * self.length, composite_modulus(self.scene.material)
+        parts = {phase: pointwise_dissipation(self.contact, modulus, spans, points) for phase, spans in self.slipping.items()}
+        return {phase: self.length / self.work_unit * part.total for phase, part in parts.items()}
 
     def batch(self, **changes: Any) -> dict[str, Any]:
         """Arguments of the engine's batches for this case, some of them replaced."""
-        load = self.load
-        return {
-            "profile": self.scene.profile,
-            "material": self.scene.material,
-            "friction_coefficient": self.friction,
-            "mean_normal_load": load.mean_normal_load,
-            "normal_amplitude": load.normal_amplitude,
-            "mean_tangential_load": load.mean_tangential_load,
-            "tangential_amplitude": load.tangential_amplitude,
-            "phase": load.phase,
-        } | changes
+        names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
+        bodies = {"profile": self.scene.profile, "material": self.scene.material, "friction_coefficient": self.friction}
+        return bodies | {name: getattr(self.load, name) for name in names} | changes
+
+    def circles(self, friction: ArrayLike, ratio: ArrayLike, **changes: Any) -> dict[str, Any]:
+        """The same for circles about Q = 0 (phase 90 degrees, Q1 = P1 = this unit) with P0/P1 = `ratio`."""
+        loads = {
+            "mean_normal_load": np.asarray(ratio) * self.unit,
+            "normal_amplitude": self.unit,
+            "tangential_amplitude": self.unit,
+        }
+        return self.batch(friction_coefficient=friction, mean_tangential_load=0.0, **loads, **changes)
 
     def with_load(self, friction: float | None = None, **changes: Any) -> Case:
         """The same with another f or other numbers of the ellipse."""
-        scene = self.scene.vary(load=changes)
-        if friction is not None:
-            scene = scene.vary(friction=friction)
-        return Case(scene)
+        return Case(self.scene.vary(load=changes, friction=self.friction if friction is None else friction))
+
+    def ten_times(self) -> Case:
+        """The same with all lengths and loads times ten: the same stresses."""
+        names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
+        radius = 10 * self.scene.profile.model_dump()["radius"]
+        return Case(self.scene.vary(profile={"radius": radius}, load={name: 10 * getattr(self.load, name) for name in names}))
 
     def about_no_shear(self, friction: float) -> Case:
         """The same amplitudes about Q0 = 0 with another f: the widest range of f before gross sliding."""
@@ -210,17 +205,9 @@ def sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
     # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself is rounding's.
     ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
     ratio = ratio * (largest / ratio) ** (np.linspace(0, 1, count) ** 2)
-    amplitude = case.unit
-    radius = case.scene.profile.model_dump()["radius"] * 3 / ratio
-    arguments = case.batch(
-        profile=case.scene.profile.model_dump() | {"radius": radius},
-        friction_coefficient=friction[:, None],
-        mean_normal_load=ratio * amplitude,
-        normal_amplitude=amplitude,
-        tangential_amplitude=amplitude,
-        mean_tangential_load=0.0,
-    )
-    scale = case.compliance * amplitude**2
+    profile = case.scene.profile.model_dump()
+    arguments = case.circles(friction[:, None], ratio, profile=profile | {"radius": profile["radius"] * 3 / ratio})
+    scale = case.compliance * case.unit**2
     peak = semi_analytic.peak_dissipation(**arguments)
     work = semi_analytic.dissipation(**arguments).value / scale
     arrays = (friction, ratio, work, peak.value * case.length / scale, peak.fraction)
@@ -229,12 +216,7 @@ def sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:
 
 @dataclass(frozen=True, eq=False)
 class Paper:
-    """Everything that figures, statements and misprints draw on; what is costly is done once.
-
-    Attributes
-    ----------
-    hertz, rounded : the two examples
-    """
+    """The two examples, which figures, statements and misprints draw on; what is costly is done once."""
 
     hertz: Case
     rounded: Case

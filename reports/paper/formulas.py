@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,31 +88,26 @@ class Formulas:
     def front(self, phase: str, t: ArrayLike) -> Array:
         """P_c: P_S of equation (8) in EG, P_Y in IJ, what the paper calls P_K in JM."""
         f, (p, q) = self.case.friction, self.loads(t)
-        if phase == "EG":
-            return np.asarray((q + f * p - self.level("E", -1)) / (2 * f))
         if phase == "IJ":
             return self.loads(self.twin(t))[0]
-        return np.asarray((self.level("G", 1) - q + f * p) / (2 * f))
+        return (q + f * p - self.level("E", -1)) / (2 * f) if phase == "EG" else (self.level("G", 1) - q + f * p) / (2 * f)
 
     def front_rate(self, phase: str, t: ArrayLike) -> Array:
         """dP_c/dt."""
         f, (dp, dq) = self.case.friction, self.rates(t)
-        if phase == "EG":
-            return np.asarray((dq + f * dp) / (2 * f))
         if phase == "IJ":
             return -self.rates(self.twin(t))[0]
-        return np.asarray((f * dp - dq) / (2 * f))
+        return (f * dp + dq) / (2 * f) if phase == "EG" else (f * dp - dq) / (2 * f)
 
     def multiplier(self, phase: str, t: ArrayLike) -> Array:
         """C of equation (14), as printed."""
-        time = self.twin(t) if phase == "IJ" else t
-        dp, dq = self.rates(time)
-        return np.asarray(dq / dp / self.case.friction + (1 if phase == "EG" else -1))
+        dp, dq = self.rates(self.twin(t) if phase == "IJ" else t)
+        return dq / dp / self.case.friction + (1 if phase == "EG" else -1)
 
     def driving(self, phase: str, t: ArrayLike) -> Array:
         """C dP/dt with the sign of slip: dv/f in EG, du/f in IJ and JM (where C dP is C dP_Y)."""
         f, (dp, dq) = self.case.friction, self.rates(t)
-        return np.asarray(dq / f + (dp if phase == "EG" else -dp))
+        return dq / f + (dp if phase == "EG" else -dp)
 
     def reach(self, x: float | Array, load: ArrayLike) -> Array:
         """arccosh(x/a(P)), 0 inside: int_a^x dx / sqrt(x^2 - a^2)."""
@@ -123,29 +118,25 @@ class Formulas:
 
         ds = (A/pi) f [C dP arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ and JM.
         """
-        p, dp = self.loads(t)[0], self.rates(t)[0]
         own = self.driving(phase, t) * self.reach(x, self.front(phase, t))
-        outside = (1 if phase == "EG" else -1) * dp * self.reach(x, p)
+        outside = (1 if phase == "EG" else -1) * self.rates(t)[0] * self.reach(x, self.loads(t)[0])
         return self.case.compliance * self.case.friction / math.pi * (own - outside)
 
     def moved(self, x: float, begin: float, end: float) -> float:
         """The engine's change of s at x between two times in which the steady cycle is marched along."""
         return float(np.diff(self.case.solve(time=[begin, end], x=[x / self.case.length], fields=("slip",)).slip[:, 0])[0])
 
-    def windows(self, phase: str, x: float) -> Iterable[tuple[Array, Array]]:
-        """Quadrature nodes and weights over the times at which x rubs in a phase."""
-        edge_load = np.asarray(self.case.contact.load(np.array([x])))
+    def rubbing(self, phase: str, x: float, rate: Callable[[Array], ArrayLike]) -> float:
+        """Integral of a rate over the times at which x rubs in a phase."""
+        edge_load, whole = np.asarray(self.case.contact.load(np.array([x]))), 0.0
         for span in self.case.slipping[phase]:
             begin, end = (float(time[0]) for time in slip_times(span, edge_load))
             if end > begin:
-                yield graded(begin + span.delay, end + span.delay)
+                whole += integral(rate, begin + span.delay, end + span.delay)
+        return whole
 
 
-def integral(values: ArrayLike, weights: Array) -> float:
-    """Sum of values times weights."""
-    return float(np.sum(np.asarray(values) * weights))
-
-
-def share(found: float, right: float) -> float:
-    """Relative error."""
-    return abs(found / right - 1)
+def integral(rate: Callable[[Array], ArrayLike], begin: float, end: float) -> float:
+    """Integral of a function that may have roots at both ends."""
+    t, weights = graded(begin, end)
+    return float(np.sum(np.asarray(rate(t)) * weights))

@@ -17,20 +17,9 @@ from reports.paper.cases import Paper, paper
 from reports.paper.figures_loads import figure_1, figure_2, figure_3
 from reports.paper.figures_work import figure_6, figure_7, figure_9, figure_10
 from reports.paper.figures_zones import figure_4a, figure_4b, figure_5, figure_8
-from reports.paper.misprints import load_misprints
-from reports.paper.misprints_slip import slip_misprints
-from reports.paper.statements_cycle import cycle_statements
-from reports.paper.statements_loads import load_statements
-from reports.paper.statements_tractions import traction_statements
-from reports.paper.statements_work import work_statements
-from reports.paper.tables import (
-    Misprint,
-    Statement,
-    Verdict,
-    misprints_table,
-    proven_in_words,
-    statements_table,
-)
+from reports.paper.misprints import MISPRINTS
+from reports.paper.statements import STATEMENTS
+from reports.paper.tables import WORDS, Misprint, Statement, Verdict, as_columns, misprint, proven_in_words, statement
 
 SOURCE = (
     "“Energy dissipation in a frictional incomplete contact with varying normal load”, International Journal of Mechanical "
@@ -54,17 +43,12 @@ class PaperReport:
 
 def statements(examples: Paper) -> tuple[Statement, ...]:
     """Every statement of the paper, with verdicts."""
-    return (
-        *traction_statements(examples),
-        *cycle_statements(examples),
-        *load_statements(examples),
-        *work_statements(examples),
-    )
+    return tuple(statement(words, STATEMENTS[words["key"]](examples)) for words in WORDS["statement"])
 
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
     """Every misprint of the paper, with proofs."""
-    return (*load_misprints(examples), *slip_misprints(examples))
+    return tuple(misprint(words, MISPRINTS[words["key"]](examples)) for words in WORDS["misprint"])
 
 
 def sheets(examples: Paper) -> tuple[Plate, ...]:
@@ -105,8 +89,8 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
     with stages.stage("figures"):
         figures = sheets(examples)
     with filled(out) as folder:
-        (folder / "statements.csv").write_text(table_text(statements_table(said)), encoding="utf-8")
-        (folder / "misprints.csv").write_text(table_text(misprints_table(wrong)), encoding="utf-8")
+        (folder / "statements.csv").write_text(table_text(as_columns(said, "statement")), encoding="utf-8")
+        (folder / "misprints.csv").write_text(table_text(as_columns(wrong, "misprint")), encoding="utf-8")
         with stages.stage("SVG, PNG and CSV"):
             write_plots(figures, folder / "figures", ("png",))
             for figure in figures:

@@ -1,10 +1,21 @@
-"""The rows of the paper's two tables, and the rules that turn numbers into verdicts."""
+"""The rows of the paper's two tables: words from paper.toml, numbers from rules, and how numbers become verdicts."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from enum import StrEnum
+from pathlib import Path
+from string import Formatter
+from typing import Any
+
+from reports.paper.cases import Paper
+
+EXACT, APART = 1e-9, 1e-3
+"""A mended formula agrees with the engine to EXACT; a misprint is off by more than APART: both shares of the right value."""
+WORDS: dict[str, list[dict[str, str]]] = tomllib.loads(Path(__file__).with_name("paper.toml").read_text(encoding="utf-8"))
+_PROVEN = {True: "yes", False: "no", None: "by reading"}
 
 
 class Verdict(StrEnum):
@@ -53,6 +64,50 @@ class Misprint:
     values: Mapping[str, float]
 
 
+# What a rule finds: the verdict, or whether the misprint is proven, and what the words of its row name.
+Found = tuple[Any, dict[str, Any]]
+Rule = Callable[[Paper], Found]
+
+
+def rule(rules: dict[str, Rule], key: str) -> Callable[[Rule], Rule]:
+    """Makes a function the rule of the row `key`."""
+    return lambda function: rules.setdefault(key, function)
+
+
+class _Words(Formatter):
+    """Fills braces by names that hold any sign but :, ! and braces; knows the format `small`."""
+
+    def get_field(self, field_name: str, args: Any, kwargs: Any) -> Any:  # noqa: ARG002 -- as Formatter has it
+        return kwargs[field_name], field_name
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        return small(value) if format_spec == "small" else format(value, format_spec)
+
+
+def filled_in(text: str, values: Mapping[str, Any]) -> str:
+    """A text of paper.toml with its numbers.
+
+    >>> filled_in("off by {error at a/b:small}", {"error at a/b": 3.14e-15})
+    'off by 3e-15'
+    """
+    return _Words().vformat(text, (), values)
+
+
+def statement(words: Mapping[str, str], found: Found) -> Statement:
+    """A row of the first table."""
+    return Statement(words["key"], words["where"], words["words"], filled_in(words["text"], found[1]), found[0], _numbers(found[1]))
+
+
+def misprint(words: Mapping[str, str], found: Found) -> Misprint:
+    """A row of the second table."""
+    key, where, printed, right, text = (words[name] for name in ("key", "where", "printed", "right", "text"))
+    return Misprint(key, where, printed, right, filled_in(text, found[1]), found[0], _numbers(found[1]))
+
+
+def _numbers(values: Mapping[str, Any]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if not isinstance(value, str)}
+
+
 def judge(holds: bool, nearly: bool = False) -> Verdict:
     """Confirmed if it holds, refined if it nearly does, else contradicted.
 
@@ -80,10 +135,6 @@ def small(value: float) -> str:
     return "0" if value == 0 else f"{value:.0e}"
 
 
-EXACT, APART = 1e-9, 1e-3
-"""A mended formula agrees with the engine to EXACT; a misprint is off by more than APART: both shares of the right value."""
-
-
 def proves(right_error: float, printed_error: float) -> bool:
     """Whether two relative errors prove a misprint.
 
@@ -95,33 +146,16 @@ def proves(right_error: float, printed_error: float) -> bool:
 
 def proven_in_words(row: Misprint) -> str:
     """Yes, no, or by reading."""
-    return {True: "yes", False: "no", None: "by reading"}[row.proven]
+    return _PROVEN[row.proven]
 
 
-def statements_table(rows: Sequence[Statement]) -> dict[str, list[str]]:
-    """Columns for CSV."""
-    return {
-        "statement": [row.key for row in rows],
-        "where": [row.where for row in rows],
-        "the paper": [row.words for row in rows],
-        "computed": [row.computed for row in rows],
-        "verdict": [row.verdict.value for row in rows],
-        "numbers": [_numbers(row.values) for row in rows],
-    }
+def as_columns(rows: Sequence[Statement] | Sequence[Misprint], key: str) -> dict[str, list[str]]:
+    """Columns of one of the tables for CSV; `key` heads the first."""
+    heads = {"key": key, "words": "the paper", "values": "numbers"}
+    return {heads.get(one.name, one.name): [_cell(getattr(row, one.name)) for row in rows] for one in fields(rows[0])}
 
 
-def misprints_table(rows: Sequence[Misprint]) -> dict[str, list[str]]:
-    """Columns for CSV."""
-    return {
-        "misprint": [row.key for row in rows],
-        "where": [row.where for row in rows],
-        "printed": [row.printed for row in rows],
-        "right": [row.right for row in rows],
-        "proof": [row.proof for row in rows],
-        "proven": [proven_in_words(row) for row in rows],
-        "numbers": [_numbers(row.values) for row in rows],
-    }
-
-
-def _numbers(values: Mapping[str, float]) -> str:
-    return "; ".join(f"{name} = {value!r}" for name, value in values.items())
+def _cell(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "; ".join(f"{name} = {number!r}" for name, number in value.items())
+    return value if isinstance(value, str) else _PROVEN[value]
