@@ -16,6 +16,7 @@ from reports.cli import main
 from reports.console import Stages
 from reports.paper import page as paper
 from reports.paper.cases import LETTERS, Paper
+from reports.paper.figures import sheets
 from scenes import InputError
 
 FIGURES = ("01", "02", "03", "04a", "04b", "05", "06", "07a", "07b", "08", "09", "10a", "10b")
@@ -33,7 +34,7 @@ def page(report: paper.PaperReport) -> str:
 
 @pytest.fixture(scope="module")
 def described() -> dict[str, Plate]:
-    return {sheet.name: sheet for sheet in paper.sheets(paper.paper())}
+    return {sheet.name: sheet for sheet in sheets(paper.paper())}
 
 
 def rows(path: Path) -> list[dict[str, str]]:

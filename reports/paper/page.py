@@ -7,16 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from reports.charts.plate import Plate
 from reports.charts.publication import write_plots
 from reports.charts.table import table_text
 from reports.charts.templating import script, template
 from reports.console import Stages
 from reports.folder import filled
 from reports.paper.cases import Paper, paper
-from reports.paper.figures_loads import figure_1, figure_2, figure_3
-from reports.paper.figures_work import figure_6, figure_7, figure_9, figure_10
-from reports.paper.figures_zones import figure_4a, figure_4b, figure_5, figure_8
+from reports.paper.figures import sheets
 from reports.paper.misprints import MISPRINTS
 from reports.paper.statements import STATEMENTS
 from reports.paper.tables import WORDS, Misprint, Statement, Verdict, as_columns, misprint, proven_in_words, statement
@@ -49,24 +46,6 @@ def statements(examples: Paper) -> tuple[Statement, ...]:
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
     """Every misprint of the paper, with proofs."""
     return tuple(misprint(words, MISPRINTS[words["key"]](examples)) for words in WORDS["misprint"])
-
-
-def sheets(examples: Paper) -> tuple[Plate, ...]:
-    """Every figure of the paper, in its order."""
-    hertz, rounded = examples.hertz, examples.rounded
-    return (
-        figure_1(rounded),
-        figure_2(hertz),
-        figure_3(hertz),
-        figure_4a(hertz),
-        figure_4b(hertz),
-        figure_5(hertz),
-        figure_6(examples),
-        *figure_7(examples),
-        figure_8(rounded),
-        figure_9(examples),
-        *figure_10(examples),
-    )
 
 
 def tally(rows: Sequence[Statement]) -> dict[str, int]:
