@@ -22,11 +22,9 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.console import Stages
-from reports.third.calculix import calculix_deck
-from reports.third.deck import Deck, build_deck
-from reports.third.opinion import judged
-from reports.third.running import calculix_version, find_calculix, run_calculix
-from reports.third.settings import DeckSettings
+from reports.third.calculix import calculix_version, find_calculix, judged, run_calculix
+from reports.third.deck import Deck, DeckSettings, build_deck
+from reports.third.dialects import deck_text
 from scenes import Scene, load_scene
 
 Array = NDArray[np.float64]
@@ -139,7 +137,7 @@ def kratos(scene: Scene, edge: int) -> Answer:
     deck = deck_of(scene, edge)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "deck.inp").write_text(calculix_deck(deck), encoding="utf-8")
+        (folder / "deck.inp").write_text(deck_text(deck, "calculix"), encoding="utf-8")
         meshed = time.process_time() - begun
         command = [str(PEERS), str(KRATOS), str(folder / "deck.inp"), str(folder / "result.csv")]
         subprocess.run(command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"}, cwd=folder)
@@ -156,7 +154,7 @@ def calculix(scene: Scene, edge: int) -> Answer:
     program = find_calculix()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "third.inp").write_text(calculix_deck(deck), encoding="utf-8")
+        (folder / "third.inp").write_text(deck_text(deck, "calculix"), encoding="utf-8")
         meshed, before = time.process_time() - begun, _children()
         with Stages(quiet=True).stage("CalculiX") as report:
             run_calculix(program, folder, "third", float(deck.deck_time[-1]), 600.0, report)

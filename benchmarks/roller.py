@@ -27,11 +27,9 @@ import numpy as np
 from claim import commit
 
 from reports.scoring.calculix_frd import FrdFile, read_frd
-from reports.third.blocks import Block
-from reports.third.calculix import calculix_deck
-from reports.third.deck import Deck, build_deck
-from reports.third.running import calculix_version, find_calculix, run_calculix
-from reports.third.settings import DeckSettings
+from reports.third.calculix import calculix_version, find_calculix, run_calculix
+from reports.third.deck import Deck, DeckSettings, build_deck
+from reports.third.dialects import deck_text
 from scenes import freeze, load_scene
 
 KEPT = Path(__file__).with_suffix(".json")
@@ -123,9 +121,7 @@ def measured(case: Case) -> dict[str, Any]:
     """What CalculiX gives for the block's face under the roller, for JSON; pressures in MPa, displacements in mm."""
     deck, program = case.deck(), find_calculix()
     middle = int(deck.lower.first_node + np.argmin(np.hypot(*deck.lower.nodes.T)))
-    text = calculix_deck(deck)
-    wanted = [line for block in (Block("NODE FILE", {}, ("U",)), Block("EL FILE", {}, ("S",))) for line in block.text()]
-    text = text.replace("*CONTACT FILE", "\n".join([*wanted, "*CONTACT FILE"]), 1)
+    text = deck_text(deck, "calculix").replace("*CONTACT FILE", "*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE", 1)
     if case.large:
         text = text.replace("NLGEOM=NO", "NLGEOM=YES")
     with tempfile.TemporaryDirectory(prefix="halfplane-roller-") as name:

@@ -113,7 +113,7 @@ def test_a_claim_is_quoted_with_two_digits_its_unit_and_where_it_is_from() -> No
 
 def test_what_the_report_says_of_calculix_is_what_was_measured() -> None:
     """The sentence on its friction history quotes the second revolutions."""
-    source, cases = (ROOT / "reports" / "third" / "opinion.py").read_text(encoding="utf-8"), pages.third()
+    source, cases = (ROOT / "reports" / "third" / "calculix.py").read_text(encoding="utf-8"), pages.third()
     varying, constant = (cases[f"{name}, 2 revolutions"]["errors"]["dissipation"] for name in ("hertz-paper", "cattaneo-mindlin"))
     assert f"{100 * varying:+.0f} % of the dissipation of" in source
     assert f"{100 * constant:+.0f} % of cattaneo-mindlin's" in source

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
     from reports.comparison import Comparison, Report
-    from reports.third.opinion import ThirdOpinion
+    from reports.third.calculix import ThirdSolver
     from scenes import ContactSolution, LoadSegment, Scene
 
 _THIRD_LIMIT = 1800.0
@@ -285,7 +285,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
         largest_contact(scene, source)  # what theory refuses, before the finite elements are solved
         options.settings()
         if options.third:
-            from reports.third.running import find_calculix
+            from reports.third.calculix import find_calculix
 
             find_calculix()
         if options.pdf:
@@ -361,15 +361,15 @@ def _with_budget(comparison: Comparison, options: FiniteElements, stages: Stages
     return with_budget(comparison, error_budget(comparison, ladders, plain_seconds))
 
 
-def _third(scene: Scene, options: RunOptions, result: ContactSolution, stages: Stages, command: str) -> ThirdOpinion:
+def _third(scene: Scene, options: RunOptions, result: ContactSolution, stages: Stages, command: str) -> ThirdSolver:
     """CalculiX on the exported deck, at the instants a revolution that were asked for, if any were."""
-    from reports.third.opinion import ask_calculix
-    from reports.third.settings import DeckSettings
+    from reports.third.calculix import solve_with_calculix
+    from reports.third.deck import DeckSettings
 
     steps, limit = options.steps_per_cycle, options.third_limit
     settings = DeckSettings() if steps is None else DeckSettings(steps_per_cycle=steps)
     scales = getattr(result, "scales", None)
-    return ask_calculix(scene, settings, _THIRD_LIMIT if limit is None else limit, stages, scales, command)
+    return solve_with_calculix(scene, settings, _THIRD_LIMIT if limit is None else limit, stages, scales, command)
 
 
 def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> int:
@@ -384,7 +384,7 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
         show_verdict(report)
         _show_uncertainty(report)
         if third is not None:
-            from reports.third.words import heads, rows, sentences
+            from reports.third.calculix import heads, rows, sentences
 
             show_table("A third solver", heads(third), rows(comparison, third), right=(1, 2, 3))
             for sentence in sentences(third):
@@ -645,10 +645,8 @@ def export(scene: SceneName, *, options: ExportOptions) -> int:
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
         with stages.stage("loading"):
             from halfplane_fe.solve import versions
-            from reports.third.abaqus import abaqus_deck
-            from reports.third.calculix import calculix_deck
-            from reports.third.deck import build_deck
-            from reports.third.settings import DeckSettings
+            from reports.third.deck import DeckSettings, build_deck
+            from reports.third.dialects import deck_text
             from reports.units import units
         given = {"steps_per_cycle": options.steps_per_cycle, "cycles": options.cycles}
         settings = DeckSettings(**{name: value for name, value in given.items() if value is not None})
@@ -656,7 +654,7 @@ def export(scene: SceneName, *, options: ExportOptions) -> int:
             deck = build_deck(scene, settings)
         # The deck's first comment: where it lies is nobody's business.
         command = options.command("export", source, folder).rpartition(" --out ")[0]
-        text = (calculix_deck if options.to == "calculix" else abaqus_deck)(deck, command, versions())
+        text = deck_text(deck, options.to, command, versions())
         file = f"{default_folder(scene.name).name}_{options.to}.inp"
         with filled(folder, fresh=(file,)) as staging:
             (staging / file).write_text(text, encoding="utf-8")

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.scoring.diagnosis import Diagnosis
     from reports.scoring.study import Study
-    from reports.third.opinion import ThirdOpinion
+    from reports.third.calculix import ThirdSolver
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +131,7 @@ class Report:
     guesses: tuple[str, ...] = ()
     diagnoses: tuple[Diagnosis, ...] = ()
     study: Study | None = None
-    third: ThirdOpinion | None = None
+    third: ThirdSolver | None = None
 
     @property
     def honest(self) -> str:

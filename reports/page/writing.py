@@ -29,7 +29,7 @@ from reports.page.content import render
 
 if TYPE_CHECKING:
     from reports.fields import Instant
-    from reports.third.opinion import ThirdOpinion
+    from reports.third.calculix import ThirdSolver
 
 
 def write(
@@ -103,13 +103,12 @@ def write(
     return Path(out) / "report.html"
 
 
-def _write_third(comparison: Comparison, third: ThirdOpinion, folder: Path) -> dict[str, Any]:
-    """Files of a third opinion; returns what the page says of it."""
-    from reports.third.words import as_json as third_json
-    from reports.third.words import page_words
+def _write_third(comparison: Comparison, third: ThirdSolver, folder: Path) -> dict[str, Any]:
+    """Files of a third solver; returns what the page states of it."""
+    from reports.third.calculix import as_json, page_words
 
     (folder / "third.inp").write_text(third.text, encoding="utf-8")
-    (folder / "third.json").write_text(third_json(comparison, third), encoding="utf-8")
+    (folder / "third.json").write_text(as_json(comparison, third), encoding="utf-8")
     if third.comparison is not None:
         third.comparison.result.save(folder / "third.nc")
     return page_words(comparison, third)

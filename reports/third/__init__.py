@@ -1,1 +1,1 @@
-"""A third opinion: the scene as an input deck for CalculiX and Abaqus, and CalculiX' own answer beside the two engines'."""
+"""Third solver: the scene as an input deck for CalculiX and Abaqus, and CalculiX' answer beside those of the two engines."""

@@ -1,43 +1,309 @@
-"""The deck in CalculiX' words."""
+"""CalculiX' answer to a scene: its program run on the deck, its result judged by the metrics of our own finite elements.
+
+The table of three columns, theory, our finite elements and CalculiX, is the same on the terminal, in third.json and on the page.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
 
-from reports.third import blocks
-from reports.third.blocks import AT_THE_END, LOWER_FACE, REFERENCE, UPPER_FACE, Block, number
-from reports.third.deck import Deck
-from reports.third.dialect import Dialect, deck_text
+import numpy as np
 
-_ABOUT = (
-    "dialect: CalculiX 2.20; run it by `ccx <name of this file without .inp>`",
-    "result: CPRESS, CSHEAR1, CSLIP1 at the nodes of the lower face at every instant, read by `halfplane score <name>.frd`",
-)
-# Residual and correction over the mean force: CalculiX' own, of 0.5 % and 1 %, leave Q off by more than its mesh does.
-_RESIDUAL, _CORRECTION = 1e-4, 1e-2
-# Share by which the number of contact elements may differ, share let go at random, softening, and iterations before an increment
-# is halved: CalculiX' own but the last, 60; those that need more than 30 hardly ever converge.
-_CONTACT = "0.001, 0.1, 100., 30"
+from halfplane_fe.scales import Scales
+from halfplane_fe.solve import versions
+from reports.comparison import Comparison, Report
+from reports.comparison.content import strict
+from reports.comparison.words import value_of
+from reports.console import Stages
+from reports.scoring.against import score_solution
+from reports.scoring.guesses import whole_path
+from reports.scoring.mapping import Mapping
+from reports.scoring.reading import read
+from reports.scoring.solution import contact_solution
+from reports.third.deck import Deck, DeckSettings, build_deck
+from reports.third.dialects import deck_text
+from reports.units import energy_unit, number, units
+from scenes import ContactSolution, ConvergenceError, InputError, Scene, freeze
 
-
-def calculix_deck(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
-    """The text of the input file."""
-    return deck_text(Dialect(_ABOUT, (), _friction, _loaded), deck, command, versions or {})
-
-
-def _friction(deck: Deck) -> Block:
-    words = (
-        f"Friction coefficient, and shear per elastic slip while faces stick: {deck.settings.stick_stiffness:g} E*/h; much "
-        "stiffer ones let CalculiX fail to converge, softer ones creep."
-    )
-    return Block("FRICTION", {}, (f"{number(deck.scene.friction.coefficient)}, {number(deck.stick_slope)}",), words)
+# How often the status file is read [s], and how many last lines of the log a failure shows.
+_EVERY, _TAIL = 0.25, 6
+# CalculiX prints times to six digits.
+_PRINTED = 1e-5
 
 
-def _loaded(deck: Deck) -> Iterator[Block]:
-    yield Block("CONTROLS", {"PARAMETERS": "FIELD"}, (f"{number(_RESIDUAL)}, {number(_CORRECTION)}",), "Residual and correction.")
-    yield Block("CONTROLS", {"PARAMETERS": "CONTACT"}, (_CONTACT,))
-    yield from blocks.loading(deck)
-    pair = {"SLAVE": LOWER_FACE, "MASTER": UPPER_FACE, "FREQUENCY": AT_THE_END}
-    yield Block("CONTACT FILE", {"FREQUENCY": AT_THE_END}, ("CDIS, CSTR",), "Contact values at the nodes of the lower face.")
-    yield Block("CONTACT PRINT", pair, ("CF",), "Resultant of the contact: it must be P and Q.")
-    yield Block("NODE PRINT", {"NSET": REFERENCE, "FREQUENCY": AT_THE_END}, ("U",), "Where the upper plane is.")
+@dataclass(frozen=True)
+class Done:
+    """A run that reached its end: wall time [s], accepted increments, iterations of every attempt."""
+
+    seconds: float
+    increments: int
+    iterations: int
+
+
+@dataclass(frozen=True, eq=False)
+class ThirdSolver:
+    """What CalculiX answers, or why it does not.
+
+    Attributes
+    ----------
+    code : with its version
+    deck, text : its input, as a value and as written
+    comparison : its answer against half-plane theory; None where it failed
+    done : how the run went; None where it failed
+    failure : the sentence, "" where it did not
+    guesses : what was assumed in reading its answer
+    """
+
+    code: str
+    deck: Deck
+    text: str
+    comparison: Comparison | None = None
+    done: Done | None = None
+    failure: str = ""
+    guesses: tuple[str, ...] = ()
+
+
+def find_calculix() -> Path:
+    """Where `ccx` is; InputError with what to do where it is not."""
+    found = shutil.which("ccx")
+    if found is None:
+        raise InputError("--third calculix: ccx is not on PATH; `make peers` installs it (Debian package calculix-ccx)")
+    return Path(found)
+
+
+def calculix_version(program: Path) -> str:
+    """What `ccx -v` prints, such as "2.20"; "of unknown version" where it prints nothing."""
+    printed = subprocess.run([str(program), "-v"], capture_output=True, text=True, check=False, timeout=20).stdout
+    found = re.search(r"[Vv]ersion\s+([\w.]+)", printed)
+    return found[1] if found else "of unknown version"
+
+
+def solve_with_calculix(
+    scene: Scene, settings: DeckSettings, limit: float, stages: Stages, scales: Scales | None = None, command: str = ""
+) -> ThirdSolver:
+    """Write the deck into a temporary folder, run it, read and judge the result; a run that fails is reported in `failure`.
+
+    Raises
+    ------
+    InputError
+        Where there is no CalculiX, or the scene can't be made a deck.
+    """
+    program = find_calculix()
+    code = f"CalculiX {calculix_version(program)}"
+    with stages.stage("deck"):
+        deck = build_deck(scene, settings, scales)
+        answer = ThirdSolver(code, deck, deck_text(deck, "calculix", command, versions()))
+    with tempfile.TemporaryDirectory(prefix="halfplane-third-") as name:
+        folder = Path(name)
+        (folder / "third.inp").write_text(answer.text, encoding="utf-8")
+        try:
+            with stages.stage(code, "per cent of the load path") as report:
+                done = run_calculix(program, folder, "third", float(deck.deck_time[-1]), limit, report)
+        except ConvergenceError as failure:
+            return replace(answer, failure=str(failure))
+        with stages.stage("reading CalculiX"):
+            found = judged(folder / "third.frd", deck, code)
+    return replace(answer, comparison=found.comparison, guesses=found.guesses, done=done)
+
+
+def run_calculix(
+    program: Path, folder: Path, name: str, end: float, limit: float, report: Callable[[int, int | None, str], None] | None = None
+) -> Done:
+    """Run the deck `name`.inp of a folder on one thread, until it ends.
+
+    Parameters
+    ----------
+    end : total time of the deck's last instant
+    limit : wall time [s]
+    report : called with (done, total, text) in per cent of the deck's time
+
+    Raises
+    ------
+    ConvergenceError
+        With the last lines of its log where it stopped early, by itself or by the limit. The process is gone in any case.
+    """
+    begun, late = time.monotonic(), False
+    log, sta = folder / f"{name}.log", folder / f"{name}.sta"
+    with log.open("w", encoding="utf-8") as stream:
+        process = subprocess.Popen(
+            [str(program), "-i", name],
+            cwd=folder,
+            env={**os.environ, "OMP_NUM_THREADS": "1", "CCX_NPROC_RESULTS": "1"},
+            stdin=subprocess.DEVNULL,
+            stdout=stream,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            while process.poll() is None and not late:
+                late = time.monotonic() > begun + limit
+                if report is not None:
+                    rows = status(sta)
+                    share = rows[-1].total / end if rows else 0.0
+                    report(round(100 * min(share, 1.0)), 100, f"increment {len(rows)}")
+                time.sleep(0.0 if late else _EVERY)
+        finally:
+            if process.poll() is None:
+                process.kill()
+            process.wait()
+    rows = status(sta)
+    reached = max((row.total for row in rows if row.accepted), default=0.0)
+    if late or process.returncode != 0 or reached < end * (1 - _PRINTED):
+        why = f"was stopped at the time limit of {limit:g} s" if late else f"ended with exit code {process.returncode}"
+        lines = [line.strip() for line in log.read_text(encoding="utf-8", errors="replace").splitlines()]
+        tail = " | ".join([line for line in lines if not set(line) <= set("_-* ")][-_TAIL:]) or "nothing"
+        raise ConvergenceError(
+            f"CalculiX {why} at time {reached:.6g} of {end:.6g}, in increment {len(rows)}; the last lines of its log: {tail}"
+        )
+    return Done(time.monotonic() - begun, sum(row.accepted for row in rows), sum(row.iterations for row in rows))
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A line of the status file: whether the increment was accepted, its iterations, total time reached (its start if not)."""
+
+    accepted: bool
+    iterations: int
+    total: float
+
+
+def status(sta: Path) -> list[Attempt]:
+    """The attempts in a .sta file so far; a line that is half-written is left out."""
+    text = sta.read_text(encoding="utf-8", errors="replace") if sta.exists() else ""
+    found = (re.match(r"\s*\d+\s+\d+\s+\d+(U?)\s+(\d+)\s+(\S+)\s+\S+\s+\S+\s*$", line) for line in text.splitlines())
+    return [Attempt(not match[1], int(match[2]), float(match[3])) for match in found if match]
+
+
+def judged(path: Path, deck: Deck, code: str) -> Report:
+    """The result of a deck in a .frd file, against half-plane theory at its own points and instants.
+
+    The unloaded instant, which CalculiX does not write, is put before it: nothing touches there.
+    """
+    mapping = Mapping(code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size)
+    result = read(path, mapping, deck.scene)
+    series = {name: getattr(result, name) for name in ("pressure", "shear", "slip", "normal_load", "tangential_load")}
+    led = {name: freeze(np.concatenate([np.zeros_like(v[:1]), v])) for name, v in series.items() if v is not None}
+    source = f"{path.name}, the deck of scene {deck.scene.name}"
+    whole = whole_path(deck.scene)
+    return score_solution(*contact_solution(replace(result, **led, time=freeze(deck.time), source=source), mapping, whole), whole)
+
+
+def limits(deck: Deck) -> list[str]:
+    """Known limits of CalculiX' numbers on this deck: from its documentation, from the deck, and measured (docs/third.md)."""
+    friction, path, unit = deck.scene.friction.coefficient, deck.scene.load.path(), deck.scales.half_width
+    overlap = deck.mean_pressure / deck.stiffness / unit
+    found = [f"Its contact is a penalty: faces overlap by {overlap:.1e} a at the largest mean pressure."]
+    if friction:
+        slip = friction * deck.mean_pressure / deck.stick_slope / unit
+        found.append(
+            f"Faces that stick creep elastically, by up to {slip:.1e} a at the largest mean pressure; at a stick slope of "
+            "1000 E*/h it does not converge."
+        )
+    cycle = deck.normal_load[deck.time >= path.cycle_start]
+    if friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max():
+        found.append(
+            "Under varying normal load its friction history is off by more than its mesh explains: +6 % of the dissipation of "
+            "hertz-paper at a/40, against +2 % of cattaneo-mindlin's at constant load (docs/third.md)."
+        )
+    found += [
+        "Plane elements are expanded to a layer of three-dimensional ones with constraints; contact is integrated over pieces of "
+        "faces, and the values read here are its extrapolation of them to the nodes: an element at the edge of the contact is off.",
+        "The work of friction is the sum of q ds over the instants that it wrote: the error of the steps is in it.",
+    ]
+    if "half_plane" in (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind):
+        reach = deck.settings.far_radius
+        found.append(f"Its half-planes are half-discs of radius {reach:g} a held along the arc: an error of about {reach**-2:.0e}.")
+    return found
+
+
+def heads(third: ThirdSolver) -> tuple[str, str, str, str]:
+    """Titles of the columns."""
+    return ("quantity", "half-plane theory", "our finite elements", third.code)
+
+
+def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], float]]]:
+    """Name, unit and function of the values that all three have."""
+    _, length, stress = units(scene)
+    most = "the largest of the last cycle"
+    return [
+        ("work of friction, last cycle", energy_unit(scene), lambda s: s.dissipation),
+        (f"pressure, {most}", stress, lambda s: float(s.pressure[s.last_cycle].max())),
+        (f"shear, {most}", stress, lambda s: float(np.abs(s.shear[s.last_cycle]).max())),
+        (f"contact half-width, {most}", length, lambda s: float(np.nanmax(s.contact_half_width[s.last_cycle]))),
+    ]
+
+
+def rows(comparison: Comparison, third: ThirdSolver) -> list[tuple[str, ...]]:
+    """The lines of the table: values of each, then the error of each, then time."""
+    theirs = third.comparison
+    solutions = [comparison.reference, comparison.result] + ([theirs.result] if theirs else [])
+    lines = []
+    for name, unit, of in _values(comparison.scene):
+        values = [of(solution) for solution in solutions] + [math.nan] * (3 - len(solutions))
+        lines.append((f"{name} [{unit}]", *(number(v) if math.isfinite(v) else "–" for v in values)))
+    for key in ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"):
+        metric = comparison.metric(key)
+        lines.append((f"{metric.label}: error", "reference", value_of(metric), value_of(theirs.metric(key)) if theirs else "–"))
+    seconds = [sum(s.work.seconds.values()) for s in (comparison.reference, comparison.result)]
+    lines.append(("time [s]", *(f"{t:.2f}" if t else "–" for t in seconds), f"{third.done.seconds:.1f}" if third.done else "–"))
+    return lines
+
+
+def sentences(third: ThirdSolver) -> list[str]:
+    """What must stand beside the numbers: failure or how the run went, then the limits."""
+    size, done = f"{third.deck.reference} nodes, {len(third.deck.time) - 1} instants", third.done
+    if done is None:
+        first = f"{third.code} gave no answer ({size}): {third.failure}."
+    else:
+        first = f"{third.code} on the exported deck: {size}, {done.increments} increments, {done.iterations} iterations."
+    return [first, *limits(third.deck)]
+
+
+def _notes(third: ThirdSolver) -> list[str]:
+    return [*third.guesses, *third.comparison.result.record.notes] if third.comparison else []
+
+
+def page_words(comparison: Comparison, third: ThirdSolver) -> dict[str, Any]:
+    """What the page's block is filled with."""
+    first, *others = sentences(third)
+    table = {"heads": heads(third), "rows": rows(comparison, third)}
+    return {**table, "told": first, "failed": bool(third.failure), "limits": others, "notes": _notes(third)}
+
+
+def as_json(comparison: Comparison, third: ThirdSolver) -> str:
+    """third.json: the table in numbers; strict JSON."""
+    theirs, deck = third.comparison, third.deck
+    known = {metric.key: metric.value for metric in theirs.metrics} if theirs else {}
+    solutions = {"theory": comparison.reference, "ours": comparison.result, "third": theirs.result if theirs else None}
+    content = {
+        "format": "halfplane third opinion 1",
+        "code": third.code,
+        "failure": third.failure or None,
+        "deck": {
+            "settings": asdict(deck.settings),
+            "nodes": deck.reference,
+            "instants": len(deck.time) - 1,
+            "element_size": deck.element_size,
+            "stiffness": deck.stiffness,
+            "stick_slope": deck.stick_slope,
+        },
+        "run": asdict(third.done) if third.done else None,
+        "figures": {
+            name: {"unit": unit, **{who: of(solution) if solution else None for who, solution in solutions.items()}}
+            for name, unit, of in _values(comparison.scene)
+        },
+        "metrics": {metric.key: {"ours": metric.value, "third": known.get(metric.key)} for metric in comparison.metrics},
+        "limits": limits(deck),
+        "notes": _notes(third),
+    }
+    return json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False) + "\n"

@@ -1,8 +1,9 @@
-"""A scene as an input deck: one value, which each dialect writes down in its own words."""
+"""A scene as an input deck: bodies, gap, supports, instants, loads and stiffnesses, one value that each dialect writes down."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -13,19 +14,83 @@ from halfplane_fe.interface import check_supports, meshed_pair
 from halfplane_fe.path import stretches
 from halfplane_fe.scales import Scales, find_scales, sheared
 from halfplane_fe.solve import surface_grading
-from meshes import MeshSettings
-from reports.third.bodies import DeckBody, deck_body, upper_places
-from reports.third.settings import DeckSettings
-from scenes import Cylinder, HalfPlane, Scene, Shape, freeze
+from meshes import BodyMesh, MeshSettings
+from scenes import Cylinder, HalfPlane, InputError, Profile, Scene, Shape, freeze
 from scenes.frozen import validated
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 # The touch: this share of the first increment of initial loading is spent on a prescribed approach: friction and load control
 # find the faces in contact.
 _TOUCH = 0.25
 # Increments of the initial loading, over those of a revolution.
 _INITIAL_LOADING = 0.25
+# Directions in which a boundary of that support can't move against the rigid plane behind it.
+_HELD = {"fixed": (1, 2), "half_plane": (1, 2), "rollers": (2,), "guided": (1,)}
+
+
+@dataclass(frozen=True)
+class DeckSettings:
+    """Lengths over the contact half-width a at the largest load; stiffnesses over E*/h, h being the surface elements at the edges.
+
+    Attributes
+    ----------
+    element_size, edge_element_size : surface elements in the middle, and where the contact and stick edges travel
+    far_radius : radius of the half-disc, held along its arc, that stands for a half-plane; the tractions miss those of the
+        half-plane by about the square of its inverse
+    growth : growth of the elements away from the contact
+    steps_per_cycle : output instants of a revolution; its turning points come on top
+    cycles : revolutions at most; the scene's own number where that is less
+    normal_stiffness : pressure per penetration
+    stick_stiffness : shear per elastic slip, where friction would let the faces stick
+    """
+
+    element_size: float = 1 / 20
+    edge_element_size: float = 1 / 40
+    far_radius: float = 50.0
+    growth: float = 0.4
+    steps_per_cycle: int = 48
+    cycles: int = 2
+    normal_stiffness: float = 50.0
+    stick_stiffness: float = 10.0
+
+    def __post_init__(self) -> None:
+        if not 4 <= self.steps_per_cycle <= 10_000:
+            raise InputError(f"--steps-per-cycle {self.steps_per_cycle}: refused for a deck, it lies in [4, 10000]")
+        if self.cycles < 1:
+            raise InputError(f"--cycles {self.cycles}: refused for a deck, it is at least 1")
+        for name in ("normal_stiffness", "stick_stiffness"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"deck: {name} = {getattr(self, name)!r} is refused: it is positive, over E*/h")
+
+
+@dataclass(frozen=True, eq=False)
+class DeckBody:
+    """One body in the common frame, y out of the lower one; numbers as in the deck, from `first_node` and `first_element` on.
+
+    Attributes
+    ----------
+    name : "LOWER" or "UPPER"
+    nodes : (n, 2) places [length]
+    elements : (m, 4) node numbers, anticlockwise
+    contact_faces : (k, 2) element number and face 1-4, from the nodes (1, 2), (2, 3), (3, 4), (4, 1)
+    contact_nodes : (k + 1,) node numbers by ascending x
+    held : direction 1 or 2 -> node numbers that move as the rigid plane does
+    """
+
+    name: str
+    first_node: int
+    first_element: int
+    nodes: Array
+    elements: Indices
+    contact_faces: Indices
+    contact_nodes: Indices
+    held: Mapping[int, Indices]
+
+    def areas(self) -> Array:
+        """(m,) areas of the elements, positive where they go round anticlockwise [length^2]."""
+        return _areas(self.nodes.T, self.elements.T - self.first_node)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +104,6 @@ class Deck:
     time : (n + 1,) instants of the scene's path, the unloaded one first; deck times are counted from that one
     normal_load, tangential_load : (n + 1,) [force per thickness]
     touch_time, touch_approach : duration of the first step, and how far the upper plane comes down in it [time, length]
-    slides_along_x : whether the upper plane is free to move along x (it is held where there is no friction to hold it)
-    stiffness, stick_slope : of the contact, normal and tangential [stress per length]
-    element_size : surface elements at the edges [length]
     """
 
     scene: Scene
@@ -54,15 +116,31 @@ class Deck:
     tangential_load: Array
     touch_time: float
     touch_approach: float
-    slides_along_x: bool
-    stiffness: float
-    stick_slope: float
-    element_size: float
 
     @property
     def reference(self) -> int:
         """Number of the node that the upper rigid plane moves with."""
         return self.upper.first_node + len(self.upper.nodes)
+
+    @property
+    def element_size(self) -> float:
+        """Surface elements at the edges [length]."""
+        return self.settings.edge_element_size * self.scales.half_width
+
+    @property
+    def stiffness(self) -> float:
+        """Pressure per penetration [stress per length]."""
+        return self.settings.normal_stiffness * self.scales.modulus / self.element_size
+
+    @property
+    def stick_slope(self) -> float:
+        """Shear per elastic slip [stress per length]."""
+        return self.settings.stick_stiffness * self.scales.modulus / self.element_size
+
+    @property
+    def mean_pressure(self) -> float:
+        """P/(2 a) at the largest load [stress]."""
+        return self.scales.load / (2 * self.scales.half_width)
 
     @property
     def deck_time(self) -> Array:
@@ -102,40 +180,22 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
         cells="quadrilaterals",
     )
     meshes = meshed_pair(scene, cut, partial(surface_grading, cut, scales))
-    lower = deck_body("LOWER", meshes[0], meshes[0].mesh.p, 1, 1)
+    lower = _body("LOWER", meshes[0], meshes[0].mesh.p, 1, 1)
     profile = None if scene.bodies.faces_are_true else scene.profile
-    upper = deck_body("UPPER", meshes[1], upper_places(meshes[1], profile), len(lower.nodes) + 1, len(lower.elements) + 1)
-    time = instants(scene, settings)
+    upper = _body("UPPER", meshes[1], _upper_places(meshes[1], profile), len(lower.nodes) + 1, len(lower.elements) + 1)
+    time = _instants(scene, settings)
     normal, tangential = scene.load.path().at(time)
-    touch = _TOUCH * (time[1] - time[0])
-    element_size = settings.edge_element_size * scales.half_width
-    unit = scales.modulus / element_size
-    return Deck(
-        scene,
-        settings,
-        scales,
-        lower,
-        upper,
-        freeze(time),
-        freeze(normal),
-        freeze(tangential),
-        float(touch),
-        _approach(scene, settings, scales, _TOUCH * float(normal[1])),
-        scene.friction.coefficient > 0,
-        settings.normal_stiffness * unit,
-        settings.stick_stiffness * unit,
-        element_size,
-    )
+    approach = _approach(scene, settings, scales, _TOUCH * float(normal[1]))
+    touch = float(_TOUCH * (time[1] - time[0]))
+    return Deck(scene, settings, scales, lower, upper, freeze(time), freeze(normal), freeze(tangential), touch, approach)
 
 
-def instants(scene: Scene, settings: DeckSettings) -> Array:
+def _instants(scene: Scene, settings: DeckSettings) -> Array:
     """(n + 1,) the unloaded instant, then the end of every increment: turning points of the path, and even ones between them."""
     path, steps = scene.load.path(), settings.steps_per_cycle
     turns = min(settings.cycles, scene.cycles) if path.period is not None else 0
-    pieces = [
-        (path.initial_loading, max(_INITIAL_LOADING * steps, 4.0)),
-        *((path.cycle_legs(k), float(steps)) for k in range(turns)),
-    ]
+    pieces = [(path.initial_loading, max(_INITIAL_LOADING * steps, 4.0))]
+    pieces += [(path.cycle_legs(k), float(steps)) for k in range(turns)]
     found = [path.start]
     for legs, count in pieces:
         duration = legs[-1].end - legs[0].start
@@ -150,12 +210,64 @@ def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float)
 
     It need not be right: the touch is no instant of the answer, and all that counts is that the faces meet.
     """
-    reach = settings.far_radius * scales.half_width
-    depth = min(_depth(body, reach) for body in (scene.bodies.lower, scene.bodies.upper))
-    return float(2 * load * np.log1p(4 * depth / scales.half_width) / (np.pi * scales.modulus))
+
+    def depth(body: Shape) -> float:
+        if isinstance(body, HalfPlane):
+            return settings.far_radius * scales.half_width
+        return body.radius if isinstance(body, Cylinder) else body.height
+
+    least = min(depth(scene.bodies.lower), depth(scene.bodies.upper))
+    return float(2 * load * np.log1p(4 * least / scales.half_width) / (np.pi * scales.modulus))
 
 
-def _depth(body: Shape, reach: float) -> float:
-    if isinstance(body, HalfPlane):
-        return reach
-    return body.radius if isinstance(body, Cylinder) else body.height
+def _areas(places: Array, cells: Indices) -> Array:
+    """(m,) areas of cells (4, m) on places (2, n), positive where they go round anticlockwise."""
+    x, y = places[:, cells]
+    return np.asarray((x * (np.roll(y, -1, 0) - np.roll(y, 1, 0))).sum(0) / 2)
+
+
+def _body(name: str, mesh: BodyMesh, places: Array, first_node: int, first_element: int) -> DeckBody:
+    """The body of a mesh whose nodes are moved to `places` (2, n)."""
+    cells = mesh.mesh.t.copy()
+    clockwise = _areas(places, cells) < 0
+    cells[:, clockwise] = cells[:, clockwise][[0, 3, 2, 1]]
+    nodes_of = {boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()}
+    # A side of an element is on the contact face where its two nodes, in either order, are those of a facet there.
+    pairs = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1) @ [places.shape[1], 1]
+    element, side = np.nonzero(np.isin(pairs, np.sort(nodes_of["contact"].T) @ [places.shape[1], 1]).T)
+    ends = np.unique(nodes_of["contact"])
+    held: dict[int, list[Indices]] = {1: [], 2: []}
+    for boundary, support in mesh.supports.items():
+        nodes = np.unique(nodes_of[boundary])
+        for direction in _HELD[support]:
+            held[direction].append(nodes)
+        if support == "rollers" and "guided" not in mesh.supports.values():
+            # Nothing else keeps the body from drifting along x; without a tangential load this support carries nothing.
+            held[1].append(nodes[[np.argmin(np.abs(mesh.mesh.p[0, nodes]))]])
+    return DeckBody(
+        name,
+        first_node,
+        first_element,
+        freeze(places.T),
+        freeze(cells.T + first_node, np.int64),
+        freeze(np.stack([element + first_element, side + 1], axis=1), np.int64),
+        freeze(ends[np.argsort(places[0, ends])] + first_node, np.int64),
+        {way: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64) for way, nodes in held.items() if nodes},
+    )
+
+
+def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
+    """(2, n) nodes of an upper body, which its mesh has upside down, in the common frame.
+
+    Where the face is flat, the gap h(x) is cut into it and dies out towards the far end of the body. Beyond the side that may
+    touch, which ends at c, h(x) goes on as h + h' c tanh((|x| - c)/c): smooth, and bounded on a body of any width.
+    """
+    x, y = mesh.mesh.p[0], -mesh.mesh.p[1]
+    if profile is None:
+        return np.stack([x, y])
+    end = mesh.grading.outer
+    distance, step = np.abs(x), 1e-4 * end
+    before, at = (float(profile.height(np.array(end - part))) for part in (step, 0.0))
+    gap = np.asarray(profile.height(np.minimum(distance, end)))
+    gap = gap + (at - before) / step * end * np.tanh(np.maximum(distance - end, 0.0) / end)
+    return np.stack([x, y + gap * (1 - y / y.max())])
