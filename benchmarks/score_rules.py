@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 from claim import ROOT, Row, table
+from reports.scoring.rule import UNTOLD
+from reports.scoring.zones import TOUCHES, zones
 
 import halfplane_fe
 import semi_analytic
@@ -20,10 +22,8 @@ from reports.fields import instants_of, write_fields
 from reports.scoring.against import score
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from reports.scoring.rule import UNTOLD
 from reports.scoring.solution import friction_work
 from reports.scoring.surface import SurfaceResult
-from reports.scoring.zones import TOUCHES, zones
 from scenes import ContactSolution, Scene, load_scene
 
 SCENE = "hertz-paper"

@@ -19,8 +19,8 @@ from typing import Any
 from meshes import bodies, foreign
 from reports.paper.cases import Paper
 from reports.paper.page import misprints, statements, tally
-from reports.scoring import calculix_frd, reading_csv
-from scenes import files
+from reports.scoring import calculix_files
+from scenes import files, measured
 from scenes.errors import in_words
 
 Entry = dict[str, str]
@@ -98,9 +98,9 @@ def limit_values() -> dict[str, Entry]:
         "NetCDF": files.SOLUTION,
         "fields": foreign.LARGEST,
         "unpacked": foreign.UNPACKED,
-        ".frd and .dat": calculix_frd.LARGEST,
+        ".frd and .dat": calculix_files.LARGEST,
     }
-    counts = {"rows": reading_csv.MOST_ROWS, "contact nodes": bodies.MOST_CONTACT_NODES, "nodes": bodies.MOST_NODES}
+    counts = {"rows": measured.MOST_ROWS, "contact nodes": limits.MOST_CONTACT_NODES, "nodes": limits.MOST_NODES}
     shown = {key: in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
     return {f"limit: {key}": _entry(text, "the code") for key, text in shown.items()}
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import abc
-import itertools
-import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple, Self
@@ -15,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo, model_validator
 from pydantic_core import CoreSchema, core_schema
 
-from scenes.errors import shown
+from scenes.errors import InputError, shown
 from scenes.files import TEXT, check_size
 from scenes.frozen import Frozen
 
@@ -129,7 +127,7 @@ class FromFile(Frozen):
         except RowError as fault:
             path, place = _folder(info) / (self.file or ""), f"{self.table}, row {fault.row + 1}"
             if self.file is not None and path.is_file():  # where the rows came from
-                place = f"{path}, line {next(itertools.islice(_rows_of(path, self.columns), fault.row, None))[0]}"
+                place = f"{path}, line {text_table(path, self.columns).lines[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
         return self
 
@@ -144,49 +142,98 @@ def read_table(path: Path, names: tuple[str, ...]) -> Table:
 
     Raises
     ------
-    ValueError
+    InputError
+        One sentence that names file, line and rule.
+    """
+    return Table.of(text_table(path, names).values)
+
+
+@dataclass(frozen=True, eq=False)
+class TextTable:
+    """The numbers of a text file: `names` of its columns, `values` (n_rows, n_columns), `lines` (n_rows,) where they stand."""
+
+    names: tuple[str, ...]
+    values: Array
+    lines: tuple[int, ...]
+
+    def column(self, name: str) -> Array:
+        """The first column of that name, (n_rows,)."""
+        return np.asarray(self.values[:, self.names.index(name)])
+
+
+def text_table(path: Path, columns: tuple[str, ...] = (), what: str = "the table", cure: str = "thin it out") -> TextTable:
+    """Rows of finite numbers below a line of names; what stands behind a # is a remark.
+
+    Parameters
+    ----------
+    columns : names that the file must have, commas between them; the line of names may then be left out. Without: whatever the
+        first line names, with commas, semicolons (then a decimal comma will do), tabs or blanks between
+    what, cure : what the file is to the user, and what to do about one that is too large
+
+    Raises
+    ------
+    InputError
         One sentence that names file, line and rule.
     """
     try:
-        check_size(path, "the table", TEXT, "thin it out")
+        check_size(path, what, TEXT, cure)
         with path.open("rb") as lines:  # counted before anything of it is kept
-            number = 0
-            while line := lines.readline(_LONGEST + 1):
-                number += 1
+            for number, line in enumerate(iter(lambda: lines.readline(_LONGEST + 1), b""), 1):
                 if len(line) > _LONGEST:
-                    raise ValueError(f"{path}, line {number}: more than {_LONGEST:,} characters are no row of a table")
+                    raise InputError(f"{path}, line {number}: more than {_LONGEST:,} characters are no row of a table")
                 if number > MOST_ROWS:
-                    raise ValueError(f"{path}: the table has more than {MOST_ROWS:,} lines, the most that are read; thin it out")
-        first, _ = next(_rows_of(path, names), (1, ""))
+                    raise InputError(f"{path}: {what} has more than {MOST_ROWS:,} lines, the most that are read; {cure}")
+        text = path.read_text(encoding=_ENCODING)
     except (OSError, UnicodeDecodeError) as reason:
         why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
-        raise ValueError(f"{path}: the file can't be read: {why}") from reason
+        raise InputError(f"{path}: the file can't be read: {why}") from reason
+    bare = ((number, line.split("#", 1)[0].strip(" \r\n")) for number, line in enumerate(text.split("\n"), 1))
+    rows = [(number, line) for number, line in bare if line.strip() and not line.startswith("**")]
+    del text
+    wanted = f"{len(columns)} columns {', '.join(columns)}" if columns else "a line of names and rows of numbers"
+    if not rows:
+        raise InputError(f"{path}: the file is empty; {wanted} are needed")
+    first, head = rows[0]
+    mark = "," if columns else next((sign for sign in ("\t", ";", ",") if sign in head), None)
+    names = tuple(cell.strip().strip('"').strip() for cell in head.split(mark))
+    if not columns and all(_is_number(name) for name in names):
+        raise InputError(
+            f"{path}, line {first}: the first line must name the columns, such as time,x,pressure,shear; it has numbers only"
+        )
+    if not columns or not any(_is_number(name) for name in names):
+        if columns and [name.lower() for name in names] != [name.lower() for name in columns]:
+            semicolons = _CURE if ";" in head or "\t" in head else ""
+            raise InputError(f"{path}, line {first}: the columns are {', '.join(columns)}, not {shown(head)}{semicolons}")
+        del rows[0]
+    names = columns or names
+    if not rows:
+        raise InputError(
+            f"{path}: no row of numbers{f'; {wanted} are needed' if columns else ' below the names ' + ', '.join(names)}"
+        )
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # numpy's remark on a file without rows: refused below
-            values = np.loadtxt(path, delimiter=",", comments="#", skiprows=first - 1, ndmin=2, encoding=_ENCODING)
-        if values.shape[1] != len(names):
-            raise ValueError("other columns")
-        return Table.of(values)
-    except ValueError as reason:
-        raise ValueError(_first_fault(path, names)) from reason
+        values = np.loadtxt([line for _, line in rows], delimiter=mark, comments=None, ndmin=2)
+        sound = values.shape == (len(rows), len(names)) and bool((np.abs(values) <= LARGEST).all())
+    except ValueError:
+        sound = False
+    if not sound:  # one by one: decimal commas, a comma at the end of each row; else the first fault
+        values = np.array([_numbers(path, number, line, mark, names) for number, line in rows])
+    return TextTable(names, values, tuple(number for number, _ in rows))
 
 
-def _rows_of(path: Path, names: tuple[str, ...]) -> Iterator[tuple[int, str]]:
-    """(line number, text) of the rows of a CSV file, without a first line of `names`; ValueError for other names, an empty file."""
-    with path.open(encoding=_ENCODING) as file:
-        texts = ((number, line.split("#", 1)[0].strip()) for number, line in enumerate(file, start=1))
-        rows = (row for row in texts if row[1])
-        number, text = next(rows, (0, ""))
-        if not number:
-            raise ValueError(f"{path}: the file is empty; {len(names)} columns {', '.join(names)} are needed")
-        cells = [cell.strip().strip('"') for cell in text.split(",")]
-        if any(_is_number(cell) for cell in cells):
-            yield number, text
-        elif [cell.lower() for cell in cells] != [name.lower() for name in names]:
-            cure = _CURE if ";" in text or "\t" in text else ""
-            raise ValueError(f"{path}, line {number}: the columns are {', '.join(names)}, not {shown(text)}{cure}")
-        yield from rows
+def _numbers(path: Path, line: int, text: str, mark: str | None, names: tuple[str, ...]) -> list[float]:
+    """The numbers of one row; InputError for another count, or a cell that is none."""
+    cells = [cell.strip().strip('"') for cell in text.split(mark)]
+    if len(cells) == len(names) + 1 and not cells[-1]:
+        cells.pop()
+    if len(cells) != len(names):
+        listed = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
+        cure = _CURE if mark == "," and len(cells) == 2 * len(names) else ""  # as many as decimal commas would make
+        raise InputError(f"{path}, line {line}: {len(names)} numbers ({listed}) are needed, not {shown(text)}{cure}")
+    for name, cell in zip(names, cells, strict=True):
+        number = cell.replace(",", ".") if mark == ";" else cell
+        if not _is_number(number) or not abs(float(number)) <= LARGEST:
+            raise InputError(f"{path}, line {line}: {name} = {shown(cell)} is not a finite number of at most {LARGEST:g}")
+    return [float(cell.replace(",", ".")) for cell in cells]
 
 
 def _is_number(text: str) -> bool:
@@ -195,19 +242,6 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _first_fault(path: Path, names: tuple[str, ...]) -> str:
-    """What is wrong with the first bad line, found by going through them one by one."""
-    for number, text in _rows_of(path, names):
-        cells = text.split(",")
-        if len(cells) != len(names):
-            cure = _CURE if len(cells) == 2 * len(names) else ""  # as many as decimal commas would make
-            return f"{path}, line {number}: {len(names)} numbers ({', '.join(names)}) are needed, not {shown(text)}{cure}"
-        for name, cell in zip(names, cells, strict=True):
-            if not _is_number(cell) or not abs(float(cell)) <= LARGEST:
-                return f"{path}, line {number}: {name} = {shown(cell.strip())} is not a finite number of at most {LARGEST:g}"
-    return f"{path}: no row of numbers; {len(names)} columns {', '.join(names)} are needed"
 
 
 _ALIKE = 1e-12

@@ -7,7 +7,7 @@ import pytest
 from calculix_files import DATA, edited
 from calculix_files import result as calculix_result
 from field_files import mesh, result, scalars
-from reports.scoring.inside_out import inside_out
+from reports.scoring.surface import inside_out
 
 WORDS = "turned inside out"
 RING = [[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]

@@ -7,7 +7,7 @@ import pytest
 
 from calculix_files import DATA, edited, result
 from reports.scoring.guesses import oddities
-from reports.scoring.resultants import free_face, tension, unbalanced
+from reports.scoring.surface import free_face, tension, unbalanced
 from scenes import InputError, load_scene
 
 P, Q, FRICTION = 400.0, 60.0, 0.3

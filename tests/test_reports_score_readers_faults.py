@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calculix_files import DATA, edited, result
-from reports.scoring.calculix_frd import read_frd
+from reports.scoring.calculix_files import read_frd
 from scenes import InputError
 
 

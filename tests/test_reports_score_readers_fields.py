@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from field_files import HALF, bodies, check, fields, mesh, pressure_at, result, scalars, shear_at
-from reports.scoring.calculix_frd import read_frd
-from reports.scoring.calculix_mesh import CalculixMesh
+from reports.scoring.calculix import CalculixMesh
+from reports.scoring.calculix_files import read_frd
 from scenes import InputError
 
 DATA = Path(__file__).parent / "data"
@@ -199,12 +199,12 @@ def test_the_face_lies_where_the_mapping_says(tmp_path):
 def test_what_calculix_wrote_as_stress_reads_alike_from_its_own_file_and_from_a_field_file(tmp_path):
     """The load of the real run, through another form: equilibrium holds the signs."""
     file = read_frd(DATA / "surface-to-surface.frd", ("STRESS",))
-    own = CalculixMesh.of(file)
+    own = CalculixMesh(file)
     block = file.blocks[-1]
     values = np.zeros((len(own.numbers), 6))
     values[own.rows(block.nodes)] = block.values
     path = tmp_path / "result.vtu"
-    meshio.Mesh(own.points, [("quad", own.cells[0])], {"stress": values}).write(path)
+    meshio.Mesh(own.points, [("quad", own.cells[0][1])], {"stress": values}).write(path)
     found = result(path)
     assert np.trapezoid(found.pressure[0], found.x) == pytest.approx(400.0, rel=0.12)
     assert np.trapezoid(found.shear[0], found.x) == pytest.approx(60.0, rel=0.12)

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reports.scoring import calculix_frd
-from reports.scoring.calculix_dat import read_dat
-from reports.scoring.calculix_frd import read_frd
+from reports.scoring import calculix_files
+from reports.scoring.calculix_files import read_dat, read_frd
 from scenes import InputError
 
 DATA = Path(__file__).parent / "data"
@@ -188,7 +187,7 @@ def test_another_kind_of_file_is_refused(tmp_path):
 
 
 def test_a_file_that_is_too_large_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(calculix_frd, "LARGEST", 100)
+    monkeypatch.setattr(calculix_files, "LARGEST", 100)
     path = written(tmp_path, GOOD)
     with pytest.raises(InputError, match="at most 100 bytes are read"):
         read_frd(path)

@@ -158,7 +158,7 @@ def test_each_fault_is_one_sentence_that_names_the_file(fault, tmp_path):
         ("# only a remark\n", "the file is empty"),
         ("x,pressure,shear\n", "no row of numbers"),
         ("0,1,2\n1,2,3\n", "line 1: the first line must name the columns"),
-        ("x,pressure,shear\n0,1\n", "line 2: 3 numbers are needed"),
+        ("x,pressure,shear\n0,1\n", "line 2: 3 numbers (x, pressure, shear) are needed"),
         ("x,pressure,shear\n0,1,0\n1,1,0\n", "2 points are no surface"),
         ("x,pressure,CPRESS,shear\n0,1,1,0\n", "frame 1 has no shear, or no pressure"),
         ("x,p_1,q_1,p_2\n0,1,0,1\n1,1,0,1\n2,1,0,1\n", "frame 2 has no shear, or no pressure"),

@@ -12,7 +12,7 @@ from reports.scoring.against import score_surface
 from reports.scoring.mapping import Mapping
 from reports.scoring.study import Level, element_size, study
 from reports.scoring.study_files import results_in, score_folder
-from reports.scoring.tidying import surface_result
+from reports.scoring.surface import surface_result
 from scenes import InputError
 from score_results import exact, rows, written
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -16,10 +15,8 @@ from reports.comparison.metrics import WHOLE_CYCLE, scales
 from reports.scoring.guesses import whole_path
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from reports.scoring.rule import by_same_rule
-from reports.scoring.solution import contact_solution, of_own_file
-from reports.scoring.surface import SurfaceResult
-from reports.scoring.tidying import surface_result
+from reports.scoring.solution import by_same_rule, contact_solution
+from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
 from scenes.frozen import validated
 
@@ -92,7 +89,11 @@ def own_solution(path: Path, scene: Scene) -> ContactSolution:
         solution = ContactSolution.load(path)
     except (OSError, KeyError, ValueError) as reason:
         raise InputError(f"{path}: this is no solution that halfplane wrote ({type(reason).__name__}: {reason})") from reason
-    return of_own_file(solution, str(path), scene)
+    for part in ("material", "profile", "friction", "load"):
+        own, asked = getattr(solution.scene, part), getattr(scene, part)
+        if own != asked:
+            raise InputError(f"{path}: it answers another scene: {part} is {own!r} there and {asked!r} in {scene.name}")
+    return solution
 
 
 def score_surface(
@@ -130,9 +131,20 @@ def score_solution(
     InputError
         Where no point of the result lies in the reference's contact at any of its instants.
     """
-    reference = _like_parts(_REFERENCES[against](solution), solution)
+    if against == "fe":
+        import halfplane_fe
+
+        reference = halfplane_fe.solve(solution.scene)
+    else:
+        import semi_analytic
+
+        reference = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
+    lacking = {name: why for name, why in solution.work.skipped.items() if name == WHOLE_CYCLE}  # the reference then holds none too
+    reference = replace(reference, work=replace(reference.work, skipped={**reference.work.skipped, **lacking}))
     _refuse_beside(solution, reference)
-    steps = _on_polygon(solution) if polygon and against == "exact" else None
+    steps = None  # theory on the increments of a solver; none for an answer that takes no steps
+    if polygon and against == "exact" and solution.engine == "halfplane_fe" and DERIVED not in solution.settings:
+        steps = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time, straight_steps=not solution.thinned)
     if whole is None and derived(solution):
         whole = whole_path(solution.scene)
     like, words = (reference, ()) if whole is None else by_same_rule(reference, solution, scales(whole).half_width)
@@ -166,33 +178,3 @@ def diagnosed(report: Report) -> Report:
     from reports.scoring.diagnosis import diagnose
 
     return replace(report, diagnoses=diagnose(report.comparison))
-
-
-def _exact(solution: ContactSolution) -> ContactSolution:
-    import semi_analytic
-
-    return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
-
-
-def _like_parts(reference: ContactSolution, solution: ContactSolution) -> ContactSolution:
-    """`reference`, holding no whole cycle either where `solution` holds none."""
-    lacking = {name: why for name, why in solution.work.skipped.items() if name == WHOLE_CYCLE}
-    return replace(reference, work=replace(reference.work, skipped={**reference.work.skipped, **lacking}))
-
-
-def _on_polygon(solution: ContactSolution) -> ContactSolution | None:
-    """Theory on the increments of a solver; None for an answer that takes no steps, and where some were left out."""
-    if solution.engine != "halfplane_fe" or DERIVED in solution.settings:
-        return None
-    import semi_analytic
-
-    return semi_analytic.solve(solution.scene, x=solution.x, time=solution.time, straight_steps=not solution.thinned)
-
-
-def _finite_elements(solution: ContactSolution) -> ContactSolution:
-    import halfplane_fe
-
-    return halfplane_fe.solve(solution.scene)
-
-
-_REFERENCES: dict[str, Callable[[ContactSolution], ContactSolution]] = {"exact": _exact, "fe": _finite_elements}

@@ -1,26 +1,41 @@
-"""Which reader takes which file."""
+"""Which reader takes which file; and tables of text: a row for each instant and point, or the frames of a path beside each other."""
 
 from __future__ import annotations
 
+import re
 from importlib import import_module
 from pathlib import Path
+from typing import cast
 
-from reports.scoring.mapping import Mapping
-from reports.scoring.surface import SurfaceResult
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.scoring.mapping import ALIASES, Mapping, Quantity, converted, find_column, plain, stated_times
+from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import InputError, Scene
+from scenes.measured import TextTable, text_table
 
-# Suffix -> module and function, each read(path, mapping, scene) -> SurfaceResult; loaded when a file asks for it.
+Array = NDArray[np.float64]
+
+TABLES = (".csv", ".txt", ".rpt")
+# Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks for it.
 READERS: dict[str, str] = {
-    ".csv": "reports.scoring.reading_csv:read",
-    ".txt": "reports.scoring.reading_csv:read",
-    ".rpt": "reports.scoring.reading_csv:read",
-    ".frd": "reports.scoring.calculix_surface:read",
-    ".dat": "reports.scoring.calculix_printed:read",
-    **dict.fromkeys((".vtu", ".vtk", ".pvd", ".series", ".xdmf", ".xmf"), "reports.scoring.reading_fields:read"),
+    **dict.fromkeys(TABLES, "reading:read_table"),
+    ".frd": "calculix:read_results",
+    ".dat": "calculix:read_printed",
+    **dict.fromkeys((".vtu", ".vtk", ".pvd", ".series", ".xdmf", ".xmf"), "fields:read_fields"),
 }
+_ROWS: tuple[Quantity, ...] = ("time", "frame", "normal_load", "tangential_load", "x", "pressure", "shear", "slip")
+_FIELDS: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip")
+# "CPRESS Frame 12", "CSHEAR1 at t=0.5", "p_3": the name, then perhaps a word for what the figure counts, then the figure.
+_TAGGED = re.compile(
+    r"^(?P<base>.+?)[\s_:@,.;\-(\[]+(?:at\s+)?(?P<word>step[\s_]?time|total[\s_]?time|time|frame|increment|inc|f|t|step)?[\s_:=#]*"
+    r"(?P<figure>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*s?[)\]]?$",
+    re.IGNORECASE,
+)
 
 
-def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:
+def read(path: Path, mapping: Mapping, scene: Scene | None = None) -> SurfaceResult:  # noqa: ARG001 (asked with it by scripts)
     """The result in the file, in the scene's units and our signs as far as the mapping says.
 
     Raises
@@ -36,7 +51,137 @@ def read(path: Path, mapping: Mapping, scene: Scene) -> SurfaceResult:
             f"{path}: no reader for {path.suffix or 'a file without suffix'!r}; it reads {', '.join(sorted(READERS))}, .nc"
         )
     module, function = home.split(":")
-    found = getattr(import_module(module), function)(path, mapping, scene)
-    if not isinstance(found, SurfaceResult):
-        raise TypeError(f"{home} returned {type(found).__name__}")
-    return found
+    return cast(SurfaceResult, getattr(import_module(f"reports.scoring.{module}"), function)(path, mapping))
+
+
+def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
+    """The result in a table with a line of names: one row for each instant and point, or one for each point and columns for frames.
+
+    Instants are told apart by time, else by a number of the frame, else by the loads.
+
+    Raises
+    ------
+    InputError
+        One sentence that names the file, the line or column, and what to do.
+    """
+    table = text_table(path, what="the result", cure="write the contact surface alone, and fewer instants")
+    heads = [_head(name, mapping) for name in table.names]
+    frames = [frame for quantity, frame, _ in heads if quantity == "pressure"]
+    if len(frames) > 1 or any(frame is not None for frame in frames):
+        wide = _frames(str(path), table, mapping, heads)
+        if wide is not None:
+            return wide
+    columns: dict[Quantity, Array] = {}
+    for quantity in _ROWS:
+        name = find_column(mapping, quantity, table.names, str(path), needed=quantity in ("x", "pressure", "shear"))
+        if name is not None:
+            columns[quantity] = converted(mapping, quantity, table.column(name))
+    return _rows(str(path), mapping, columns)
+
+
+def _rows(source: str, mapping: Mapping, columns: dict[Quantity, Array]) -> SurfaceResult:
+    """From one row for each instant and point."""
+    by, instants = "nothing", np.zeros(len(columns["x"]), dtype=np.intp)
+    told = next((key for key in ("time", "frame") if key in columns), None)
+    if told is not None:
+        by, instants = told, np.unique(columns[told], return_inverse=True)[1]
+    elif "normal_load" in columns:
+        loads = np.column_stack([columns["normal_load"], columns.get("tangential_load", columns["normal_load"])])
+        by, instants = "the loads", np.concatenate([[0], np.cumsum(np.any(np.diff(loads, axis=0) != 0, axis=1))])
+    counts = np.unique(instants, return_counts=True)[1]
+    if np.any(counts != counts[0]):
+        odd = int(np.flatnonzero(counts != counts[0])[0])
+        raise InputError(
+            f"{source}: instant {odd + 1} (by {by}) has {counts[odd]} points and the first has {counts[0]}: every instant needs "
+            "the same points, with zeros where nothing touches"
+        )
+    order = np.argsort(instants, kind="stable")
+    shaped: dict[str, Array] = {name: values[order].reshape(len(counts), -1) for name, values in columns.items() if name != "frame"}
+    rank = np.argsort(shaped["x"], axis=1, kind="stable")
+    shaped = {name: np.take_along_axis(values, rank, axis=1) for name, values in shaped.items()}
+    series: dict[str, Array | None] = {}
+    for name in ("time", "normal_load", "tangential_load"):
+        values = shaped.get(name)
+        if values is not None:
+            with np.errstate(invalid="ignore"):  # what a factor made infinite is refused with all that is not finite
+                odd_rows = np.flatnonzero(np.ptp(values, axis=1) > 1e-9 * np.max(np.abs(values)))
+            if len(odd_rows):
+                row = values[odd_rows[0]]
+                raise InputError(
+                    f"{source}: {name} goes from {row.min():.6g} to {row.max():.6g} within instant {odd_rows[0] + 1} (by {by})"
+                )
+        series[name] = None if values is None else values[:, 0]
+    if mapping.times is not None:
+        series["time"] = stated_times(source, mapping, len(counts))
+    notes = [] if np.all(np.diff(instants) >= 0) else ["the rows were not in the order of the instants and were sorted"]
+    if np.any(np.diff(rank, axis=1) < 0):
+        notes.append("the points were not in the order of x and were sorted")
+    fields = {name: shaped.get(name) for name in ("pressure", "shear", "slip")}
+    return surface_result(source, mapping.code, shaped["x"], dict(fields), dict(series), notes)
+
+
+_Head = tuple[Quantity | None, float | None, bool]
+"""What a column's name says: which quantity, of which frame (None: not said), and whether that figure is a time."""
+
+
+def _head(name: str, mapping: Mapping) -> _Head:
+    def quantity_of(base: str) -> Quantity | None:
+        for quantity in _FIELDS:
+            stated = getattr(mapping.columns, quantity)
+            if plain(base) in map(plain, ALIASES[quantity] if stated is None else (stated,)):
+                return quantity
+        return None
+
+    tagged = _TAGGED.match(name.strip())
+    quantity = quantity_of(tagged["base"]) if tagged else None
+    if tagged is None or quantity is None:
+        return quantity_of(name), None, False
+    word = plain(tagged["word"] or "")
+    timed = word in ("time", "t", "steptime", "totaltime") or (not word and "." in tagged["figure"])
+    return quantity, float(tagged["figure"]), timed
+
+
+def _frames(source: str, table: TextTable, mapping: Mapping, heads: list[_Head]) -> SurfaceResult | None:
+    """The frames that stand beside each other; None where the names don't look like that.
+
+    Each frame has a pressure and a shear, perhaps a slip and places of its own; its number or time stands in the names, or the
+    frames are taken in the order of the columns.
+    """
+    grouped: dict[Quantity, list[tuple[float, Array]]] = {quantity: [] for quantity in _FIELDS}
+    for number, (quantity, frame, _) in enumerate(heads):
+        if quantity is not None:
+            order = float(len(grouped[quantity])) if frame is None else frame
+            grouped[quantity].append((order, converted(mapping, quantity, table.values[:, number])))
+    if not grouped["x"]:
+        return None
+    frames = sorted(order for order, _ in grouped["pressure"])
+
+    def stack(quantity: Quantity) -> Array | None:
+        """(n_frames, n_points) in the order of the frames; None where there is no such column."""
+        columns = grouped[quantity]
+        if not columns:
+            return None
+        found = dict(columns)
+        if len(found) < len(columns):
+            raise InputError(f"{source}: two columns hold {quantity} of the same frame; leave one out or rename it")
+        lacking = sorted({*frames} ^ found.keys())
+        if lacking:
+            raise InputError(
+                f"{source}: frame {lacking[0]:g} has no {quantity}, or no pressure; every frame needs both pressure and shear"
+            )
+        return np.array([found[frame] for frame in frames])
+
+    fields: dict[str, Array | None] = {name: stack(name) for name in _FIELDS[1:]}
+    if fields["shear"] is None:
+        raise InputError(f"{source}: the frames have a pressure and no shear; a column such as CSHEAR1 is needed for each of them")
+    places = stack("x") if len(grouped["x"]) > 1 else grouped["x"][0][1]
+    assert places is not None
+    times = None
+    if mapping.times is not None:
+        times = stated_times(source, mapping, len(frames), "frames")
+    elif any(timed for _, _, timed in heads):
+        times = converted(mapping, "time", np.array(frames))
+    named = any(quantity is not None and frame is not None for quantity, frame, _ in heads)
+    how = "by the figures in their names" if named else "in the order of the columns"
+    notes = [f"{len(frames)} frames were found beside each other, told apart {how}"]
+    return surface_result(source, mapping.code, places, dict(fields), {"time": times}, notes)

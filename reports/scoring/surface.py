@@ -1,18 +1,38 @@
-"""The one form that every foreign result is read into, whatever file it came from."""
+"""The one form that every foreign result is read into, and the surface of a foreign mesh: one plane, one body, sound elements."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from scenes import InputError, freeze
+from scenes.measured import LARGEST
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# Of the largest pressure; below it a point counts as open.
+TOUCHES = 1e-3
+# Deformed places of one point may differ from instant to instant by this share of the spacing; beyond it they are no one point.
+SAME_PLACE = 0.1
+# Places that differ by less than this share of the mesh's extent are one: text files carry six digits.
+SAME = 1e-6
+# Resultants: below what trapezia over ten elements a half-width lose at a square-root edge.
+ADDS_UP = 0.02
+# Of the largest pressure: below it a point counts as free where nothing else tells.
+CARRIES = 0.01
+# Over the product of the edges at a corner of an element; below it a corner is flat, and has no sense.
+FLAT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceResult:
-    """Tractions on the contact surface as somebody else computed them, in the scene's units and in our signs.
+    """Tractions on the contact surface as another code computed them, in the scene's units and in our signs.
 
     Attributes
     ----------
@@ -36,3 +56,225 @@ class SurfaceResult:
     normal_load: Array | None = None
     tangential_load: Array | None = None
     notes: tuple[str, ...] = ()
+
+
+def surface_result(
+    source: str,
+    code: str,
+    x: ArrayLike,
+    fields: dict[str, ArrayLike | None],
+    series: dict[str, ArrayLike | None],
+    notes: Sequence[str] = (),
+) -> SurfaceResult:
+    """A `SurfaceResult` of arrays as they came: points sorted, shapes and numbers checked.
+
+    Parameters
+    ----------
+    x : (n_points,), or (n_steps, n_points) where every instant has its own places
+    fields : pressure, shear, and slip or None, (n_steps, n_points) or (n_points,) of a single instant
+    series : time, normal_load, tangential_load, (n_steps,) each or None
+
+    Raises
+    ------
+    InputError
+        One sentence: a shape that does not fit, a number that is none, a point that stands there twice.
+    """
+    grids = {name: np.atleast_2d(np.array(v, dtype=float)) for name, v in fields.items() if v is not None}
+    lines = {name: np.atleast_1d(np.array(v, dtype=float)) for name, v in series.items() if v is not None}
+    places, said = np.array(x, dtype=float), list(notes)
+    shape = grids["pressure"].shape
+    wanted = dict.fromkeys(grids, shape) | dict.fromkeys(lines, shape[:1]) | {"x": shape[1:] if places.ndim == 1 else shape}
+    for name, values in (*grids.items(), *lines.items(), ("x", places)):
+        if values.shape != wanted[name]:
+            raise InputError(
+                f"{source}: {name} has the shape {values.shape} where {wanted[name]} is needed: pressure is (instants, points), "
+                f"x one figure a point, time and loads one an instant"
+            )
+        bad = np.argwhere(~(np.abs(values) <= LARGEST))
+        if len(bad):
+            where = "instant {}, point {}".format(*(bad[0] + 1)) if values.ndim == 2 else f"entry {bad[0][0] + 1}"
+            raise InputError(
+                f"{source}: {name} is no finite number at {where} ({len(bad)} such in all); mend or leave out these rows"
+            )
+    for row in np.atleast_2d(np.sort(places)):
+        if len(row) < 3:
+            raise InputError(f"{source}: {len(row)} points are no surface: three at least are needed")
+        close = np.flatnonzero(np.diff(row) <= 1e-12 * np.ptp(row))
+        if len(close):
+            raise InputError(
+                f"{source}: the point x = {row[close[0]]:.9g} stands there twice in one instant ({len(close)} such in all); "
+                "leave one out, or name a column that tells the instants apart (columns.time or columns.frame of a mapping)"
+            )
+    if places.ndim == 2:
+        places, sentence = _one_line(source, places)
+        said += [sentence] if sentence else []
+    order = np.argsort(places, kind="stable")
+    if np.any(np.diff(order) < 0):
+        said.append("the points were not in the order of x and were sorted")
+    known = {name: freeze(values[:, order]) for name, values in grids.items()}
+    known |= {name: freeze(values) for name, values in lines.items()}
+    return SurfaceResult(source, code, freeze(places[order]), notes=tuple(said), **known)
+
+
+def _one_line(source: str, places: Array) -> tuple[Array, str]:
+    """The mean place of each point, and a sentence where it moves from instant to instant."""
+    middle = places.mean(axis=0)
+    moved = float(np.max(np.abs(places - middle)))
+    if moved <= 1e-9 * float(np.ptp(middle)):
+        return places[0], ""
+    spacing = float(np.median(np.diff(np.sort(middle))))
+    if moved > SAME_PLACE * spacing:
+        row, column = np.unravel_index(np.argmax(np.abs(places - middle)), places.shape)
+        raise InputError(
+            f"{source}: the points are not the same at every instant: point {column + 1} has x = {places[row, column]:.6g} at "
+            f"instant {row + 1} and {middle[column]:.6g} in the mean, {moved / spacing:.2g} spacings off; give undeformed places"
+        )
+    return middle, f"x moves from instant to instant by at most {moved / spacing:.1g} of the points' spacing; its mean was taken"
+
+
+# ------------------------------------------------------------------------------------------------- what tractions add up to
+def tension(pressure: Array) -> list[str]:
+    """A sentence where the contact pulls a little; the guesses name what is more, with its place.
+
+    >>> tension(np.array([[100.0, -0.05]]))
+    ['the contact pulls at some points, by up to 0.05: kept as it is (a linear overclosure law allows it)']
+    """
+    least = float(pressure.min())
+    if least >= 0 or least < -TOUCHES * float(pressure.max()):
+        return []
+    return [f"the contact pulls at some points, by up to {-least:.4g}: kept as it is (a linear overclosure law allows it)"]
+
+
+def unbalanced(x: Array, pressure: Array, normal_load: Array | None) -> list[str]:
+    """A sentence where the pressure does not add up to the pair's resultant: nodal values of surface-to-surface pairs do not."""
+    if normal_load is None or normal_load[-1] == 0:
+        return []
+    share = float(np.trapezoid(pressure[-1], x) / normal_load[-1])
+    if abs(share - 1) < ADDS_UP:
+        return []
+    return [f"the last instant's pressures add up to {share:.3f} of the contact pair's resultant: so coarse are the file's values"]
+
+
+def free_face(x: Array, pressure: Array, shear: Array) -> list[str]:
+    """A sentence where stress taken for traction leaves shear on the free face, at the instant of the largest pressure.
+
+    >>> x = np.linspace(-2, 2, 5)
+    >>> free_face(x, np.array([[0.0, 1, 2, 1, 0]]), np.array([[0.1, 0.5, 1, 0.5, 0.1]]))
+    ['the stress leaves shear on the face beside the contact, which adds 5.0 % to what the shear adds up to: kept as it is']
+    """
+    k = int(np.argmax(pressure.max(axis=1)))
+    touching = pressure[k] > CARRIES * pressure[k].max()
+    whole, inside = (float(np.trapezoid(values, x)) for values in (shear[k], np.where(touching, shear[k], 0.0)))
+    if inside == 0 or abs(whole / inside - 1) < ADDS_UP:
+        return []
+    excess = 100 * (whole / inside - 1)
+    return [
+        f"the stress leaves shear on the face beside the contact, which adds {excess:.1f} % to what the shear adds up to: "
+        "kept as it is"
+    ]
+
+
+# ---------------------------------------------------------------------------------------------------- the surface of a mesh
+def extent(points: Array) -> float:
+    """The longest side of the box around the points [length]."""
+    return float(np.max(np.ptp(points, axis=0))) if len(points) else 0.0
+
+
+def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[str]]:
+    """Of the `chosen` rows of `points` (n, 3) those of the plane z = const that holds most of them, ascending in x.
+
+    Also the depth from the first to the last plane [length], 0 for a plane model, and a sentence where there are several.
+
+    >>> thick = np.array([[1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0], [1.0, 0, 1.0]])
+    >>> rows, depth, notes = one_plane(thick, np.arange(4))
+    >>> rows.tolist(), depth, notes
+    ([1, 0], 1.0, ['the model is 1 thick: the tractions are those of its plane z = 0, one of 2'])
+    """
+    depth = points[chosen, 2]
+    order = np.argsort(depth, kind="stable")
+    plane = np.empty(len(chosen), np.int64)
+    plane[order] = np.concatenate([[0], np.cumsum(np.diff(depth[order]) > SAME * extent(points))])
+    taken = int(np.argmax(np.bincount(plane)))  # the lowest where several hold as many
+    rows = chosen[plane == taken]
+    rows = rows[np.argsort(points[rows, 0], kind="stable")]
+    if not plane.any():
+        return rows, 0.0, []
+    place, thickness = float(depth[plane == taken].min()), float(np.ptp(depth))
+    words = f"the model is {thickness:.6g} thick: the tractions are those of its plane z = {place:.6g}, one of {plane.max() + 1}"
+    return rows, thickness, [words]
+
+
+def material_above(points: Array, cells: Iterable[Integers]) -> Array:
+    """(n_points,): how far the middles of a point's cells lie above it in the mean [length]; NaN for a point that is in no cell.
+
+    Negative at the top face of the lower body, positive at the bottom face of the upper one. `cells` are blocks of rows of points.
+    """
+    total, count = np.zeros(len(points)), np.zeros(len(points))
+    for block in cells:
+        np.add.at(total, block, points[block, 1].mean(axis=1)[:, None] - points[block, 1])
+        np.add.at(count, block, 1.0)
+    return np.divide(total, count, out=np.full(len(points), np.nan), where=count > 0)
+
+
+def body_of(n_points: int, cells: Iterable[Integers]) -> Integers:
+    """(n_points,): number of the connected body that a point is part of."""
+    pairs = [np.stack([np.repeat(block[:, :1], block.shape[1], axis=1).ravel(), block.ravel()]) for block in cells]
+    rows, columns = np.concatenate([np.empty((2, 0), np.int64), *pairs], axis=1)
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(n_points, n_points))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+
+
+# For each corner of an element the neighbours along its edges, right-handed in a sound element.
+_EDGES: dict[str, tuple[tuple[int, ...], ...]] = {
+    "triangle": ((1, 2), (2, 0), (0, 1)),
+    "quad": ((1, 3), (2, 0), (3, 1), (0, 2)),
+    "tetra": ((1, 2, 3), (2, 0, 3), (0, 1, 3), (0, 2, 1)),
+    "wedge": ((1, 2, 3), (2, 0, 4), (0, 1, 5), (5, 4, 0), (3, 5, 1), (4, 3, 2)),
+    "hexahedron": ((1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3)),
+}
+
+
+def inside_out(points: Array, cells: Iterable[tuple[str, Integers]]) -> list[str]:
+    """A sentence where elements have a corner of the other sense than most of their body: such a mesh has no right answer.
+
+    A body whose elements are all counted the other way round is no fault: codes differ in that. Plane elements count where the
+    model is plane: as the surface of a thick one they look either way.
+
+    Parameters
+    ----------
+    points : (n_points, 3) [length]
+    cells : kind as meshio calls it ("quad", "quad8", ...), and rows of points, (n_cells, n_nodes), corners first
+
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]])
+    >>> inside_out(points, [("quad", np.array([[0, 1, 4, 3], [1, 2, 5, 4]]))])
+    []
+    """
+    known = [(_EDGES.get(kind.rstrip("0123456789"), ()), rows) for kind, rows in cells]
+    solid = [(edges, rows[:, : len(edges)]) for edges, rows in known if len(rows) and 0 < len(edges) <= rows.shape[1]]
+    if np.ptp(points[:, 2]) > SAME * extent(points):
+        solid = [(edges, rows) for edges, rows in solid if len(edges[0]) == 3]
+    if not solid:
+        return []
+    senses = []  # of each element the least and the largest over its corners: 1 right-handed, -1 left-handed, 0 flat
+    for edges, rows in solid:
+        corners = []
+        for corner, neighbours in enumerate(edges):
+            along = [points[rows[:, k]] - points[rows[:, corner]] for k in neighbours]
+            normal = np.cross(along[0], along[1])
+            volume = normal[:, 2] if len(along) == 2 else np.sum(normal * along[2], axis=1)
+            size = np.prod([np.linalg.norm(edge, axis=1) for edge in along], axis=0)
+            corners.append(np.where(np.abs(volume) <= FLAT * size, 0, np.sign(volume)))
+        senses.append([np.min(corners, axis=0), np.max(corners, axis=0)])
+    least, most = np.concatenate(senses, axis=1)
+    bodies = body_of(len(points), [rows for _, rows in solid])
+    body = np.concatenate([bodies[rows[:, 0]] for _, rows in solid])
+    usual = np.where(np.bincount(body, weights=least + most)[body] < 0, -1, 1)
+    wrong = np.flatnonzero((least < 0) & (usual > 0) | (most > 0) & (usual < 0))
+    if not len(wrong):
+        return []
+    x, y = np.concatenate([points[rows].mean(axis=1) for _, rows in solid])[wrong[0], :2]
+    count = "1 element is" if len(wrong) == 1 else f"{len(wrong)} elements are"
+    return [
+        f"{count} turned inside out, of {len(body)} (a corner with a negative Jacobian; the first lies around x = {x:.4g}, "
+        f"y = {y:.4g}): the mesh is broken there, and what was computed on it can't be trusted; it is scored as it is"
+    ]
