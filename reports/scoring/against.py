@@ -134,7 +134,7 @@ def score_solution(
     if against == "fe":
         import halfplane_fe
 
-        reference = halfplane_fe.solve(solution.scene)
+        reference: ContactSolution = halfplane_fe.solve(solution.scene)
     else:
         import semi_analytic
 

@@ -75,7 +75,7 @@ _Components = dict[str, tuple[str, float]]
 
 
 def _source(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[list[int], Where, Integers, Array, _Components, list[str]]:
-    """The first of the ways to tractions that the file offers: parts of an instant, where, rows and x of the surface, components."""
+    """The first way to tractions that the file offers: parts of an instant, where, rows and x of the surface, components."""
     points = dict(ChainMap(*(part.point_fields for part in frame.parts)))
     cells = dict(ChainMap(*({name: blocks[0] for name, blocks in part.cell_fields.items() if blocks} for part in frame.parts)))
     at_points, at_cells = (
@@ -194,7 +194,7 @@ def _surface_points(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Inte
 
 
 def _surface_cells(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, Array, list[str]]:
-    """Rows, through all blocks, of the cells that the mapping marks, else whose points are all of the surface; x of their middles."""
+    """Rows, through all blocks, of the cells that are marked, else whose points are all of the surface; x of their middles."""
     if mapping.surface is not None:
         rows = np.flatnonzero(np.concatenate(_mark(path, mesh.cell_fields, mapping)))
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,14 +67,15 @@ def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> 
         ("stress", ("pressure", "shear"), "pressure and shear", float(result.pressure.max()), pressure, "the largest pressure is"),
         ("load", ("normal_load", "tangential_load"), "P and Q", largest, load, "the largest P is"),
     ):
-        known = {name: values for name in fields if (values := getattr(result, name)) is not None}
+        known: dict[str, Any] = {name: values for name in fields if (values := getattr(result, name)) is not None}
         factor = next((one for one in (1.0, *FACTORS) if LEAST <= own / expected * one <= MOST), 1.0)
         if getattr(mapping.factors, key) is not None or not known or not own or factor == 1.0:
             continue
         result = replace(result, **{name: freeze(values * factor) for name, values in known.items()})
         theirs = f"at least the mean one, {expected:.4g}," if key == "stress" else f"{expected:.4g}"
         said.append(
-            f"{what} multiplied by {factor:g}, for {quantity} {own:.4g} and theory has {theirs} (factors.{key} = {factor:g} says it for certain)"
+            f"{what} multiplied by {factor:g}, for {quantity} {own:.4g} and theory has {theirs} "
+            f"(factors.{key} = {factor:g} says it for certain)"
         )
 
     left, right = _extent(result)

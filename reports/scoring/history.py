@@ -303,7 +303,7 @@ def _places(squares: Array, reach: float) -> Places:
 
 
 def _evenest(candidates: list[Array]) -> Places | None:
-    """Which of its stretches, (n, 3) times each as of `_places`, to take for each instant: the squares of the steps add up to least.
+    """Which of its stretches, (n, 3) times each as of `_places`, to take for each instant: the squares of the steps add to least.
 
     Two instants alike on both sides of a turn of the loads are thereby one on each side, where any other rule would put both in
     one place. Steps don't go back, but within stretches that overlap, where order can't be told, and then they count more. None

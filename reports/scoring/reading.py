@@ -1,4 +1,4 @@
-"""Which reader takes which file; and tables of text: a row for each instant and point, or the frames of a path beside each other."""
+"""Which reader takes which file; and tables of text, a row for each instant and point or frames beside each other."""
 
 from __future__ import annotations
 
