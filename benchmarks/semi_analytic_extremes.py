@@ -43,7 +43,7 @@ from semi_analytic.friction_work import closed_integral, global_dissipation
 from semi_analytic.hertz import HertzContact
 from semi_analytic.history import history_of
 from semi_analytic.profiles import contact_of
-from semi_analytic_truth import work_over_points
+from semi_analytic_oracle import work_over_points
 
 TABLE = Path(__file__).with_name("semi_analytic_reference.json")
 

@@ -1,24 +1,47 @@
-"""Fields of any instant by brute force, in extended precision: integrals over the pile of punches, from h'' and M(eta).
+"""Fields, friction work, edges of slip and memory of any scene by brute force in extended precision, without the engine's rules.
 
-# notation: alpha half-width of a punch in the pile, g = dP/d alpha, M' slope of the memory curve, A = 2/E*
+# notation: alpha half-width of a punch, g = dP/d alpha, M(eta) memory, A = 2/E*; s = +1 forward, -1 reverse slip; low = s Q - f P,
+#           high = s Q + f P; P_c load at the edge of the slip zone; P_x load at which a = |x|
 
-p = (1/pi) int g/sqrt(alpha^2 - x^2), q the same with M', s = (A/pi) int M' g arccosh(|x|/alpha), U = (A/pi) int M' g ln(2 L/alpha):
-each by one rule for singular ends between all knots and corners. The knots of the curve are the engine's own, the rest is not.
+Fields:  p = (1/pi) int g/sqrt(alpha^2 - x^2), q the same with M', s = (A/pi) int M' g arccosh(|x|/alpha),
+         U = (A/pi) int M' g ln(2 L/alpha).
+Memory:  Coulomb's law asks low + f eta <= s M(eta) <= high - f eta of every punch; both bounds meet while P passes eta. So
+         M(eta, t) is where the largest lower and the least upper bound meet, looking back, and
+         P_c(t) = [min of high over (tau, t) - low(t)]/(2 f), tau being the last time at which low was above low(t).
+Work:    W(x) = (f A/pi) int p(x, P) low' arccosh(|x|/c) dt,    W = (f A/pi) int low' int_{P_c}^P ln(a(eta)/c) d eta dt.
+
+Each integral by one rule for singular ends between all knots and corners. Of the fields the knots of the memory are the
+engine's own.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
+from numpy.polynomial import chebyshev
 
-from scenes import CallableProfile, PowerLaw
+from scenes import (
+    CallableProfile,
+    ChebyshevSegment,
+    HarmonicSegment,
+    PowerLaw,
+    StraightSegment,
+    ellipse_segment,
+)
+from semi_analytic import friction_work
+from semi_analytic.arcs import Arc
 from semi_analytic.history import history_of
-from semi_analytic.memory import pieces
-from semi_analytic.profiles import contact_of
+from semi_analytic.memory import Piece, instant, pieces
+from semi_analytic.profiles import contact_of, power_law
+from semi_analytic.punch_superposition import PunchSuperposition
+from semi_analytic.quadrature import graded
 
 LONG = np.longdouble
+
+
 PI = LONG("3.14159265358979323846264338327950288")
 
 
@@ -156,7 +179,7 @@ def law_of(profile):
             jumps = np.diff(bends)
             first = int(np.flatnonzero(jumps)[0])
             return Bends(tuple(LONG(v) for v in spline.x[first:-1]), tuple(jumps[first:]))
-    return Bessel(LONG(float(profile.slope_function(np.array(1.0)))) / np.sinh(LONG(1)))
+    return Bessel(LONG(round(float(profile.slope(np.array(1.0)) / np.sinh(1.0)), 9)))  # a slope by differences has ten digits
 
 
 def half_width(law, load, guess):
@@ -286,3 +309,444 @@ class Oracle:
             "contact_half_width": half,
             "stick_half_width": front,
         }
+
+
+# ------------------------------------------------------------------------------------ the path, its edges of slip and its memory
+
+
+TURN = LONG("6.28318530717958647692528676655900577")
+
+
+_SAMPLES = 2001
+
+
+def root(function, value, low, high):
+    """Times in [low, high] at which function = (values, rates), monotone there, has `value`, any shape: Newton inside a bracket."""
+    value = np.asarray(value, dtype=LONG)
+    a, b = np.full(value.shape, LONG(low)), np.full(value.shape, LONG(high))
+    rising = np.sign(function(b)[0] - function(a)[0])
+    t = (a + b) / 2
+    for _ in range(140):
+        now, rate = function(t)
+        fault = rising * (now - value)
+        a, b = np.where(fault <= 0, t, a), np.where(fault >= 0, t, b)
+        newton = t - rising * fault / np.where(rate != 0, rate, 1)
+        new = np.where((newton > a) & (newton < b) & (rate != 0), newton, (a + b) / 2)
+        if np.all(np.abs(new - t) <= 3e-19 * np.abs(t)):
+            break
+        t = new
+    return t
+
+
+def _load_and_rate(waves, mean, t):
+    """mean + sum of waves, and its rate."""
+    rate = sum((-k * LONG(size) * np.sin(k * t - LONG(phase)) for k, (size, phase) in enumerate(waves, 1)), 0 * t)
+    return LONG(mean) + _wave(waves, t), rate
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """A stretch of one leg on which neither P nor Q - f P nor Q + f P turns round; `first`, `last`: ends of a straight leg."""
+
+    leg: object
+    begin: LONG
+    end: LONG
+    first: tuple = ()
+    last: tuple = ()
+
+    def loads(self, time):
+        """P, Q, dP/dt, dQ/dt."""
+        t, leg = np.asarray(time, dtype=LONG), self.leg
+        if isinstance(leg, StraightSegment):
+            length = LONG(leg.end) - LONG(leg.start)
+            share = (t - LONG(leg.start)) / length
+            steps = [last - first for first, last in zip(self.first, self.last, strict=True)]
+            values = [first + step * share for first, step in zip(self.first, steps, strict=True)]
+            return (*values, *(step / length + 0 * t for step in steps))
+        if isinstance(leg, ChebyshevSegment):
+            scale = 2 / (LONG(leg.end) - LONG(leg.start))
+            u = (t - LONG(leg.start)) * scale - 1
+            series = [np.array(part, dtype=LONG) for part in (leg.normal, leg.tangential)]
+            rates = [chebyshev.chebval(u, chebyshev.chebder(part)) * scale for part in series]
+            return (*(chebyshev.chebval(u, part) for part in series), *rates)
+        waves = [leg.normal, leg.tangential]
+        (p, p_rate), (q, q_rate) = (_load_and_rate(wave, mean, t) for wave, mean in zip(waves, leg.mean, strict=True))
+        return p, q, p_rate, q_rate
+
+    def of(self, normal, tangential):
+        """The combination normal P + tangential Q as a function of time: value and rate."""
+
+        def combined(time):
+            p, q, p_rate, q_rate = self.loads(time)
+            return normal * p + tangential * q, normal * p_rate + tangential * q_rate
+
+        return combined
+
+    def ends(self, normal, tangential):
+        """The combination at begin and end."""
+        return tuple(self.of(normal, tangential)(np.array([self.begin, self.end], dtype=LONG))[0])
+
+
+def _phases(whole, friction):
+    """A leg in phases: sign changes of the three rates among samples, halved to the last digit."""
+    times = whole.begin + (whole.end - whole.begin) * np.linspace(0, 1, _SAMPLES).astype(LONG)
+    marks = [whole.begin, whole.end]
+    for what in ((LONG(1), 0), (-friction, 1), (friction, 1)):
+        rate = lambda t, what=what: whole.of(*what)(t)[1]  # noqa: E731
+        sign = np.sign(rate(times))
+        sign[np.abs(rate(times)) <= 1e-17 * np.max(np.abs(rate(times)))] = 0
+        known = np.flatnonzero(sign)
+        for left, right in pairwise(known):
+            if sign[left] != sign[right]:
+                low, high = times[left], times[right]
+                for _ in range(90):
+                    middle = (low + high) / 2
+                    low, high = (middle, high) if np.sign(rate(middle)) == sign[left] else (low, middle)
+                marks.append((low + high) / 2)
+    marks = sorted(marks)
+    return [replace(whole, begin=a, end=b) for a, b in pairwise(marks) if b - a > 1e-17 * max(abs(a), abs(b))]
+
+
+def phases_of(path, friction, cycles):
+    """All phases of the initial loading and of `cycles` revolutions, and the number of the first phase of the last revolution."""
+    friction, groups = LONG(friction), []
+    if path.period is None:
+        groups.append(path.initial_loading)
+    else:
+        groups += [path.initial_loading, *[path.cycle] * cycles]
+    wholes = {}
+    for leg in (*path.initial_loading, *path.cycle):
+        begin, end = LONG(leg.start), LONG(leg.end)
+        # A revolution ends where it began, to all digits.
+        end = begin + TURN if isinstance(leg, HarmonicSegment) else end
+        ends = [tuple(LONG(v) for v in getattr(leg, name, ())) for name in ("first", "last")]
+        wholes[id(leg)] = Phase(leg, begin, end, *ends)
+    if path.cycle:
+        joint = wholes[id(path.initial_loading[-1])]
+        wholes[id(path.initial_loading[-1])] = replace(joint, last=wholes[id(path.cycle[0])].loads(LONG(path.cycle[0].start))[:2])
+    cut = {key: _phases(whole, friction) for key, whole in wholes.items()}
+    listed = [[phase for leg in group for phase in cut[id(leg)]] for group in groups]
+    return [phase for group in listed for phase in group], sum(len(group) for group in listed[:-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Slip:
+    """A span of time of a phase in which slip in one direction has its front on a line, or on an earlier phase `past`."""
+
+    phase: Phase
+    sign: int
+    friction: LONG
+    begin: LONG
+    end: LONG
+    level: LONG
+    past: Phase | None = None
+
+    @property
+    def growth(self):
+        """low as a function of time: value and rate."""
+        return self.phase.of(-self.friction, self.sign)
+
+    def front(self, time):
+        """P_c."""
+        low = self.growth(time)[0]
+        if self.past is None:
+            return (self.level - low) / (2 * self.friction)
+        back = root(self.past.of(-self.friction, self.sign), low, self.past.begin, self.past.end)
+        return self.past.loads(back)[0]
+
+
+def slips_of(phases, number, friction):
+    """The slips of phase `number` in both directions."""
+    friction = LONG(friction)
+    return [slip for sign in (1, -1) for slip in _slips(phases, number, sign, friction)]
+
+
+def _slips(phases, number, sign, friction):
+    """Looking back from a phase in which low rises: every phase in which low was higher gives one or two fronts."""
+    phase = phases[number]
+    first, last = phase.ends(-friction, sign)
+    if not last > first:
+        return
+    reach, least = first, phase.ends(friction, sign)[0]
+    for past in reversed(phases[:number]):
+        if reach >= last:
+            return
+        (low, low_after), (high, high_after) = past.ends(-friction, sign), past.ends(friction, sign)
+        least = min(least, high_after)
+        if low_after > reach:  # the path jumps by rounding
+            yield from _held(Slip(phase, sign, friction, reach, low_after, least), phase)
+            reach = low_after
+        if low > reach:
+            turn = reach  # low at which high comes below what it was later
+            if high < least:
+                turn = past.of(-friction, sign)(root(past.of(friction, sign), least, past.begin, past.end))[0]
+                turn = max(turn, reach)
+            else:
+                turn = low
+            yield from _held(Slip(phase, sign, friction, reach, min(turn, last), least), phase)
+            yield from _held(Slip(phase, sign, friction, turn, min(low, last), least, past), phase)
+            reach = low
+        least = min(least, high)
+
+
+def _held(slip, phase):
+    """The slip with times in place of values of low, where there is any; where P falls the path may come to the other side."""
+    if not slip.end > slip.begin:
+        return
+    marks = np.array([slip.begin, slip.end])
+    lows = slip.growth(np.array([phase.begin, phase.end]))[0]
+    times = np.where(marks == lows[1], phase.end, root(slip.growth, marks, phase.begin, phase.end))
+    begin, end = np.where(marks == lows[0], phase.begin, times)  # half the digits of a root are lost where low turns
+    if not end > begin:
+        return
+    found = replace(slip, begin=begin, end=end)
+    inner = begin + (end - begin) * (np.arange(65).astype(LONG) + LONG(0.5)) / 65
+    load = phase.loads(inner)[0]
+    ahead = load - found.front(inner) > 1e-17 * load
+    if np.all(ahead):
+        yield found
+    elif np.any(ahead):
+        marks = [begin, end]
+        for k in np.flatnonzero(ahead[1:] != ahead[:-1]):
+            low, high = inner[k], inner[k + 1]
+            for _ in range(80):
+                middle = (low + high) / 2
+                inside = phase.loads(middle)[0] - found.front(middle) > 0
+                low, high = (middle, high) if inside == ahead[k] else (low, middle)
+            marks.append((low + high) / 2)
+        state = bool(ahead[0])
+        for a, b in pairwise(sorted(marks)):
+            if state:
+                yield replace(found, begin=a, end=b)
+            state = not state
+
+
+def memory(phases, number, time, eta, friction):
+    """M(eta) at `time` of phase `number`, 0 < eta <= P: where the largest lower and the least upper bound meet, looking back."""
+    friction, eta, time = LONG(friction), LONG(eta), LONG(time)
+    lowest, highest = -LONG(np.inf), LONG(np.inf)
+    for past in [replace(phases[number], end=time), *reversed(phases[:number])]:
+        below, above = past.of(-friction, 1), past.of(friction, 1)
+        ends = np.array([past.end, past.begin], dtype=LONG)
+        low, high = below(ends)[0] + friction * eta, above(ends)[0] - friction * eta
+        for k in range(2):
+            a, b = max(lowest, low[k]), min(highest, high[k])
+            if a >= b:
+                if k == 0:
+                    return (a + b) / 2
+                return _meeting(past, below, above, friction * eta, lowest, highest)
+            if k == 0:
+                lowest, highest = a, b
+        lowest, highest = max(lowest, low[1]), min(highest, high[1])
+    return (lowest + highest) / 2
+
+
+def _meeting(past, below, above, half, lowest, highest):
+    """The value at which both bounds meet within a phase."""
+    late, early = past.end, past.begin
+    for _ in range(100):
+        middle = (late + early) / 2
+        if max(lowest, below(middle)[0] + half) >= min(highest, above(middle)[0] - half):
+            early = middle
+        else:
+            late = middle
+    a, b = max(lowest, below(early)[0] + half), min(highest, above(early)[0] - half)
+    return (a + b) / 2
+
+
+# ------------------------------------------------------------------------------------------------------------- friction work
+
+
+def _bent_pressure(law, x, half):
+    """p(x, P) at half-widths (n,) >= x: int_max(b, x)^a arccos(b/alpha) alpha d alpha/sqrt(alpha^2 - x^2) for a jump of h'' at b,
+
+    that is sqrt(a^2 - x^2) arccos(b/a) - b ln[(B + X)/D] + x ln[(b X + x B)/(a D)] with B^2 = a^2 - b^2, X^2 = a^2 - x^2 and
+    D^2 = |b^2 - x^2|.
+    """
+    total, edge = 0 * half, np.sqrt((half - x) * (half + x))
+    for b, jump in zip(law.knots, law.jumps, strict=True):
+        if not half[len(half) // 2] > b:
+            continue
+        inner = np.sqrt(np.maximum((half - b) * (half + b), 0))
+        part = edge * np.arctan2(inner, b)
+        if b > 0:
+            apart = np.sqrt(np.abs((b - x) * (b + x))) or LONG(1)
+            part = part - b * np.log((inner + edge) / apart)
+            if x > 0:
+                part = part + x * np.log((b * edge + x * inner) / half / apart)
+        total = total + jump * part
+    return total / PI
+
+
+class Work:
+    """W(x) at |x| and W of revolution number `cycle`, of a scene with E* = 1; every span of slip in `parts`."""
+
+    def __init__(self, scene, cycle, step=0.3, parts=1):
+        self.friction = LONG(scene.friction.coefficient)
+        self.phases, self.first = phases_of(scene.load.path(), scene.friction.coefficient, cycle + 1)
+        numbers = range(self.first, len(self.phases))
+        self.slips = [slip for k in numbers for slip in slips_of(self.phases, k, self.friction)]
+        self.law, self.parts, self.contact = law_of(scene.profile), parts, contact_of(scene.profile, scene.material)
+        self.lower, self.near, self.weight = _rule(step)
+        self.corners = [b for b in self.law.breaks if b > 0]
+        self.corner_loads = [LONG(self.law.load(b)) for b in self.corners]
+
+    def nodes(self, begin, end):
+        """Nodes and weights on [begin, end]."""
+        length = np.asarray(end - begin)[..., None]
+        begin, end = np.asarray(begin)[..., None], np.asarray(end)[..., None]
+        return np.where(self.lower, begin + length * self.near, end - length * self.near), length * self.weight
+
+    def half(self, load):
+        """a(P), (n,): Newton's method inside a bracket, from the engine's as a first guess."""
+        load = np.atleast_1d(np.asarray(load, dtype=LONG))
+        guess = self.contact.half_width(load.astype(float)).astype(LONG)
+        least = self.law.breaks[0]
+        low, high = np.full(load.shape, least), 2 * guess + least
+        half = np.maximum(guess, least)
+        for _ in range(100):
+            fault, rate = self.law.load(half) - load, self.law.rate(half)
+            low, high = np.where(fault <= 0, half, low), np.where(fault >= 0, half, high)
+            newton = half - fault / np.where(rate > 0, rate, 1)
+            new = np.where((newton >= low) & (newton <= high) & (rate > 0), newton, (low + high) / 2)
+            if np.all(np.abs(new - half) <= 3e-19 * half):
+                break
+            half = new
+        return np.where(load > 0, half, least)
+
+    def _marks(self, slip, begin, end):
+        """Times between `begin` and `end` at which an edge of contact or of stick passes a corner, and those of `parts`."""
+        marks = [begin, end]
+        for corner in self.corner_loads:
+            marks += [t for t in (self._passes(slip.phase.of(LONG(1), 0), corner, begin, end),) if t is not None]
+            marks += [t for t in (self._meets(slip, corner, begin, end),) if t is not None]
+        marks = sorted(marks)
+        return [a + (b - a) * k / self.parts for a, b in pairwise(marks) for k in range(self.parts)] + [end]
+
+    @staticmethod
+    def _passes(load, value, begin, end):
+        ends = load(np.array([begin, end]))[0]
+        return root(load, value, begin, end)[()] if (ends[0] - value) * (ends[1] - value) < 0 else None
+
+    @staticmethod
+    def _meets(slip, value, begin, end):
+        """When the front, which runs down, is at `value`."""
+        first, last = slip.front(np.array([begin, end]))
+        if not first > value > last:
+            return None
+        for _ in range(100):
+            middle = (begin + end) / 2
+            if not begin < middle < end:
+                break
+            begin, end = (middle, end) if slip.front(middle) > value else (begin, middle)
+        return (begin + end) / 2
+
+    def times_at(self, slip, edge_load):
+        """(begin, end) of the slip at points of that edge load, None if there is none."""
+        begin, end = slip.begin, slip.end
+        loads, fronts = slip.phase.loads(np.array([begin, end]))[0], slip.front(np.array([begin, end]))
+        if fronts[1] >= edge_load or max(loads) <= edge_load:
+            return None
+        meets = self._meets(slip, edge_load, begin, end)
+        passes = self._passes(slip.phase.of(LONG(1), 0), edge_load, begin, end)
+        begin = begin if meets is None else meets
+        if passes is not None:
+            begin, end = (max(begin, passes), end) if loads[1] > loads[0] else (begin, min(end, passes))
+        return (begin, end) if end > begin else None
+
+    def pressure(self, x, half):
+        """p(x, P) at the half-widths (n,), all between the same two corners."""
+        if isinstance(self.law, Bends):
+            return _bent_pressure(self.law, x, half)
+
+        def strip(w):
+            at = np.sqrt(x * x + w * w)
+            return self.law.rate(at) / at / PI
+
+        w, weight = self.nodes(0 * half, np.sqrt((half - x) * (half + x)))
+        return np.sum(weight * strip(w), axis=-1)
+
+    def density(self, x):
+        """W(x) at |x| (m,), forward and in reverse: (2, m)."""
+        return np.array([[self._at(LONG(at), sign) for at in np.abs(np.asarray(x, dtype=float))] for sign in (1, -1)])
+
+    def _at(self, x, sign):
+        edge_load = LONG(self.law.load(x)) if x > self.law.breaks[0] else LONG(0)
+        total = LONG(0)
+        for slip in self.slips:
+            span = self.times_at(slip, edge_load) if slip.sign == sign else None
+            for begin, end in pairwise(self._marks(slip, *span)) if span else ():
+                times, weight = self.nodes(begin, end)
+                p, front, growth = slip.phase.loads(times)[0], slip.front(times), slip.growth(times)[1]
+                a, c = self.half(p), self.half(front)
+                reach = np.arcsinh(np.sqrt(np.maximum((x - c) * (x + c), 0)) / c)
+                total += np.sum(weight * self.pressure(x, np.maximum(a, x)) * growth * reach)
+        return 2 / PI * self.friction * total
+
+    def whole(self):
+        """W, forward and in reverse."""
+        total = {1: LONG(0), -1: LONG(0)}
+        for slip in self.slips:
+            for begin, end in pairwise(self._marks(slip, slip.begin, slip.end)):
+                times, weight = self.nodes(begin, end)
+                a, c = self.half(slip.phase.loads(times)[0]), self.half(np.maximum(slip.front(times), 0))
+                total[slip.sign] += np.sum(weight * slip.growth(times)[1] * self._area(a, c))
+        return 2 / PI * self.friction * np.array([total[1], total[-1]])
+
+    def _area(self, half, stick):
+        """int_{P_c}^P ln(a/c) d eta at half-widths (n,), the same corners between them."""
+        inside = [b for b in self.law.breaks if stick[len(stick) // 2] < b < half[len(half) // 2]]
+        marks = [stick, *(np.full(half.shape, b) for b in inside), half]
+        area = 0 * half
+        for low, high in pairwise(marks):
+            at, weight = self.nodes(low, np.maximum(low, high))
+            ratio = np.log1p(np.maximum(at - stick[:, None], 0) / stick[:, None])
+            area += np.sum(weight * self.law.rate(at) * ratio, axis=-1)
+        return area
+
+
+# ------------------------------------------------------------------------------------------------------------ parts of the engine
+
+
+def slip_of_an_arc(n, place):
+    """int dQ arccosh(x/a) over one arc on |x|^n, x being `place` half-widths out: found, and at thirty digits."""
+    contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
+    whole = float(contact.load(1.0))
+    leg, first, last = ellipse_segment(0.0, 10.0, (1.0, 0.0), (0.3, 0.3), 1.0), math.pi + 1.5, math.pi + 2.3
+    x = place * contact.half_width(leg.loads(np.array([last]))[0])
+    with mp.workdps(30):
+
+        def moved(t):
+            half = ((1 + mp.mpf(0.3) * mp.cos(t)) / whole) ** (1 / mp.mpf(n))
+            return -mp.mpf(0.3) * mp.sin(t - 1) * mp.acosh(mp.mpf(x.item()) / half)
+
+        exact = float(mp.quad(moved, [first, last]))
+    end = instant(leg, last)
+    below = Piece(None, instant(leg, first).normal, instant(leg, first), 0.0)
+    piece = Piece(below, end.normal, end, 0.0, 0.0, (first, last))
+    return Arc(contact, "slip", piece, np.atleast_1d(x)).up_to(np.array([last])).item(), exact
+
+
+def work_over_points(contact, modulus, spans, work):
+    """Integral of W(x) over the whole contact, about `work`: another way to W.
+
+    W(x) is smooth between the edges of contact and of stick where a span begins, passes a corner of the profile or ends; where
+    fronts run by no formula it may be steep anywhere.
+    """
+    marks = [np.array(contact.breaks, dtype=float)]
+    for span in spans:
+        times = np.array([span.begin.time, *friction_work.corner_times(contact, span), span.end.time])
+        load = span.leg.loads(times)[0]
+        marks += [contact.half_width(load), contact.half_width(np.maximum(load - span.slipped(times), 0.0))]
+    every = np.unique(np.concatenate(marks))
+    every = every[every <= max(float(np.max(half)) for half in marks[1:])]
+    every = every[np.diff(every, prepend=-np.inf) > 1e-12 * every[-1]]
+
+    def rule(_, low, high):
+        x, weight = graded(low, high)
+        density = friction_work.pointwise_dissipation(contact, modulus, spans, x.ravel()).total
+        return 2 * np.sum(weight * density.reshape(x.shape), axis=-1)
+
+    if not any(friction_work.uneven(contact, span) for span in spans):
+        return float(np.sum(rule(None, every[:-1], every[1:])))
+    return float(np.sum(friction_work.by_halving(rule, every[:-1], every[1:], friction_work.CONVERGED * work).value))

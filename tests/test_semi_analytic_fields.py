@@ -1,12 +1,42 @@
-"""Tractions, slip and shift at extreme points of extreme scenes, by brute force in more digits (`semi_analytic_oracle`)."""
+"""Answers of the half-plane engine: fields by brute force and closed forms, laws, statements of the paper, planted faults."""
+
+import math
 
 import numpy as np
 import pytest
 
-from semi_analytic import solve
-from semi_analytic_draws import LOADS, PROFILES, extreme
-from semi_analytic_oracle import LONG, Oracle
-from semi_analytic_truth import slip_of_an_arc
+import semi_analytic.fields
+import semi_analytic.history
+import semi_analytic.load_series
+from scenes import (
+    ContactSolution,
+    Elastic,
+    InadmissibleLoadError,
+    InputError,
+    Materials,
+    StraightSegment,
+    SurfaceState,
+    load_scene,
+    scene_names,
+)
+from scenes.loads import HarmonicLoad
+from semi_analytic import FIELDS, solve
+from semi_analytic.arcs import Arc
+from semi_analytic.fields import Integrals
+from semi_analytic.friction_work import (
+    global_dissipation,
+    slip_times,
+)
+from semi_analytic.hertz import HertzContact
+from semi_analytic.history import history_of
+from semi_analytic.load_series import Knot
+from semi_analytic.memory import Piece
+from semi_analytic.profiles import contact_of, flat_and_rounded
+from semi_analytic_cases import LOADS, PROFILES, ellipse, extreme, make_scene, polygon
+from semi_analytic_oracle import LONG, Oracle, slip_of_an_arc
+
+TURN = 2 * math.pi
+
 
 FEW = [
     ("hertz", "ellipse to 1e-4"),
@@ -24,6 +54,8 @@ FEW = [
     ("table", "ellipse"),
     ("function", "ellipse"),
 ]
+
+
 ALL = [(profile, load) for profile in PROFILES for load in LOADS if (profile, load) not in FEW]
 
 
@@ -54,31 +86,504 @@ def astray(profile, load):
     return worst
 
 
-def agrees(profile, load):
+@pytest.mark.parametrize(("profile", "load"), [*FEW, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL)])
+def test_fields_by_brute_force(profile, load):
+    """Tractions over f p, slips and displacements over their largest; measured 8e-14, or what the record says."""
     for name, (off, told) in astray(profile, load).items():
         assert off <= max(told, 5e-12), name
 
 
-@pytest.mark.parametrize(("profile", "load"), FEW)
-def test_fields_by_brute_force(profile, load):
-    """Tractions over f p, slips and shifts over their largest. Measured: 8e-14; shear on arcs of harmonics was 2e-9 off for two
-    curvatures, 2e-11 for |x|^3.5, where the root of the traction lies ahead of the arc; slip 7e-9 where P(a) hardly grows.
-    There the tangential displacement of an ellipse was 1e-8 off, its slip 6e-9.
-    """
-    agrees(profile, load)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("profile", "load"), ALL)
-def test_fields_of_every_profile_and_load_by_brute_force(profile, load):
-    agrees(profile, load)
-
-
-@pytest.mark.parametrize("n", [2.0, 7.0, 20.0, 40.0])
+@pytest.mark.parametrize("n", [1.3, 2.0, 7.0, 20.0, 40.0])
 @pytest.mark.parametrize("place", [1.01, 3.0, 10.0])
-def test_slip_of_an_arc_where_the_load_to_reach_it_is_far_above_all(n, place):
-    """The sine part of an arc at thirty digits, P_x being up to 10^40 times P: a short arc was lost in the last digits of a large
-    logarithm, 1e-5 of it at 3 a of |x|^40, all of it at 10 a. Measured: 3e-14 at 1.01 a, 5e-16 farther out.
-    """
+def test_slip_of_an_arc_far_outside_the_contact(n, place):
+    """The sine part of an arc at thirty digits, P_x up to 10^40 P: a short arc was lost in the last digits of a large logarithm."""
     found, exact = slip_of_an_arc(n, place)
-    assert found == pytest.approx(exact, rel=1e-13, abs=0)
+    assert found == pytest.approx(exact, rel=1e-12 if n < 2 else 1e-13, abs=0)
+
+
+@pytest.mark.parametrize(("least", "limit"), [(1e-2, 2e-13), (1e-3, 2e-13), (1e-4, 5e-13), (1e-6, 5e-12)])
+def test_slip_on_an_ellipse_that_unloads_nearly_all(least, limit):
+    """The logarithm of P in the slip is close to the start of the stick phase: by Gauss' rule alone 3e-11, 1e-7, 2e-5, 6e-4 of the
+    largest slip were missing. Measured against one harmonic, whose arcs have rules of their own: 9e-15, 4e-14, 1e-13, 1.3e-12.
+    """
+    force = 0.9 * math.sqrt(2 * least)
+    waves = [(1 - least, 0.0), (1e-300, 0.0)]  # a second wave of no size takes the routines for several waves
+    harmonic = HarmonicLoad(mean_normal_load=1.0, normal_harmonics=waves, tangential_harmonics=[(force, 90.0)])
+    scenes = (make_scene(ellipse(1.0, 1 - least, 0.0, force, 90.0)), make_scene(harmonic))
+    x = np.linspace(0, 2.1, 60)
+    one, two = (solve(scene, x=x, time=3 * TURN + 1e-9 + TURN * np.linspace(0, 1, 97), fields=("slip",)) for scene in scenes)
+    # From an instant on: the initial loadings differ.
+    moved, other = (solution.slip - solution.slip[0] for solution in (one, two))
+    assert np.max(np.abs(moved - other)) < limit * np.max(np.abs(other))
+
+
+# ------------------------------------------------------------------------------------------------------------- closed forms
+P = 90.62286500739786  # a = 1 in the library's Hertz scenes
+
+
+P0 = 2 * P / math.pi
+
+
+MODULUS = 210e3 / (2 * 0.91)
+
+
+X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1.2])
+
+
+def cattaneo(x, load, share, friction):
+    """q under first loading to Q = share f P, constant P: f p less the same at P - Q/f (misprint of equation (2) mended)."""
+    stick = math.sqrt(1 - share)
+    return friction * P0 * (np.sqrt(np.maximum(1 - x**2, 0)) - np.sqrt(np.maximum(stick**2 - x**2, 0)))
+
+
+def test_hertz_pressed_once():
+    solution = solve(load_scene("hertz-normal"), x=X, time=[0.25, 1.0])
+    np.testing.assert_allclose(solution.contact_half_width, [0.5, 1.0], rtol=1e-15)
+    np.testing.assert_allclose(solution.pressure[1], P0 * np.sqrt(np.maximum(1 - X**2, 0)), atol=1e-13 * P0)
+    np.testing.assert_allclose(solution.pressure[0], P0 * np.sqrt(np.maximum(0.25 - X**2, 0)), atol=1e-13 * P0)
+    assert np.all(solution.shear == 0)
+    assert solution.steady_from is None
+    assert solution.record.termination == "end of path"
+    # A/pi int_0^P ln(2 L/a) d eta = (2 P/(pi E*)) (ln(2 L/a) + 1/2), L = R = 1000
+    assert solution.normal_approach[1] == pytest.approx(2 * P / (math.pi * MODULUS) * (math.log(2000) + 0.5), rel=1e-14)
+
+
+def test_cattaneo_mindlin_first_loading_and_reversal():
+    scene = load_scene("cattaneo-mindlin")
+    friction, share = 0.5, 0.6
+    solution = solve(scene, x=X, time=[2.0, 2.5, 3.0])
+    np.testing.assert_allclose(solution.shear[0], cattaneo(X, P, share, friction), atol=1e-13 * P0)
+    np.testing.assert_allclose(solution.shear[2], -solution.shear[0], atol=1e-13 * P0)
+    reversal = cattaneo(X, P, share, friction) - 2 * cattaneo(X, P, share / 2, friction)
+    np.testing.assert_allclose(solution.shear[1], reversal, atol=1e-13 * P0)
+    np.testing.assert_allclose(solution.stick_half_width, np.sqrt([1 - share, 1 - share / 2, 1 - share]), rtol=1e-14)
+    np.testing.assert_allclose(solution.stick_edges[:, 0], -solution.stick_half_width)
+    assert solution.permanent_stick_half_width == pytest.approx(math.sqrt(0.4), rel=1e-14)
+    slipping = np.where(np.abs(X) > 1, SurfaceState.OPEN, np.where(np.abs(X) > math.sqrt(0.4), SurfaceState.SLIP_FORWARD, 1))
+    inside = np.abs(np.abs(X) - 1) > 1e-9
+    np.testing.assert_array_equal(solution.state[0, inside], slipping[inside])
+
+
+def test_full_stick_follows_the_flat_punches():
+    """Full stick along a line: U = (Q/P) times the normal approach; nothing is dissipated, and nothing integrated."""
+    answer = solve(load_scene("full-stick"))
+    np.testing.assert_allclose(answer.tangential_displacement, 0.4 * answer.normal_approach, rtol=1e-12)
+    assert answer.dissipation == 0
+    assert np.all(answer.dissipation_density == 0)
+    assert answer.work.counts["slip_quadratures"] == answer.work.counts["quadrature_nodes"] == 0
+    assert answer.work.skipped["quadratures"][1] == "full stick: nothing slips"
+    assert answer.steady_from == 0
+
+
+# ------------------------------------------------------------------------------------------------ laws, and faults planted in them
+def broken_laws(scene, answer):
+    """The laws that an answer breaks, by name; no knowledge of how the engine works."""
+    limit = scene.friction.coefficient * answer.pressure
+    size, edge, state = float(np.max(limit)), float(np.max(answer.contact_half_width)), answer.state
+    forward, reverse = state == SurfaceState.SLIP_FORWARD, state == SurfaceState.SLIP_REVERSE
+    step, alike = np.diff(answer.slip, axis=0), state[1:] == state[:-1]
+    travel = float(np.max(np.abs(answer.slip))) or 1.0
+    stuck = alike & (state[1:] == SurfaceState.STICK)
+    laws = {
+        "no tension": np.all(answer.pressure >= 0) and np.all(answer.pressure[state == SurfaceState.OPEN] == 0),
+        "inside the cone": np.max(np.abs(answer.shear) - limit) <= 1e-12 * size,
+        "at the limit in slip": np.allclose((answer.shear - limit)[forward], 0, atol=1e-12 * size)
+        and np.allclose((answer.shear + limit)[reverse], 0, atol=1e-12 * size),
+        "stick stands still": np.max(np.abs(step[stuck]), initial=0) <= 1e-12 * travel,
+        "slip against friction": np.min(step[alike & forward[1:]], initial=0) >= -1e-13 * travel
+        and np.max(step[alike & reverse[1:]], initial=0) <= 1e-13 * travel,
+        "edges in order": np.nanmax(answer.stick_half_width - answer.contact_half_width) <= 1e-15 * edge,
+        "certificates": max(np.max(values) for values in answer.record.certificates.values()) < 1e-12,
+        "energy balance": not answer.loop_work or np.isclose(answer.dissipation, answer.loop_work, rtol=1e-9, atol=1e-20)
+        or np.isnan(answer.loop_work),
+    }  # fmt: skip
+    return {law for law, holds in laws.items() if not holds}
+
+
+def carried(scene, answer, instants):
+    """int p dx over P and int q dx over Q, from 4,000 points in x = a sin(angle)."""
+    angle = (np.arange(4000) + 0.5) / 4000 * np.pi - np.pi / 2
+    for k in instants:
+        half = answer.contact_half_width[k]
+        at = solve(scene, x=half * np.sin(angle), time=[answer.time[k]], fields=("pressure", "shear"))
+        weight = half * np.cos(angle) * np.pi / 4000
+        yield np.sum(weight * at.pressure[0]) / answer.normal_load[k] - 1
+        yield (np.sum(weight * at.shear[0]) - answer.tangential_load[k]) / answer.normal_load[k]
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_every_scene_of_the_library_keeps_the_laws(name):
+    scene = load_scene(name)
+    whole = solve(scene, x=[0.0], fields=())
+    x = np.max(whole.contact_half_width) * np.linspace(0, 1.05, 15)
+    answer = solve(scene, x=x, time=whole.time[-150:], fields=("pressure", "shear", "slip", "state", "tangential_displacement"))
+    assert broken_laws(scene, answer) == set()
+    assert answer.time.shape == answer.tangential_displacement.shape == answer.pressure.shape[:1]
+
+
+def drop_history(monkeypatch):
+    """Each leg starts as if its first point had been reached along a straight line."""
+    march = semi_analytic.history.march
+
+    def forgetful(curve, legs, friction, delay):
+        if curve is not None:
+            end = curve.anchor
+            leg = StraightSegment(-1.0, 0.0, (0.0, 0.0), (end.normal, end.tangential))
+            curve = Piece(None, end.normal, end._replace(leg=leg, time=0.0), end.tangential / end.normal)
+        return march(curve, legs, friction, delay)
+
+    monkeypatch.setattr(semi_analytic.history, "march", forgetful)
+    step = semi_analytic.load_series._step
+
+    def forgetful_step(curve, *given):
+        return step(None if curve is None else Knot(None, *curve[1:3], *curve[1:3], 1), *given)
+
+    monkeypatch.setattr(semi_analytic.load_series, "_step", forgetful_step)
+
+
+def flip_change_of_shear(monkeypatch):
+    """Slip to the left where it should go to the right."""
+    level = semi_analytic.history.level
+    monkeypatch.setattr(semi_analytic.history, "level", lambda direction, friction: level(-direction, friction))
+    slip = semi_analytic.load_series._slip
+    monkeypatch.setattr(semi_analytic.load_series, "_slip", lambda curve, s, *given: slip(curve, -s, *given))
+
+
+def forget_friction(monkeypatch):
+    """The line of slip has slope 0."""
+    slip_to = semi_analytic.history.slip_to
+    monkeypatch.setattr(semi_analytic.history, "slip_to", lambda curve, s, f, end, slipped: slip_to(curve, s, 0.0, end, slipped))
+    slip = semi_analytic.load_series._slip
+    monkeypatch.setattr(semi_analytic.load_series, "_slip", lambda *given: slip(*given)._replace(rise=0.0))
+
+
+def shear_is_pressure(monkeypatch):
+    """The shear kernel is handed the pressure of the whole load."""
+    over = Integrals.over
+
+    def mutant(self, snapshot):
+        if self.kernel != "shear":
+            return over(self, snapshot)
+        return snapshot.friction * self.contact.pressure(self.x, snapshot.load[:, None])
+
+    monkeypatch.setattr(Integrals, "over", mutant)
+
+
+def lose_the_arc(monkeypatch):
+    """The traction that an appended arc leaves is left out."""
+    up_to = Arc.up_to
+    monkeypatch.setattr(Arc, "up_to", lambda self, time: (self._kernel != "shear") * up_to(self, time))
+
+
+FAULTS = [(drop_history, 2), (flip_change_of_shear, 2), (forget_friction, 2), (shear_is_pressure, 2), (lose_the_arc, 1)]
+
+
+@pytest.mark.parametrize(("mutate", "scenes"), [(None, 2), *FAULTS])
+def test_planted_faults_are_seen(mutate, scenes, monkeypatch):
+    """The laws hold for the engine as it is, and at least one breaks for each mutant, in each of the scenes that it concerns."""
+    if mutate:
+        mutate(monkeypatch)
+    for name in ("hertz-paper", "cattaneo-mindlin")[:scenes]:
+        scene = load_scene(name)
+        try:
+            answer = solve(scene)
+            broken = broken_laws(scene, answer)
+            slips = {int(state) for state in np.unique(answer.state)} >= {2, 3}
+            broken |= set() if slips and answer.dissipation > 0 else {"slips both ways"}
+            force = np.trapezoid(answer.shear, answer.x, axis=1)
+            astray = np.max(np.abs(force - answer.tangential_load)) / np.max(np.abs(answer.tangential_load))
+            broken |= {"carries Q"} if astray > 5e-3 else set()
+        except (ValueError, ArithmeticError, RuntimeWarning) as reason:
+            broken = {f"raised {type(reason).__name__}"}
+        assert bool(broken) == bool(mutate), (name, broken)
+
+
+@pytest.mark.parametrize("name", ["hertz-paper", "motor"])
+def test_tractions_carry_the_loads(name):
+    scene = load_scene(name)
+    whole = solve(scene, fields=())
+    assert np.max(np.abs(list(carried(scene, whole, (150, 333, 470, 600, 811))))) < 2e-5
+
+
+def test_friction_itself_matters():
+    """f -> 0 is not a detail: with a tenth less friction more slips, with a thousandth of it the path is refused."""
+    scene = load_scene("cattaneo-mindlin")
+    plain, less = (solve(scene.vary(friction=f), x=[0.0]).dissipation for f in (0.5, 0.45))
+    assert less > 1.1 * plain
+    with pytest.raises(InadmissibleLoadError, match="gross sliding"):
+        solve(scene.vary(friction=5e-4))
+
+
+@pytest.mark.parametrize("name", ["hertz-paper", "motor"])
+def test_mirrored_path_mirrors_everything(name):
+    scene = load_scene(name)
+    load = scene.load.vary(
+        mean_tangential_load=-scene.load.mean_tangential_load,
+        phase_degrees=scene.load.phase_degrees - 180,
+        initial_loading="straight",
+    )
+    one = solve(scene.vary(load={"initial_loading": "straight"}), x=1.0071 * X)
+    two = solve(
+        scene.vary(load=load),
+        x=1.0071 * X,
+        time=one.time - one.scene.load.path().cycle_start + load.path().cycle_start,
+    )
+    scale = np.max(np.abs(one.shear))
+    np.testing.assert_allclose(two.shear, -one.shear, atol=1e-12 * scale)
+    np.testing.assert_allclose(two.slip, -one.slip, atol=1e-12 * np.max(np.abs(one.slip)))
+    np.testing.assert_allclose(two.pressure, one.pressure, atol=1e-12 * scale)
+    np.testing.assert_allclose(two.dissipation_density, one.dissipation_density, atol=1e-12 * np.max(one.dissipation_density))
+    swapped = np.array([0, 1, 3, 2])[one.state]
+    assert np.mean(two.state != swapped) < 2e-3  # instants exactly between two spans may fall to either
+
+
+def test_straight_steps_converge_on_the_smooth_path_with_order_two():
+    scene = load_scene("hertz-paper")
+    exact = solve(scene, fields=("dissipation",))
+    start = scene.load.path().start
+    errors = []
+    for count in (200, 400, 800):
+        time = np.linspace(start, start + np.pi + 4 * np.pi, 5 * count // 2 + 1)
+        rough = solve(scene, x=[0.0], time=time, fields=("dissipation",), straight_steps=True)
+        assert rough.steady_from == 1
+        errors.append(rough.dissipation / exact.dissipation - 1)
+    ratios = np.array(errors[:-1]) / errors[1:]
+    assert np.all((ratios > 3.5) & (ratios < 4.5)), errors
+
+
+def test_instants_in_any_order_and_far_ahead():
+    scene = load_scene("hertz-paper")
+    start = scene.load.path().cycle_start
+    time = np.array([9.0, 2.0, 30.0, start, 16.0])
+    mixed = solve(scene, x=X, time=time)
+    for k, instant in enumerate(time):
+        np.testing.assert_allclose(solve(scene, x=X, time=[instant]).shear[0], mixed.shear[k], atol=1e-12 * P0)
+    ahead = solve(scene, x=X, time=[16.0, 16.0 + 200 * np.pi])
+    np.testing.assert_allclose(ahead.shear[1], ahead.shear[0], atol=1e-10 * P0)
+
+
+# ------------------------------------------------------------------------------------------------------ the paper's statements
+
+
+SCENE = load_scene("hertz-paper")
+
+
+STATES = {
+    SurfaceState.OPEN: "open",
+    SurfaceState.STICK: "stick",
+    SurfaceState.SLIP_FORWARD: "forward",
+    SurfaceState.SLIP_REVERSE: "reverse",
+}
+
+
+@pytest.fixture(scope="module")
+def steady():
+    """The steady cycle, which starts at point H."""
+    return solve(SCENE, x=np.array([0.77, 0.82, 0.86, 0.88, 1.0, 1.13]), cycles="steady")
+
+
+@pytest.fixture(scope="module")
+def profile():
+    """W(x) on a fine grid from the permanent stick edge to the largest contact."""
+    inner = solve(SCENE, x=[0.0], fields=()).permanent_stick_half_width
+    x = inner + (math.sqrt(4 / 3) - inner) * np.linspace(0, 1, 4001)
+    return x, solve(SCENE, x=x, fields=("dissipation_density",)).dissipation_density
+
+
+def sequence(states):
+    """States as words, runs joined, the cycle closed."""
+    words = [STATES[SurfaceState(int(state))] for state in states]
+    runs = [word for k, word in enumerate(words) if k == 0 or word != words[k - 1]]
+    return runs[:-1] if len(runs) > 1 and runs[0] == runs[-1] else runs
+
+
+def test_the_paper_on_where_it_sticks(steady):
+    """Permanent stick to 0.727 ("about 0.73"); stick from G to I; the first cycle slips deeper; steady slip as deep both ways."""
+    assert steady.permanent_stick_half_width == pytest.approx(0.72705, abs=5e-6)
+    time = steady.time % (2 * np.pi)
+    inside = (time > 1.2501 * np.pi) & (time < 1.7499 * np.pi)
+    assert np.all(steady.stick_half_width[inside] == steady.contact_half_width[inside])
+    whole = solve(SCENE, x=[0.0], fields=())
+    first = whole.time < SCENE.load.path().cycle_start + 2 * np.pi
+    assert np.nanmin(whole.stick_half_width[first & (whole.time > 4.8)]) < 0.65
+    assert np.nanmin(whole.stick_half_width[~first]) == pytest.approx(0.72705, abs=1e-5)
+    depths = [np.min(steady.stick_half_width[steady.state[:, 0] == sense]) for sense in (2, 3)]
+    assert depths[0] == pytest.approx(depths[1], rel=1e-12)
+    np.testing.assert_allclose(steady.slip[-1], steady.slip[0], atol=1e-13 * np.max(np.abs(steady.slip)))
+    unit = float(flat_and_rounded(1.0, 1.0, 0.505).load(1.0 - 0.505)) / 3  # b/a(P0) = 0.505, a(P0) = 1
+    rounded = make_scene(ellipse(3 * unit, unit, 1.1 * unit, unit), 1.0, flat=0.505)
+    assert solve(rounded, x=[0.0], fields=()).permanent_stick_half_width == pytest.approx(0.844, abs=5e-4)
+
+
+def test_contact_slips_forward_twice_as_long_but_a_particle_does_not():
+    """Confirmed for the contact: forward slip lasts pi, reverse slip pi/2. Contradicted for a particle never out of contact.
+
+    The paper concludes that the mean forward slip velocity is the lower one. But the front passes x at |V| (1 - cos) before G and
+    at |U| (1 - cos) before M, and here |U| = |V|: at x = 0.77 both slips take the same time for the same distance.
+    """
+    spans = history_of(SCENE.load.path(), 1.0, 6).cycles[-1]
+    spent = {s: sum(span.end.time - span.begin.time for span in spans if span.direction == s) for s in (1, -1)}
+    assert (spent[1], spent[-1]) == pytest.approx((math.pi, math.pi / 2), rel=1e-12)
+    contact = contact_of(SCENE.profile, SCENE.material)
+    at = {1: 0.0, -1: 0.0}
+    for span in spans:
+        if span.direction:
+            begin, end = slip_times(span, contact.load(np.array([0.77])))
+            at[span.direction] += max(float(end[0] - begin[0]), 0.0)
+    assert at[1] == pytest.approx(at[-1], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("column", "expected"),
+    [
+        (0, ["stick", "forward", "stick", "reverse", "stick"]),
+        (1, ["stick", "forward", "stick", "reverse", "open", "reverse", "stick"]),
+        (4, ["open", "stick", "forward", "open"]),
+        (5, ["open", "forward", "open"]),
+    ],
+)
+def test_four_points_of_figure_5_confirmed(steady, column, expected):
+    """x/a(P0) = 0.77, 0.82, 1.0, 1.13, from point H on."""
+    found = sequence(steady.state[:, column])
+    turned = [expected[k:] + expected[:k] for k in range(len(expected))]
+    closed = expected[:-1] if expected[0] == expected[-1] else expected
+    assert found in (expected, closed) or found in turned or found in [closed[k:] + closed[:k] for k in range(len(closed))]
+
+
+def test_the_paper_on_where_it_wears(steady, profile):
+    """One-way slip beyond 0.874 (printed 0.88); peak at 0.595 of the slip zone; W(x) starts like d^(3/2), ends like d."""
+    edge = math.sqrt((3 - math.sqrt(0.5)) / 3)
+    np.testing.assert_array_equal(np.any(steady.state == SurfaceState.SLIP_REVERSE, axis=0), steady.x < edge)
+    x, density = profile
+    assert (x[np.argmax(density)] - x[0]) / (x[-1] - x[0]) == pytest.approx(0.595, abs=1e-3)
+    inner = np.log(density[8] / density[2]) / np.log((x[8] - x[0]) / (x[2] - x[0]))
+    outer = np.log(density[-9] / density[-3]) / np.log((x[-1] - x[-9]) / (x[-1] - x[-3]))
+    assert (inner, outer) == pytest.approx((1.5, 1.0), abs=0.03)
+    spans = history_of(SCENE.load.path(), 1.0, 6).cycles[-1]
+    split = global_dissipation(contact_of(SCENE.profile, SCENE.material), 1.0, spans)
+    assert split.forward / split.total > 0.8
+
+
+def test_global_dissipation_is_largest_just_before_sliding():
+    """A circle with f = 0.7: W falls all the way as P0/P1 grows from sqrt(1 + f^2)/f, below which it slides."""
+    limit = math.sqrt(1 + 0.49) / 0.7
+    circle = lambda part: make_scene(ellipse(limit * part, 1.0, 0.0, 1.0), 0.7)  # noqa: E731
+    works = [solve(circle(part), x=[0.0], fields=("dissipation",)).dissipation for part in (1 + 1e-12, 1.01, 1.1, 1.5, 3.0)]
+    assert np.all(np.diff(works) < 0)
+    with pytest.raises(InadmissibleLoadError):
+        solve(circle(1 - 1e-9))
+
+
+# --------------------------------------------------------------------------------------------- what is asked, done, kept, refused
+
+
+def test_only_what_is_asked_for_is_computed():
+    scene = load_scene("hertz-paper")
+    solution = solve(scene, fields=("dissipation",), cycles="steady")
+    for name in ("pressure", "shear", "slip", "dissipation_density", "tangential_displacement"):
+        assert np.all(np.isnan(getattr(solution, name)))
+        assert solution.work.skipped[name] == (len(solution.time), "not asked for")
+    assert solution.cycle_dissipation.shape == (1,)
+    assert solution.work.counts["slip_quadratures"] == 5
+    assert solution.work.skipped["cycles"][0] == 4
+    assert solution.time[0] == pytest.approx(scene.load.path().cycle_start + 2 * np.pi)
+    everything = solve(scene)
+    assert set(FIELDS).isdisjoint(everything.work.skipped)
+    assert solution.dissipation == everything.dissipation
+
+
+def test_the_work_of_one_cycle_alone_asks_no_pointwise_kernel(monkeypatch):
+    for kernel in ("pressure", "slip_integral", "arccosh_ratio", "inverse_root"):
+        monkeypatch.setattr(HertzContact, kernel, None)
+    assert solve(load_scene("hertz-paper"), fields=("dissipation",)).dissipation > 0
+
+
+def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
+    scene, only = load_scene("hertz-paper"), ("dissipation",)
+    start = scene.load.path().cycle_start
+    own = solve(scene, fields=only)
+    long = solve(scene, x=[0.0], time=start + 2 * np.pi * np.array([0.5, 1.0, 40.25]), fields=only)
+    assert own.cycle_dissipation.shape == (2,)
+    assert own.cycle_dissipation[0] > 2 * own.cycle_dissipation[1]
+    np.testing.assert_array_equal(long.cycle_dissipation, [own.cycle_dissipation[0], *[own.dissipation] * 39])
+    assert (long.work.counts["cycles_solved"], long.work.skipped["cycles"][0]) == (2, 38)
+    assert solve(scene, x=[0.0], time=[start + 7.0], fields=only).dissipation == own.cycle_dissipation[0]
+    for turns in (1.0, 1.5):  # the second knows of the steady cycle, but answers for the first
+        transient = solve(scene, x=[0.0], time=[start + turns * 2 * math.pi], fields=only)
+        assert math.isnan(transient.loop_work)
+        assert "not steady" in transient.record.notes[0]
+
+
+def test_paper_scene_effort_is_bounded():
+    """Effort as a number, not a time: two cycles solved of six, five pieces alive at most."""
+    counts = solve(load_scene("hertz-paper")).work.counts
+    assert counts["cycles_solved"] == 2
+    assert counts["spans"] == 15
+    assert counts["pieces_alive"] <= 5
+    assert counts["points_evaluated"] == 100
+
+
+def test_solution_survives_the_file(tmp_path):
+    solution = solve(load_scene("hertz-paper"), x=X)
+    solution.save(tmp_path / "solution.nc")
+    again = ContactSolution.load(tmp_path / "solution.nc")
+    np.testing.assert_array_equal(again.shear, solution.shear)
+    assert again.record.notes == solution.record.notes
+    assert not solution.shear.flags.writeable
+
+
+def test_unlike_bodies_come_with_a_note():
+    scene = load_scene("hertz-paper")
+    pair = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=Elastic(young_modulus=210e3, poisson_ratio=0.3))
+    notes = solve(scene.vary(material=pair), x=[0.0], fields=()).record.notes
+    assert "Dundurs' beta = " in notes[0]
+    assert not any("Dundurs" in note for note in solve(scene, x=[0.0], fields=()).record.notes)
+
+
+@pytest.mark.parametrize(
+    ("load", "friction", "reason", "time", "normal", "tangential"),
+    [
+        (polygon([(2.0, 0.0)], [(2.0, 1.5), (2.0, -1.5)]), 0.5, "gross sliding", 1 + 2 / 3, 2.0, 1.0),
+        (polygon([(2.0, 0.0), (2.0, -3.0)]), 0.5, "gross sliding", 1 + 1 / 3, 2.0, -1.0),
+        (polygon([(2.0, 0.0), (-2.0, 0.0)]), 0.5, "separation", 1.5, 0.0, 0.0),
+        (polygon([(1.0, 0.8)]), 0.5, "gross sliding", 0.0, 0.0, 0.0),
+        (ellipse(1.0, 1.5, 0.0, 0.0, 0.0), 0.5, "separation", math.pi, -0.5, 0.0),
+        (ellipse(3.0, 0.0, 0.0, 2.0, 90.0), 0.5, "gross sliding", None, None, None),
+        (polygon([(2.0, 0.1)]), 0.0, "gross sliding", 0.0, 0.0, 0.0),
+    ],
+)
+def test_inadmissible_paths_name_the_instant_and_the_loads(load, friction, reason, time, normal, tangential):
+    with pytest.raises(InadmissibleLoadError, match=reason) as caught:
+        solve(make_scene(load, friction))
+    if time is not None and reason != "separation":
+        assert (caught.value.time, caught.value.normal_load, caught.value.tangential_load) == pytest.approx(
+            (time, normal, tangential), abs=1e-7
+        )
+
+
+def test_sliding_just_reached_is_admitted():
+    """|Q| = f P: all of Hertz slips, of a flat face only the edges."""
+    load = polygon([(2.0, 0.0)], [(2.0, 1.0), (2.0, -1.0)])
+    hertz = solve(make_scene(load, 0.5), time=[2.0])
+    assert np.isnan(hertz.stick_half_width[0]) or hertz.stick_half_width[0] < 1e-7
+    np.testing.assert_allclose(hertz.shear, 0.5 * hertz.pressure, atol=1e-15)
+    flat = solve(make_scene(load, 0.5, flat=0.3), time=[2.0])
+    assert flat.stick_half_width[0] == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"fields": ("presure",)}, "'presure' is not among"),
+        ({"cycles": "last"}, "neither 'all' nor 'steady'"),
+        ({"straight_steps": True}, "give the times"),
+        ({"time": [-5.0]}, "outside the load path"),
+        ({"time": [[1.0]]}, "a list of finite numbers"),
+        ({"x": [float("nan")]}, "a list of finite numbers"),
+        ({"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
+        ({"time": [load_scene("hertz-paper").load.path().start], "straight_steps": True}, "no time is after the start"),
+    ],
+)
+def test_bad_questions_are_refused_in_a_sentence(options, words):
+    with pytest.raises(InputError, match=words):
+        solve(load_scene("hertz-paper"), **options)

@@ -1,0 +1,623 @@
+"""Batches of ellipses: thirty-digit references, extremes, the engine that marches, the limit of sliding, peaks, bad members."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from scenes import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, InputError, Materials, PowerLaw, Tabulated, Wedge
+from semi_analytic import Reason, dissipation, peak_dissipation, slip_work, solve
+from semi_analytic.profiles import contact_of
+from semi_analytic.slip_work import LamTable, dissipation_of, slip_moment
+from semi_analytic.steady_ellipse import corner_angles, density_of, ellipses_of, phase_of, works_over_time
+from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
+
+MATERIAL = Materials(upper=UNIT, lower=UNIT)
+
+
+PAPER = {"mean_normal_load": 3.0, "normal_amplitude": 1.0, "mean_tangential_load": 1.1, "tangential_amplitude": 1.0}
+
+
+def arguments(rows):
+    columns = {key: np.array([float(row[key]) for row in rows]) for key in ("mean", "amplitude", "tangential", "phase", "friction")}
+    radians = np.array([bool(row.get("radians")) for row in rows])
+    return {
+        "material": MATERIAL,
+        "friction_coefficient": columns["friction"],
+        "mean_normal_load": columns["mean"],
+        "normal_amplitude": columns["amplitude"],
+        "tangential_amplitude": columns["tangential"],
+        "phase": np.where(radians, columns["phase"], np.radians(columns["phase"])),
+    }
+
+
+# P0, P1, Q0, Q1, phase in degrees; E* = 1, R = 1: a runs through 0.9 to 1.6
+LOADS = [
+    (1.5, 0.5, 0.0, 0.5, 60.0),
+    (1.5, 0.5, 0.3, 0.9, 90.0),
+    (1.2, 0.9, 0.0, 0.2, 30.0),
+    (1.5, 0.0, 0.0, 1.4, 90.0),
+    (1.0, 0.6, 0.1, 0.3, -70.0),
+]
+
+
+HERTZ, FLAT = Hertz(radius=1.0), FlatRounded(radius=1.0, flat_half_length=0.7)
+
+
+PROFILES = {
+    "power law": PowerLaw(exponent=3.3, length=1.0, rise=0.5),
+    "compound, outside blunter": Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=1.2),
+    "compound, outside sharper": Compound(inner_radius=3.0, outer_radius=0.5, inner_half_length=1.7),
+    "wedge": Wedge(tip_radius=1.0, tip_half_length=0.9),
+    "polynomial": EvenPolynomial(length=1.0, rises=(0.5, -0.05, 0.01)),
+    "table of five rows": Tabulated(points=[[float(x), float(x * x / 2)] for x in (0.0, 1.0, 2.0, 3.0, 4.0)]),
+    "function": CallableProfile(slope_function=np.sinh, extent=4.0),
+}
+
+
+def question(loads, friction=1.0, **changes):
+    columns = np.array(loads, dtype=float).T
+    keys = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
+    arguments = dict(zip(keys, columns, strict=False)) | {"phase": np.radians(columns[4]), "friction_coefficient": friction}
+    return {"material": MATERIAL} | arguments | changes
+
+
+def solved(profile, row, friction=1.0, **asked):
+    scene = make_scene(ellipse(*row), friction).vary(profile=profile)
+    return solve(scene, **asked)
+
+
+def batch(load, call=dissipation, profile=HERTZ, friction=1.0):
+    """The batch of one load or of arrays: P0, P1, Q0, Q1, phase in radians."""
+    keys = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
+    return call(profile=profile, material=MATERIAL, friction_coefficient=friction, **dict(zip(keys, load, strict=True)))
+
+
+# ------------------------------------------------------------------------------------------------------------ more digits
+@pytest.mark.parametrize("flat", [0.0, 0.7])
+def test_batch_is_that_of_thirty_digits(flat):
+    """Worst measured 3e-13 relative; slip of 1e-9, sliding at 1 - 1e-12, full unloading at 1 - 1e-9: 1.3e-11."""
+    for table, limit in ((REFERENCE, 1e-12), (EXTREMES, 1e-10)):
+        rows = [row for row in table if row["flat"] == flat]
+        found = dissipation(profile=FLAT if flat else HERTZ, **arguments(rows))
+        np.testing.assert_allclose(found.value, [float(row["dissipation"]) for row in rows], rtol=limit, atol=0)
+        assert np.all(found.reason == Reason.NONE)
+        np.testing.assert_allclose(found.forward + found.reverse, found.value, rtol=1e-15)
+
+
+def test_extremes_through_solve_keep_ten_digits_as_far_as_the_phase_in_degrees_does():
+    for row in EXTREMES:
+        if row["phase"] in (1.0, math.pi / 2):
+            load = ellipse(row["mean"], row["amplitude"], 0.0, row["tangential"], math.degrees(row["phase"]))
+            solution = solve(make_scene(load, row["friction"], row["flat"]), x=[0.0], fields=("dissipation",))
+            assert solution.dissipation == pytest.approx(float(row["dissipation"]), rel=1e-10, abs=0)
+
+
+# Forward and reverse work for P0 = f = E* = 1 and (P1, Q1, phase), by int w' Lam dt in 25 digits, cut at the corners.
+IN_DIGITS = {
+    ("compound, outside blunter", 0.4, 0.35, 1.0): ("0.041398701088727516913", "0.00033343828903031071335"),
+    ("compound, outside blunter", 0.75, 0.3, 2.2): ("0.037838382192384116972", "0.000061655928659698238722"),
+    ("compound, outside sharper", 0.4, 0.35, 1.0): ("0.029191134879658040231", "0.00033343828810855715002"),
+    ("wedge", 0.4, 0.35, 1.0): ("0.057673357622352524098", "0.00033393588535772295947"),
+    ("wedge", 0.75, 0.3, 2.2): ("0.04919078848683133439", "0.000061655928659698238722"),
+    ("polynomial", 0.4, 0.35, 1.0): ("0.044330880266846783043", "0.00036178788163388404561"),
+    ("polynomial", 0.75, 0.3, 2.2): ("0.03900022605318732545", "0.000064305974208750242427"),
+    ("function", 0.4, 0.35, 1.0): ("0.036844292700648033458", "0.00030906513202821172791"),
+    ("function", 0.75, 0.3, 2.2): ("0.0331223052286074161", "0.000059541063769364606937"),
+}
+
+
+@pytest.mark.parametrize("case", IN_DIGITS, ids=str)
+def test_work_is_that_of_twenty_five_digits(case):
+    """Worst measured 6e-14 of the forward part, 2e-15 absolute of the reverse one."""
+    name, ratio, force, phase = case
+    found = batch((1.0, ratio, 0.0, force, phase), profile=PROFILES[name])
+    exact = [float(value) for value in IN_DIGITS[case]]
+    np.testing.assert_allclose([float(found.forward), float(found.reverse)], exact, rtol=1e-12, atol=1e-14)
+
+
+def test_work_where_a_polynomial_hardly_grows_is_that_of_twenty_five_digits():
+    """By int w' Lam dt and a rule that took P(a) for smooth it was 6e-7 off, in batches without a word."""
+    profile, row = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43)), (1.0, 0.6, 0.0, 0.3, math.degrees(1.2))
+    exact = float("0.024993744493561726468") + float("0.00040938678395082994304")
+    assert dissipation(profile=profile, **question([row])).value[0] == pytest.approx(exact, rel=1e-12, abs=0)
+    assert solved(profile, row, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(exact, rel=1e-12, abs=0)
+
+
+# ------------------------------------------------------------------------------------------------------- independent routes
+
+
+@settings(max_examples=20)
+@given(
+    st.floats(0, 0.97),
+    st.floats(0.02, 0.98),
+    st.floats(-math.pi, math.pi),
+    st.floats(0.01, 5),
+    st.sampled_from([0.0, 0.7]),
+    st.floats(0, 1),
+)
+@example(ratio=1e-300, use=0.5, phase=0.0, friction=1.0, flat=0.0, part=0.5)  # P is as good as constant
+@example(ratio=0.25, use=0.5, phase=-0.0, friction=1.0, flat=0.0, part=0.0)  # no loop, so none that goes round the other way
+@example(ratio=3e-313, use=0.3, phase=2.0, friction=0.7, flat=0.7, part=1.0)
+def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
+    """Forward, reverse, pointwise and global, both senses: one quadrature along a marched history, one in closed-form angles."""
+    from semi_analytic.friction_work import global_dissipation, pointwise_dissipation
+    from semi_analytic.history import history_of
+
+    q1 = use * friction * (1 - ratio)
+    scene = make_scene(ellipse(1.0, ratio, 0.0, q1, math.degrees(phase)), friction, flat)
+    contact = contact_of(scene.profile, scene.material)
+    spans = history_of(scene.load.path(), friction, 6).cycles[-1]
+    angle = math.radians(math.degrees(phase))
+    marched = global_dissipation(contact, 1.0, spans)
+    batch = dissipation(
+        profile=scene.profile,
+        material=scene.material,
+        friction_coefficient=friction,
+        mean_normal_load=1.0,
+        normal_amplitude=ratio,
+        tangential_amplitude=q1,
+        phase=angle,
+    )
+    floor = 1e-15 * friction**2
+    assert float(batch.forward) == pytest.approx(float(marched.forward), rel=1e-9, abs=floor)
+    assert float(batch.reverse) == pytest.approx(float(marched.reverse), rel=1e-9, abs=floor)
+    loop = ellipses_of(*(np.array([value]) for value in (1.0, ratio, q1, angle, friction)))
+    inner, outer = (float(contact.half_width(load)) for load in (loop.permanent[0], 1 + ratio))
+    x = np.array([inner + part * (outer - inner)])
+    here = sum(density_of(loop, contact, x)) * 2 * friction**2 / math.pi
+    assert float(here[0]) == pytest.approx(
+        float(pointwise_dissipation(contact, 1.0, spans, x).total[0]), rel=1e-8, abs=1e-13 * friction**2
+    )
+
+
+@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
+def test_works_over_time_every_profile_is_that_of_solve(profile):
+    """Worst measured 4e-14."""
+    rows = LOADS[:2] if profile.kind in ("tabulated", "callable") else LOADS
+    batch = dissipation(profile=profile, **question(rows))
+    alone = [solved(profile, row, x=[0.0], fields=("dissipation",)).dissipation for row in rows]
+    np.testing.assert_allclose(batch.value, alone, rtol=1e-10)
+    assert np.all(batch.reason == Reason.NONE)
+
+
+def random_loops(count, seed, largest=1.0):
+    """P0 = 1; P1/P0, Q1 up to a share `largest` of gross sliding and the phase at random."""
+    rng = np.random.default_rng(seed)
+    ratio, phase = rng.uniform(0.01, 0.95, count), rng.uniform(0, math.pi, count)
+    cosine = np.abs(np.cos(phase))
+    force = rng.uniform(0, largest, count) * (-ratio * cosine + np.sqrt(1 - ratio**2 * (1 - cosine**2)))
+    return ellipses_of(np.ones(count), ratio, force, phase, np.ones(count))
+
+
+@pytest.mark.parametrize("profile", [*PROFILES.values(), HERTZ, FLAT])
+def test_work_over_the_contact_is_that_over_time(profile):
+    """int M da/a against int w' Lam dt, forward and reverse; worst measured 4e-12 of A f^2 P0^2, the error of the latter."""
+    loops, contact = random_loops(4 if profile.kind in ("tabulated", "callable") else 60, 3), contact_of(profile, MATERIAL)
+    for one, other in zip(dissipation_of(loops, contact), works_over_time(loops, contact), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-10, atol=3e-11)
+
+
+def test_slip_moment_is_that_of_the_phases():
+    """M(eta) against sums over 20,000 instants of each phase."""
+    loops = random_loops(12, 8)
+    above = np.linspace(0.02, 0.98, 7)[:, None] * ((loops.u + loops.v) / 2 + loops.amplitude)
+    eta = loops.permanent + above
+    sums = np.zeros((2, *eta.shape))
+    for direction, name, length in ((1, "E-G", loops.turn), (0, "I-J", math.pi - loops.turn), (0, "J-M", loops.turn)):
+        s = (np.arange(20_000)[:, None, None] + 0.5) / 20_000 * length
+        rate, slipped, load = phase_of(name, loops, s)
+        sums[direction] += np.sum(np.where(load - slipped < eta, rate * np.maximum(load - eta, 0.0), 0.0), axis=0) * length / 20_000
+    np.testing.assert_allclose(slip_moment(loops, above), sums, rtol=0, atol=2e-4)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1.0, 1e6])
+def test_lam_of_the_table_is_that_of_the_contact(scale):
+    """To 1e-14 of J(P), which is Lam of a front at 0; the careful one to 2e-11 of itself."""
+    contact = contact_of(FlatRounded(radius=1.0, flat_half_length=1.0), MATERIAL)
+    rng = np.random.default_rng(2)
+    front, slipped = scale * rng.uniform(0.001, 1, (3, 700)), scale * 10 ** rng.uniform(-9, 0, (3, 700))
+    table, load = LamTable(contact, *(math.frexp(share * scale)[1] - 1 for share in (1e-3, 2.0))), front + slipped
+    exact = contact.dissipation_kernel(load, slipped)
+    assert np.all(np.abs(table.quick(front, slipped, np.empty((3, 700))) - exact) <= 2e-14 * contact.dissipation_kernel(load, load))
+    np.testing.assert_allclose(table.careful(front, slipped, np.empty((3, 700))), exact, rtol=2e-11)
+
+
+@given(st.floats(0.02, 0.98), st.floats(0.05, 0.95), st.floats(0.05, 3.0), st.floats(0.1, 1.9))
+def test_cuts_are_where_a_load_or_front_is_that_of_the_corner(ratio, use, phase, corner):
+    e = ellipses_of(*(np.array([v]) for v in (1.0, ratio, use * (1 - ratio), phase, 1.0)))
+    for name, marks in corner_angles(e, np.array([[corner]])).items():
+        inside = marks[(marks > 1e-6) & (marks < marks[-1] - 1e-6)]
+        _, slipped, load = phase_of(name, e.take(np.zeros(len(inside), dtype=int)), inside)
+        touching = np.minimum(np.abs(load - corner), np.abs(load - slipped - corner)) < 1e-7
+        # A corner beyond reach is answered by a cut at the greatest or least load.
+        assert np.all(touching | (np.abs(np.abs(load - 1) - ratio) < 1e-7) | (np.abs(np.abs(load - slipped - 1) - ratio) < 1e-7))
+
+
+# ---------------------------------------------------------------------------------------------------------------- broadcast
+VARIED = {
+    "flat_rounded": {"radius": [1.0, 2.0, 1.0], "flat_half_length": [0.4, 0.7, 1.0]},
+    "power_law": {"exponent": [1.0, 2.5, 4.0], "length": 1.5, "rise": [0.4, 0.5, 0.6]},
+    "compound": {"inner_radius": [1.0, 2.0, 1.5], "outer_radius": [3.0, 0.5, 1.5], "inner_half_length": [1.2, 1.4, 1.0]},
+    "wedge": {"tip_radius": [1.0, 0.7, 2.0], "tip_half_length": [0.9, 0.5, 5.0]},
+    "polynomial": {"length": [1.0, 1.0, 2.0], "rises": (0.5, [0.01, 0.02, 0.03])},
+}
+
+
+@pytest.mark.parametrize("kind", VARIED)
+def test_parameters_of_every_kind_broadcast(kind):
+    """Each member is that of its own profile; and loads in E* H, W in E* H^2, h = H h1(x/l): no units over forty decades."""
+    row, keys = LOADS[1], VARIED[kind]
+    work, peak = (call(profile={"kind": kind} | keys, **question([row])) for call in (dissipation, peak_dissipation))
+    for k in range(3):
+        member = lambda value: float(np.broadcast_to(value, 3)[k])  # noqa: E731, B023
+        numbers = {name: [*map(member, value)] if name == "rises" else member(value) for name, value in keys.items()}
+        alone, alone_peak = (call(profile={"kind": kind} | numbers, **question([row])) for call in (dissipation, peak_dissipation))
+        assert work.value[k] == pytest.approx(alone.value[0], rel=1e-12, abs=0)
+        assert peak.value[k] == pytest.approx(alone_peak.value[0], rel=1e-9, abs=0)
+        assert peak.place[k] == pytest.approx(alone_peak.place[0], rel=1e-6)
+        assert work.value[k] == pytest.approx(
+            solved({"kind": kind} | numbers, row, x=[0.0], fields=("dissipation",)).dissipation, rel=1e-10
+        )
+
+
+@pytest.mark.parametrize("kind", ["compound", "wedge", "polynomial", "flat_rounded"])
+def test_work_has_no_units(kind):
+    """h(x) = H h1(x/l): loads in E* H, W in E* H^2, of profiles and loads over forty decades."""
+    keys = {
+        "compound": {"inner_radius": 1.0, "outer_radius": 3.0, "inner_half_length": 1.2},
+        "wedge": {"tip_radius": 1.0, "tip_half_length": 0.9},
+        "polynomial": {"length": 1.0, "rises": (0.5, 0.1)},
+        "flat_rounded": {"radius": 1.0, "flat_half_length": 0.7},
+    }[kind]
+    length, height = (np.array(row) for row in ((1.0, 1e-20, 3e20, 1.0), (1.0, 1.0, 7.0, 1e-30)))
+    units = {"length": length, "inner_half_length": length, "tip_half_length": length, "flat_half_length": length}
+    varied = {
+        name: [rise * height for rise in value] if name == "rises" else value * units.get(name, length**2 / height)
+        for name, value in keys.items()
+    }
+    loads = {"mean_normal_load": 1.5, "normal_amplitude": 0.5, "tangential_amplitude": 0.4}
+    batch = dissipation(
+        profile={"kind": kind} | varied,
+        material=MATERIAL,
+        friction_coefficient=1.0,
+        **{name: value * height for name, value in loads.items()},
+    )
+    np.testing.assert_allclose(batch.value / height**2, batch.value[0], rtol=1e-11)
+
+
+def test_power_laws_dissipate_as_two_over_n():
+    """Lam = [P ln(P/P_c) - P + P_c]/n: neither the rise nor the length plays a part."""
+    keys = {"kind": "power_law", "exponent": np.array([1.0, 2.0, 5.0]), "length": 3.0, "rise": [0.1, 1.0, 7.0]}
+    batch = dissipation(profile=keys, **question([LOADS[0]]))
+    hertz = dissipation(profile=Hertz(radius=1.0), **question([LOADS[0]]))
+    np.testing.assert_allclose(batch.value * keys["exponent"] / 2, hertz.value[0], rtol=1e-14)
+
+
+def test_compound_of_one_curvature_is_hertz_and_of_a_blunt_tip_flat():
+    for row in LOADS:
+        loads = question([row])
+        hertz = dissipation(profile=Hertz(radius=2.0), **loads).value[0]
+        same = dissipation(profile=Compound(inner_radius=2.0, outer_radius=2.0, inner_half_length=1.5), **loads).value[0]
+        flat = dissipation(profile=FlatRounded(radius=1.0, flat_half_length=0.7), **loads).value[0]
+        blunt = dissipation(profile=Compound(inner_radius=1e14, outer_radius=1.0, inner_half_length=0.7), **loads).value[0]
+        assert (same, blunt) == pytest.approx((hertz, flat), rel=1e-11)
+
+
+# ------------------------------------------------------------------------------------------------------ the limit of sliding
+
+
+def test_reasons_are_those_of_the_sampled_loops():
+    """|Q| <= f P at 2,000 instants of 4,000 random loops, both senses, any Q0."""
+    rng, count = np.random.default_rng(7), 4000
+    ratio, mean, force, phase = (rng.uniform(*ends, count) for ends in ((0, 1), (-0.3, 0.3), (0, 0.5), (-7, 7)))
+    friction = rng.choice([0.3, 0.8], count)
+    t = np.linspace(0, 2 * math.pi, 2001)[:, None]
+    over = np.max(np.abs(mean + force * np.cos(t - phase)) - friction * (1 + ratio * np.cos(t)), axis=0)
+    batch = dissipation(
+        profile=HERTZ,
+        material=MATERIAL,
+        friction_coefficient=friction,
+        mean_normal_load=1.0,
+        normal_amplitude=ratio,
+        mean_tangential_load=mean,
+        tangential_amplitude=force,
+        phase=phase,
+    )
+    clear = np.abs(over) > 1e-5
+    np.testing.assert_array_equal(batch.reason[clear], np.where(over > 0, Reason.SLIDING, Reason.NONE)[clear])
+
+
+def limit(ratio, phase, friction, both):
+    """Largest Q1, and Q0, for P0 = 1: 0, or such that both senses of slip are at their limit at once (P_T = 0)."""
+    cosine = abs(math.cos(phase))
+    if not both:
+        return friction * (-ratio * cosine + math.sqrt(1 - ratio**2 * (1 - cosine**2))), 0.0
+    r = math.sqrt((1 - ratio**2) / (1 - ratio**2 * cosine**2))
+    u, v = (math.hypot(r * math.cos(phase) + sign * ratio, r * math.sin(phase)) for sign in (-1, 1))
+    return friction * r, friction * (v - u) / 2
+
+
+@pytest.mark.parametrize("both", [False, True])
+@pytest.mark.parametrize(
+    "profile",
+    [Hertz(radius=1.0), FlatRounded(radius=1.0, flat_half_length=0.7), *list(PROFILES.values())[:4]],
+    ids=lambda profile: profile.kind,
+)
+def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, both):
+    """|Q| = f P reached in one sense or both; from 1 - 1e-9 of it the work differs by less than 1e-7."""
+    rows = [(ratio, phase) for ratio in (0.0, 0.3) for phase in (0.0, 1.0, math.pi / 2, math.pi, -math.pi / 2, -math.pi)]
+    ratio, phase = (np.array(column)[:, None] for column in zip(*rows, strict=True))
+    force, mean = (np.array(column)[:, None] for column in zip(*(limit(*row, 0.5, both) for row in rows), strict=True))
+    batch = dissipation(
+        profile=profile,
+        material=MATERIAL,
+        friction_coefficient=0.5,
+        mean_normal_load=1.0,
+        normal_amplitude=ratio,
+        mean_tangential_load=mean,
+        tangential_amplitude=force * [1.0, 1 - 1e-9],
+        phase=phase,
+    )
+    assert np.all(batch.reason == Reason.NONE)
+    assert np.all(batch.value > 0)
+    np.testing.assert_allclose(batch.value[:, 0], batch.value[:, 1], rtol=1e-7)
+    if both:
+        assert np.all(batch.permanent_stick_load[:, 0] <= 1e-15)
+
+
+LINES = [(0.3, 0.0, 0.1, 0.0), (0.2, 0.0, 0.1, 0.0), (0.3, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0), (0.2, 0.0, 0.1, math.pi)]
+LINES += [(1.0, sense * share, share, math.pi / 2 * (1 - sense)) for sense in (1, -1) for share in (0.0, 0.2, 0.5)]
+
+
+@pytest.mark.parametrize("profile", [HERTZ, FLAT, PROFILES["wedge"]], ids=lambda profile: profile.kind)
+def test_lines_within_the_cone_dissipate_nothing(profile):
+    """Phase 0 or pi with Q1 <= f P1, tangency and full unloading through the origin included; the phase is pi to 1e-16 only."""
+    found = batch((1.0, *(np.array(column) for column in zip(*LINES, strict=True))), profile=profile, friction=0.5)
+    assert np.all(found.reason == Reason.NONE)
+    assert np.all(np.abs(found.value) <= 1e-15)
+    limiting = batch((1.0, 0.0, 0.0, 0.5, math.pi / 2), friction=0.5)
+    assert float(limiting.value) == pytest.approx(4 * 0.25 / math.pi / 2, rel=1e-13, abs=0)
+
+
+# -------------------------------------------------------------------------------------------------------------------- peaks
+PEAKS = {
+    "hertz": (HERTZ, LOADS[1]),
+    "flat": (FLAT, (3.0, 1.0, 1.1, 1.0, 90.0)),
+    **{name: (PROFILES[name], LOADS[1]) for name in list(PROFILES)[:5]},
+}
+
+
+@pytest.mark.parametrize("name", PEAKS)
+def test_peak_is_the_largest_value_of_the_density(name):
+    """Against a grid of 801 points next to it, and a shoulder that is no larger."""
+    profile, row = PEAKS[name]
+    peak = peak_dissipation(profile=profile, **question([row]))
+    x = np.linspace(0.99, 1.01, 801) * peak.place[0]
+    density = solved(profile, row, x=x, fields=("dissipation_density",)).dissipation_density
+    assert 0 < peak.value_error[0] < 1e-8 * peak.value[0]
+    assert np.max(density) <= peak.value[0] * (1 + 1e-10) + peak.value_error[0]
+    assert peak.value[0] == pytest.approx(np.max(density), rel=1e-8, abs=0)
+    assert not peak.second_value[0] > peak.value[0]
+
+
+def circle_on_flat(ratio):
+    """Figure 10b: Q1 = P1 = 1, f = 0.4, phase 90 degrees, a(P0) = 1 and b = 0.505 for any P0/P1 = `ratio`; E* = 1."""
+    load = float(contact_of(FlatRounded(radius=1.0, flat_half_length=0.505), MATERIAL).load(1.0))
+    return make_scene(ellipse(ratio, 1.0, 0.0, 1.0, 90.0), 0.4, 0.505, radius=load / ratio)
+
+
+@pytest.mark.parametrize(("ratio", "shoulder"), [(4.5, True), (4.97, True), (5.0, True), (5.5, True), (6.0, False)])
+def test_peak_is_the_larger_of_two_maxima(ratio, shoulder):
+    """The shoulder just inside a(P_min) and the outer maximum, each against 81 points next to it."""
+    scene = circle_on_flat(ratio)
+    peak = peak_dissipation(
+        profile=scene.profile,
+        material=MATERIAL,
+        friction_coefficient=0.4,
+        mean_normal_load=ratio,
+        normal_amplitude=1.0,
+        tangential_amplitude=1.0,
+    )
+    least = float(contact_of(scene.profile, MATERIAL).half_width(ratio - 1.0))
+    one, other = float(peak.place), float(peak.second_place)
+    assert (one < least < other) if shoulder else (other < least < one)
+    x = np.outer([one, other], np.linspace(0.998, 1.002, 81))
+    density = solve(scene, x=x.ravel(), fields=("dissipation_density",)).dissipation_density.reshape(x.shape)
+    found = np.array([float(peak.value), float(peak.second_value)])
+    assert np.all(np.max(density, axis=1) <= found + float(peak.value_error))
+    np.testing.assert_allclose(np.max(density, axis=1), found, rtol=1e-5)
+    if ratio == 5.0:
+        # In units of the paper, A P1^2/a(P0) with A = 2: the smaller one was returned.
+        np.testing.assert_allclose(found / 2, [0.168558, 0.167181], atol=1e-6)
+        assert float(peak.fraction) == pytest.approx(0.4826, abs=1e-4)
+
+
+def test_peak_is_continuous_along_fifty_random_paths():
+    """The place jumps from one maximum to another where both are equal: the value changes by 1e-4 there, what is left of a step."""
+    rng, paths = np.random.default_rng(16), 50
+    # P1/P0, f, Q1 over f (P0 - P1), phase, b/R; four in five on Hertz.
+    low, high = np.array([[0.1, 0.1, 0.3, 0.7, 0.1], [0.4, 1.0, 1.0, 2.2, 0.95]])
+    ends = low + (high - low) * rng.uniform(size=(2, paths, 5))
+    ends[:, np.arange(paths) % 5 > 0, 4] = 0
+
+    def peaks(where):
+        """Value and fraction at (m, 5) parameters: (2, m)."""
+        found = np.empty((2, len(where)))
+        for here, kind in ((where[:, 4] == 0, "hertz"), (where[:, 4] > 0, "flat_rounded")):
+            ratio, friction, use, phase, flat = where[here].T
+            peak = peak_dissipation(
+                profile={"kind": kind, "radius": 1.0} | ({} if kind == "hertz" else {"flat_half_length": flat}),
+                material=MATERIAL,
+                friction_coefficient=friction,
+                mean_normal_load=1.0,
+                normal_amplitude=ratio,
+                tangential_amplitude=use * friction * (1 - ratio),
+                phase=phase,
+            )
+            found[:, here] = peak.value, peak.fraction
+        return found
+
+    along = ends[0] + (ends[1] - ends[0]) * np.linspace(0, 1, 9)[:, None, None]
+    value, fraction = peaks(along.reshape(-1, 5)).reshape(2, 9, paths)
+    assert np.all(np.isfinite(value))
+    jumps = np.abs(np.diff(fraction, axis=0)) > 0.05
+    assert np.sum(jumps) >= 10
+    one, other, first, last = along[:-1][jumps], along[1:][jumps], fraction[:-1][jumps], fraction[1:][jumps]
+    for _ in range(12):
+        middle = (one + other) / 2
+        place = peaks(middle)[1]
+        near = np.abs(place - first) < np.abs(place - last)
+        one, other = np.where(near[:, None], middle, one), np.where(near[:, None], other, middle)
+        first, last = np.where(near, place, first), np.where(near, last, place)
+    np.testing.assert_allclose(peaks(one)[0], peaks(other)[0], rtol=5e-4)
+
+
+@pytest.mark.parametrize("swing", [0.5, 1e-3, 1e-6, 1e-9])
+def test_error_of_the_peak_covers_thirty_digits_of_constant_load(swing):
+    """Hertz, P constant, Q between +- swing f P: W(x) = (8 f^2 P/(pi E*)) p int arccosh(x/(a sqrt(1 - z))) dz up to z = swing."""
+    peak = peak_dissipation(
+        profile=HERTZ,
+        material=MATERIAL,
+        friction_coefficient=0.3,
+        mean_normal_load=1.0,
+        normal_amplitude=0.0,
+        tangential_amplitude=0.3 * swing,
+    )
+    with mp.workdps(40):
+        # Of z_x = 1 - (x/a)^2 = part swing; p = (2 P/(pi a)) sqrt(z_x), a^2 = 4 P R/(pi E*).
+        def density(part):
+            edge = part * swing
+            reach = mp.quad(lambda z: mp.acosh(mp.sqrt((1 - edge) / (1 - z))), [edge, swing])
+            return 8 * mp.mpf("0.3") ** 2 / mp.pi * mp.sqrt(mp.pi) / mp.pi * mp.sqrt(edge) * reach
+
+        part = mp.findroot(lambda part: mp.diff(density, part), (mp.mpf("0.24"), mp.mpf("0.26")), tol=1e-15)
+        exact = density(part)
+        error = float(abs(mp.mpf(float(peak.value)) - exact))
+    assert np.isnan(peak.second_value)
+    assert np.isnan(peak.second_place)
+    assert error <= float(peak.value_error)
+    assert float(peak.value_error) <= max(1e-9, 1e-14 / swing) * float(exact)
+
+
+def test_figures_of_merit_of_the_two_geometries():
+    """Theory, section 6: peak at 0.595 and 0.604 of the slip zone; global dissipation 0.557, peaks 0.97 of Hertz at equal a(P0)."""
+    modulus = 1.0
+    hertz, flat = Hertz(radius=1.0), FlatRounded(radius=1.0, flat_half_length=0.505)
+    loads = {"normal": math.pi / 4 * modulus, "flat": float(contact_of(flat, MATERIAL).load(1.0))}
+    # Equal loads and equal a(P0) = 1: the radius of the flat face follows from the load, its b does not.
+    rounded = FlatRounded(radius=loads["flat"] / loads["normal"], flat_half_length=0.505)
+    kind = {"material": MATERIAL, "friction_coefficient": 1.0}
+    circle = {
+        "mean_normal_load": loads["normal"],
+        "normal_amplitude": loads["normal"] / 3,
+        "mean_tangential_load": 1.1 * loads["normal"] / 3,
+        "tangential_amplitude": loads["normal"] / 3,
+    }
+    works = [float(dissipation(profile=profile, **kind, **circle).value) for profile in (hertz, rounded)]
+    peaks = [peak_dissipation(profile=profile, **kind, **circle) for profile in (hertz, rounded)]
+    assert works[1] / works[0] == pytest.approx(0.557, abs=5e-4)
+    assert float(peaks[1].value / peaks[0].value) == pytest.approx(0.97, abs=5e-3)
+    assert [round(float(peak.fraction), 3) for peak in peaks] == [0.595, 0.604]
+    assert works[1] / works[0] / float(peaks[1].value / peaks[0].value) == pytest.approx(0.574, abs=5e-4)
+
+
+# -------------------------------------------------------------------------------------------------------------- bad members
+def test_full_stick_has_no_peak_and_damping_falls_faster_than_the_peak():
+    """Figure 7: with P1 = Q1 = 1 the global dissipation loses more of itself from P0 = 2 to 4 than the peak does."""
+    peak = batch((1.0, 0.2, 0.0, 0.0, 0.0), peak_dissipation)
+    assert peak.value == 0
+    assert np.isnan([peak.place, peak.fraction]).all()
+    circle = (np.array([2.0, 4.0]), 1.0, 0.0, 1.0, math.pi / 2)
+    work, peaks = (batch(circle, call).value for call in (dissipation, peak_dissipation))
+    assert work[1] / work[0] < peaks[1] / peaks[0] < 1
+
+
+def test_bad_members_get_a_reason_and_the_rest_their_values():
+    batch = dissipation(
+        profile=Hertz(radius=1.0),
+        material=MATERIAL,
+        friction_coefficient=[1.0, 1.0, 1.0, -1.0, 1.0, 0.0, 0.0],
+        mean_normal_load=[3.0, 3.0, 1.0, 3.0, np.nan, 3.0, 3.0],
+        normal_amplitude=[1.0, 1.0, 2.0, 1.0, 1.0, 1.0, 1.0],
+        mean_tangential_load=[1.1, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        tangential_amplitude=[1.0, 1.0, 0.0, 0.1, 0.1, 0.0, 0.1],
+    )
+    expected = [Reason.NONE, Reason.SLIDING, Reason.SEPARATION, Reason.INVALID, Reason.INVALID, Reason.NONE, Reason.SLIDING]
+    np.testing.assert_array_equal(batch.reason, expected)
+    np.testing.assert_array_equal(np.isnan(batch.value), batch.reason != Reason.NONE)
+    assert batch.value[5] == 0
+    assert not batch.value.flags.writeable
+
+
+@pytest.mark.parametrize("call", [dissipation, peak_dissipation])
+def test_every_member_has_a_value_or_a_reason(call):
+    """Nothing but numbers, each nan, negative, 0, subnormal or infinite in turn."""
+    strange = [math.nan, math.inf, -math.inf, -1.0, 0.0, 5e-324, 1e-200, 1.0]
+    good = {
+        "mean_normal_load": 1.0,
+        "normal_amplitude": 0.3,
+        "mean_tangential_load": 0.0,
+        "tangential_amplitude": 0.2,
+        "phase": 1.0,
+    }
+    for name in (*good, "friction_coefficient", "radius"):
+        loads = {"friction_coefficient": 0.5} | good
+        keys = {"kind": "hertz", "radius": 1.0}
+        (keys if name == "radius" else loads)[name] = strange
+        batch = call(profile=keys, material=MATERIAL, **loads)
+        np.testing.assert_array_equal(np.isfinite(batch.value), batch.reason == Reason.NONE)
+        assert np.all(batch.reason[:3] == Reason.INVALID)
+        assert (
+            batch.reason[7] == (Reason.SLIDING if name in ("tangential_amplitude", "mean_tangential_load") else Reason.NONE)
+            or name == "normal_amplitude"
+        )
+
+
+def test_bad_parameters_are_the_members_own():
+    none, bad = Reason.NONE, Reason.INVALID
+    for keys, reasons in (
+        ({"kind": "flat_rounded", "radius": [1.0, -1.0, np.nan], "flat_half_length": 0.7}, [none, bad, bad]),
+        ({"kind": "power_law", "exponent": [0.5, 2.0], "length": 1.0, "rise": 1.0}, [bad, none]),
+        ({"kind": "polynomial", "length": 1.0, "rises": (0.5, [-0.5, 0.1, np.nan])}, [bad, none, bad]),
+    ):
+        assert dissipation(profile=keys, **question([LOADS[0]])).reason.tolist() == reasons
+    for name in ("table of five rows", "function"):
+        found = dissipation(profile=PROFILES[name], **question([LOADS[0], (1000.0, 0.5, 0.0, 0.5, 60.0)]))
+        assert found.reason.tolist() == [none, Reason.EXTENT]
+        assert np.isfinite(found.value[0])
+
+
+def test_work_that_has_not_converged_has_a_reason(monkeypatch):
+    monkeypatch.setattr(slip_work, "_CONVERGED", (-1.0, -1.0))
+    batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
+    assert batch.reason.tolist() == [Reason.UNSETTLED]
+    assert np.isnan(batch.value[0])
+
+
+@pytest.mark.parametrize("batch", [dissipation, peak_dissipation])
+def test_neglected_coupling_of_unlike_materials_is_noted_as_solve_does(batch):
+    soft = UNIT.vary(young_modulus=UNIT.young_modulus / 1e9, poisson_ratio=0.0)
+    unlike = Materials(upper=soft, lower=UNIT)  # beta = 0.5
+    scene = make_scene(ellipse(3.0, 1.0, 1.1, 1.0), 1.0)
+    noted = solve(scene.vary(material=unlike), x=[0.0], fields=()).record.notes
+    assert batch(profile=scene.profile, material=unlike, friction_coefficient=1.0, **PAPER).notes == noted
+    assert noted[0].startswith("Dundurs' beta = 0.5: ")
+    assert batch(profile=scene.profile, material=MATERIAL, friction_coefficient=1.0, **PAPER).notes == ()
+
+
+def test_what_cannot_vary_is_refused_in_a_sentence():
+    for keys, words in (
+        ({"kind": "tabulated", "points": [[0, 0], [1, 1]]}, "give the profile itself"),
+        ({"kind": "hertz"}, "with all its keys"),
+        ({"kind": "polynomial", "length": 1.0, "rises": 0.5}, "rises is a list"),
+        ({"kind": "hertz", "radius": "one"}, "must broadcast, and be of numbers"),
+    ):
+        with pytest.raises(InputError, match=words):
+            dissipation(profile=keys, **question([LOADS[0]]))
+    with pytest.raises(InputError, match="must broadcast"):
+        batch((3.0, [1, 1, 1], 0.0, 1.0, 0.0), friction=[1.0, 1.0])
+    assert batch((3.0, 1.0, 1.1, 1.0, 1.0), friction=np.empty(0)).value.shape == (0,)

@@ -1,0 +1,678 @@
+"""Normal contact of every profile: P(a), a(P), p, slip, logarithm and friction work of one load, against h'' alone in more digits.
+
+Measured quantities M of a superposition of flat punches are M = int m(alpha) dP; `law_of` has dP/d alpha of each profile from the
+numbers of the scene (its own test: 30 digits of h'), and the integrals are taken here in extended precision.
+"""
+
+import contextlib
+import json
+import math
+import signal
+from dataclasses import replace
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from reports.cli import main
+from scenes import (
+    CallableProfile,
+    Compound,
+    Elastic,
+    EvenPolynomial,
+    FlatRounded,
+    Hertz,
+    InputError,
+    Materials,
+    PowerLaw,
+    Tabulated,
+    Wedge,
+    load_scene,
+)
+from semi_analytic.elasticity import composite_modulus, coupling_constant
+from semi_analytic.hertz import log_excess
+from semi_analytic.profiles import contact_of, inverse_load_function, power_law
+from semi_analytic.punch_superposition import PunchSuperposition
+from semi_analytic_oracle import LONG, PI, integrate, law_of
+
+
+def contact_on(profile, modulus=1.0):
+    """The contact of a profile between bodies of that composite modulus."""
+    material = Elastic(young_modulus=2 * modulus, poisson_ratio=0.0)
+    return contact_of(profile, Materials(upper=material, lower=material))
+
+
+def table(height, extent, count, sides=1):
+    """Rows of a function, on one side or on both."""
+    x = np.linspace(-extent if sides == 2 else 0.0, extent, sides * (count - 1) + 1)
+    return Tabulated(points=np.stack([x, height(x)], axis=1))
+
+
+def cosh_less_one(x):
+    return np.cosh(x) - 1
+
+
+# Name to profile and the half-widths that are tried: next to its corners, far from them, and small.
+CASES = {
+    "hertz": (Hertz(radius=2.0), (1e-6, 1.3, 40.0)),
+    "flat and rounded": (FlatRounded(radius=1.0, flat_half_length=1.0), (1.01, 1.3, 2.0, 40.0)),
+    "compound, blunter": (
+        Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=1.0),
+        (1e-3, 0.9, 1 + 1e-5, 1.1, 3.0, 1e4),
+    ),
+    "compound, sharper": (
+        Compound(inner_radius=3.0, outer_radius=0.5, inner_half_length=1.0),
+        (1e-3, 0.9, 1 + 1e-5, 1.1, 3.0, 1e4),
+    ),
+    "compound, flat": (Compound(inner_radius=1.0, outer_radius=1e4, inner_half_length=1.0), (0.9, 1 + 1e-5, 3.0, 1e4)),
+    "wedge": (Wedge(tip_radius=2.0, tip_half_length=1.0), (1e-3, 0.9, 1 + 1e-8, 1.1, 3.0, 1e4)),
+    "table": (table(cosh_less_one, 1.0, 5), (1e-6, 0.4, 0.9)),
+    "table of a parabola": (table(lambda x: x * x / 4, 3.0, 13, 2), (0.2, 1.01, 2.9)),
+    "function h": (CallableProfile(extent=3.0, height_function=cosh_less_one), (1e-6, 0.9, 2.9)),
+    "function h'": (CallableProfile(extent=3.0, slope_function=np.sinh), (1e-6, 0.9, 2.9)),
+}
+CASES |= {
+    f"polynomial {rises}": (EvenPolynomial(length=2.0, rises=rises), (1e-8, 0.7, 40.0))
+    for rises in ((0.5,), (0.0, 0.3), (0.5, 0.25, 0.1), (1.0, -0.9, 0.5))
+}
+CASES |= {
+    f"|x|^{n}": (PowerLaw(exponent=n, length=2.0, rise=0.5), (1e-6, 0.7, 40.0)) for n in (1.0, 1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0)
+}
+EVERY = pytest.mark.parametrize("name", CASES)
+
+# Relative errors admitted; measured 7e-13 of p at 0.999 a, where a last digit of a counts 500 times, 1e-12 by a derivative.
+LIMITS = {"pressure": 2e-12, "pressure_moment": 2e-12, "dissipation_kernel": 3e-11, "function h": 1e-11}
+OTHERS = 4e-14
+
+
+class Truth:
+    """Integrals over the punches of a profile, E* = 1; weighted by P(alpha) for the moments."""
+
+    def __init__(self, profile, datum):
+        self.law, self.datum = law_of(profile), LONG(datum)
+        self.least = self.law.breaks[0]
+
+    def _marks(self, low, high):
+        return [low, *(b for b in self.law.breaks if low < b < high), high]
+
+    def pressure(self, x, a, moment=False):
+        """(1/pi) int dP/sqrt(alpha^2 - x^2) with alpha^2 = x^2 + w^2."""
+        marks = [np.sqrt((m - x) * (m + x)) for m in self._marks(max(x, self.least), a)]
+
+        def strip(w):
+            alpha = np.sqrt(x * x + w * w)
+            return (self.law.load(alpha) if moment else 1) * self.law.rate(alpha) / alpha / PI
+
+        return integrate(strip, marks)
+
+    def total(self, kernel, a, moment=False, begin=None):
+        """int kernel(alpha) dP."""
+        strip = lambda alpha: (self.law.load(alpha) if moment else 1) * self.law.rate(alpha) * kernel(alpha)  # noqa: E731
+        return integrate(strip, self._marks(self.least if begin is None else begin, a))
+
+    def slip_integral(self, x, a, moment=False):
+        reach = lambda alpha: np.arcsinh(np.sqrt((x - alpha) * (x + alpha)) / alpha)  # noqa: E731
+        return self.total(reach, min(a, x), moment)
+
+    def log_distance(self, a, moment=False):
+        return self.total(lambda alpha: np.log(2 * self.datum / alpha), a, moment)
+
+    def dissipation_kernel(self, a, c):
+        return self.total(lambda alpha: np.log1p((alpha - c) / c), a, begin=c)
+
+
+def kernels(contact, truth, a):
+    """(name, arguments of the contact, exact value) at one half-width, the moments too."""
+    load, a = float(contact.load(a)), LONG(a)
+    for x in (float(a) * part for part in (0.0, 1e-3, 0.3, 0.9, 0.999, 1.3)):
+        at = LONG(x)
+        if x < a and (x > 0 or truth.law.rate(LONG(1e-9)) < 1e-7):  # p of the tip of a wedge is infinite
+            yield "pressure", (x, load), truth.pressure(at, a)
+            yield "pressure_moment", (x, load), truth.pressure(at, a, True)
+        if at > truth.least:
+            yield "slip_integral", (x, load), truth.slip_integral(at, a)
+            yield "slip_integral_moment", (x, load), truth.slip_integral(at, a, True)
+    yield "log_distance", (load,), truth.log_distance(a)
+    yield "log_moment", (load,), truth.log_distance(a, True)
+    for part in (0.999, 0.7, 0.1):
+        c = float(truth.least + part * (a - truth.least))
+        slipped = load - float(contact.load(c))
+        if front := load - slipped:  # as P - P_c has it: for |x|^20 nothing is left of 1e-20 P
+            yield "dissipation_kernel", (load, slipped), truth.dissipation_kernel(a, LONG(float(contact.half_width(front))))
+
+
+@EVERY
+def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(name):
+    profile, widths = CASES[name]
+    contact = contact_on(profile)
+    truth = Truth(profile, contact.datum_length)
+    skipped = ("pressure_moment", "slip_integral_moment", "log_moment") if profile.kind == "callable" else ()
+    for a in widths:
+        assert float(contact.half_width(contact.load(a))) == pytest.approx(a, rel=3e-15 if profile.kind != "callable" else 1e-12)
+        for kernel, arguments, true in kernels(contact, truth, a):
+            if kernel in skipped:
+                continue
+            value, exact = float(getattr(contact, kernel)(*arguments)), float(true)
+            limit = max(LIMITS.get(kernel, OTHERS), LIMITS.get(name, 0.0))
+            assert value == pytest.approx(exact, rel=limit, abs=0), (kernel, a, arguments)
+            if isinstance(contact, PunchSuperposition) and not kernel.endswith("moment"):
+                estimate = float(contact.quadrature_error(kernel, *arguments))
+                close = arguments[0] / arguments[1] if kernel == "dissipation_kernel" else 1.0
+                assert abs(value - exact) <= estimate + 1e-14 * abs(exact), (kernel, a, arguments)
+                assert estimate <= 1e-9 * close * abs(exact) * (1 + abs(math.log(a))), (kernel, a, arguments)
+
+
+def inverse_pairs(contact, name, profile):
+    """Loads over sixteen decades and what P(a(P)) makes of them."""
+    most = float(contact.load(0.996 * contact.extent)) if profile.kind in ("tabulated", "callable") else 1e8
+    load = most * 10.0 ** np.linspace(-16, 0, 161)
+    # On a flat face a itself keeps no more digits of a - b than a double leaves it: the advance of the edge keeps all.
+    return load, (contact.law.load(contact.law.advance(load)) if contact.least else contact.load(contact.half_width(load)))
+
+
+@EVERY
+def test_half_width_inverts_load_over_sixteen_decades(name):
+    contact = contact_on(CASES[name][0])
+    load, found = inverse_pairs(contact, name, CASES[name][0])
+    np.testing.assert_allclose(found, load, rtol=2e-14)
+    assert np.all(np.diff(contact.half_width(load)) >= 0)
+
+
+@pytest.mark.parametrize(("ratio", "outer"), [(ratio, outer) for ratio in (1e-8, 1e-3, 1 - 1e-8) for outer in (3.0, 0.2, 1e-3)])
+def test_half_width_next_to_a_corner_and_far_from_it(ratio, outer):
+    """b/a = ratio: a itself to rounding."""
+    contact = contact_on(Compound(inner_radius=1.0, outer_radius=outer, inner_half_length=ratio))
+    assert float(contact.half_width(contact.load(1.0))) == pytest.approx(1.0, rel=2e-15)
+
+
+@pytest.mark.parametrize("name", [name for name, (profile, _) in CASES.items() if profile.kind != "callable"])
+def test_close_half_widths_keep_their_digits(name):
+    """arccosh(x/a) and 1/sqrt(a^2 - x^2) from the difference of the loads, against their definitions."""
+    profile, widths = CASES[name]
+    contact = contact_on(profile)
+    for a in widths:
+        load = float(contact.load(a))
+        for part in (0.5, 1e-2, 1e-4, 1e-6):
+            if load * (1 + part) > (0.99 * float(contact.load(contact.extent)) if profile.kind == "tabulated" else np.inf):
+                continue
+            excess, advance = part * load, contact.advance(load)
+            outer, inner = (float(contact.half_width(load + sign * excess)) for sign in (1, -1))
+            reach = np.arccosh(outer / a) if part > 1e-3 else np.arcsinh(np.sqrt((outer - a) * (outer + a)) / a)
+            limit = 1e-11 + 4e-14 / part * a / max(a - contact.least, 1e-9 * a)
+            assert float(contact.arccosh_ratio(outer, excess, advance)) == pytest.approx(reach, rel=limit)
+            root = np.sqrt(excess / ((a - inner) * (a + inner)))
+            assert float(np.sqrt(excess) * contact.inverse_root(inner, excess, advance)) == pytest.approx(root, rel=limit)
+
+
+@pytest.mark.parametrize("name", [name for name, (profile, _) in CASES.items() if profile.kind not in ("tabulated", "callable")])
+def test_a_point_that_comes_into_contact_has_lost_its_gap(name):
+    """(A/pi) S(x, P_x) = h(x), and p is 0 outside."""
+    profile = CASES[name][0]
+    contact, x = contact_on(profile), np.array([1.001, 1.7, 7.0])
+    np.testing.assert_allclose(2 / np.pi * contact.slip_integral(x, float(contact.load(10.0))), profile.height(x), rtol=1e-13)
+    assert np.all(contact.pressure([2.0000001, 3.0], float(contact.load(2.0))) == 0)
+
+
+@EVERY
+def test_the_law_of_the_oracle_is_that_of_the_slope_in_thirty_digits(name):
+    """E* int_0^a x h'/sqrt(a^2 - x^2) dx, h' by hand of each profile; and dP/da, whose integral is P."""
+    profile, widths = CASES[name]
+    law, a = law_of(profile), LONG(widths[1])
+    with mp.workdps(34):
+        slope, exact_a = slope_of(profile), mp.mpf(widths[1])
+        marks = sorted({mp.mpf(0), mp.pi / 2, *(mp.asin(mp.mpf(str(b)) / exact_a) for b in law.breaks if 0 < b < a)})
+        exact = mp.quad(lambda angle: exact_a * mp.sin(angle) * slope(exact_a * mp.sin(angle)), marks)
+        digits = abs(mp.mpf(str(law.load(a))) / exact - 1)
+    assert digits < 1e-16
+    parts = [law.breaks[0], *(b for b in law.breaks if law.breaks[0] < b < a), a]
+    assert float(integrate(law.rate, parts) / law.load(a)) == pytest.approx(1, rel=1e-15)
+
+
+def slope_of(profile):
+    """h'(x), x > 0, in the digits of mpmath."""
+    kept = lambda name: mp.mpf(getattr(profile, name))  # noqa: E731
+    match profile.kind:
+        case "hertz":
+            return lambda x: x / kept("radius")
+        case "flat_rounded":
+            return lambda x: max(x - kept("flat_half_length"), 0) / kept("radius")
+        case "compound":
+            b = kept("inner_half_length")
+            return lambda x: min(x, b) / kept("inner_radius") + max(x - b, 0) / kept("outer_radius")
+        case "wedge":
+            return lambda x: min(x, kept("tip_half_length")) / kept("tip_radius")
+        case "power_law":
+            n = kept("exponent")
+            return lambda x: n * kept("rise") / kept("length") ** n * x ** (n - 1)
+        case "polynomial":
+            rises, length = [mp.mpf(c) for c in profile.rises], kept("length")
+            return lambda x: sum(2 * k * c * x ** (2 * k - 1) / length ** (2 * k) for k, c in enumerate(rises, 1))
+        case "tabulated":
+            spline = profile.spline()
+            knots, bends = ([mp.mpf(float(v)) for v in values] for values in (spline.x, spline.curvature))
+            pieces = list(zip(bends, knots[:-1], knots[1:], strict=True))
+            return lambda x: sum(k * (min(max(x, a), b) - a) for k, a, b in pieces)
+    return mp.sinh
+
+
+# ------------------------------------------------------------------------------------------ one shape in two forms
+def clamped(x):
+    return np.sign(x) * np.clip(np.abs(x), 0, 0.7) + np.sign(x) * (np.abs(x) - np.clip(np.abs(x), 0, 0.7)) / 3
+
+
+def scalar_height(x):
+    return x * x / 2 if abs(x) < 0.3 else x * x / 2 + 0.0 * abs(x)
+
+
+SAME = {
+    "a corner of the slope is found": (
+        CallableProfile(slope_function=clamped, extent=5.0),
+        Compound(inner_radius=1.0, outer_radius=3.0, inner_half_length=0.7),
+        (0.1, 0.4, 3.0),
+        1e-11,
+    ),
+    "a flat middle is found": (
+        CallableProfile(slope_function=lambda x: np.sign(x) * np.maximum(np.abs(x) - 0.5, 0) / 2, extent=3.0),
+        FlatRounded(radius=2.0, flat_half_length=0.5),
+        (0.1, 0.6),
+        2e-9,
+    ),
+    "a tip is no corner": (
+        CallableProfile(slope_function=np.sign, extent=2.0),
+        PowerLaw(exponent=1.0, length=1.0, rise=1.0),
+        (1.0,),
+        1e-11,
+    ),
+    "a function of single numbers": (
+        CallableProfile(height_function=scalar_height, extent=3.0),
+        Hertz(radius=1.0),
+        (0.1, 1.0),
+        1e-10,
+    ),
+    "equal radii": (Compound(inner_radius=2.0, outer_radius=2.0, inner_half_length=1.0), Hertz(radius=2.0), (0.05, 3.0), 3e-12),
+    "a corner out of reach": (
+        Compound(inner_radius=2.0, outer_radius=0.1, inner_half_length=50.0),
+        Hertz(radius=2.0),
+        (0.3,),
+        1e-12,
+    ),
+    "a blunt middle": (
+        Compound(inner_radius=1e14, outer_radius=1.0, inner_half_length=1.0),
+        FlatRounded(radius=1.0, flat_half_length=1.0),
+        (1e-3, 20.0),
+        1e-8,
+    ),
+    "a flat of no length": (FlatRounded(radius=2.0, flat_half_length=1e-8), Hertz(radius=2.0), (1.7,), 1e-7),
+    "far from the tip": (Wedge(tip_radius=2e-8, tip_half_length=1e-8), PowerLaw(exponent=1.0, length=1.0, rise=0.5), (0.5,), 1e-7),
+    "rows of a parabola": (table(lambda x: x * x / 4, 3.0, 41, 2), Hertz(radius=2.0), (0.8,), 1e-9),
+}
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_one_shape_in_two_forms(name):
+    one, other, loads, limit = SAME[name]
+    one, other = contact_on(one), contact_on(other)
+    for load in loads:
+        half = float(other.half_width(load))
+        assert float(one.half_width(load)) == pytest.approx(half, rel=limit)
+        x = half * np.array([0.01, 0.49, 0.69, 0.9, 1.2, 1.9])
+        for kernel in ("pressure", "slip_integral"):
+            np.testing.assert_allclose(
+                getattr(one, kernel)(x, load), getattr(other, kernel)(x, load), rtol=limit, atol=limit * load
+            )
+        for slipped in (0.01 * load, 0.3 * load):
+            assert float(one.dissipation_kernel(load, slipped)) == pytest.approx(
+                float(other.dissipation_kernel(load, slipped)), rel=limit
+            )
+
+
+@pytest.mark.parametrize("load", [1e-12, 1e-6, 1e-2])
+def test_beside_the_flat_of_a_table_small_loads_keep_their_digits(load):
+    profile = Tabulated(points=[[0, 0], [0.5, 0], [0.75, 0.03], [1, 0.12], [1.5, 0.5]])
+    contact, bends = contact_on(profile), profile.spline().curvature
+    flat = contact_on(FlatRounded(radius=1 / float(bends[np.flatnonzero(bends)[0]]), flat_half_length=contact.least))
+    small = load * float(contact.load(contact.breaks[0]))
+    np.testing.assert_allclose(contact.half_width(small) - contact.least, flat.half_width(small) - contact.least, atol=4e-16)
+    # What the last digit of a is worth over a - b: all that half-widths can say.
+    digits, x = 1e-11 + 4e-16 / (float(flat.half_width(small)) - contact.least), np.array([0.0, 0.4, 0.499])
+    np.testing.assert_allclose(contact.pressure(x, small), flat.pressure(x, small), rtol=digits)
+
+
+def test_height_and_slope_of_a_function_agree():
+    one, two = (CallableProfile(extent=2.0, **given) for given in ({"height_function": cosh_less_one}, {"slope_function": np.sinh}))
+    x = np.array([-1.9, -0.4, 1e-3, 0.4, 1.3])
+    np.testing.assert_allclose(one.height(x), two.height(x), rtol=1e-9)
+    np.testing.assert_allclose(one.slope(np.abs(x)), np.sinh(np.abs(x)), rtol=1e-11)
+    np.testing.assert_allclose(two.bend(np.abs(x)), np.abs(x) * np.cosh(x), rtol=1e-10)
+
+
+# ---------------------------------------------------------------------------------------------- ends of single laws
+def quad(function, begin, end):
+    """30-digit quadrature with the ends graded."""
+    return mp.quad(function, [begin, *(begin + (end - begin) * mp.mpf(10) ** -k for k in range(9, 0, -1)), end])
+
+
+FLAT = contact_on(FlatRounded(radius=1.0, flat_half_length=1.0), 2.0)  # E* b^2/(2 R) = 1
+
+
+@pytest.mark.parametrize("tau", [1e-8, 1e-3, 0.299, 0.301, 30.0, 1e6])
+def test_a_rounded_flat_keeps_its_digits_at_any_depth(tau):
+    """From the middle over the edge of the flat to that of the contact, x by g^2 = 1 - x^2 in units of tau = sqrt(a^2 - b^2)/b."""
+    with mp.workdps(40):
+        load = float((1 + mp.mpf(tau) ** 2) * mp.atan(mp.mpf(tau)) - mp.mpf(tau))
+    assert float(inverse_load_function(load)) == pytest.approx(tau, rel=4e-15)
+    share = np.array([1e8, 30.0, 2.0, 1.001, 0.999, 0.3, 1e-3, 1e-6, 0.0, -1e-6, -0.1, -0.9, -0.999999])
+    x = np.sqrt(1 - np.minimum(share * np.abs(share) * tau**2, 1.0))
+    for place, value in zip(x.tolist(), (FLAT.pressure(x, load) * np.pi / 2).tolist(), strict=True):  # E* b/(pi R) = 2/pi
+        if place >= FLAT.half_width(load):
+            continue  # the last digit of a is more than the rounded edge has
+        with mp.workdps(40):
+            square = (1 - mp.mpf(place)) * (1 + mp.mpf(place))
+            t, g = mp.mpf(tau), mp.sqrt(abs(square))  # in v, t = |g| sinh v or |g| cosh v, all of it is smooth
+            if square > 0:
+                exact = quad(lambda v, g=g: mp.atan(g * mp.sinh(v)) * g * mp.sinh(v), mp.mpf(0), mp.asinh(t / g))
+            elif square < 0:
+                exact = quad(lambda v, g=g: mp.atan(g * mp.cosh(v)) * g * mp.cosh(v), mp.mpf(0), mp.acosh(t / g))
+            else:
+                exact = t * mp.atan(t) - mp.log1p(t * t) / 2
+            digits = 1e-14 + 8e-16 / float(abs(1 + square / t**2))  # a last digit of P counts from the edge of contact
+        assert value == pytest.approx(float(exact), rel=digits, abs=0)
+
+
+def area_in_many_digits(flat, load, front):
+    """int ln(a/c) dP of Hertz or of a flat with E* b^2/(2 R) = 1."""
+    if not flat:
+        return (load * mp.log(load / front) - load + front) / 2
+
+    def tau_of(value):
+        tau = mp.mpf(float(inverse_load_function(float(value))))
+        for _ in range(8):
+            tau -= ((1 + tau**2) * mp.atan(tau) - tau - value) / (2 * tau * mp.atan(tau))
+        return tau
+
+    primitive = lambda tau: ((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau)  # noqa: E731
+    one, two = tau_of(load), tau_of(front)
+    return load * mp.log((1 + one**2) / (1 + two**2)) / 2 - primitive(one) + primitive(two)
+
+
+@pytest.mark.parametrize("load", [1e-9, 1e-3, 0.3, 1.0, 50.0, 1e9])
+@pytest.mark.parametrize("flat", [False, True])
+def test_friction_work_kernel_from_the_smallest_front_to_the_whole_contact(flat, load):
+    """Lam(P, P_c) from P - P_c = 1e-14 P upwards, against 60 digits."""
+    contact = FLAT if flat else contact_on(Hertz(radius=2.0), 3.0)
+    with mp.workdps(60):
+        for part in (1e-14, 1e-7, 1e-3, 0.29, 0.31, 0.7, 0.999):
+            exact = float(area_in_many_digits(flat, mp.mpf(load), mp.mpf(load) - mp.mpf(load * part)))
+            assert float(contact.dissipation_kernel(load, load * part)) == pytest.approx(exact, rel=1e-13), part
+        for ratio in (1e-18, 1e-12, 1e-5, 0.1, 0.3, 0.3001, 0.9, 1 - 1e-12):
+            exact = float(-mp.log(1 - mp.mpf(ratio)) - mp.mpf(ratio))
+            assert float(log_excess(ratio)) == pytest.approx(exact, rel=1e-15)
+
+
+def test_friction_work_kernel_where_p_hardly_grows():
+    """Across a half-width at which dP/da is nearly 0 twelve nodes of Gauss' rule left 1e-7 of Lam, and did not say so."""
+    profile = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43))
+    contact, truth = contact_on(profile), Truth(profile, 1.0)
+    for half in np.linspace(0.4, 1.4, 21):
+        load = float(contact.load(half))
+        for part in (1e-3, 0.019, 0.03, 0.1, 0.25):
+            front = LONG(float(contact.half_width(load * (1 - part))))
+            nearest = sorted({front, LONG(half), *(m for m in np.linspace(front, LONG(half), 9)[1:-1])})
+            exact = integrate(lambda a, c=front: truth.law.rate(a) * np.log1p((a - c) / c), nearest)
+            assert float(contact.dissipation_kernel(load, part * load)) == pytest.approx(float(exact), rel=2e-11), (half, part)
+
+
+@pytest.mark.parametrize("n", [1.0, 1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0])
+def test_power_laws_from_the_middle_to_beyond_the_edge(n):
+    """Roots inside, slip outside, where both terms are roots of the distance and cancel, and p of the very middle: 40 digits."""
+    contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
+    one, m = float(contact.load(1.0)), mp.mpf(n)
+    with mp.workdps(50):
+        for load in (1e-3, 40.0):
+            half = float(contact.half_width(load))
+            for x in half * np.array([1e-6, 0.1, 0.5, 0.9, 0.999, 1 - 1e-9]):
+                edge = mp.mpf(one) * mp.mpf(x) ** m
+                excess = float(mp.mpf(load) - edge)
+                a = ((edge + excess) / one) ** (1 / m)
+                root = contact.inverse_root(x, excess, contact.advance(float(edge + excess)))
+                assert float(np.sqrt(excess) * root) == pytest.approx(float(mp.sqrt(excess / (a * a - mp.mpf(x) ** 2))), rel=2e-15)
+            for beyond in (0.0, 1e-15, 1e-11, 1e-9, 1e-6, 1e-3, 3.0):
+                x = half * (1 + beyond)
+                edge = float(contact.load(x))
+                zeta = (mp.mpf(min(load, edge)) / edge) ** (1 / m)
+                for order, method in enumerate((contact.slip_integral, contact.slip_integral_moment), 1):
+                    rest = mp.betainc(m * order / 2, mp.mpf("0.5"), 0, zeta * zeta) / 2
+                    exact = (mp.mpf(min(load, edge)) ** order * mp.acosh(1 / zeta) + mp.mpf(edge) ** order * rest) / order
+                    assert float(method(x, load)) == pytest.approx(float(exact), rel=5e-13, abs=0)
+        if n > 1:
+            xi = np.array([0.0, 0.99e-11, 1.01e-11, 0.0999, 0.1001])
+            hyper = lambda xi: mp.sqrt(1 - xi**2) * mp.hyp2f1(1 - m / 2, 1, mp.mpf("1.5"), 1 - xi**2)  # noqa: E731
+            exact = [1 / (n - 1), *(float(hyper(mp.mpf(value))) for value in xi[1:])]
+            np.testing.assert_allclose(contact.pressure(xi, one) * np.pi / (n * one), exact, rtol=1e-11)
+
+
+# --------------------------------------------------------------------------------------------------------- tables
+def test_more_rows_come_closer_with_the_square_of_the_step():
+    """1 - sqrt(1 - x^2) against a fine table of itself: four times the rows, a sixteenth of the error at least."""
+    half, circle = np.linspace(0.3, 0.75, 40), lambda x: 1 - np.sqrt(1 - x * x)
+    fine = contact_on(table(circle, 0.8, 641)).load(half)
+    errors = [np.max(np.abs(contact_on(table(circle, 0.8, count)).load(half) / fine - 1)) for count in (11, 41, 161)]
+    assert min(errors[0] / errors[1], errors[1] / errors[2]) > 12
+    assert errors[2] < 1e-5
+
+
+def test_the_curve_goes_through_the_rows_is_even_and_rises():
+    rows = np.array([[0.0, 0.0], [0.3, 0.01], [0.5, 0.08], [1.1, 0.2], [1.5, 1.0]])
+    profile, x = Tabulated(points=rows), np.linspace(-2, 2, 4001)
+    np.testing.assert_allclose(profile.height(rows[:, 0]), rows[:, 1], atol=1e-16)
+    assert np.all(np.diff(profile.height(x)[2000:]) >= 0)
+    np.testing.assert_array_equal(profile.height(-x), profile.height(x))
+    knee = np.arange(31) / 10  # a chamfer, flat to 1 and straight from 1.5 on: met without a knee, however the last digits fall
+    h = np.where(knee <= 1, 0, np.where(knee <= 1.5, (knee - 1) ** 2 / 10, 0.025 + (knee - 1.5) / 10))
+    between = np.linspace(1.5, 3, 61)
+    found = Tabulated(points=np.stack([knee, h], axis=1)).height(between)
+    np.testing.assert_allclose(found, 0.025 + (between - 1.5) / 10, rtol=1e-12)
+
+
+def test_many_knots_cost_no_digits_and_only_those_between_cost_nodes():
+    """arccosh(|x|/c) with several knots between c and x was 1e-7 off; cut at every knot, 60 took twenty times the nodes."""
+    contact = contact_on(table(cosh_less_one, 1.2, 601), 100.0)
+    half = contact.half_width(40.0)
+    x = half * (1 + np.geomspace(1e-4, 1e-1, 200))
+    found = contact.arccosh_ratio(x, contact.load(x) - 40.0, contact.advance(40.0))
+    np.testing.assert_allclose(found, np.arccosh(x / half), rtol=1e-11)
+    contact, nodes = contact_on(table(cosh_less_one, 1.2, 61), 100.0), []
+
+    def advance(load):
+        nodes.append(np.size(load))
+        return contact.law.advance(load)
+
+    seen = replace(contact, law=replace(contact.law, advance=advance))
+    load, slipped = np.linspace(20.0, 60.0, 40), 0.3
+    between = np.searchsorted(contact.break_loads, load) - np.searchsorted(contact.break_loads, load - slipped)
+    np.testing.assert_allclose(seen.dissipation_kernel(load, slipped), contact.dissipation_kernel(load, slipped), rtol=1e-14)
+    assert np.max(between) > 0
+    assert sum(nodes) < 13 * np.sum(between + 1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_that_bend_up_make_a_curve_that_does(seed):
+    """Random convex rows, half of them with stretches on a line, which had a knee bent into them: none is refused."""
+    chance = np.random.default_rng(seed)
+    for _ in range(20):
+        count = int(chance.choice([4, 11, 31]))
+        bends = chance.exponential(size=count - 1) * (chance.random(count - 1) < chance.choice([0.3, 1.0]))
+        bends[-1] += 0.1
+        x = np.append(0, np.cumsum(chance.uniform(0.2, 1, count - 1)))
+        profile = Tabulated(points=np.stack([x, np.append(0, np.cumsum(np.cumsum(bends) * np.diff(x)))], axis=1))
+        contact_on(profile)
+        if np.all(bends > 0):
+            assert np.min(profile.spline().curvature[1:]) > -1e-9 * np.max(profile.spline().curvature)
+
+
+# ------------------------------------------------------------------------------------------------- quantised rows
+
+
+SHAPES = {
+    "hertz": lambda x: x**2 / 2000,
+    "flat": lambda x: np.maximum(x - 1, 0) ** 2 / 2000,
+    "cosh": lambda x: (np.cosh(x) - 1) / 1000,
+    "straight flanks": lambda x: np.maximum(x - 0.3, 0) / 100,
+    "two curvatures": lambda x: (x**2 + 4 * np.maximum(x - 1, 0) ** 2) / 2000,
+    "stairs": lambda x: np.floor(7 * x) / 1000,
+}
+
+
+def rows_of(chance):
+    """Rows of a shape with 2 to 6 decimals, evenly spaced or not, a third of them with noise that is made to rise: plateaus."""
+    name = str(chance.choice(list(SHAPES)))
+    count, decimals = int(chance.choice([5, 11, 31, 101, 301])), int(chance.integers(2, 7))
+    x = np.linspace(0, 3, count)
+    if chance.random() < 0.3:
+        x = np.unique(np.round(np.append(chance.uniform(0, 3, count), 0), int(chance.integers(2, 9))))
+    h = SHAPES[name](x)
+    if chance.random() < 0.3:
+        h = np.maximum.accumulate(np.maximum(h + 10.0**-decimals * chance.standard_normal(len(x)), h[0]))
+    return x, np.round(h - h[0], decimals)
+
+
+def judged(x, h):
+    """What becomes of rows: "door", "split", "solved", or a fault in words."""
+    try:
+        profile = Tabulated(points=np.stack([x, h], axis=1))
+    except ValueError:
+        return "door"
+    if not np.allclose(profile.height(x), h, rtol=0, atol=1e-12 * h[-1]):
+        return "the curve misses the rows"
+    try:
+        contact = contact_on(profile)
+    except InputError as refusal:
+        named = all(words in str(refusal) for words in ("row", "near a half-width of")) and "\n" not in str(refusal)
+        return "split" if named else f"refused in other words: {refusal}"
+    loads = contact.load(np.linspace(contact.least, contact.extent, 3001)[1:])
+    load = loads[-1] * np.geomspace(1e-4, 1, 40)
+    if np.min(np.diff(loads)) < -1e-13 * loads[-1] or np.max(np.abs(contact.load(contact.half_width(load)) / load - 1)) > 1e-10:
+        return "P falls, or a(P) is not its inverse"
+    return "solved" if np.all(contact.pressure(x[:20], load[-2]) >= 0) else "no pressure"
+
+
+@contextlib.contextmanager
+def bounded(seconds):
+    """CPU time after which a loop without end is broken off."""
+
+    def stop(*_):
+        raise AssertionError("a loop without end")
+
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+@pytest.mark.parametrize(("seed", "count"), [(14, 60), pytest.param(140, 1500, marks=pytest.mark.slow)])
+def test_quantised_rows_are_solved_or_refused_with_their_row(seed, count):
+    """Zero-width intervals, curvatures of 1e12 and a loop without end before; now rows either hold together or are refused."""
+    chance = np.random.default_rng(seed)
+    with bounded(300):
+        found = [judged(*rows_of(chance)) for _ in range(count)]
+    assert set(found) <= {"door", "split", "solved"}, found
+    assert min(found.count("solved"), found.count("split")) > count / 5
+
+
+def parabola(count, decimals):
+    x = np.linspace(0, 3, count)
+    return np.stack([x, np.round(x * x / 2000, decimals)], axis=1)
+
+
+@pytest.mark.parametrize(("count", "decimals"), [(101, 5), (301, 5), (1001, 6), (1001, 5)])
+def test_a_parabola_in_steps_is_refused_with_the_step(count, decimals):
+    """A step of h is up to 200 times what the parabola bends by between two rows."""
+    said = rf"^profile\.points, row .*h is written in steps of 1e-{decimals:02d}.*more digits"
+    with bounded(300), pytest.raises(InputError, match=said):
+        contact_on(Tabulated(points=parabola(count, decimals)))
+
+
+@pytest.mark.parametrize("name", ["check", "exact"])
+def test_the_commands_end_on_quantised_rows(name, tmp_path, capsys):
+    np.savetxt(tmp_path / "rows.csv", parabola(101, 5), delimiter=",", fmt="%.5f")
+    scene = json.loads(load_scene("hertz-paper").model_dump_json(exclude={"profile", "bodies"}))
+    scene |= {"profile": {"kind": "tabulated", "file": "rows.csv"}}
+    (tmp_path / "mine.json").write_text(json.dumps(scene), encoding="utf-8")
+    with bounded(300):
+        words = () if name == "check" else ("--out", str(tmp_path / "out"))
+        assert main([name, str(tmp_path / "mine.json"), "--quiet", *words]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "profile.file = 'rows.csv', row " in said
+    assert "h is written in steps of 1e-05" in said
+
+
+# ------------------------------------------------------------------------------------------------------- refusals
+def function(**given):
+    return lambda: CallableProfile(extent=2.0, **given)
+
+
+REFUSED = {
+    "lopsided": (function(height_function=lambda x: x), "not symmetric"),
+    "a step of the slope": (function(height_function=lambda x: np.maximum(np.abs(x) - 0.1, 0)), "no derivative"),
+    "a hollow": (function(height_function=lambda x: -x * x), "falls"),
+    "falls later": (function(height_function=lambda x: x * x * (1 - x * x / 3)), r"falls at x = 1\.2"),
+    "stairs": (function(height_function=lambda x: np.floor(100 * x * x)), "too rough|no derivative"),
+    "flat": (function(height_function=lambda x: 0 * x), "flat from end to end"),
+    "both": (function(height_function=lambda x: x * x, slope_function=lambda x: 2 * x), "not both"),
+    "neither": (function(), "either height_function or slope_function"),
+    "a word": (function(height_function="x*x"), "only be built in Python"),
+    **{
+        f"polynomial {rises}": (lambda rises=rises: EvenPolynomial(length=1.0, rises=rises), "must rise|must be positive")
+        for rises in ((0.5, -0.6, 1 / 6), (-0.1, 1.0), (0.5, -0.1), (0.0, 0.0))
+    },
+    "close rows": (
+        lambda: Tabulated(points=[[0, 0], [1, 1], [1 + 1e-10, 1.1], [2, 3]]),
+        r"row 3: x = 1.0000000001 is nearer to the row before than 1e-09 of itself",
+    ),
+    "many rows": (
+        lambda: Tabulated(points=[[k, k * k] for k in range(2001)]),
+        r"row 2001: the profile has 2,001 rows of x >= 0, and at most 2,000 are taken",
+    ),
+    # h' >= 0 everywhere, but not dP/da.
+    "a contact that splits": (
+        lambda: contact_on(EvenPolynomial(length=1.0, rises=(0.5, -0.49, 1 / 6))),
+        "split near a half-width of",
+    ),
+    "rows that split": (
+        lambda: contact_on(Tabulated(points=[[0, 0], [0.2, 0.2], [0.4, 0.4], [0.6, 0.4], [0.8, 0.4], [1.0, 0.41]])),
+        "split near a half-width of",
+    ),
+    "beyond the function": (
+        lambda: contact_on(CallableProfile(slope_function=lambda x: x, extent=1.0)).half_width(2.0),
+        r"extent = 1: the normal load 2 needs a wider contact",
+    ),
+    "beyond the table": (
+        lambda: contact_on(table(lambda x: x * x / 2, 1.0, 11)).half_width(2.0),
+        r"normal load 2 needs a contact wider than the table, whose last x = 1 carries 0\.785",
+    ),
+    "unknown": (lambda: contact_on(type("Wedge", (), {"kind": "cone"})()), r"profile\.kind = 'cone'"),
+    "written down": (
+        lambda: load_scene("hertz-paper").vary(profile=CallableProfile(slope_function=lambda x: x, extent=1.0)).model_dump_json(),
+        "holds a Python function",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_a_profile_is_refused_in_a_sentence(name):
+    make, why = REFUSED[name]
+    with pytest.raises(ValueError, match=why):
+        make()
+
+
+def test_unlike_bodies_have_a_modulus_and_a_coupling_constant():
+    soft, stiff = Elastic(young_modulus=1.0, poisson_ratio=0.25), Elastic(young_modulus=2.0, poisson_ratio=0.0)
+    assert composite_modulus(Materials(upper=soft, lower=stiff)) == pytest.approx(1 / (0.9375 + 0.5))
+    pairs = [coupling_constant(Materials(upper=one, lower=two)) for one, two in ((soft, stiff), (stiff, soft), (soft, soft))]
+    # Dundurs' beta with k = 2 (1 - 2 nu)(1 + nu)/E of either body, over the two 4 (1 - nu^2)/E.
+    beta = ((1 - 2 * 0.25) * 1.25 / 1.0 - 0.5) / (2 * (0.9375 + 0.5))
+    assert np.abs(pairs) == pytest.approx([abs(beta), abs(beta), 0.0])
+    assert pairs[0] == -pairs[1]
