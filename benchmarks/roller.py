@@ -27,11 +27,9 @@ import numpy as np
 from claim import commit
 
 from reports.scoring.calculix_files import FrdFile, read_frd
-from reports.third.blocks import Block
-from reports.third.calculix import calculix_deck
-from reports.third.deck import Deck, build_deck
-from reports.third.running import calculix_version, find_calculix, run_calculix
-from reports.third.settings import DeckSettings
+from reports.third.calculix import calculix_version, find_calculix, run_calculix
+from reports.third.deck import Deck, DeckSettings, build_deck
+from reports.third.dialects import deck_text
 from scenes import freeze, load_scene
 
 KEPT = Path(__file__).with_suffix(".json")

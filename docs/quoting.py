@@ -100,7 +100,7 @@ def limit_values() -> dict[str, Entry]:
         "unpacked": foreign.UNPACKED,
         ".frd and .dat": calculix_files.LARGEST,
     }
-    counts = {"rows": measured.MOST_ROWS, "contact nodes": limits.MOST_CONTACT_NODES, "nodes": limits.MOST_NODES}
+    counts = {"rows": measured.MOST_ROWS, "contact nodes": bodies.MOST_CONTACT_NODES, "nodes": bodies.MOST_NODES}
     shown = {key: in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
     return {f"limit: {key}": _entry(text, "the code") for key, text in shown.items()}
 

@@ -32,7 +32,7 @@ from scenes import (
     ellipse_segment,
 )
 from semi_analytic import friction_work
-from semi_analytic.arcs import Arc
+from semi_analytic.fields import Arc
 from semi_analytic.history import history_of
 from semi_analytic.memory import Piece, instant, pieces
 from semi_analytic.profiles import contact_of, power_law

@@ -9,10 +9,18 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from scenes import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, InputError, Materials, PowerLaw, Tabulated, Wedge
-from semi_analytic import Reason, dissipation, peak_dissipation, slip_work, solve
+from semi_analytic import Reason, dissipation, peak_dissipation, solve, steady_ellipse
 from semi_analytic.profiles import contact_of
-from semi_analytic.slip_work import LamTable, dissipation_of, slip_moment
-from semi_analytic.steady_ellipse import corner_angles, density_of, ellipses_of, phase_of, works_over_time
+from semi_analytic.steady_ellipse import (
+    LamTable,
+    corner_angles,
+    density_of,
+    dissipation_of,
+    ellipses_of,
+    phase_of,
+    slip_moment,
+    works_over_time,
+)
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
 
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
@@ -592,7 +600,7 @@ def test_bad_parameters_are_the_members_own():
 
 
 def test_work_that_has_not_converged_has_a_reason(monkeypatch):
-    monkeypatch.setattr(slip_work, "_CONVERGED", (-1.0, -1.0))
+    monkeypatch.setattr(steady_ellipse, "_SETTLED", (-1.0, -1.0))
     batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
     assert batch.reason.tolist() == [Reason.UNSETTLED]
     assert np.isnan(batch.value[0])

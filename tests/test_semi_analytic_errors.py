@@ -20,7 +20,7 @@ from scenes import (
     Wedge,
     load_scene,
 )
-from semi_analytic import FIELDS, arcs, solve
+from semi_analytic import FIELDS, fields, solve
 from semi_analytic.friction_work import work_error
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Records

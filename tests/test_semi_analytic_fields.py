@@ -21,8 +21,7 @@ from scenes import (
 )
 from scenes.loads import HarmonicLoad
 from semi_analytic import FIELDS, solve
-from semi_analytic.arcs import Arc
-from semi_analytic.fields import Integrals
+from semi_analytic.fields import Arc, Integrals
 from semi_analytic.friction_work import (
     global_dissipation,
     slip_times,
