@@ -71,7 +71,8 @@ def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> 
         factor = next((one for one in (1.0, *FACTORS) if LEAST <= own / expected * one <= MOST), 1.0)
         if getattr(mapping.factors, key) is not None or not known or not own or factor == 1.0:
             continue
-        result = replace(result, **{name: freeze(values * factor) for name, values in known.items()})
+        scaled: dict[str, Any] = {name: freeze(values * factor) for name, values in known.items()}
+        result = replace(result, **scaled)
         theirs = f"at least the mean one, {expected:.4g}," if key == "stress" else f"{expected:.4g}"
         said.append(
             f"{what} multiplied by {factor:g}, for {quantity} {own:.4g} and theory has {theirs} "

@@ -192,7 +192,7 @@ def judged(path: Path, deck: Deck, code: str) -> Report:
     mapping = Mapping(code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size)
     result = read(path, mapping, deck.scene)
     series = {name: getattr(result, name) for name in ("pressure", "shear", "slip", "normal_load", "tangential_load")}
-    led = {name: freeze(np.concatenate([np.zeros_like(v[:1]), v])) for name, v in series.items() if v is not None}
+    led: dict[str, Any] = {name: freeze(np.concatenate([np.zeros_like(v[:1]), v])) for name, v in series.items() if v is not None}
     source = f"{path.name}, the deck of scene {deck.scene.name}"
     whole = whole_path(deck.scene)
     return score_solution(*contact_solution(replace(result, **led, time=freeze(deck.time), source=source), mapping, whole), whole)
