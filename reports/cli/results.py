@@ -230,8 +230,7 @@ def advise(scene: SceneName, *, options: AdviseOptions = _ADVISE) -> int:
 def _advice_content(advice: Advice) -> dict[str, Any]:
     """Every departure (`errors` null where the maps know nothing), the sum of what is known, and the answer."""
     from reports.comparison.metrics import Verdict
-    from reports.maps.advice import sentence, total
-    from reports.maps.advising import FIGURES
+    from reports.maps.advice import FIGURES, sentence, total
 
     def pair(error: float, uncertainty: float) -> dict[str, float]:
         return {"error": error, "uncertainty": uncertainty}
@@ -259,8 +258,7 @@ def _advice_content(advice: Advice) -> dict[str, Any]:
 
 
 def _show_advice(advice: Advice, source: str) -> None:
-    from reports.maps.advice import cell, cells, total
-    from reports.maps.advising import FIGURES
+    from reports.maps.advice import FIGURES, cell, cells, total
     from reports.maps.atlas import WORDS
     from reports.units import units
 

@@ -201,8 +201,8 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
     """
     from reports.maps.atlas import MAPS, PUBLISHED, STUDIES, map_named
-    from reports.maps.publication import present, write
-    from reports.maps.readings import as_csv
+    from reports.maps.laws import as_csv
+    from reports.maps.pages import present, write
     from reports.staging import replace_text
     from reports.sweep import read_index
     from scenes import InputError

@@ -1,8 +1,6 @@
 """Maps of the idealisation error: studies of finite elements against half-plane theory, their laws, corrections and pages.
 
-from reports.maps import fit_law
-
-The studies are in `studies/`, the published tables and pages in reports/published/maps; docs/maps.md tells what is there.
+The studies are in `studies/`, the published tables and pages in reports/published/maps; docs/maps.md describes them.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
-"""Half-plane theory's figures corrected for two equal finite blocks and for a flat pad: cheap, with a stated range.
+"""Half-plane theory's values corrected for two equal finite blocks and for a flat pad: cheap, with a stated range.
 
-What the blocks add to the curvature under load is known (smooth walls and rollers: sums over images) or fitted (free sides, fixed
-base: constants in published/maps/laws.json, from the map `block`); what that does to a cycle follows for every loop by
-`reports.maps.quadratic`. Nothing here was fitted to any loop but the paper's. Of a pad W moves by k a/R, k from
-`reports.maps.contour`: nothing is fitted there. The half-plane engine stays as it is.
+Of blocks the added curvature is known (smooth walls, rollers) or fitted (free sides, fixed base: published/maps/laws.json). Of a
+pad W moves by k a/R; nothing is fitted. What that does to a cycle follows from `theory`.
 """
 
 from __future__ import annotations
@@ -12,24 +10,20 @@ import json
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
-from reports.comparison.metrics import compliance
-from reports.maps.contour import work_constant
-from reports.maps.layers import curvature_sum
-from reports.maps.quadratic import Curvatures, dissipation_error
+from reports.maps.atlas import PUBLISHED
+from reports.maps.theory import Curvatures, curvature_sum, dissipation_error, work_constant
 from scenes import Block, FlatRounded, HalfPlane, Hertz, InputError, Pad, Scene
 from scenes.frozen import validated
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
-LAWS = Path(__file__).parents[1] / "published" / "maps" / "laws.json"
-# Where the held-out points of the map were tried: see docs/maps.md for what is left there.
-LEAST_HEIGHT = 3.6  # half-widths at the largest load
-LEAST_ASPECT, POISSON = 1.0, (0.25, 0.35)
+# Where the held-out points of the maps were tried: see docs/maps.md for what is left there.
+LEAST_HEIGHT, LEAST_ASPECT, POISSON = 3.6, 1.0, (0.25, 0.35)  # height in half-widths at the largest load
 MOST_CURVATURE, FLATS = 0.1, (0.2, 0.9)  # a/R and b/a of a pad
 _PER_LEG = 80
 _STILL = 1e-9
@@ -37,7 +31,7 @@ _STILL = 1e-9
 
 @dataclass(frozen=True)
 class Correction:
-    """What two equal blocks do to half-plane theory, each as its figure over theory's, less 1.
+    """What two equal blocks do to half-plane theory, each as its value over theory's, less 1.
 
     Attributes
     ----------
@@ -65,33 +59,23 @@ def added_curvatures(base: str, aspect: float, slenderness: float, poisson_ratio
     if base == "rollers":
         sums = [curvature_sum("rollers", tangential=way, poisson_ratio=poisson_ratio, aspect=aspect) for way in (False, True)]
         return Curvatures(*(-value / 2 * slenderness**2 for value in sums))
-    normal, tangential = _fitted(aspect)
-    return Curvatures(normal * slenderness**2, tangential * slenderness**2)
-
-
-def _fitted(aspect: float) -> tuple[float, float]:
-    """N and T of a block with free sides on a fixed base: fitted at some aspects, the layer's at infinity, by PCHIP between."""
-    from scipy.interpolate import PchipInterpolator
-
-    nodes = _constants()
-    inverse = np.array([0.0, *sorted(1 / a for a, _, _ in nodes)])
-    limits = [-curvature_sum("fixed", tangential=way) / 2 for way in (False, True)]
-    found = []
-    for column, limit in zip((1, 2), limits, strict=True):
-        values = [limit, *(node[column] for node in sorted(nodes, key=lambda node: 1 / node[0]))]
-        found.append(float(np.exp(PchipInterpolator(inverse, np.log(values))(1 / aspect))))
-    return found[0], found[1]
+    return Curvatures(*(float(np.exp(log(1 / aspect))) * slenderness**2 for log in _fitted()))
 
 
 @lru_cache(maxsize=1)
-def _constants() -> tuple[tuple[float, float, float], ...]:
-    """(aspect, N, T) of the published fit."""
-    rows = json.loads(LAWS.read_text(encoding="utf-8"))["curvatures"]
-    return tuple((row["aspect"], row["normal"], row["tangential"]) for row in rows)
+def _fitted() -> tuple[PchipInterpolator, PchipInterpolator]:
+    """ln N and ln T over height/width, free sides on a fixed base: fitted at some, the layer's at 0."""
+    rows = sorted(json.loads((PUBLISHED / "laws.json").read_text(encoding="utf-8"))["curvatures"], key=lambda row: -row["aspect"])
+    at = [0.0, *(1 / row["aspect"] for row in rows)]
+    normal, tangential = (
+        PchipInterpolator(at, np.log([-curvature_sum("fixed", tangential=name == "tangential") / 2, *(row[name] for row in rows)]))
+        for name in ("normal", "tangential")
+    )
+    return normal, tangential
 
 
 def correction(scene: Scene) -> Correction:
-    """What two equal blocks do to the half-plane figures of a scene.
+    """What two equal blocks do to the half-plane values of a scene.
 
     Raises
     ------
@@ -100,16 +84,33 @@ def correction(scene: Scene) -> Correction:
         a path without a cycle, sides or Poisson's ratio other than in the maps, blocks too low or narrower than high.
     """
     scene = validated(scene, Scene)
-    block = _block(scene)
+    block, ratio = scene.bodies.lower, scene.material.lower.poisson_ratio
+    if not isinstance(block, Block) or block != scene.bodies.upper:
+        raise _refusal(scene, "bodies: the correction is for two equal blocks; take `halfplane run` for these")
+    if scene.material.lower != scene.material.upper:
+        raise _refusal(scene, "material: the correction is for two blocks of one material; take `halfplane run`")
+    if not isinstance(scene.profile, Hertz):
+        raise _refusal(scene, f"profile.kind = {scene.profile.kind!r}: the correction is for 'hertz'; take `halfplane run`")
+    if (block.base, block.sides) not in (("fixed", "free"), ("rollers", "guided")):
+        kind = f"base = {block.base!r} with sides = {block.sides!r}"
+        raise _refusal(scene, f"bodies: {kind} is in no map; the correction is for fixed and free, or rollers and guided")
     normal, tangential, cycle = _sampled(scene)
     largest = float(normal.max())
-    half_width = _hertz(scene, largest)
-    height, aspect = block.height / half_width, block.width / block.height
-    _check_range(block, height, aspect, scene)
-    added = added_curvatures(block.base, aspect, 1 / height, scene.material.lower.poisson_ratio)
+    height = block.height / float(contact_of(scene.profile, scene.material).half_width(largest))
+    aspect = block.width / block.height
+    if height < LEAST_HEIGHT:
+        raise _refusal(
+            scene, f"bodies: height = {height:.3g} half-widths is refused: the correction holds from {LEAST_HEIGHT:g} on"
+        )
+    if aspect < LEAST_ASPECT:
+        raise _refusal(scene, f"bodies: width/height = {aspect:.3g} is refused: the correction holds from {LEAST_ASPECT:g} on")
+    if block.base == "fixed" and not POISSON[0] <= ratio <= POISSON[1]:
+        words = f"material.poisson_ratio = {ratio:g} is refused: the correction was fitted at 0.3 and holds in {POISSON}"
+        raise _refusal(scene, words)
+    added = added_curvatures(block.base, aspect, 1 / height, ratio)
     error = dissipation_error(normal / largest, tangential / largest, scene.friction.coefficient, added, cycle)
     if math.isnan(error):
-        raise InputError(f"{scene.name or 'scene'}: load: half-plane theory dissipates nothing here, so nothing is relative to it")
+        raise _refusal(scene, "load: half-plane theory dissipates nothing here, so nothing is relative to it")
     return Correction(error, added.pressure_error(), added.half_width_error(), added, height, aspect)
 
 
@@ -129,23 +130,20 @@ def pad_correction(scene: Scene) -> float:
         simply to and fro, and a/R or b/a that no finite elements were tried at.
     """
     scene = validated(scene, Scene)
-    where, profile = scene.name or "scene", scene.profile
-    pads = [body for body in (scene.bodies.lower, scene.bodies.upper) if isinstance(body, Pad)]
-    planes = [body for body in (scene.bodies.lower, scene.bodies.upper) if isinstance(body, HalfPlane)]
-    if not isinstance(profile, FlatRounded) or len(pads) != 1 or len(planes) != 1:
-        raise InputError(f"{where}: bodies: the correction is for a pad with a flat face on a half-plane; take `halfplane run`")
+    profile, bodies = scene.profile, (scene.bodies.lower, scene.bodies.upper)
+    pads = [body for body in bodies if isinstance(body, Pad)]
+    if not isinstance(profile, FlatRounded) or len(pads) != 1 or not any(isinstance(body, HalfPlane) for body in bodies):
+        raise _refusal(scene, "bodies: the correction is for a pad with a flat face on a half-plane; take `halfplane run`")
     if scene.material.lower != scene.material.upper:
-        raise InputError(f"{where}: material: the correction is for a pad and a half-plane of one material; take `halfplane run`")
+        raise _refusal(scene, "material: the correction is for a pad and a half-plane of one material; take `halfplane run`")
     if too_small := smaller_than_the_maps(profile, pads[0]):
-        raise InputError(f"{where}: bodies: the pad is too small: {too_small}")
+        raise _refusal(scene, f"bodies: the pad is too small: {too_small}")
     cycle = to_and_fro(scene)
     half_width = float(contact_of(profile, scene.material).half_width(cycle.load))
     curvature, flat = half_width / profile.radius, profile.flat_half_length / half_width
     if curvature > MOST_CURVATURE * (1 + 1e-9) or not FLATS[0] * (1 - 1e-9) <= flat <= FLATS[1] * (1 + 1e-9):
-        raise InputError(
-            f"{where}: profile: a/R = {curvature:.3g} with b/a = {flat:.3g} is refused: the correction holds up to "
-            f"{MOST_CURVATURE:g} and for b/a of {FLATS[0]:g} to {FLATS[1]:g}"
-        )
+        held = f"the correction holds up to {MOST_CURVATURE:g} and for b/a of {FLATS[0]:g} to {FLATS[1]:g}"
+        raise _refusal(scene, f"profile: a/R = {curvature:.3g} with b/a = {flat:.3g} is refused: {held}")
     return work_constant(flat, cycle.ratio) * curvature
 
 
@@ -167,26 +165,17 @@ class ToAndFro:
 
 
 def to_and_fro(scene: Scene) -> ToAndFro:
-    """The cycle of a scene, where it is of that kind.
-
-    Raises
-    ------
-    InputError
-        For any other.
-    """
-    where = scene.name or "scene"
+    """The cycle of a scene; InputError where it is not of that kind."""
     *loads, cycle = _sampled(scene)
     normal, tangential = (load[-cycle - 1 :] for load in loads)
     moves = np.sign(np.diff(tangential)[np.abs(np.diff(tangential)) > _STILL * np.abs(tangential).max()])
-    turns = int(np.sum(moves != np.roll(moves, 1)))
-    if np.ptp(normal) > _STILL * normal.max() or turns != 2:
-        raise InputError(
-            f"{where}: load: a pad's correction is for constant P and a Q that turns twice in a cycle; take `halfplane run`"
-        )
+    if np.ptp(normal) > _STILL * normal.max() or np.sum(moves != np.roll(moves, 1)) != 2:
+        words = "a pad's correction is for constant P and a Q that turns twice in a cycle; take `halfplane run`"
+        raise _refusal(scene, f"load: {words}")
     load = float(normal[0])
     ratio = float(np.ptp(tangential)) / (2 * scene.friction.coefficient * load)
     if ratio >= 1:
-        raise InputError(f"{where}: load: half of Q's range is {ratio:.3g} f P: the contact slides, which no correction is for")
+        raise _refusal(scene, f"load: half of Q's range is {ratio:.3g} f P: the contact slides, which no correction is for")
     return ToAndFro(load, ratio, float(np.abs(tangential).max()) / load)
 
 
@@ -194,51 +183,15 @@ def _sampled(scene: Scene) -> tuple[Array, Array, int]:
     """P and Q over the initial loading and two cycles, (n,) each, and how many of these instants are of the second cycle."""
     path = scene.load.path()
     if path.period is None:
-        raise InputError(f"{scene.name or 'scene'}: load: the path has no cycle, and the correction is that of a cycle")
-    times = _times(path.start, path.cycle_start, path.period)
-    normal, tangential = np.array([[float(part) for part in path.at(t)] for t in times]).T
-    return normal, tangential, int(np.sum(times > path.cycle_start + path.period * (1 + 1e-9)))
+        raise _refusal(scene, "load: the path has no cycle, and the correction is that of a cycle")
+    # The corners of polygons are among the instants, for their legs last one unit.
+    whole = abs(path.period - round(path.period)) < 1e-9
+    legs = max(1, round(path.period)) if whole else 4
+    way = np.linspace(path.start, path.cycle_start, _PER_LEG * max(1, round(path.cycle_start - path.start)) + 1)[1:]
+    cycles = path.cycle_start + np.linspace(0, 2 * path.period, 2 * legs * _PER_LEG + 1)[1:]
+    normal, tangential = (np.asarray(part, dtype=float) for part in path.at(np.concatenate([way, cycles])))
+    return normal, tangential, int(np.sum(cycles > path.cycle_start + path.period * (1 + 1e-9)))
 
 
-def _times(start: float, cycle_start: float, period: float) -> Array:
-    """Initial loading and two cycles; the corners of polygons are among them, for legs last one unit."""
-    legs = max(1, round(period)) if abs(period - round(period)) < 1e-9 else 4
-    way = np.linspace(start, cycle_start, _PER_LEG * max(1, round(cycle_start - start)) + 1)[1:]
-    return np.concatenate([way, cycle_start + np.linspace(0, 2 * period, 2 * legs * _PER_LEG + 1)[1:]])
-
-
-def _hertz(scene: Scene, load: float) -> float:
-    # notation: a^2 = 4 P R/(pi E*) = 2 A P R/pi
-    assert isinstance(scene.profile, Hertz)
-    return math.sqrt(2 * load * scene.profile.radius * compliance(scene.material) / math.pi)
-
-
-def _block(scene: Scene) -> Block:
-    """The one shape of both bodies."""
-    lower, upper, where = scene.bodies.lower, scene.bodies.upper, scene.name or "scene"
-    if not isinstance(lower, Block) or lower != upper:
-        raise InputError(f"{where}: bodies: the correction is for two equal blocks; take `halfplane run` for these")
-    if scene.material.lower != scene.material.upper:
-        raise InputError(f"{where}: material: the correction is for two blocks of one material; take `halfplane run`")
-    if not isinstance(scene.profile, Hertz):
-        raise InputError(f"{where}: profile.kind = {scene.profile.kind!r}: the correction is for 'hertz'; take `halfplane run`")
-    if (lower.base, lower.sides) not in (("fixed", "free"), ("rollers", "guided")):
-        raise InputError(
-            f"{where}: bodies: base = {lower.base!r} with sides = {lower.sides!r} is in no map; "
-            "the correction is for fixed and free, or rollers and guided"
-        )
-    return lower
-
-
-def _check_range(block: Block, height: float, aspect: float, scene: Scene) -> None:
-    where, ratio = scene.name or "scene", scene.material.lower.poisson_ratio
-    if height < LEAST_HEIGHT:
-        raise InputError(
-            f"{where}: bodies: height = {height:.3g} half-widths is refused: the correction holds from {LEAST_HEIGHT:g} on"
-        )
-    if aspect < LEAST_ASPECT:
-        raise InputError(f"{where}: bodies: width/height = {aspect:.3g} is refused: the correction holds from {LEAST_ASPECT:g} on")
-    if block.base == "fixed" and not POISSON[0] <= ratio <= POISSON[1]:
-        raise InputError(
-            f"{where}: material.poisson_ratio = {ratio:g} is refused: the correction was fitted at 0.3 and holds in {POISSON}"
-        )
+def _refusal(scene: Scene, words: str) -> InputError:
+    return InputError(f"{scene.name or 'scene'}: {words}")

@@ -1,4 +1,4 @@
-"""The asymptotic law of an error: constant and exponent from a weighted fit of logarithms, with intervals that are meant to hold.
+"""Tables of the maps and their laws: errors read, fitted over the small parameter, read off between points, and bounded.
 
     |e| = C s^n,    s -> 0
 
@@ -9,20 +9,89 @@ the largest s are left out until what is left shows no more curvature in the log
 
 from __future__ import annotations
 
+import csv
+import io
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import t as student
+
+from reports.charts.table import harmless
+from reports.maps.atlas import Chart
+from scenes import InputError
+
+if TYPE_CHECKING:
+    from reports.sweep.index import Table
 
 Array = NDArray[np.float64]
 FEWEST = 5  # points of a fit: three unknowns and two degrees of freedom
 _BEND = 2.0  # standard deviations of curvature before a range counts as not asymptotic
+_SHARE = 0.1  # of an error, its uncertainty where none was asked for
+_SURE = 0.5  # half the interval of an exponent up to which its law is extrapolated
+_LEFT_OUT = ("address", "notes", "number", "reason")
 
 
+# ----------------------------------------------------------------------------------------------------------------- tables
+def read(folder: Path, study: str) -> pd.DataFrame:
+    """The finished points of a study in `folder`, every cell as text; InputError where there are none."""
+    path = folder / f"{study}.csv"
+    try:
+        table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    except OSError as reason:
+        raise InputError(f"{path}: the table of the study can't be read: {reason.strerror}; make it by `make maps`") from reason
+    except pd.errors.EmptyDataError:
+        table = pd.DataFrame()
+    if table.empty:
+        raise InputError(f"{path}: the table has no rows; make it anew by `make maps`")
+    return table[table["status"] == "done"]
+
+
+def numbers(table: pd.DataFrame, column: str) -> Array:
+    """A column (n,), NaN where there is none."""
+    return np.asarray(pd.to_numeric(table[column]), dtype=np.float64)
+
+
+def errors(table: pd.DataFrame, name: str) -> tuple[Array, Array]:
+    """An error (n,) and its uncertainty (n,), NaN where there is none.
+
+    An error of -1 to the last digit is none either: the finite elements stick throughout, and theory's value is round-off.
+    """
+    error, doubt = numbers(table, name), f"{name}.uncertainty"
+    return np.where(error == -1.0, np.nan, error), numbers(table, doubt) if doubt in table else np.full(len(table), np.nan)
+
+
+def figures(table: pd.DataFrame) -> list[str]:
+    """Names of its errors."""
+    return [name for name in table.columns if name.startswith("error.") and not name.endswith(".uncertainty")]
+
+
+def parts(table: pd.DataFrame, columns: Sequence[str]) -> Iterator[tuple[dict[str, str], pd.DataFrame]]:
+    """The rows for each set of values of `columns`, in the order of the study."""
+    named = [name for name in columns if name]
+    for key, part in table.groupby(named, sort=False) if named else [((), table)]:
+        yield dict(zip(named, key, strict=True)), part
+
+
+def as_csv(table: Table) -> str:
+    """The index of a sweep as it is published: without addresses, seven digits."""
+
+    def cell(value: Any) -> str:
+        return "" if value is None else f"{value:.7g}" if isinstance(value, float) else harmless(str(value))
+
+    columns, text = [name for name in table.columns if name not in _LEFT_OUT], io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([cell(row[name]) for name in columns] for row in table.rows)
+    return text.getvalue()
+
+
+# ------------------------------------------------------------------------------------------------------------------- laws
 @dataclass(frozen=True)
 class Law:
     """|e| = constant s^order where s is at most `largest`.
@@ -81,21 +150,51 @@ def fit_law(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, expected: fl
     (2.0, 2.0)
     """
     x, e, u = (np.asarray(column, dtype=float) for column in (s, error, uncertainty))
-    resolved = np.isfinite(e) & np.isfinite(u) & (np.abs(e) > u) & (x > 0)
-    if not resolved.any():
+    resolved = np.flatnonzero(np.isfinite(e) & np.isfinite(u) & (np.abs(e) > u) & (x > 0))
+    resolved = resolved[np.argsort(x[resolved])]
+    if not len(resolved):
         return None
-    sign = int(np.sign(e[resolved][np.argmin(x[resolved])]))
-    order = np.argsort(x[resolved])
-    keep = sign * e[resolved][order] > 0
+    sign = int(np.sign(e[resolved[0]]))
     # From the first change of sign on, the error is no longer that of the leading term.
-    turned = len(keep) if keep.all() else int(np.argmin(keep))
-    x, e, u = (column[resolved][order][:turned] for column in (x, np.abs(e), u))
+    same = np.cumprod(sign * e[resolved] > 0).astype(bool)
+    x, e, u = (column[resolved][same] for column in (x, np.abs(e), u))
     if len(x) < FEWEST:
         return None
-    total = len(x)
-    while len(x) > FEWEST and _bent(x, e, u, step):
-        x, e, u = x[:-1], e[:-1], u[:-1]
-    return _fitted(x, e, u, (expected, step), sign, total - len(x))
+
+    def free(x: Array, e: Array, u: Array, *more: Array) -> tuple[Array, Array, float]:
+        """log C, n, d."""
+        return _solve(np.log(e), [np.ones_like(x), np.log(x), x**step, *more], e / u)
+
+    def held(x: Array, e: Array, u: Array) -> tuple[Array, Array, float]:
+        """log C, d at the expected exponent."""
+        return _solve(np.log(e) - expected * np.log(x), [np.ones_like(x), x**step], e / u)
+
+    def is_bent(x: Array, e: Array, u: Array) -> bool:
+        found, covariance, _ = free(x, e, u, np.log(x) ** 2)
+        return bool(abs(found[3]) > _BEND * math.sqrt(covariance[3, 3]))
+
+    count = next((k for k in range(len(x), FEWEST, -1) if not is_bent(x[:k], e[:k], u[:k])), FEWEST)
+    total, (x, e, u) = len(x), (column[:count] for column in (x, e, u))
+    (log, order, _), (log_doubt, order_doubt, _), misfit = _with_doubt(x, e, u, free)
+    (log_held, following), (held_doubt, _), _ = _with_doubt(x, e, u, held)
+    return Law(
+        order=float(order),
+        order_doubt=float(order_doubt),
+        constant=math.exp(log),
+        constant_doubt=math.exp(log) * math.expm1(log_doubt),
+        expected=expected,
+        fixed=math.exp(log_held),
+        fixed_doubt=math.exp(log_held) * math.expm1(held_doubt),
+        next_term=float(following),
+        step=step,
+        sign=sign,
+        smallest=float(x[0]),
+        largest=float(x[-1]),
+        points=len(x),
+        left_out=total - len(x),
+        misfit=misfit,
+        bent=is_bent(x, e, u),
+    )
 
 
 def leading_constant(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, order: float) -> tuple[float, float]:
@@ -113,68 +212,116 @@ def leading_constant(s: ArrayLike, error: ArrayLike, uncertainty: ArrayLike, ord
     def series(x: Array, e: Array, u: Array) -> tuple[Array, Array, float]:
         return _solve(e / x**order, [x**power for power in range(4)], x**order / u)
 
-    found, doubt, _ = _with_doubt(x, sign * e, u, series, 4)
+    found, doubt, _ = _with_doubt(x, sign * e, u, series)
     return sign * float(found[0]), float(doubt[0])
 
 
 def _solve(target: Array, columns: Sequence[Array], weight: Array) -> tuple[Array, Array, float]:
     """Coefficients of the columns, their covariance and the reduced chi squared."""
     design = np.stack(columns, axis=1) * weight[:, None]
-    covariance: Array = np.asarray(np.linalg.inv(design.T @ design), dtype=np.float64)
+    covariance = np.asarray(np.linalg.inv(design.T @ design), dtype=np.float64)
     found = covariance @ (design.T @ (weight * target))
     rest = weight * target - design @ found
     return found, covariance, float(rest @ rest) / max(len(target) - len(columns), 1)
 
 
-def _free(x: Array, e: Array, u: Array, step: float) -> tuple[Array, Array, float]:
-    """log C, n, d."""
-    return _solve(np.log(e), [np.ones_like(x), np.log(x), x**step], e / u)
-
-
-def _held(x: Array, e: Array, u: Array, expected: float, step: float) -> tuple[Array, Array, float]:
-    """log C, d at a given exponent."""
-    return _solve(np.log(e) - expected * np.log(x), [np.ones_like(x), x**step], e / u)
-
-
-def _bent(x: Array, e: Array, u: Array, step: float) -> bool:
-    if len(x) < FEWEST:
-        return False
-    found, covariance, _ = _solve(np.log(e), [np.ones_like(x), np.log(x), x**step, np.log(x) ** 2], e / u)
-    return bool(abs(found[3]) > _BEND * math.sqrt(covariance[3, 3]))
-
-
-def _fitted(x: Array, e: Array, u: Array, series: tuple[float, float], sign: int, left_out: int) -> Law:
-    expected, step = series
-    found, doubt, misfit = _with_doubt(x, e, u, partial(_free, step=step), 3)
-    held, held_doubt, _ = _with_doubt(x, e, u, partial(_held, expected=expected, step=step), 2)
-    return Law(
-        order=float(found[1]),
-        order_doubt=float(doubt[1]),
-        constant=math.exp(found[0]),
-        constant_doubt=math.exp(found[0]) * math.expm1(doubt[0]),
-        expected=expected,
-        fixed=math.exp(held[0]),
-        fixed_doubt=math.exp(held[0]) * math.expm1(held_doubt[0]),
-        next_term=float(held[1]),
-        step=step,
-        sign=sign,
-        smallest=float(x[0]),
-        largest=float(x[-1]),
-        points=len(x),
-        left_out=left_out,
-        misfit=misfit,
-        bent=_bent(x, e, u, step),
-    )
-
-
 def _with_doubt(
-    x: Array, e: Array, u: Array, fit: Callable[[Array, Array, Array], tuple[Array, Array, float]], unknowns: int
+    x: Array, e: Array, u: Array, fit: Callable[[Array, Array, Array], tuple[Array, Array, float]]
 ) -> tuple[Array, Array, float]:
     """Coefficients of a fit, half their 95 % intervals, and its misfit; see `fit_law`."""
     found, covariance, misfit = fit(x, e, u)
-    widen = float(student.ppf(0.975, len(x) - unknowns)) * math.sqrt(max(1.0, misfit))
+    widen = float(student.ppf(0.975, len(x) - len(found))) * math.sqrt(max(1.0, misfit))
     # Weights e/u stay those of the errors as measured; a shift through 0 leaves a twentieth.
     moved = [np.maximum(e + way * u, 0.05 * e) for way in (-1.0, 1.0)]
     shared = np.max([np.abs(fit(x, there, u * there / e)[0] - found) for there in moved], axis=0)
-    doubt: Array = np.asarray(np.hypot(widen * np.sqrt(np.diag(covariance)), shared), dtype=np.float64)
-    return found, doubt, misfit
+    return found, np.hypot(widen * np.sqrt(np.diag(covariance)), shared), misfit
+
+
+# ---------------------------------------------------------------------------------------------------------- lines of a chart
+@dataclass(frozen=True)
+class Line:
+    """The points of a chart along its small parameter, other axes fixed at `at`, their law, and the exponent of its first term."""
+
+    figure: str
+    at: Mapping[str, str]
+    s: Array
+    error: Array
+    uncertainty: Array
+    law: Law | None
+    order: float = 2.0
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Points that have an error and an uncertainty."""
+        return np.isfinite(self.error) & np.isfinite(self.uncertainty)
+
+
+def lines(chart: Chart, table: pd.DataFrame) -> Iterator[Line]:
+    """Every line of every error."""
+    for figure in figures(table):
+        order = chart.order(figure)
+        for at, part in parts(table, (chart.panels, chart.up)):
+            across, (error, doubt), law = numbers(part, chart.across), errors(part, figure), None
+            s = 1 / across if chart.inverse else np.abs(across)
+            if order is not None:
+                law = fit_law(s, error, doubt if np.isfinite(doubt).any() else _SHARE * np.abs(error), order, chart.step)
+            yield Line(figure, at, s, error, doubt, law, order or 2.0)
+
+
+def along(line: Line, s: float) -> tuple[float, float]:
+    """Error and uncertainty at s: error/s^n, n the line's order, is interpolated over log s and kept beyond the ends.
+
+    Below the smallest point the law goes on; of its uncertainty nothing is gained.
+    """
+    order = np.argsort(line.s[line.known])
+    at, *columns = (column[line.known][order] for column in (line.s, line.error, line.uncertainty))
+    error, doubt = (float(np.interp(np.log(s), np.log(at), column / at**line.order)) for column in columns)
+    return error * s**line.order, doubt * max(s, float(at[0])) ** line.order
+
+
+@dataclass(frozen=True)
+class Bound:
+    """The largest s up to which |error| + uncertainty stays below a level.
+
+    Attributes
+    ----------
+    s : None where no point stays below it and there is no law to extrapolate
+    how : "points" between two of them; "all" where every point stays below (s is the largest tried); "law" by extrapolation
+    """
+
+    s: float | None
+    how: str
+
+
+def bound(line: Line, level: float) -> Bound:
+    """Read a line from small s upwards; straight in logarithms between the last point below the level and the first above.
+
+    Points at which theory's error changes its sign may fall below a level in between: the first that exceeds it counts.
+    """
+    size = np.abs(line.error) + np.nan_to_num(line.uncertainty)
+    order = [k for k in np.argsort(line.s) if np.isfinite(size[k])]
+    s, size = line.s[order], size[order]
+    above = np.flatnonzero(size > level)
+    if not len(above):
+        return Bound(float(s[-1]), "all") if len(s) else Bound(None, "none")
+    if (first := int(above[0])) == 0:
+        law = line.law
+        if law is None or not law.agrees() or law.order_doubt > _SURE:
+            return Bound(None, "none")
+        return Bound((level / (law.fixed + law.fixed_doubt)) ** (1 / law.expected), "law")
+    share = np.log(level / size[first - 1]) / np.log(size[first] / size[first - 1])
+    return Bound(float(s[first - 1] * (s[first] / s[first - 1]) ** share), "points")
+
+
+def bound_in_words(found: Bound, inverse: bool) -> str:
+    """For a table: in units of the map's axis, rounded to the safe side; * where extrapolated.
+
+    >>> [bound_in_words(Bound(0.1234, "points"), inverse) for inverse in (True, False)], bound_in_words(Bound(0.5, "all"), True)
+    (['8.2', '0.123'], '2 (all tried)')
+    """
+    if found.s is None:
+        return "none tried"
+    value = 1 / found.s if inverse else found.s
+    scale = 10.0 ** (2 - int(np.floor(np.log10(value)))) if value < 1 else 10.0
+    rounded = (np.ceil(value * scale - 1e-9) if inverse else np.floor(value * scale + 1e-9)) / scale
+    return f"{rounded:g}" + {"points": "", "all": " (all tried)", "law": "*"}[found.how]

@@ -1,136 +1,447 @@
-"""The page of a map: markdown with its answer, figures, the designer's table, laws, what is left after correction, and its cost."""
+"""Laws, drawings and pages of the maps from the tables of their studies; the words are in maps.toml."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import json
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from reports.maps import answers
-from reports.maps.atlas import MAPS, WORDS, Chart, Map, place
-from reports.maps.fitting import Line, lines
-from reports.maps.limits import bound, words
+from reports.comparison.metrics import compliance
+from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
+from reports.maps.atlas import MAPS, PAGE_WORDS, WORDS, Chart, Map, place
+from reports.maps.corrections import added_curvatures, correction
+from reports.maps.laws import (
+    Line,
+    along,
+    bound,
+    bound_in_words,
+    errors,
+    figures,
+    leading_constant,
+    lines,
+    numbers,
+    read,
+)
 from reports.maps.pictures import heat, slopes
-from reports.maps.readings import Readings, read
-from reports.maps.tabling import table
+from reports.maps.theory import Curvatures, curvature_sum, dissipation_error, ellipse_path, work_constant
+from reports.staging import replace_text
+from scenes import Block, Bodies, Cylinder, Elastic, Hertz, InputError, Materials, PolygonLoad, Scene, load_scene
 
-_POWERS = {1.0: "", 2.0: "²"}
-_LEVELS = (0.01, 0.05, 0.1)
 _DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
 _TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")
+_LEVELS = (0.01, 0.05, 0.1)
+_PROBE = 0.02  # curvature at which the sensitivity of dissipation is taken
+_SMALL = 0.05  # a/h at which derived constants are taken
+_PAPER = (1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)  # the paper's loop: P1, Q0 and Q1 over P0, phase
 
 
-def figures_of(readings: Readings, wanted: Sequence[str] = _DRAWN) -> list[str]:
-    """Those of `wanted` that a table has."""
-    return [name for name in wanted if name in readings.figures]
+def write(folder: Path, there: list[Map]) -> None:
+    """Laws, drawings and pages of the maps whose tables are in `folder`; InputError where there is none."""
+    if not there:
+        raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
+    replace_text(folder / "laws.json", laws_text(folder, there))
+    for asked in there:
+        for chart in asked.charts:
+            for name, svg, _ in drawings(chart, read(folder, chart.study)):
+                replace_text(folder / name, svg)
+        replace_text(folder / f"{asked.name}.md", page(asked, folder))
+    replace_text(folder / "README.md", index(folder, there))
 
 
-def drawings(chart: Chart, readings: Readings) -> Iterator[tuple[str, str, str]]:
+def present(folder: Path) -> list[Map]:
+    """The maps with what has its table in `folder`; those without any chart are left out."""
+
+    def there(study: str) -> bool:
+        return (folder / f"{study}.csv").exists()
+
+    found = [
+        replace(one, charts=tuple(c for c in one.charts if there(c.study)), held_out=tuple(s for s in one.held_out if there(s)))
+        for one in MAPS.values()
+    ]
+    return [one for one in found if one.charts]
+
+
+def laws_text(folder: Path, there: list[Map]) -> str:
+    """laws.json: the laws of every map, and the constants that the corrections take; six digits, which every machine gives."""
+    charts = [chart for asked in there for chart in asked.charts]
+    found = [(chart.study, line) for chart in charts for line in lines(chart, read(folder, chart.study))]
+    laws = [{"study": study, "figure": line.figure, **line.at, **asdict(line.law)} for study, line in found if line.law]
+
+    def rounded(row: Mapping[str, Any]) -> dict[str, Any]:
+        return {key: float(f"{value:.6g}") if isinstance(value, float) else value for key, value in row.items()}
+
+    return (
+        json.dumps({"laws": [rounded(law) for law in laws], "curvatures": [rounded(row) for row in _curvatures(laws)]}, indent=1)
+        + "\n"
+    )
+
+
+def _curvatures(laws: list[dict[str, Any]]) -> Iterator[dict[str, float]]:
+    """N and T of two equal blocks, sides free and base fixed, from the laws of p0 and dissipation under the paper's loop.
+
+    p0 moves by N/2 (a/h)^2; dissipation by (w_n N + w_t T) (a/h)^2, the sensitivities w from `theory`.
+    """
+    p, q, cycle = ellipse_path(*_PAPER)
+
+    def sensitivity(normal: float, tangential: float) -> float:
+        up, down = (dissipation_error(p, q, 1.0, Curvatures(way * normal, way * tangential), cycle) for way in (_PROBE, -_PROBE))
+        return (up - down) / (2 * _PROBE)
+
+    by_normal, by_tangential = sensitivity(1.0, 0.0), sensitivity(0.0, 1.0)
+    chosen = {(row["figure"], row["aspect"]): row for row in laws if row["study"] == "block" and row["base"] == "fixed"}
+    for (figure, aspect), pressure in chosen.items():
+        work = chosen.get(("error.dissipation", aspect))
+        if figure == "error.p0" and work is not None:
+            normal, doubt = 2 * pressure["sign"] * pressure["fixed"], 2 * pressure["fixed_doubt"]
+            yield {
+                "aspect": float(aspect),
+                "normal": normal,
+                "normal_doubt": doubt,
+                "tangential": (work["sign"] * work["fixed"] - by_normal * normal) / by_tangential,
+                "tangential_doubt": (abs(work["fixed_doubt"]) + abs(doubt * by_normal)) / abs(by_tangential),
+            }
+
+
+# ------------------------------------------------------------------------------------------------------------------ pages
+def drawings(chart: Chart, table: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
     """(file name, SVG, caption) of a chart."""
+    shown = [name for name in _DRAWN if name in figures(table)]
     if chart.up:
-        caption = "Error of half-plane theory over both axes; lines at 1, 5 and 10 %; hatched: not resolved, |error| ≤ uncertainty."
-        yield (
-            f"{chart.study}-map.svg",
-            heat(chart, readings, figures_of(readings, _DRAWN if chart.expected else _DRAWN[:2])).svg(),
-            caption,
-        )
+        svg = heat(chart, table, shown if chart.expected else [name for name in shown if name in _DRAWN[:2]]).svg()
+        yield f"{chart.study}-map.svg", svg, PAGE_WORDS["map"]
     if chart.expected is not None or not chart.up:
-        found = list(lines(chart, readings))
-        caption = (
-            "Error over the small parameter, bars: uncertainty, hollow: not resolved; lines: the law with its next term, over its "
-            "range; dotted: the predicted slope."
-        )
-        if chart.expected is None:
-            caption = "Discrepancy of the two engines over what is moved."
-        yield f"{chart.study}-law.svg", slopes(chart, found, figures_of(readings)).svg(), caption
+        caption = PAGE_WORDS["discrepancy" if chart.expected is None else "law"]
+        yield f"{chart.study}-law.svg", slopes(chart, list(lines(chart, table)), shown).svg(), caption
 
 
 def page(asked: Map, folder: Path) -> str:
     """Markdown of a map from the tables in `folder`."""
-    parts = [f"# {asked.title}", f"<!-- written by `halfplane map {asked.name}` -->"]
-    parts += [f"**{asked.question}** {answers.answer(asked, folder)}"]
-    if missing := sorted(set(MAPS[asked.name].studies) - set(asked.studies)):
-        parts.append(f"**Not run yet: {', '.join(missing)}.**")
+    whole = MAPS[asked.name]
+    made = [
+        f"# {asked.title}",
+        f"<!-- written by `halfplane map {asked.name}` -->",
+        f"**{asked.question}** {answer(asked, folder)}",
+    ]
+    if missing := sorted(set(whole.studies) - set(asked.studies)):
+        made.append(f"**Not run yet: {', '.join(missing)}.**")
     for chart in asked.charts:
-        readings = read(folder, chart.study)
-        found = [line for line in lines(chart, readings) if line.figure in _TABLED]
-        if len(MAPS[asked.name].charts) > 1:
-            parts.append(f"## {chart.study}")
-        for name, _, caption in drawings(chart, readings):
-            parts.append(f"![{caption}]({name})\n\n*{caption}*")
+        table = read(folder, chart.study)
+        found = [line for line in lines(chart, table) if line.figure in _TABLED]
+        made += [f"## {chart.study}"] * (len(whole.charts) > 1)
+        made += [f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in drawings(chart, table)]
         if chart.expected is not None:
-            parts += _within(chart, found) + _laws(chart, [line for line in found if line.figure in _DRAWN])
-    parts += answers.more(asked, folder)
-    parts += _cost(asked, folder)
-    return "\n\n".join(parts) + "\n"
+            made += [*_within(chart, found), *_laws(chart, [line for line in found if line.figure in _DRAWN])]
+    for section, needs_held_out in _TRIALS.get(asked.name, {}).items():
+        if asked.held_out or not needs_held_out:
+            made += section(folder)
+    costs = [(study, numbers(read(folder, study), "seconds")) for study in asked.studies]
+    rows = [[f"[{study}]({study}.csv)", str(len(s)), f"{np.nanmedian(s):.1f}", f"{np.nansum(s) / 60:.1f}"] for study, s in costs]
+    head = ["study", "points", "median seconds of a point", "minutes in all"]
+    made += ["## How it was made", PAGE_WORDS["cost"].format(name=asked.name), _table(head, rows)]
+    return "\n\n".join(made) + "\n"
+
+
+def index(folder: Path, there: list[Map]) -> str:
+    """Markdown of reports/published/maps/README.md: the designer's question answered from the tables, and what is where."""
+    _, found = parts_of(designers_scene(), folder)
+    known = [part for part in found if part.values is not None]
+    error, doubt = total(known, "error.dissipation")
+    missing = "" if len(known) == len(found) else f" (without {len(found) - len(known)} departures that no map here has)"
+    says = "no" if abs(error) + doubt > 0.05 else "not known" if missing else "yes"
+    pressure = percent(*total(known, "error.p0"))
+    question = PAGE_WORDS["question"].format(says=says, dissipation=percent(error, doubt), missing=missing, pressure=pressure)
+    head = ["departure", *(WORDS[figure] for figure in FIGURES), "where from"]
+    made = ["# Where the half-plane holds, and by how much it fails", "<!-- written by `halfplane map all` -->", question]
+    made += [_table(head, [[part.what, *cells(part), part.how] for part in found]), PAGE_WORDS["index"]]
+    for asked in there:
+        points = sum(len(read(folder, study)) for study in asked.studies)
+        made += [f"## [{asked.title}]({asked.name}.md)", f"*{asked.question}* {answer(asked, folder)} ({points} points.)"]
+    return "\n\n".join(made) + "\n"
+
+
+def designers_scene() -> Scene:
+    """A block 4 a high and 8 a wide, steel, under a titanium cylinder of radius 8 a; f = 0.5, P constant, Q between +-0.6 f P."""
+    steel, titanium = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=115e3, poisson_ratio=0.33)
+    materials = Materials(lower=steel, upper=titanium)
+    load = math.pi / (2 * 8.0 * compliance(materials))
+    changes = {
+        "material": materials,
+        "profile": Hertz(radius=8.0),
+        "bodies": Bodies(lower=Block(width=8.0, height=4.0), upper=Cylinder(radius=8.0)),
+        "load": PolygonLoad(initial_loading=((load, 0.0), (load, 0.3 * load)), cycle=((load, -0.3 * load),)),
+    }
+    return load_scene("two-cylinders").vary(**changes, name="designer")
+
+
+def answer(asked: Map, folder: Path) -> str:
+    """The first paragraph: errors at the designer's place, and from where on theory holds within 5 %."""
+    tables = {chart.study: read(folder, chart.study) for chart in asked.charts}
+    if asked.name == "loop":
+        return _worst_loops(tables["loop"])
+    if asked.name == "limits":
+        return PAGE_WORDS["limits"].format(said="; ".join(_ladder(study, table) for study, table in tables.items()))
+    return " ".join(_read_off(chart, tables[chart.study]) for chart in asked.charts)
+
+
+def _read_off(chart: Chart, table: pd.DataFrame) -> str:
+    found = [line for line in lines(chart, table) if line.figure in ("error.dissipation", "error.p0")]
+    said: dict[str, list[str]] = {WORDS[figure]: [] for figure in ("error.dissipation", "error.p0")}
+    for line in found:
+        value = reading_at(line, chart.sample["s"])
+        said[WORDS[line.figure]].append(f"{percent(*value) if value else 'outside the study'} ({place(line.at)})")
+    works = [line for line in found if line.figure == "error.dissipation"]
+    holds = ", ".join(f"{bound_in_words(bound(line, 0.05), chart.inverse)} ({place(line.at)})" for line in works)
+    off = "; ".join(f"{words} is off by {', '.join(ends)}" for words, ends in said.items())
+    return f"{chart.sample['words']} {off}. Dissipation is within 5 % if {chart.within} {holds}."
+
+
+def reading_at(line: Line, s: float) -> tuple[float, float] | None:
+    """Error and uncertainty at s between the points of a line; None outside them."""
+    inside = line.s.min() * (1 - 1e-9) <= s <= line.s.max() * (1 + 1e-9)
+    return along(line, s) if inside else None
+
+
+def _ladder(study: str, table: pd.DataFrame) -> str:
+    """How far apart the engines are along a ladder, and where least."""
+    error, name = np.abs(errors(table, "error.dissipation")[0]), table.columns[0]
+    span = f"{100 * error.max():.2g} to {100 * error.min():.2g} %"
+    return f"{study.removeprefix('limits-')}: {span}, least at {name} = {table[name].iloc[int(np.argmin(error))]}"
+
+
+def _worst_loops(table: pd.DataFrame) -> str:
+    """Where the same blocks hurt most and least."""
+    error, doubt = errors(table, "error.dissipation")
+    pressure, size = errors(table, "error.p0")[0], np.where(np.abs(error) > doubt, np.abs(error), np.nan)
+    ends = {"worst": (int(np.nanargmax(size)), 1), "least": (int(np.nanargmin(size)), 2)}
+    said = {name: f"{100 * error[k]:+.{digits}f} ± {100 * doubt[k]:.{digits}f}" for name, (k, digits) in ends.items()}
+    for name, (k, _) in ends.items():
+        row = table.iloc[k]
+        said[f"{name} loop"] = f"P1/P0 = {row['amplitude']}, phase {row['phase']}°, {row['margin']} from sliding"
+    counts = {"points": len(table), "stuck": int(np.isnan(error).sum()), "unresolved": int(np.sum(np.abs(error) <= doubt))}
+    return str(PAGE_WORDS["loop"].format(**said, **counts, p0=f"{100 * pressure.min():+.3f} to {100 * pressure.max():+.3f}"))
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A markdown table."""
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows))
+
+
+def _section(name: str, rows: Iterable[Sequence[str]], **values: float) -> list[str]:
+    """A part of a page: its title, words with their numbers, and table."""
+    words = PAGE_WORDS[name]
+    return [f"## {words['title']}", words["text"].format(**values), _table(words["head"], rows)]
 
 
 def _within(chart: Chart, found: Sequence[Line]) -> list[str]:
-    rows = []
-    for line in found:
-        cells = [words(bound(line, level), chart.inverse) for level in _LEVELS]
-        rows.append([WORDS[line.figure], place(line.at), *cells])
+    rows = [
+        [WORDS[line.figure], place(line.at), *(bound_in_words(bound(line, level), chart.inverse) for level in _LEVELS)]
+        for line in found
+    ]
     head = ["figure", "where", *(f"within {100 * level:g} % if {chart.within}" for level in _LEVELS)]
-    note = (
-        'Read off the points with |error| + uncertainty, rounded to the safe side; "all tried": the whole range of the study; '
-        "*: extrapolated by the law; "
-        '"none tried": the uncertainty alone exceeds the level, or the error does at every point.'
-    )
-    return ["## Within 1, 5 and 10 %" if not chart.study.startswith("limits") else "", table(head, rows), note]
+    return ["## Within 1, 5 and 10 %" if not chart.study.startswith("limits") else "", _table(head, rows), PAGE_WORDS["within"]]
 
 
 def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
     rows = []
     for line in found:
-        law = line.law
+        law, row = line.law, [WORDS[line.figure], place(line.at)]
         if law is None:
             few = int(np.sum(np.abs(line.error) > line.uncertainty))
-            rows.append(
-                [WORDS[line.figure], place(line.at), f"no law: {few} resolved points of one sign, five needed", "", "", "", ""]
-            )
+            rows.append([*row, f"no law: {few} resolved points of one sign, five needed", "", "", "", ""])
             continue
-        verdict = "agrees with" if law.agrees() else "**differs from**"
-        rows.append(
-            [
-                WORDS[line.figure],
-                place(line.at),
-                f"{law.order:.2f} ± {law.order_doubt:.2f}",
-                f"{verdict} {law.expected:g}",
-                f"{law.sign * law.fixed:.3g} ± {law.fixed_doubt:.2g}",
-                f"{law.smallest:.3g} to {law.largest:.3g} ({law.points})",
-                "no asymptotic range found" if law.bent else f"{law.misfit:.2g}",
-            ]
-        )
-    head = [
-        "figure",
-        "where",
-        "exponent",
-        "theory",
-        f"constant at exponent {chart.expected:g}",
-        f"range of {chart.small} (points)",
-        "χ²",
-    ]
+        row += [f"{law.order:.2f} ± {law.order_doubt:.2f}"]
+        row += [f"{'agrees with' if law.agrees() else '**differs from**'} {law.expected:g}"]
+        row += [f"{law.sign * law.fixed:.3g} ± {law.fixed_doubt:.2g}"]
+        row += [f"{law.smallest:.3g} to {law.largest:.3g} ({law.points})"]
+        rows.append([*row, "no asymptotic range found" if law.bent else f"{law.misfit:.2g}"])
+    constant, span = f"constant at exponent {chart.expected:g}", f"range of {chart.small} (points)"
+    head = ["figure", "where", "exponent", "theory", constant, span, "χ²"]
     prediction = f"Predicted exponent {chart.expected:g}: {chart.prediction}."
-    how = (
-        f"Fits of log |error| = log C + n log s + d s{_POWERS[chart.step]}, weighted; intervals 95 %, of independent errors and "
-        "of one that all points share. An interval wider than ±0.3 decides little."
-    )
-    return ["### Laws", prediction, table(head, rows), how]
+    return ["### Laws", prediction, _table(head, rows), PAGE_WORDS["fits"].format(power="²" if chart.step == 2 else "")]
 
 
-def _cost(asked: Map, folder: Path) -> list[str]:
+# --------------------------------------------------------------------------------------- theory and corrections on trial
+def left(error: float, predicted: float) -> float:
+    """Error of a corrected value: finite elements over corrected theory, less 1."""
+    return (1 + error) / (1 + predicted) - 1
+
+
+def _percent(*values: float) -> list[str]:
+    """Errors in per cent with their signs."""
+    return [f"{100 * value:+.2f}" for value in values]
+
+
+def _work(row: Mapping[str, str]) -> tuple[float, float]:
+    """Error of dissipation and its uncertainty in a row of a table."""
+    return float(row["error.dissipation"]), float(row["error.dissipation.uncertainty"])
+
+
+def _removed(pairs: Sequence[tuple[float, float]]) -> dict[str, float]:
+    """What corrections remove of errors, in per cent, from (error, what is left)."""
+    shares = [100 * (1 - abs(rest) / abs(error)) for error, rest in pairs]
+    return {"least": min(shares), "most": max(shares), "median": float(np.median(shares))}
+
+
+def _known(folder: Path) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = json.loads((folder / "laws.json").read_text(encoding="utf-8"))["laws"]
+    return rows
+
+
+def _beside(fit: float, doubt: float, known: float) -> str:
+    return "in the interval" if abs(fit - known) <= doubt else f"off by {fit - known:+.2g}"
+
+
+def derived_blocks(folder: Path) -> list[str]:
+    """Constants of (a/h)^2 from the Fourier integrals and sums of layers, beside the fits."""
+    p, q, cycle = ellipse_path(*_PAPER)
     rows = []
-    for study in asked.studies:
-        readings = read(folder, study)
-        seconds = readings.numbers("seconds")
-        rows.append(
-            [f"[{study}]({study}.csv)", str(len(readings.rows)), f"{np.nanmedian(seconds):.1f}", f"{np.nansum(seconds) / 60:.1f}"]
-        )
-    head = ["study", "points", "median seconds of a point", "minutes in all"]
-    how = (
-        f"`halfplane map {asked.name}` runs what has no result yet and writes this page; `--remake` starts afresh. Times are by "
-        "the clock of one process on a busy machine, uncertainty runs included. Uncertainty: two meshes, theory on the polygon of "
-        "the steps, and a farther far field (docs/sweeps.md)."
+    for law in _known(folder):
+        if law["study"] != "block" or law["figure"] not in ("error.p0", "error.dissipation"):
+            continue
+        base, aspect = law["base"], float(law["aspect"])
+        if base == "fixed" and aspect < 4:
+            continue
+        # notation: N and T, nu = N (a/h)^2, tau = T (a/h)^2
+        width = aspect if base == "rollers" else np.inf
+        n, t = (-curvature_sum(base, tangential=way, aspect=width) / 2 for way in (False, True))
+        known = n / 2
+        if law["figure"] == "error.dissipation":
+            known = dissipation_error(p, q, 1.0, Curvatures(n * _SMALL**2, t * _SMALL**2), cycle) / _SMALL**2
+        fit, doubt = law["sign"] * law["fixed"], law["fixed_doubt"]
+        whose = "walls and rollers, sum over images" if base == "rollers" else "layer without end, integral"
+        row = [law["figure"].removeprefix("error."), f"{base}, {aspect:g}", f"{fit:.3f} ± {doubt:.3f}", f"{known:.3f}"]
+        rows.append([*row, _beside(fit, doubt, known), whose])
+    return _section("derived_blocks", rows)
+
+
+def corrected_blocks(folder: Path) -> list[str]:
+    """What the correction leaves on held-out blocks."""
+    rows, pairs, scene = [], [], load_scene("blocks")
+    for row in read(folder, "block-held-out").to_dict("records"):
+        error, doubt = _work(row)
+        cells = [row["base"], row["aspect"], row["height"], *_percent(error), f"{100 * doubt:.2f}"]
+        try:
+            rest = left(error, correction(blocks(scene, row["base"], float(row["height"]), float(row["aspect"]))).dissipation)
+        except InputError as refused:
+            rows.append([*cells, "refused", str(refused)])
+            continue
+        pairs.append((error, rest))
+        rows.append([*cells, *_percent(rest), "resolved" if abs(rest) > doubt else "not resolved"])
+    return _section("corrected_blocks", rows, **_removed(pairs))
+
+
+def derived_pads(folder: Path) -> list[str]:
+    """The first-order constant of dissipation by the contour's law beside the fitted one."""
+    rows = []
+    for line in work_lines(folder):
+        known = work_constant(float(line.at["flat"]), RATIO)
+        fit, doubt = leading_constant(line.s, line.error, line.uncertainty, line.order)
+        rows.append([line.at["flat"], f"{fit:.3f} ± {doubt:.3f}", f"{known:.4f}", _beside(fit, doubt, known)])
+    return _section("derived_pads", rows)
+
+
+def corrected_pads(folder: Path) -> list[str]:
+    """What the correction leaves on pads, curvatures and loads that no law was made from."""
+    rows, pairs = [], []
+    for row in read(folder, "pad-held-out").to_dict("records"):
+        error, doubt = _work(row)
+        predicted = work_constant(float(row["flat"]), float(row["ratio"])) * float(row["curvature"])
+        rest = left(error, predicted)
+        pairs.append((error, rest))
+        cells = [row["flat"], row["curvature"], row["ratio"], *_percent(error), f"{100 * doubt:.2f}", *_percent(predicted, rest)]
+        rows.append([*cells, "resolved" if abs(rest) > doubt else "not resolved"])
+    return _section("corrected_pads", rows, **_removed(pairs))
+
+
+def odd_part(folder: Path) -> list[str]:
+    """What is left of one block's error beside half of what two equal blocks do: the coupling by the odd part of its kernel."""
+    rows = []
+    for row in read(folder, "one-block").to_dict("records"):
+        f, aspect, height, (error, doubt) = float(row["f"]), float(row["aspect"]), float(row["height"]), _work(row)
+        both = added_curvatures("fixed", aspect, 1 / height)
+        p, q, cycle = ellipse_path(_PAPER[0], _PAPER[1] * f, _PAPER[2] * f, _PAPER[3])
+        even = dissipation_error(p, q, f, Curvatures(both.normal / 2, both.tangential / 2), cycle)
+        cells = [row["f"], row["aspect"], f"{height:.3g}", f"{100 * error:+.2f} ± {100 * doubt:.2f}", *_percent(even)]
+        rows.append([*cells, f"{(error - even) * height**2:+.2f}"])
+    return _section("odd_part", rows)
+
+
+def blocks(scene: Scene, base: str, height: float, aspect: float) -> Scene:
+    """A scene on two equal blocks of another size."""
+    block = Block(width=height * aspect, height=height, base=base, sides="free" if base == "fixed" else "guided")
+    return scene.vary(bodies=Bodies(lower=block, upper=block))
+
+
+def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
+    """A loop of the study `loop`, on its blocks."""
+    base = load_scene("blocks")
+    p0 = base.load.mean_normal_load  # type: ignore[union-attr]
+    lean = amplitude * abs(np.cos(np.radians(phase)))
+    load = base.load.vary(
+        normal_amplitude=amplitude * p0,
+        mean_tangential_load=0.0,
+        tangential_amplitude=0.5 * p0 * float(np.sqrt(lean**2 - amplitude**2 + (1 - margin) ** 2) - lean),
+        phase_degrees=phase,
+        initial_loading="straight",
     )
-    return ["## How it was made", how, table(head, rows)]
+    return blocks(base.vary(load=load, friction=0.5), "fixed", 8.0, 2.0)
+
+
+def corrected_loops(folder: Path) -> list[str]:
+    """The correction of blocks, fitted under the paper's loop alone, under all the others."""
+    table = read(folder, "loop")
+    rows, before, after = [], [], []
+    for row, error, doubt in zip(table.to_dict("records"), *errors(table, "error.dissipation"), strict=True):
+        cells = [row["amplitude"], row["margin"], row["phase"]]
+        if np.isnan(error):
+            rows.append([*cells, "sticks throughout", "", "", ""])
+            continue
+        predicted = correction(loop_scene(float(row["amplitude"]), float(row["margin"]), float(row["phase"]))).dissipation
+        before.append(100 * abs(error))
+        after.append(100 * abs(left(error, predicted)))
+        rows.append([*cells, *_percent(error), f"{100 * doubt:.2f}", *_percent(predicted, left(error, predicted))])
+    medians = {"median before": float(np.median(before)), "median after": float(np.median(after))}
+    return _section("corrected_loops", rows, before=max(before), after=max(after), **medians)
+
+
+def growth(folder: Path) -> list[str]:
+    """The constant of beta^2, and times f^2."""
+    rows = []
+    for law in _known(folder):
+        if law["study"] == "unlike" and law["figure"] in ("error.dissipation", "error.p0"):
+            value, doubt, square = law["sign"] * law["fixed"], law["fixed_doubt"], float(law["f"]) ** 2
+            cells = [f"{value * by:.3g} ± {doubt * by:.2g}" for by in (1.0, square)]
+            rows.append([law["figure"].removeprefix("error."), law["f"], *cells])
+    return _section("growth", rows)
+
+
+def other_sign(folder: Path) -> list[str]:
+    """Other signs of beta and other alpha, beside the laws: their constant and next term interpolated over log f."""
+    laws = [law for law in _known(folder) if law["study"] == "unlike" and law["figure"] == "error.dissipation"]
+    laws.sort(key=lambda law: float(law["f"]))
+    fs, rows = np.array([float(law["f"]) for law in laws]), []
+    for row in read(folder, "unlike-held-out").to_dict("records"):
+        (error, doubt), f, square = _work(row), float(row["f"]), float(row["beta"]) ** 2
+        said = "none"
+        if len(fs) > 1 and fs[0] <= f <= fs[-1]:
+            columns = [law["sign"] * law["fixed"] for law in laws], [law["next_term"] for law in laws]
+            constant, following = (float(np.interp(np.log(f), np.log(fs), column)) for column in columns)
+            said = f"{100 * constant * square * math.exp(following * square):+.2f}"
+        rows.append([row["beta"], row["poisson"], row["f"], f"{100 * error:+.2f} ± {100 * doubt:.2f}", said])
+    return _section("other_sign", rows)
+
+
+# Map -> its tables after the laws, and whether they need the study of held-out points.
+_TRIALS: dict[str, dict[Callable[[Path], list[str]], bool]] = {
+    "block": {derived_blocks: True, corrected_blocks: True},
+    "curvature": {derived_pads: True, corrected_pads: True},
+    "one-block": {odd_part: False},
+    "loop": {corrected_loops: False},
+    "unlike": {growth: False, other_sign: True},
+}
