@@ -11,18 +11,11 @@ import numpy as np
 from claim import Row, table
 
 from reports.maps.atlas import PUBLISHED, map_named
-from reports.maps.fitting import Line, lines
-from reports.maps.readings import read
+from reports.maps.laws import lines, read
+from reports.maps.pages import straight_exponent
 
 FIGURE = "error.dissipation"
 HEIGHT = 6.0
-
-
-def straight(line: Line) -> float:
-    """The exponent of a line through all its resolved points, log e over log s, without the next term of the series."""
-    used = line.known & (np.abs(line.error) > line.uncertainty)
-    s, error, doubt = (column[used] for column in (line.s, np.abs(line.error), line.uncertainty))
-    return float(np.polyfit(np.log(s), np.log(error), 1, w=error / doubt)[0])
 
 
 def rows() -> Iterator[Row]:
@@ -30,7 +23,7 @@ def rows() -> Iterator[Row]:
     (chart,) = map_named("block").charts
     readings = read(PUBLISHED, chart.study)
     found = {", ".join(line.at.values()): line for line in lines(chart, readings) if line.figure == FIGURE}
-    orders = {name: straight(line) for name, line in found.items()}
+    orders = {name: straight_exponent(line) for name, line in found.items()}
     for words, of in (("lowest", min), ("highest", max)):
         name = of(orders, key=lambda one: orders[one])
         what = f"exponent of dissipation between two blocks without the next term, {words}"

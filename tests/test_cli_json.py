@@ -141,7 +141,7 @@ def test_a_sweep_takes_a_worker_at_least(tmp_path: Path, capsys: pytest.CaptureF
 
 def test_a_map_tells_its_page(said: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     written: list[Path] = []
-    monkeypatch.setattr("reports.maps.publication.write", lambda folder, there: written.append(folder))
+    monkeypatch.setattr("reports.maps.pages.write", lambda folder, there: written.append(folder))
     code, found = said("map", "unlike", "--pages", "--out", "maps")
     assert code == WITHIN
     assert found["studies"] == {}  # pages alone run none

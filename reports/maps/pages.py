@@ -263,7 +263,18 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
     constant, span = f"constant at exponent {chart.expected:g}", f"range of {chart.small} (points)"
     head = ["figure", "where", "exponent", "theory", constant, span, "χ²"]
     prediction = f"Predicted exponent {chart.expected:g}: {chart.prediction}."
-    return ["### Laws", prediction, _table(head, rows), PAGE_WORDS["fits"].format(power="²" if chart.step == 2 else "")]
+    straight = [straight_exponent(line) for line in found if line.figure == "error.dissipation"]
+    fits = PAGE_WORDS["fits"].format(power="²" if chart.step == 2 else "")
+    if np.isfinite(straight).all():
+        fits += PAGE_WORDS["straight"].format(low=min(straight), high=max(straight))
+    return ["### Laws", prediction, _table(head, rows), fits]
+
+
+def straight_exponent(line: Line) -> float:
+    """The exponent of a straight line through all resolved points, log e over log s, without the next term of the series."""
+    used = line.known & (np.abs(line.error) > line.uncertainty)
+    s, error, doubt = (column[used] for column in (line.s, np.abs(line.error), line.uncertainty))
+    return float(np.polyfit(np.log(s), np.log(error), 1, w=error / doubt)[0]) if len(s) > 1 else float("nan")
 
 
 # --------------------------------------------------------------------------------------- theory and corrections on trial

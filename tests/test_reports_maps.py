@@ -1,0 +1,487 @@
+"""The maps of the idealisation error: laws, theory, corrections, the published pages, and the advice read off them."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from math import asin, pi, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import quad
+
+import halfplane_fe
+import layer_truth
+import semi_analytic
+from meshes import MeshSettings
+from reports.cli import main
+from reports.cli.process import BAD_INPUT, OUTSIDE, WITHIN
+from reports.maps import Law, fit_law, pages
+from reports.maps.advice import FIGURES, RATIO, Part, between, parts_of, total, work_lines
+from reports.maps.atlas import MAPS, PUBLISHED, STUDIES
+from reports.maps.corrections import corrected_dissipation, correction, pad_correction
+from reports.maps.laws import Line, bound, errors, figures, leading_constant, lines, read
+from reports.maps.theory import (
+    Curvatures,
+    curvature_sum,
+    dissipation,
+    dissipation_error,
+    ellipse_path,
+    kernel,
+    potential,
+    response,
+    share_of,
+    work_constant,
+)
+from reports.sweep import load_study
+from scenes import Block, Elastic, EllipseLoad, FlatRounded, InputError, Materials, Pad, PolygonLoad, Scene, load_scene
+from semi_analytic.profiles import contact_of
+
+Array = NDArray[np.float64]
+THERE = {one.name: one for one in pages.present(PUBLISHED)}
+PAPER = ellipse_path(1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)
+NOTHING = Curvatures(0.0, 0.0)
+
+
+# ------------------------------------------------------------------------------------------------------------------- laws
+S = np.geomspace(0.02, 0.3, 9)
+
+
+def fitted(error: Array, uncertainty: Any, expected: float, s: Array = S) -> Law:
+    law = fit_law(s, error, uncertainty * np.ones_like(s), expected)
+    assert law is not None
+    return law
+
+
+def drawn(seed: int, shared: float = 0.0) -> Array:
+    """Errors 3 s^2 (1 - 0.8 s^2), independent errors of 5e-4 and a shared one of `shared` times 1e-3."""
+    return 3 * S**2 * (1 - 0.8 * S**2) + 1e-3 * (0.5 * np.random.default_rng(seed).standard_normal(len(S)) + shared)
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 3.0])
+def test_order_and_constant_are_recovered(order: float) -> None:
+    law = fitted(-3 * S**order, 1e-6, order)
+    assert (law.sign, law.agrees()) == (-1, True)
+    assert [law.order, law.fixed] == pytest.approx([order, 3], abs=1e-3)
+
+
+def test_intervals_hold_the_truth_and_not_a_wrong_order() -> None:
+    """Independent errors of u/2 and a shared one of up to u: the truth is in nearly every interval."""
+    laws = [fitted(drawn(seed, np.random.default_rng(1000 + seed).uniform(-0.7, 0.7)), 1e-3, 2.0) for seed in range(200)]
+    held = [sum(law.agrees() for law in laws), sum(abs(law.fixed - 3) <= law.fixed_doubt for law in laws)]
+    assert min(held) >= 190  # measured: 200 and 199
+    assert not any(fitted(drawn(1), 1e-3, wrong).agrees() for wrong in (1.0, 3.0))
+
+
+def test_which_points_take_part() -> None:
+    """Resolved ones, up to the end of the asymptotic range and to the first change of sign; five at least."""
+    assert fitted(3 * S**2, np.where(S < 0.05, 1.0, 1e-5), 2.0).smallest > 0.05
+    s = np.geomspace(0.01, 1.0, 12)
+    error = 2 * s**2 / (1 + (2 * s) ** 4) ** 0.5
+    law = fitted(error, 1e-3 * error, 2.0, s)
+    assert law.left_out > 0
+    assert law.largest < 0.7
+    assert law.order == pytest.approx(2.0, abs=max(law.order_doubt, 0.02))
+    turning = 2 * S**2 * (1 - (S / 0.2) ** 4)
+    assert fitted(turning, 1e-4 * np.abs(turning), 2.0).largest < 0.2
+    assert fit_law(S[:4], 3 * S[:4] ** 2, 1e-6 * np.ones(4), 2.0) is None
+    assert fit_law(S, 1e-4 * S**2, np.full(9, 1e-3), 2.0) is None
+
+
+def test_a_bound_counts_the_uncertainty() -> None:
+    line, doubtful = (Line("error.dissipation", {}, S, 3 * S**2, share * 3 * S**2, None) for share in (0.0, 0.5))
+    assert bound(line, 0.03).s == pytest.approx(0.1, rel=1e-6)
+    assert bound(doubtful, 0.03).s == pytest.approx(0.1 / np.sqrt(1.5), rel=1e-6)
+    assert bound(line, 1.0).how == "all"
+    assert bound(line, 1e-6).s is None
+
+
+# ----------------------------------------------------------------------------------------------------------------- theory
+@pytest.mark.parametrize("name", ["hertz-paper", "phase-45", "near-sliding"])
+def test_without_bodies_it_is_half_plane_theory(name: str) -> None:
+    """Measured 1e-4, 2e-4 and 6e-5: chords of the loop, cells of the memory."""
+    scene = load_scene(name)
+    load, material = scene.load, scene.material
+    assert isinstance(load, EllipseLoad)
+    p0 = load.mean_normal_load
+    amplitudes = (load.normal_amplitude / p0, load.mean_tangential_load / p0, load.tangential_amplitude / p0)
+    p, q, cycle = ellipse_path(*amplitudes, load.phase)
+    compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (material.lower, material.upper))
+    exact = semi_analytic.solve(scene, fields=("dissipation",)).dissipation * np.pi / (2 * compliance * p0**2)
+    assert dissipation(p, q, scene.friction.coefficient, NOTHING, cycle) == pytest.approx(exact, rel=1e-3)
+
+
+def test_normal_and_tangential_parts_and_mirrors() -> None:
+    """tau = 0, constant P: theory of the radius R/(1 + nu), and W of Hertz does not depend on R. tau moves W at first order."""
+    q = 0.5 * np.interp(np.arange(801), [0, 200, 400, 600, 800], [1, 0, -1, 0, 1])
+    p, q = np.concatenate([[0.5], np.ones(801 * 2)]), np.concatenate([[0.25], q, q])
+    plain, stiff = (dissipation(p, q, 0.9, added, 800) for added in (NOTHING, Curvatures(0.2, 0.0)))
+    assert stiff == pytest.approx(plain, rel=1e-3)
+    moved = [dissipation_error(*PAPER[:2], 1.0, Curvatures(0.0, tau), PAPER[2]) for tau in (0.02, 0.04)]
+    assert moved[0] < -0.01
+    assert moved[1] / moved[0] == pytest.approx(2.0, rel=0.05)
+    added, (p, q, cycle) = Curvatures(0.03, 0.05), PAPER
+    assert dissipation(p, -q, 1.0, added, cycle) == pytest.approx(dissipation(p, q, 1.0, added, cycle), rel=1e-12)
+    t = np.linspace(0, 4 * np.pi, 401)
+    p, q = 1 + 0.3 * np.cos(t), 0.1 * (1 + 0.3 * np.cos(t))
+    assert np.isnan(dissipation_error(p, q, 0.9, Curvatures(0.01, 0.0), 200))  # full stick
+
+
+def test_layers_agree_with_the_known_solution() -> None:
+    """p0 on a layer, half-width from Fourier integrals: N/4 for one body, for the other is rigid and its share of E* is all."""
+    height, layer = 12.0, layer_truth.Layer(1.0, 0.3, 12.0, 100.0)
+    load = layer_truth.load_on(layer, 1.0)
+    half_plane = np.sqrt(4 * load * 100.0 / (np.pi / (1 - 0.3**2)))
+    peak = float(layer_truth.pressure(layer, 1.0, np.array([0.0]))[0]) / (2 * load / (np.pi * half_plane)) - 1
+    constant = -curvature_sum("fixed") / 4
+    assert peak * height**2 == pytest.approx(constant, rel=0.02)  # measured 0.3 %
+    assert (1 / half_plane - 1) * height**2 == pytest.approx(-constant, rel=0.05)
+
+
+@pytest.mark.parametrize("tangential", [False, True])
+def test_deep_layers_are_half_planes_and_wide_blocks_are_layers(tangential: bool) -> None:
+    for base in ("fixed", "rollers"):
+        assert response(base, tangential, 0.3)(np.array([20.0])) == pytest.approx(1.0, abs=1e-12)
+    wide = curvature_sum("rollers", tangential=tangential, aspect=60.0)
+    assert wide == pytest.approx(curvature_sum("rollers", tangential=tangential), rel=2e-3)
+
+
+def element_by_element(flat: float, ratio: float, count: int) -> float:
+    """dW/W over a/R, shear constant on elements, by slip instead of energies; the stick zone is kept: its edge is stationary."""
+    body = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # two of them: E* = 1, E' = 2
+    contact = contact_of(FlatRounded(radius=1.0, flat_half_length=flat), Materials(upper=body, lower=body))
+    load = float(contact.load(1.0))
+    edge = float(contact.half_width((1 - ratio) * load))
+    grading = (1 - np.cos(np.linspace(0, np.pi, count + 1))) / 2
+    ends = np.unique(np.concatenate([a + (b - a) * grading for a, b in pairwise([0.0, flat, edge, 1.0])]))
+    ends = np.concatenate([-ends[:0:-1], ends])
+    x, width = (ends[1:] + ends[:-1]) / 2, np.diff(ends)
+    apart = x[:, None] - ends
+    log = apart * np.log(np.abs(apart)) - apart
+    plain, curved = -(2 / np.pi) * (log[:, :-1] - log[:, 1:]), (2 / np.pi**2) * kernel(x, x, flat) * width
+    limit, stick, small = contact.pressure(x, load), np.abs(x) < edge, 1e-3
+
+    def work(matrix: Array) -> float:
+        """Friction on slip of one loading, where `stick` has one shift."""
+        n, slip = int(stick.sum()), ~stick
+        system, rest = np.zeros((n + 1, n + 1)), ratio * (limit @ width) - limit[slip] @ width[slip]
+        system[:n, :n], system[:n, n], system[n, :n] = matrix[np.ix_(stick, stick)], -1.0, width[stick]
+        found = np.linalg.solve(system, np.append(-matrix[np.ix_(stick, slip)] @ limit[slip], rest))
+        shear = limit.copy()
+        shear[stick] = found[:n]
+        return float((limit * width) @ (found[n] - matrix @ shear))
+
+    less, same, more = (work(plain + size * curved) for size in (-small, 0.0, small))
+    return (more - less) / (2 * small) / same
+
+
+@pytest.mark.parametrize(
+    ("flat", "ratio", "value"), [(0.2, 0.6, -0.2085), (0.5, 0.6, -0.4603), (0.7, 0.6, -0.5593), (0.9, 0.3, -0.5653)]
+)
+def test_constant_of_a_contour_is_that_of_elements(flat: float, ratio: float, value: float) -> None:
+    """Elements reach it at order 2; what they miss at 60 a part is 0.07 % at most."""
+    found = work_constant(flat, ratio)
+    assert found == pytest.approx(value, abs=5e-5)
+    apart = [element_by_element(flat, ratio, count) / found - 1 for count in (30, 60)]
+    assert abs(apart[1]) < 2e-3
+    assert np.log2(apart[0] / apart[1]) == pytest.approx(2.0, abs=0.4)
+
+
+def test_the_rule_of_a_contour_has_converged_and_a_cylinder_has_no_first_order() -> None:
+    for flat in (0.01, 0.5, 0.99):
+        for ratio in (0.05, 0.95):
+            assert work_constant(flat, ratio) == pytest.approx(work_constant(flat, ratio, 48), rel=1e-6)  # measured 1e-7
+    assert abs(work_constant(0.0, 0.6)) < 1e-12
+    assert abs(work_constant(1e-3, 0.6)) < 5e-3  # and none comes at once
+
+
+def test_kernel_is_that_of_the_profile() -> None:
+    """Differences of K, by Cauchy quadrature of h/((t - x)(t - xi)) over a wide face: beyond it, one number more."""
+    flat, reach = 0.5, 1000.0
+
+    def height(t: float) -> float:
+        return max(abs(t) - flat, 0.0) ** 2 / 2
+
+    def transform(x: float) -> float:
+        near = quad(height, x - 0.1, x + 0.1, weight="cauchy", wvar=x)[0]
+        marks = sorted({-reach, *(place for place in (-flat, flat) if abs(place - x) > 0.1), x - 0.1, x + 0.1, reach})
+        pieces = [pair for pair in pairwise(marks) if pair != (x - 0.1, x + 0.1)]
+        return float(near + sum(quad(lambda t: height(t) / (t - x), a, b, limit=400, epsabs=1e-9)[0] for a, b in pieces))
+
+    x, xi, step = np.array([-0.8, 0.3, 0.7]), np.array([0.2, -0.65]), 1e-6
+    direct = np.array([[(transform(a) - transform(b)) / (a - b) for b in xi] for a in x])
+    found = kernel(x, xi, flat)
+    assert found - found[0, 0] == pytest.approx(direct - direct[0, 0], abs=2e-3)  # what is beyond the reach: x/reach
+    assert np.ptp(found) > 0.1
+    x = np.array([0.1, 0.5, 0.9])
+    slope = (potential(x + step, flat) - potential(x - step, flat)) / (2 * step)
+    assert np.diag(kernel(x, x, flat)) == pytest.approx(slope, rel=1e-4)
+
+
+# ------------------------------------------------------------------------------------------------------------ corrections
+def blocks(base: str, height: float, aspect: float) -> Scene:
+    """The scene `blocks` at another size."""
+    return pages.blocks(load_scene("blocks"), base, height, aspect)
+
+
+def pad(flat: float, curvature: float, ratio: float = 0.6) -> Scene:
+    """A pad of the map: a = 1 by half-plane theory, P constant, Q between +-ratio f P."""
+    load, steel = steel_load(flat, curvature), Elastic(young_modulus=210e3, poisson_ratio=0.3)
+    base, upper = load_scene("two-cylinders"), Pad(width=2 * flat + 1.4 / curvature, height=1 / curvature)
+    changes = {
+        "material": Materials(lower=steel, upper=steel),
+        "profile": FlatRounded(radius=1 / curvature, flat_half_length=flat),
+        "bodies": base.bodies.vary(upper=upper, lower=load_scene("hertz-paper").bodies.lower),
+        "friction": 0.5,
+        "load": polygon((load, 0.0), (load, 0.5 * ratio * load), cycle=((load, -0.5 * ratio * load),)),
+    }
+    return base.vary(**changes)
+
+
+def steel_load(flat: float, curvature: float) -> float:
+    """P at which a = 1 by half-plane theory."""
+    return 210e3 / 1.82 * curvature * ((pi - 2 * asin(flat)) / 4 - flat * sqrt(1 - flat**2) / 2)
+
+
+def polygon(*way: tuple[float, float], cycle: tuple[tuple[float, float], ...]) -> PolygonLoad:
+    return PolygonLoad(initial_loading=way, cycle=cycle)
+
+
+SCENE, LOAD = pad(0.5, 0.05), (steel_load(0.5, 0.05), 0.3 * steel_load(0.5, 0.05))
+MOVING = SCENE.vary(load=polygon(LOAD, cycle=((0.9 * LOAD[0], 0.0),)))
+TURNING = SCENE.vary(load=polygon(LOAD, cycle=tuple((LOAD[0], share * LOAD[1]) for share in (0.0, 0.5, -1.0))))
+REFUSED = {
+    "a half-plane": (load_scene("hertz-paper"), "two equal blocks"),
+    "other bodies": (load_scene("pad-on-block"), "two equal blocks"),
+    "low blocks": (blocks("fixed", 3.0, 2.0), "height = 2.6 half-widths"),
+    "narrow blocks": (blocks("fixed", 8.0, 0.5), "width/height = 0.5"),
+    "a large a/R": (pad(0.5, 0.2), "the correction holds up to 0.1"),
+    "a small flat": (pad(0.1, 0.05), "b/a of 0.2 to 0.9"),
+    "a small pad": (SCENE.vary(bodies={"upper": {"width": 3.0, "height": 20.0}}), "the pad is too small"),
+    "a pad on a block": (SCENE.vary(bodies={"lower": Block(width=90.0, height=45.0)}), "a pad with a flat face on a half-plane"),
+    "unlike materials": (SCENE.vary(material={"lower": {"young_modulus": 1e5}}), "of one material"),
+    "P that moves": (MOVING, "constant P"),
+    "sliding": (pad(0.5, 0.05, 1.2), "the contact slides"),
+    "more turns": (TURNING, "turns twice"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_corrections_refuse_what_they_were_not_tried_on(case: str) -> None:
+    scene, words = REFUSED[case]
+    with pytest.raises(InputError, match=words):
+        corrected_dissipation(scene, 1.0)
+
+
+def test_corrections_multiply_and_are_the_law_for_the_scene() -> None:
+    scene = blocks("rollers", 8.0, 2.0)
+    assert corrected_dissipation(scene, 2.0) == pytest.approx(2 * (1 + correction(scene).dissipation), rel=1e-12)
+    for ratio in (0.3, 0.8):
+        scene = pad(0.5, 0.05, ratio)
+        assert pad_correction(scene) == pytest.approx(0.05 * work_constant(0.5, ratio), rel=1e-6)
+        assert corrected_dissipation(scene, 2.0) == pytest.approx(2 + 2 * pad_correction(scene), rel=1e-12)
+
+
+# --------------------------------------------------------------------------------------------------------- published maps
+@pytest.mark.parametrize("name", list(MAPS))
+def test_studies_are_studies_and_pages_and_tables_are_current_and_whole(name: str) -> None:
+    for study in MAPS[name].studies:
+        assert load_study(STUDIES / f"{study}.toml").purpose
+    text = (PUBLISHED / f"{name}.md").read_text(encoding="utf-8")
+    assert text == pages.page(THERE[name], PUBLISHED)
+    for chart in THERE[name].charts:
+        for file in (f"{chart.study}-map.svg", f"{chart.study}-law.svg"):
+            assert (file in text) == (PUBLISHED / file).exists()
+    for study in THERE[name].studies:
+        table = read(PUBLISHED, study)
+        for figure in figures(table):
+            error, doubt = errors(table, figure)
+            assert np.nanmax(np.abs(error)) < 1
+            assert (doubt[np.isfinite(doubt)] >= 0).all()
+
+
+def test_first_page_and_laws_are_current_and_all_is_small() -> None:
+    there = list(THERE.values())
+    assert (PUBLISHED / "README.md").read_text(encoding="utf-8") == pages.index(PUBLISHED, there)
+    stored, made = (json.loads(text) for text in ((PUBLISHED / "laws.json").read_text(), pages.laws_text(PUBLISHED, there)))
+    for kind, given in (("laws", 1e-4), ("curvatures", 1e-4)):
+        for one, other in zip(stored[kind], made[kind], strict=True):
+            numbers = [{key: value for key, value in row.items() if isinstance(value, float)} for row in (one, other)]
+            assert numbers[0] == pytest.approx(numbers[1], rel=given)
+            assert {**one, **numbers[1]} == other
+    assert sum(path.stat().st_size for path in PUBLISHED.iterdir()) < 3e6
+
+
+@pytest.mark.parametrize("figure", ["error.p0", "error.dissipation"])
+def test_derived_constants_are_those_of_finite_elements(figure: str) -> None:
+    """Blocks between smooth walls: nothing is fitted in the sums over images. Measured: 0.2 % of p0's, 2 % of dissipation's."""
+    laws = json.loads((PUBLISHED / "laws.json").read_text(encoding="utf-8"))["laws"]
+    chosen = [law for law in laws if law["study"] == "block" and law["figure"] == figure and law["base"] == "rollers"]
+    assert len(chosen) == 3
+    for law in chosen:
+        n, t = (-curvature_sum("rollers", tangential=way, aspect=float(law["aspect"])) / 2 for way in (False, True))
+        added = Curvatures(n / 400, t / 400)
+        derived = n / 2 if figure == "error.p0" else dissipation_error(PAPER[0], PAPER[1], 1.0, added, PAPER[2]) * 400
+        assert abs(law["sign"] * law["fixed"] - derived) <= law["fixed_doubt"]
+
+
+def test_the_contours_constant_is_that_of_finite_elements() -> None:
+    for line in work_lines(PUBLISHED):
+        assert line.law is not None
+        assert line.law.agrees()
+        known = work_constant(float(line.at["flat"]), RATIO)
+        found, doubt = leading_constant(line.s, line.error, line.uncertainty, line.order)
+        assert abs(found - known) <= doubt
+        assert doubt < 0.07 * abs(known)  # measured: 6, 3 and 2 %
+
+
+def tabled(name: str, title: str) -> list[dict[str, str]]:
+    """A table of a published page, which is current by the test above."""
+    text = (PUBLISHED / f"{name}.md").read_text(encoding="utf-8").partition(f"## {title}\n")[2]
+    head, _, *rows = ([cell.strip() for cell in line.split("|")[1:-1]] for line in text.split("\n\n")[1].splitlines())
+    return [dict(zip(head, row, strict=True)) for row in rows]
+
+
+def test_corrections_on_points_that_nothing_was_fitted_to() -> None:
+    """Blocks: measured 0.46 % left of 17, 5 % of the errors in the median. Loops: at most twice the uncertainty."""
+    held_out = tabled("block", "Correction on points that nothing was fitted to")
+    rows = [row for row in held_out if row["left after correction, %"] != "refused"]
+    error, rest = (np.abs([float(row[name]) for row in rows]) for name in ("error of theory, %", "left after correction, %"))
+    assert rest.max() < 0.6
+    assert np.median(rest / error) < 0.08
+    assert (rest / error).max() < 0.15  # what advice counts with
+    rows = tabled("loop", "The correction under loops that nothing was fitted to")
+    seen = [row for row in rows if row["error of theory, %"] != "sticks throughout"]
+    assert len(seen) > 30
+    for row in seen:
+        assert abs(float(row["left after correction, %"])) < max(3 * float(row["uncertainty, %"]), 0.05) + 0.02  # 0.02: digits
+
+
+# ----------------------------------------------------------------------------------------------------------------- advice
+def advised(scene: Scene) -> tuple[list[Part], dict[str, tuple[float, float]]]:
+    """The departures of a scene, and what the first does."""
+    _, found = parts_of(scene)
+    assert found[0].values is not None
+    return list(found), dict(found[0].values)
+
+
+def test_readings_between_points_and_lines() -> None:
+    chart = MAPS["block"].charts[0]
+    pressures = [line for line in lines(chart, read(PUBLISHED, "block")) if line.figure == "error.p0"]
+    for line in pressures:
+        assert pages.reading_at(line, float(line.s[3])) == pytest.approx((line.error[3], line.uncertainty[3]), rel=1e-9)
+        assert pages.reading_at(line, 2.0) is None
+    fixed = [line for line in pressures if line.at["base"] == "fixed"]
+    error, doubt, outside = between(fixed, 0.1, {"aspect": 1.4})
+    assert not outside
+    assert 0.0036 < error < 0.0063
+    assert doubt > 0
+    assert between(fixed, 0.9, {"aspect": 9.0})[2] == ["width/height = 9 is outside 1 to 4, taken at 4", "s = 0.9 is beyond 0.333"]
+
+
+def test_advice_agrees_with_finite_elements(capsys: pytest.CaptureFixture[str]) -> None:
+    """The published run of the scene `blocks` found -2.77 % of dissipation and +0.511 % of peak pressure."""
+    _, values = advised(load_scene("blocks"))
+    for figure, truth in (("error.dissipation", -0.0277), ("error.p0", 0.00511)):
+        assert abs(values[figure][0] - truth) <= values[figure][1]
+    assert main(["advise", "blocks"]) == WITHIN
+    assert main(["advise", "blocks", "--limit", "0.02"]) == OUTSIDE
+    assert "No: dissipation" in capsys.readouterr().out
+
+
+def test_commands_on_half_planes_and_on_what_no_map_has(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["advise", "hertz-paper"]) == WITHIN
+    refused = {
+        ("advise", "cylinder-roller-frictionless"): "no map is of frictionless",
+        ("advise", "blocks", "--limit", "0"): "is a share above 0 and below 1",
+        ("map", "atlantis"): "there is none; known: block",
+        ("map", "all", "--pages", "--out", str(tmp_path)): "no map has its tables here",
+    }
+    for command, words in refused.items():
+        assert main(list(command)) == BAD_INPUT
+        assert words in " ".join(capsys.readouterr().err.split())
+
+
+def test_advice_on_pads() -> None:
+    """Far below the smallest radius of the map the first power is all, of this loop's constant; another loop is extrapolated."""
+    for curvature, within in ((1e-3, 0.01), (1e-4, 1e-3)):
+        for ratio in (0.3, 0.6):
+            found, values = advised(pad(0.5, curvature, ratio))
+            assert len(found) == 1
+            assert "first power of a/R" in found[0].how
+            assert values["error.dissipation"][0] == pytest.approx(curvature * work_constant(0.5, ratio), rel=within)
+    found, _ = advised(MOVING)
+    assert found[0].extrapolated
+    assert "which this loop is not" in found[0].how
+
+
+def without_beta(upper_stiff: bool, curvature: float) -> Scene:
+    """Moduli that differ by two, and beta = 0: G2/G1 = (1 - 2 nu2)/(1 - 2 nu1) = 1/2."""
+    stiff, soft = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=210e3 * 1.4 / 2.6, poisson_ratio=0.4)
+    materials, base = Materials(upper=stiff if upper_stiff else soft, lower=soft if upper_stiff else stiff), pad(0.5, curvature)
+    load = float(contact_of(base.profile, materials).load(1.0))
+    return base.vary(material=materials, load=polygon((load, 0.0), (load, 0.3 * load), cycle=((load, -0.3 * load),)))
+
+
+@pytest.mark.parametrize(("upper_stiff", "share"), [(True, 0.7369), (False, 1.2631)])
+def test_the_curved_bodys_modulus_alone_counts(upper_stiff: bool, share: float) -> None:
+    scene = without_beta(upper_stiff, 1e-3)
+    assert share_of(scene.material.upper, scene.material) == pytest.approx(share, abs=1e-4)
+    found, values = advised(scene)
+    assert [part.what[:9] for part in found] == ["true arcs"]
+    assert values["error.dissipation"][0] == pytest.approx(1e-3 * share * work_constant(0.5, 0.6), rel=0.01)
+
+
+def test_correction_and_advice_on_held_out_pads() -> None:
+    """Finite elements on pads and loops that no map is made of: advice holds within its uncertainty, the first power takes most."""
+    for row in read(PUBLISHED, "pad-held-out").to_dict("records"):
+        scene = pad(float(row["flat"]), float(row["curvature"]), float(row["ratio"]))
+        error, doubt = float(row["error.dissipation"]), float(row["error.dissipation.uncertainty"])
+        _, values = advised(scene)
+        for figure in FIGURES:
+            said, unsure = values[figure]
+            assert abs(said - float(row[figure])) <= unsure + float(row[f"{figure}.uncertainty"]), figure
+        assert abs(pages.left(error, pad_correction(scene))) <= 0.25 * abs(error) + doubt
+
+
+# ------------------------------------------------------------------------------------- slow: finite elements beside the maps
+def measured(scene: Scene, settings: MeshSettings) -> dict[str, float]:
+    """Errors of half-plane theory, by finite elements."""
+    fe = halfplane_fe.solve(scene, settings)
+    exact = semi_analytic.solve(scene, x=fe.x, time=fe.time, fields=("dissipation", "pressure"))
+    found = {"error.dissipation": fe.dissipation / exact.dissipation - 1, "error.p0": fe.pressure.max() / exact.pressure.max() - 1}
+    return {name: float(value) for name, value in found.items()}
+
+
+FINE = MeshSettings(element_size=0.025, edge_element_size=0.005, growth=0.1)
+# Measured: W -8.8 % (advised -8.1 +- 0.9), p0 +1.73 (+1.8 +- 0.2) of the designer's scene: block, arc and unlike materials at once,
+# in no map. Pads: W -1.472 and -2.519 (-1.473 and -2.525 +- 0.01), p0 +0.246 and +0.440 (+0.23 and +0.40 +- 0.04).
+ADVISED = {
+    "the designer's scene": (pages.designers_scene(), MeshSettings(element_size=1 / 16, edge_element_size=1 / 80, growth=0.3)),
+    "a stiff pad": (without_beta(True, 0.04), FINE),
+    "a soft pad": (without_beta(False, 0.04), FINE),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ADVISED)
+def test_advice_holds_in_a_run(case: str) -> None:
+    scene, settings = ADVISED[case]
+    _, found = parts_of(scene)
+    for figure, truth in measured(scene, settings).items():
+        error, doubt = total(found, figure)
+        assert abs(truth - error) <= doubt, figure
+
+
+@pytest.mark.slow
+def test_finite_elements_have_the_first_power_of_a_contour() -> None:
+    """Twice that of a/R = 0.02 less half of that of 0.04 has no second order: the constant."""
+    error = {curvature: measured(pad(0.5, curvature), FINE)["error.dissipation"] for curvature in (0.01, 0.02, 0.04)}
+    small, large = (error[curvature] / curvature for curvature in (0.02, 0.04))
+    assert 2 * small - large == pytest.approx(work_constant(0.5, 0.6), rel=0.02)  # measured 0.3 %
+    # At 0.01, the second order taken from these two; the mesh leaves 1.1e-4 of W, the law is 46e-4.
+    second = (large - small) / 0.02 * 0.01**2
+    assert error[0.01] == pytest.approx(0.01 * work_constant(0.5, 0.6) + second, abs=2e-4)
