@@ -18,7 +18,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution
 from reports.comparison.metrics import scales
-from reports.fields import instants_of, write_fields
+from reports.field_output.files import instants_of, write_fields
 from reports.scoring.against import score
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read

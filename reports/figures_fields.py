@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.charts.marks import Axis, Bitmap, Block, Curve, Dot, Group, Mark, Note, Rule
-from reports.charts.plate import Cell, Key, Panel, Plate
+from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate
 from reports.charts.scale import limits
 from reports.charts.style import STATE_NAMES
 from reports.comparison import Comparison
@@ -22,7 +22,6 @@ Array = NDArray[np.float64]
 X = "x / a_ref"
 # Open, stick, forward and reverse slip on a map, which has no style sheet.
 _STATES = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")
-STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items())
 _COLUMNS, _ROWS = 440, 360
 # Rows of the table of states: of a long path evenly many instants, 25 MB.
 _MOST_STATES = 500_000

@@ -1,14 +1,19 @@
-"""Fields on disk and in pictures: ParaView's collection, the record, what pyvista draws, the command and its refusals."""
+"""Fields on disk, in pictures and as a film: ParaView's collection, the record, what is drawn, GIF and MP4, the command."""
 
 import json
 import re
+import subprocess
+import sys
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 import pyvista
 from matplotlib import image
+from PIL import Image, ImageSequence
 
 import halfplane_fe
 from halfplane_fe import FiniteElementSolution
@@ -16,11 +21,23 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
 from reports.charts.style import style_of
 from reports.cli import main
-from reports.fields import NO_PEAK, Instant, instant_of, instants_of, peak, tension, write_fields
-from reports.figures_mesh import BOUNDARIES, look, stress
-from reports.rendering import Skin, Window, picture, sides, surface
+from reports.cli.field_output import FieldsOptions
+from reports.field_output import film
+from reports.field_output.files import (
+    NO_PEAK,
+    Instant,
+    instant_of,
+    instants_of,
+    peak,
+    require_series,
+    series_of,
+    snapshots_of,
+    tension,
+    write_fields,
+)
+from reports.field_output.pictures import BOUNDARIES, Skin, picture, scales_of, stress
 from scenes import InputError, Scene, load_scene, scene_text
-from test_cli_commands import refused
+from test_cli_commands import everything
 
 ROUGH = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
 QUADRILATERALS = MeshSettings(element_size=1 / 8, edge_element_size=1 / 8, far_radius=4, growth=0.5, cells="quadrilaterals")
@@ -40,6 +57,8 @@ width = 10.0
 height = 8.0
 sides = "guided"
 """
+KINDS = ["triangles", "quadrilaterals", "blocks"]
+FRAMES = 3
 
 
 def blocks() -> Scene:
@@ -52,157 +71,244 @@ def answer_of(kind: str) -> FiniteElementSolution:
     return fe_run(load_scene("cattaneo-mindlin"), COARSE if kind == "triangles" else QUADRILATERALS, FEW_STEPS)
 
 
-@pytest.mark.parametrize("kind", ["triangles", "quadrilaterals", "blocks"])
-def test_elements_of_both_bodies_go_round_counter_clockwise_and_fill_the_body(kind: str) -> None:
-    """Areas by pyvista, signed by the corners: a reflected body must not have negative ones, nor a node that is none."""
+@cache
+def views_of(kind: str) -> film.Views:
     answer = answer_of(kind)
-    (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
-    for body, mesh in zip(snapshot.bodies, answer.bodies, strict=True):
-        corners = body.points[body.cells[:, : mesh.mesh.refdom.nfacets]]
-        ahead = np.roll(corners, -1, axis=1)
-        areas = (corners[..., 0] * ahead[..., 1] - ahead[..., 0] * corners[..., 1]).sum(axis=1) / 2
-        assert areas.min() > 0
-        skin = Skin(body.points, body.cells)
-        assert surface(skin).area == pytest.approx(areas.sum(), rel=0.02)  # mid-side nodes of arcs bulge
-        assert np.isfinite(body.von_mises).all()
-        np.testing.assert_array_equal(np.unique(body.cells), np.arange(len(body.points)))
-        edges = sides(skin)
-        per_side = 2 if body.cells.shape[1] in (6, 9) else 1
-        assert edges.n_cells == per_side * mesh.mesh.facets.shape[1]
+    return film.views_of(answer, snapshots_of(answer, series_of(answer, None, FRAMES)[0]))
 
 
-def test_collection_is_read_back_with_times_parts_and_fields(tmp_path: Path) -> None:
-    """By VTK's own reader of PVD, the one in ParaView."""
-    answer = answer_of("blocks")
-    times = answer.time[[3, 7, -1]]
-    snapshots = halfplane_fe.fields(answer, times)
-    names = write_fields(answer, snapshots, tmp_path / "fields")
-    assert set(names) == {path.name for path in (tmp_path / "fields").iterdir()}
-    reader = pyvista.get_reader(str(tmp_path / "fields" / names[0]))
-    assert reader.time_values == sorted(set(times))
-    for snapshot in snapshots:
-        reader.set_active_time_value(snapshot.time)
-        found = reader.read()
-        assert [data.part for data in reader.active_datasets] == [0, 1, 2]
-        for block, body in zip(list(found)[:2], snapshot.bodies, strict=True):
-            np.testing.assert_array_equal(block.points[:, :2], body.points)
-            np.testing.assert_array_equal(block["von_mises"], body.von_mises)
-            np.testing.assert_array_equal(block["displacement"][:, :2], body.displacement)
-            xx, yy, zz, xy, yz, xz = block["stress"].T
-            np.testing.assert_array_equal(np.stack([xx, yy, xy, zz], axis=1), body.stress)
-            assert not yz.any()
-            assert not xz.any()
+@cache
+def frames() -> list[np.ndarray]:
+    return list(film.frames_of(answer_of("triangles"), views_of("triangles")))
 
 
-@pytest.mark.parametrize("kind", ["triangles", "quadrilaterals", "blocks"])
-def test_the_contact_line_carries_the_answer_where_the_lower_face_is(kind: str, tmp_path: Path) -> None:
-    """Its points are the answer's x on the lower body, its pressure adds up to P, and warped it lies on the warped body."""
-    answer = answer_of(kind)
-    step = answer.last_cycle[0]
-    (snapshot,) = halfplane_fe.fields(answer, answer.time[[step]])
-    write_fields(answer, [snapshot], tmp_path / "fields")
-    line = pyvista.read(tmp_path / "fields" / "contact_000.vtu")
-    np.testing.assert_allclose(line.points[:, 0], answer.x, rtol=0, atol=1e-12)
-    assert not line.points[:, 1:].any()
-    for name in ("pressure", "shear", "slip", "state"):
-        np.testing.assert_array_equal(line[name], getattr(answer, name)[step])
-    assert np.trapezoid(line["pressure"], line.points[:, 0]) == pytest.approx(answer.normal_load[step], rel=0.01)
-    assert line.n_cells == len(answer.x) - 1
-    assert line.length == pytest.approx(np.ptp(answer.x))
-    lower = snapshot.bodies[0]
-    nearest = np.linalg.norm(lower.points[:, None] - line.points[None, :, :2], axis=2).argmin(axis=0)
-    np.testing.assert_array_equal(line["displacement"][:, :2], lower.displacement[nearest])
+@pytest.mark.parametrize("kind", KINDS)
+class TestFiles:
+    def test_elements_of_both_bodies_go_round_counter_clockwise_and_fill_the_body(self, kind: str) -> None:
+        """Areas by pyvista, signed by the corners: a reflected body must not have negative ones, nor a node that is none."""
+        answer = answer_of(kind)
+        (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
+        for body, mesh in zip(snapshot.bodies, answer.bodies, strict=True):
+            corners = body.points[body.cells[:, : mesh.mesh.refdom.nfacets]]
+            ahead = np.roll(corners, -1, axis=1)
+            areas = (corners[..., 0] * ahead[..., 1] - ahead[..., 0] * corners[..., 1]).sum(axis=1) / 2
+            assert areas.min() > 0
+            skin = Skin(body.points, body.cells, body.von_mises)
+            assert skin.surface().area == pytest.approx(areas.sum(), rel=0.02)  # mid-side nodes of arcs bulge
+            assert np.isfinite(body.von_mises).all()
+            np.testing.assert_array_equal(np.unique(body.cells), np.arange(len(body.points)))
+            per_side = 2 if body.cells.shape[1] in (6, 9) else 1
+            assert skin.sides().n_cells == per_side * mesh.mesh.facets.shape[1]
+
+    def test_collection_is_read_back_with_times_parts_and_fields(self, kind: str, tmp_path: Path) -> None:
+        """By VTK's own reader of PVD, the one in ParaView. The contact line adds up to P, and warped lies on the warped body."""
+        answer = answer_of(kind)
+        steps = answer.last_cycle[[0, 3]]
+        snapshots = halfplane_fe.fields(answer, answer.time[steps])
+        names = write_fields(answer, snapshots, tmp_path / "fields")
+        assert set(names) == {path.name for path in (tmp_path / "fields").iterdir()}
+        reader = pyvista.get_reader(str(tmp_path / "fields" / names[0]))
+        assert reader.time_values == answer.time[steps].tolist()
+        for step, snapshot in zip(steps, snapshots, strict=True):
+            reader.set_active_time_value(snapshot.time)
+            found = reader.read()
+            assert [data.part for data in reader.active_datasets] == [0, 1, 2]
+            for block, body in zip(list(found)[:2], snapshot.bodies, strict=True):
+                np.testing.assert_array_equal(block.points[:, :2], body.points)
+                np.testing.assert_array_equal(block["von_mises"], body.von_mises)
+                np.testing.assert_array_equal(block["displacement"][:, :2], body.displacement)
+                xx, yy, zz, xy, yz, xz = block["stress"].T
+                np.testing.assert_array_equal(np.stack([xx, yy, xy, zz], axis=1), body.stress)
+                assert not yz.any()
+                assert not xz.any()
+            line = found[2]
+            np.testing.assert_allclose(line.points[:, 0], answer.x, rtol=0, atol=1e-12)
+            assert not line.points[:, 1:].any()
+            for name in ("pressure", "shear", "slip", "state"):
+                np.testing.assert_array_equal(line[name], getattr(answer, name)[step])
+            assert np.trapezoid(line["pressure"], line.points[:, 0]) == pytest.approx(answer.normal_load[step], rel=0.01)
+            assert line.n_cells == len(answer.x) - 1
+            assert line.length == pytest.approx(np.ptp(answer.x))
+            lower = snapshot.bodies[0]
+            nearest = np.linalg.norm(lower.points[:, None] - line.points[None, :, :2], axis=2).argmin(axis=0)
+            np.testing.assert_array_equal(line["displacement"][:, :2], lower.displacement[nearest])
 
 
-def test_peak_is_the_largest_of_both_bodies() -> None:
-    answer = answer_of("blocks")
-    (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
-    found = peak(snapshot)
-    assert found.value == max(body.von_mises.max() for body in snapshot.bodies) == look([snapshot]).largest
-    body = snapshot.bodies[found.body == "upper"]
-    place = np.argmin(np.linalg.norm(body.points - found.place, axis=1))
-    assert body.von_mises[place] == found.value
-    drawn = peak(snapshot, tension)
-    lower = snapshot.bodies[0].stress
-    tensors = np.array(
-        [
-            [lower[:, 0], lower[:, 2], 0 * lower[:, 0]],
-            [lower[:, 2], lower[:, 1], 0 * lower[:, 0]],
-            [0 * lower[:, 0], 0 * lower[:, 0], lower[:, 3]],
+class TestStress:
+    def test_peak_is_the_largest_of_both_bodies_and_the_figure_says_that_nodes_miss_it(self) -> None:
+        answer = answer_of("blocks")
+        (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
+        found, scales = peak(snapshot), scales_of([snapshot])
+        assert found.value == max(body.von_mises.max() for body in snapshot.bodies) == scales[0]
+        body = snapshot.bodies[found.body == "upper"]
+        assert body.von_mises[np.argmin(np.linalg.norm(body.points - found.place, axis=1))] == found.value
+        xx, yy, xy, zz = snapshot.bodies[0].stress.T
+        zero = np.zeros_like(xx)
+        tensors = np.array([[xx, xy, zero], [xy, yy, zero], [zero, zero, zz]]).transpose(2, 0, 1)
+        principal = np.linalg.eigvalsh(tensors)[:, 2]
+        np.testing.assert_allclose(tension(snapshot.bodies[0]), principal, atol=1e-12 * found.value)
+        assert peak(snapshot, tension).value == max(tension(body).max() for body in snapshot.bodies) > 0
+        drawn = stress(answer, [snapshot], [Instant(2.0, "Q largest")], scales)
+        assert NO_PEAK in drawn.caption
+        assert "largest nodal value [MPa]" in drawn.csv().splitlines()[0]
+
+    def test_nodes_miss_the_peak_at_the_trailing_edge_by_what_is_said(self) -> None:
+        """Of theory's 2 f p0 sqrt(Q/(f P)) on the default mesh, to a per cent or so, as it stands beside every largest stress."""
+        answer = fe_run(load_scene("cattaneo-mindlin"), MeshSettings(), FEW_STEPS)
+        said = re.search(r"nodes give about (\d+) % of it at Q = 0\.6 f P and about (\d+) % at 0\.1 f P", NO_PEAK)
+        assert said
+        friction, p0 = answer.scene.friction.coefficient, PROBLEMS["mindlin, Q largest"].exact["peak_pressure"]
+        for ratio, share in zip((0.6, 0.1), said.groups(), strict=True):
+            step = int(np.argmin(np.abs(answer.tangential_load / (friction * answer.normal_load.max()) - ratio)))
+            (snapshot,) = halfplane_fe.fields(answer, [answer.time[step]])
+            found = peak(snapshot, tension).value / (2 * friction * p0 * np.sqrt(ratio))
+            assert 100 * found == pytest.approx(float(share), abs=1.5)
+
+
+class TestInstants:
+    def test_they_are_times_of_the_path_or_events(self) -> None:
+        answer = answer_of("blocks")
+        chosen = instants_of(["0.5", "events"], answer, "--at")
+        assert [instant.time for instant in chosen] == sorted({instant.time for instant in chosen})
+        assert {"asked for 0.5", "Q largest", "Q least"} <= {instant.label for instant in chosen}
+        largest = next(instant for instant in chosen if instant.label == "Q largest")
+        loads = answer.tangential_load
+        assert np.interp(largest.time, answer.time, loads) == pytest.approx(loads[answer.last_cycle].max())
+        with pytest.raises(InputError, match="--at 99: the instant lies outside the path, which goes from time 0 to"):
+            instants_of(["99"], answer, "--at")
+        for word, words in (("soon", "--at soon: give times"), ("nan", "outside the path"), ("inf", "outside the path")):
+            with pytest.raises(InputError, match=words):
+                instant_of(word, "--at", 0, 1)
+
+    def test_a_series_lies_evenly_in_the_last_cycle_whose_end_is_its_start(self) -> None:
+        answer = answer_of("triangles")
+        cycle = answer.time[answer.last_cycle]
+        series, notes = series_of(answer, None, 8)
+        assert not notes
+        found = np.array([instant.time for instant in series])
+        assert set(found) <= set(cycle[:-1])
+        assert np.abs(found - np.linspace(cycle[0], cycle[-1], 9)[:-1]).max() <= np.diff(cycle).max() / 2 + 1e-12
+        for every in (1, 3):
+            assert [instant.time for instant in series_of(answer, every, None)[0]] == cycle[:-1:every].tolist()
+        series, notes = series_of(answer, None, 1000)
+        assert len({one.time for one in series}) == len(series) < len(cycle)
+        assert f"{len(series)} instants instead of 1000" in notes[0]
+
+    @pytest.mark.parametrize(
+        ("every", "frames", "sentence"), [(1, 9, "leave one"), (0, None, "--every 0"), (None, 1, "--frames 1")]
+    )
+    def test_what_makes_no_series_is_refused(self, every: int | None, frames: int | None, sentence: str) -> None:
+        with pytest.raises(InputError, match=sentence):
+            require_series(every, frames)
+
+    def test_stills_are_drawn_only_where_instants_are_named(self) -> None:
+        cases: list[tuple[dict[str, Any], tuple[str, ...]]] = [
+            ({}, ("events",)),
+            ({"frames": 5}, ()),
+            ({"at": ("2",), "frames": 5}, ("2",)),
+            ({"animate": True}, ("events",)),
         ]
-    )
-    np.testing.assert_allclose(
-        tension(snapshot.bodies[0]), np.linalg.eigvalsh(tensors.transpose(2, 0, 1))[:, 2], atol=1e-12 * found.value
-    )
-    assert drawn.value == max(tension(body).max() for body in snapshot.bodies) > 0
-
-
-def test_nodes_miss_the_peak_at_the_trailing_edge_by_what_is_said() -> None:
-    """Of theory's 2 f p0 sqrt(Q/(f P)) on the default mesh, to a per cent or so, as it stands beside every largest stress."""
-    answer = fe_run(load_scene("cattaneo-mindlin"), MeshSettings(), FEW_STEPS)
-    said = re.search(r"nodes give about (\d+) % of it at Q = 0\.6 f P and about (\d+) % at 0\.1 f P", NO_PEAK)
-    assert said
-    friction, p0 = answer.scene.friction.coefficient, PROBLEMS["mindlin, Q largest"].exact["peak_pressure"]
-    for ratio, share in zip((0.6, 0.1), said.groups(), strict=True):
-        step = int(np.argmin(np.abs(answer.tangential_load / (friction * answer.normal_load.max()) - ratio)))
-        (snapshot,) = halfplane_fe.fields(answer, [answer.time[step]])
-        found = peak(snapshot, tension).value / (2 * friction * p0 * np.sqrt(ratio))
-        assert 100 * found == pytest.approx(float(share), abs=1.5)
-
-
-def test_the_figure_of_the_page_says_that_nodes_miss_the_peak() -> None:
-    answer = answer_of("blocks")
-    snapshots = halfplane_fe.fields(answer, [2.0])
-    drawn = stress(answer, snapshots, [Instant(2.0, "Q largest")], look(snapshots))
-    assert NO_PEAK in drawn.caption
-    assert "largest nodal value [MPa]" in drawn.csv().splitlines()[0]
-
-
-def test_instants_are_times_of_the_path_or_events() -> None:
-    answer = answer_of("blocks")
-    chosen = instants_of(["0.5", "events"], answer, "--at")
-    assert [instant.time for instant in chosen] == sorted({instant.time for instant in chosen})
-    labels = {instant.label for instant in chosen}
-    assert {"asked for 0.5", "Q largest", "Q least"} <= labels
-    largest = next(instant for instant in chosen if instant.label == "Q largest")
-    last = answer.last_cycle
-    assert np.interp(largest.time, answer.time, answer.tangential_load) == pytest.approx(answer.tangential_load[last].max())
-    with pytest.raises(InputError, match="--at 99: the instant lies outside the path, which goes from time 0 to"):
-        instants_of(["99"], answer, "--at")
-    with pytest.raises(InputError, match="--at soon: give times"):
-        instant_of("soon", "--at", 0, 1)
-    for word in ("nan", "inf"):
-        with pytest.raises(InputError, match="outside the path"):
-            instant_of(word, "--at", 0, 1)
+        for known, named in cases:
+            assert FieldsOptions(**known).named == named
 
 
 class TestPictures:
     SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    CELL = np.array([[0, 1, 2, 3]])
 
     def test_what_is_drawn_lies_where_it_is(self) -> None:
         """A unit square in a window of 4 by 2: a quarter of the width, half of the height, at the lower left."""
-        skin = Skin(self.SQUARE, np.array([[0, 1, 2, 3]]), colour="#0000ff")
-        found = picture([skin], Window(-1.0, 3.0, 0.0, 2.0), 200)
+        found = picture([Skin(self.SQUARE, self.CELL, np.zeros(4))], (-1.0, 3.0, 0.0, 2.0), 200)
         assert found.shape == (100, 200, 3)
-        blue = (found[..., 0] < 50) & (found[..., 2] > 200)
-        rows, columns = np.nonzero(blue)
+        rows, columns = np.nonzero(found.min(axis=2) < 100)
         assert (rows.min(), rows.max() + 1) == pytest.approx((50, 100), abs=1)
         assert (columns.min(), columns.max() + 1) == pytest.approx((50, 100), abs=1)
 
     def test_values_take_the_colours_of_the_scale(self) -> None:
-        skin = Skin(self.SQUARE, np.array([[0, 1, 2, 3]]), values=self.SQUARE[:, 1], limits=(0.0, 1.0))
-        found = picture([skin], Window(0.0, 1.0, 0.0, 1.0), 64).astype(int)
+        found = picture([Skin(self.SQUARE, self.CELL, self.SQUARE[:, 1])], (0.0, 1.0, 0.0, 1.0), 64).astype(int)
         for row in (2, 20, 40, 61):
             wanted = 255 * np.array(mpl.colormaps["viridis"](1 - (row + 0.5) / 64)[:3])
             assert np.abs(found[row, 32] - wanted).max() < 8
 
-    def test_edges_are_seen_only_where_asked(self) -> None:
-        plain, with_edges = (
-            picture([Skin(self.SQUARE, np.array([[0, 1, 2, 3]]), "#ffffff", edges=edges)], Window(-1, 2, -1, 2), 90)
-            for edges in (0.0, 1.0)
-        )
-        assert plain.min() > 240
-        assert with_edges.min() < 150  # a line of one pixel, half on each of two
+    def test_edges_are_seen_only_where_requested(self) -> None:
+        skins = [Skin(self.SQUARE, self.CELL, np.ones(4), edges=edges) for edges in (0.0, 1.0)]
+        plain, edged = (picture([skin], (-1, 2, -1, 2), 90).astype(int) for skin in skins)
+        darker = (edged < plain - 60).any(axis=2)  # a line of one pixel, half on each of two
+        assert 100 < darker.sum() < 400
+        assert not darker[40:50, 40:50].any()
+
+
+class TestFilm:
+    @pytest.mark.parametrize("kind", ["triangles", "blocks"])
+    def test_exaggerated_faces_touch_where_they_do_and_nowhere_else(self, kind: str) -> None:
+        """Gap and displacements share one factor: the drawn gap is that factor times the true one, so 0 under pressure."""
+        answer, views = answer_of(kind), views_of(kind)
+        assert views.factor > 1
+        for step, bodies in zip(views.steps, views.bodies, strict=True):
+            lower, upper = (np.interp(answer.x, body.points[body.face, 0], views.places(body)[body.face, 1]) for body in bodies)
+            gap, carries = upper - lower, answer.pressure[step] > 1e-3 * answer.pressure[step].max()
+            shape = bodies[1].shape[bodies[1].face]
+            size = np.ptp(np.interp(answer.x, bodies[1].points[bodies[1].face, 0], shape)) * views.factor
+            assert np.abs(gap[carries]).max() < 0.02 * size
+            assert gap[[0, -1]].min() > 0.1 * size
+
+    def test_colour_scales_hold_for_every_instant(self) -> None:
+        views = views_of("triangles")
+        for k in (0, 1):
+            assert views.largest[k] == max(np.abs(body.stresses[k]).max() for pair in views.bodies for body in pair)
+
+    def test_frames_differ_only_where_something_moves(self) -> None:
+        """And what does not, the legend and the axes' words, is the same to the pixel."""
+        first = frames()[0]
+        assert all(side % 2 == 0 for side in first.shape[:2])
+        for frame in frames()[1:]:
+            assert frame.shape == first.shape
+            assert (frame != first).any(axis=2).mean() > 0.02
+            np.testing.assert_array_equal(frame[:36], first[:36])
+            np.testing.assert_array_equal(frame[-40:], first[-40:])
+
+    def test_gif_is_read_back_with_all_frames_in_their_colours_even_without_ffmpeg(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setitem(sys.modules, "imageio", None)
+        found = film.write_film(frames(), tmp_path, "cycle")
+        assert found.files == ["cycle.gif"]
+        assert "pip install halfplane[animation]" in found.notes[0]
+        assert {path.name for path in tmp_path.iterdir()} == {"cycle.gif"}
+        with Image.open(tmp_path / "cycle.gif") as picture:
+            assert (picture.n_frames, picture.size, picture.info["loop"]) == (FRAMES, found.size, 0)
+            shown = [np.asarray(each.convert("RGB")).astype(int) for each in ImageSequence.Iterator(picture)]
+        for k, (seen, frame) in enumerate(zip(shown, frames(), strict=True)):
+            assert np.abs(seen - frame).mean() < 4
+            assert (seen[:5] == 255).all()
+            assert not k or (seen != shown[k - 1]).any()
+        monkeypatch.setattr(film, "LARGEST_GIF", (tmp_path / "cycle.gif").stat().st_size // 2)
+        smaller = film.write_film(frames(), tmp_path, "cycle")
+        assert (tmp_path / "cycle.gif").stat().st_size <= film.LARGEST_GIF
+        with Image.open(tmp_path / "cycle.gif") as picture:
+            assert picture.size == smaller.size < found.size
+        now, full = (f"{width} x {height}" for width, height in (smaller.size, found.size))
+        assert f"{now} pixels instead of {full}" in smaller.notes[-1]
+
+    def test_a_gif_that_is_too_large_at_every_size_is_refused(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """At a width of two pixels three quarters of it were two again, for ever."""
+        monkeypatch.setattr(film, "LARGEST_GIF", 10)
+        monkeypatch.setitem(sys.modules, "imageio", None)
+        with pytest.raises(InputError, match=r"cycle\.gif: 2 frames take more than 8 MB at every size"):
+            film.write_film([np.full((40, 60, 3), 255, dtype=np.uint8)] * 2, tmp_path, "cycle")
+
+    def test_mp4_is_read_back(self, tmp_path: Path) -> None:
+        ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="the extra halfplane[animation] is not installed")
+        pytest.importorskip("imageio", reason="the extra halfplane[animation] is not installed")
+        assert film.write_film(frames(), tmp_path, "cycle").files == ["cycle.gif", "cycle.mp4"]
+        command = [ffmpeg.get_ffmpeg_exe(), "-i", str(tmp_path / "cycle.mp4"), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+        done = subprocess.run(command, capture_output=True, check=True)
+        stream = next(line for line in done.stderr.decode().splitlines() if "Video: h264" in line)
+        height, width = frames()[0].shape[:2]
+        for words in ("yuv420p", f"{width}x{height}", f" {film.RATE} fps"):
+            assert words in stream
+        shown = np.frombuffer(done.stdout, dtype=np.uint8).reshape(-1, height, width, 3).astype(int)
+        assert max(np.abs(seen - frame).mean() for seen, frame in zip(shown, frames(), strict=True)) < 3
 
 
 @pytest.fixture(scope="module")
@@ -212,11 +318,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "pads.toml").write_text(scene_text("cattaneo-mindlin").split("[[expected]]")[0] + TOML, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
-        assert main(["fields", str(place / "pads.toml"), "--at", "2", "--out", str(place / "out"), "--quiet", *ROUGH]) == 0
+        arguments = ["fields", str(place / "pads.toml"), "--at", "2", "--frames", "2", "--animate", "--quiet", *ROUGH]
+        assert main([*arguments, "--out", str(place / "out")]) == 0
     return place
-
-
-FILES = {"fields.pvd", "fields.json", "lower_000.vtu", "upper_000.vtu", "contact_000.vtu"}
 
 
 class TestCommand:
@@ -225,13 +329,16 @@ class TestCommand:
         record = json.loads((out / "fields" / "fields.json").read_text(encoding="utf-8"))
         assert all((out / name).is_file() for name in [*record["files"], *record["pictures"]])
         assert record["pictures"] == [f"pictures/{name}.png" for name in ("mesh", "von_mises_000")]
-        assert [instant["label"] for instant in record["instants"]] == ["asked for 2"]
+        assert "asked for 2" in [instant["label"] for instant in record["instants"]]
+        assert sum(name.startswith("fields/contact_") for name in record["files"]) == len(record["instants"]) == 3
         for name in ("largest_nodal_von_mises", "largest_nodal_tension"):
             assert all(instant[name]["value"] > 0 for instant in record["instants"])
         assert record["largest nodal stresses"] == NO_PEAK
         assert record["bodies"]["upper"]["supports"] == {"base": "fixed", "sides": "guided"}
         assert record["gap"] == "in the shape of the faces"
         assert "--at 2" in record["command"]
+        with Image.open(out / "animation" / "cycle.gif") as picture:
+            assert picture.n_frames == record["animation"]["frames"] == 2
 
     def test_pictures_show_both_bodies_and_every_boundary(self, folder: Path) -> None:
         """Colours of the boundaries that the two bodies have, and none of the far field that they have not."""
@@ -241,29 +348,53 @@ class TestCommand:
         wanted = {name: tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5)) for name, colour in colours.items()}
         assert {name for name, colour in wanted.items() if colour in shown} == {"contact", "free", "sides", "base"}
 
-    def test_a_second_run_leaves_no_picture_of_the_first(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-        """And no field file, while what other commands wrote stays."""
-        out = folder / "again"
-        scene = str(folder / "pads.toml")
-        assert main(["fe", scene, "--out", str(out), "--quiet", *ROUGH]) == 0
-        for times in (("1.5", "2"), ("2",)):
-            assert main(["fields", scene, "--at", *times, "--no-pictures", "--out", str(out), "--quiet", *ROUGH]) == 0
-            assert NO_PEAK in capsys.readouterr().out
-        assert {path.name for path in (out / "fields").iterdir()} == FILES
-        assert (out / "halfplane_fe.nc").is_file()
+    def test_a_second_run_leaves_no_file_of_the_first_but_those_of_other_commands(
+        self, folder: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        out = folder / "out"
+        (out / "mine.txt").write_text("mine", encoding="utf-8")
+        assert main(["fields", str(folder / "pads.toml"), "--at", "2", "--no-pictures", "--out", str(out), "--quiet", *ROUGH]) == 0
+        assert NO_PEAK in capsys.readouterr().out
+        names = {"fields.pvd", "fields.json", "lower_000.vtu", "upper_000.vtu", "contact_000.vtu"}
+        assert {path.name for path in (out / "fields").iterdir()} == names
+        assert (out / "mine.txt").is_file()
         assert not (out / "pictures").exists()
+        assert not (out / "animation").exists()
 
-    def test_refusals_come_first_and_alone(self, tmp_path: Path) -> None:
-        (tmp_path / "file").write_text("mine", encoding="utf-8")
-        assert "--at soon: give times" in refused(tmp_path, "fields", "cattaneo-mindlin", "--at", "soon")
-        assert "--at 99: the instant lies outside" in refused(tmp_path, "fields", "cattaneo-mindlin", "--at", "99")
-        assert "--out file: this is a file" in refused(tmp_path, "fields", "cattaneo-mindlin", "--out", "file")
+    def test_interrupted_while_frames_are_drawn_it_leaves_nothing(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """At the second frame, with the MP4 open and the field files written."""
+        drawn: list[np.ndarray] = []
 
-    def test_where_nothing_can_be_drawn_it_is_said_before_solving(
+        def draw(*_: object) -> np.ndarray:
+            drawn.append(np.zeros((40, 60, 3), dtype=np.uint8))
+            if len(drawn) == 2:
+                raise KeyboardInterrupt
+            return drawn[0]
+
+        monkeypatch.setattr("reports.field_output.film.pixels_of", draw)
+        monkeypatch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
+        monkeypatch.chdir(tmp_path)
+        assert main(["fields", "cattaneo-mindlin", "--frames", "3", "--animate", "--quiet", *ROUGH]) == 130
+        assert len(drawn) == 2
+        assert everything(tmp_path) == set()
+
+    def test_refusals_come_first_and_alone(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
     ) -> None:
         monkeypatch.chdir(tmp_path)
+        (tmp_path / "file").write_text("mine", encoding="utf-8")
+        for words, sentence in (
+            (("--at", "soon"), "--at soon: give times"),
+            (("--at", "99"), "--at 99: the instant lies outside"),
+            (("--out", "file"), "--out file: this is a file"),
+            (("--frames", "1"), "--frames 1: a series has 2 instants"),
+            (("--frames", "9", "--every", "2"), "leave one of the two out"),
+        ):
+            assert main(["fields", "cattaneo-mindlin", *words]) == 2
+            [line] = capsys.readouterr().err.strip().splitlines()
+            assert line.startswith("halfplane: ")
+            assert sentence in line
         monkeypatch.setattr("reports.cli.machine._SCREEN", "raise SystemExit('no screen here')")
         assert main(["fields", "cattaneo-mindlin", "--quiet"]) == 2
         assert "pictures can't be drawn here: no screen here" in capsys.readouterr().err
-        assert not list(tmp_path.iterdir())
+        assert everything(tmp_path) == {"file"}

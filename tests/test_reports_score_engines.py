@@ -10,7 +10,7 @@ import reports
 import semi_analytic
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
-from reports.fields import write_fields
+from reports.field_output.files import write_fields
 from reports.scoring.against import score_file
 from reports.scoring.mapping import Mapping
 from scenes import Bodies, load_scene

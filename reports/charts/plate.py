@@ -34,7 +34,7 @@ from reports.charts.marks import (
     Segments,
 )
 from reports.charts.scale import Scale, labels, ticks
-from reports.charts.style import pieces, shades, style_of
+from reports.charts.style import STATE_NAMES, pieces, shades, style_of
 from reports.charts.table import Table, table_text
 from reports.charts.templating import template
 
@@ -113,6 +113,9 @@ class Key:
     css: str
     text: str
     patch: bool = False
+
+
+STATE_KEYS = tuple(Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items())
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reports.charts.marks import Arrow, Band, Bitmap, Block, Curve, Dot, Group, Mark, Note, Rule, Segments
 from reports.charts.plate import LINE, Panel, Plate, arranged, outlines, tick_pairs
@@ -81,6 +82,19 @@ def drawn(plate: Plate, formats: Sequence[str]) -> dict[str, bytes]:
             figure.savefig(stream, format=kind, dpi=_DOTS, metadata=quiet[kind])
             found[kind] = stream.getvalue()
     return found
+
+
+def pixels_of(plate: Plate, dots: int = 108) -> NDArray[np.uint8]:
+    """The picture of a figure, (height, width, 3), at so many dots an inch."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    with mpl.rc_context(STYLE | {"font.family": "DejaVu Sans"}):
+        figure = figure_of(plate)
+        figure.set_dpi(dots)
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
 def figure_of(plate: Plate) -> Figure:

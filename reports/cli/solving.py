@@ -229,7 +229,7 @@ def require_drawing(stages: Stages) -> None:
 
 def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
     """InputError for a word that is neither a time of the path nor "events", before anything is solved."""
-    from reports.fields import instant_of
+    from reports.field_output.files import instant_of
 
     segments = list(scene.load.path().legs(scene.cycles)) if words else []
     for word in words:
@@ -320,7 +320,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
             if options.third:
                 report = replace(report, third=_third(scene, options, result, stages, command))
             with stages.stage("report"):
-                from reports.fields import instants_of
+                from reports.field_output.files import instants_of
                 from reports.page.writing import write
 
                 page = write(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.charts.plate import Plate
+from reports.charts.plate import STATE_KEYS, Plate
 from reports.charts.templating import script, template
 from reports.comparison import Comparison, Report
 from reports.comparison.laws import Certificate
@@ -39,7 +39,6 @@ from reports.comparison.words import (
     value_of,
     verdict,
 )
-from reports.figures_fields import STATE_KEYS
 from reports.live import as_script, carried
 from reports.provenance import commit
 from reports.units import energy_unit, minus, signed, units

@@ -22,13 +22,13 @@ from reports.comparison.content import as_json
 from reports.comparison.cycles import Event, events
 from reports.comparison.metrics import missing
 from reports.comparison.words import headline, verdict
-from reports.fields import with_bodies, write_fields
+from reports.field_output.files import with_bodies, write_fields
 from reports.folder import filled
 from reports.live import cycle_data, tables
 from reports.page.content import render
 
 if TYPE_CHECKING:
-    from reports.fields import Instant
+    from reports.field_output.files import Instant
     from reports.third.calculix import ThirdSolver
 
 
@@ -69,11 +69,11 @@ def write(
         drawings = draw(report)
         if stress_instants:
             import halfplane_fe
-            from reports.figures_mesh import look, stress
+            from reports.field_output.pictures import scales_of, stress
 
             answer = with_bodies(comparison.result, "--stress")
             snapshots = halfplane_fe.fields(answer, [instant.time for instant in stress_instants])
-            drawings += (stress(answer, snapshots, stress_instants, look(snapshots)),)
+            drawings += (stress(answer, snapshots, stress_instants, scales_of(snapshots)),)
         (folder / "figures").mkdir()
         texts = {drawing.name: drawing.csv() for drawing in drawings}
         for name, text in texts.items():
@@ -156,7 +156,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
     if report.budget is not None:
         drawings += [figures_budget.bars(report.budget), figures_budget.ladders(report.budget)]
     if bodies := getattr(comparison.result, "bodies", ()):
-        from reports.figures_mesh import mesh
+        from reports.field_output.pictures import mesh
 
         drawings.append(mesh(bodies, comparison.scales.half_width, float(np.nanmax(comparison.found.contact_edges))))
     left_out = _can_not_be_drawn(comparison)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,8 +17,12 @@ if TYPE_CHECKING:
     from halfplane_fe import BodyFields, FiniteElementSolution, Snapshot
     from meshes import BodyMesh
 
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 Report = Callable[[int, int | None, str], None]
 COLLECTION = "fields.pvd"
+# Snapshots that are computed at once: the bodies are factorised once for all of them, and each takes about a megabyte.
+_AT_ONCE = 64
 # Beside every largest stress: on the unsafe side. Measured against theory's 2 f p0 sqrt(Q/(f P)), see docs/bodies.md.
 NO_PEAK = (
     "These are nodal stresses, not peaks: at the trailing edge of the contact the true tension is higher. On the default mesh "
@@ -28,7 +32,7 @@ NO_PEAK = (
 
 @dataclass(frozen=True)
 class Instant:
-    """A time that was asked for, and why."""
+    """A time that was requested, and why."""
 
     time: float
     label: str
@@ -65,6 +69,51 @@ def instants_of(words: Sequence[str], solution: ContactSolution, option: str) ->
     return tuple(Instant(time, found[time]) for time in sorted(found))
 
 
+def require_series(every: int | None, frames: int | None) -> None:
+    """InputError for both at once, and for counts that make no series."""
+    if every is not None and frames is not None:
+        raise InputError("--every and --frames: both say how many instants of the cycle there are; leave one of the two out")
+    if every is not None and every < 1:
+        raise InputError(f"--every {every}: every how many stored steps, so 1 at least")
+    if frames is not None and frames < 2:
+        raise InputError(f"--frames {frames}: a series has 2 instants at least")
+
+
+def series_of(solution: ContactSolution, every: int | None, frames: int | None) -> tuple[tuple[Instant, ...], list[str]]:
+    """Stored instants of the last whole cycle (the whole path, where it does not repeat), in order of time, and remarks.
+
+    Parameters
+    ----------
+    every : each so-manieth stored step of the cycle
+    frames : the stored steps nearest to so many times at equal distances; fewer where the cycle has fewer steps, with a remark
+
+    The end of a cycle that repeats is left out, since it is its start.
+    """
+    require_series(every, frames)
+    repeats = solution.scene.load.path().period is not None
+    steps, notes = solution.last_cycle[: -1 if repeats else None], []
+    if frames is not None:
+        first, last = solution.time[steps[0]], solution.time[solution.last_cycle[-1]]
+        wanted = np.linspace(first, last, frames, endpoint=not repeats)
+        steps = np.unique(steps[np.abs(solution.time[steps] - wanted[:, None]).argmin(axis=1)])
+        if len(steps) < frames:
+            notes.append(
+                f"{len(steps)} instants instead of {frames}: the cycle has no more stored steps that far apart; "
+                "--steps-per-cycle gives more"
+            )
+    else:
+        steps = steps[::every]
+    return tuple(Instant(float(solution.time[step]), f"{n + 1} of {len(steps)}") for n, step in enumerate(steps)), notes
+
+
+def snapshots_of(solution: FiniteElementSolution, instants: Sequence[Instant]) -> Generator[Snapshot, None, None]:
+    """Snapshots at `instants`, so many at once as memory is for."""
+    import halfplane_fe
+
+    for first in range(0, len(instants), _AT_ONCE):
+        yield from halfplane_fe.fields(solution, [instant.time for instant in instants[first : first + _AT_ONCE]])
+
+
 def with_bodies(solution: ContactSolution, option: str) -> FiniteElementSolution:
     """`solution` as one that has bodies; InputError where it has none."""
     import halfplane_fe
@@ -81,17 +130,30 @@ def write_fields(
     report: Report = lambda _done, _total, _text: None,
     total: int | None = None,
 ) -> list[str]:
-    """Write lower_000.vtu, upper_000.vtu, contact_000.vtu and so on, the collection; return the names, its own first."""
+    """Write lower_000.vtu, upper_000.vtu, contact_000.vtu and so on, the collection; return the names, its own first.
+
+    Stress is VTK's symmetric tensor xx, yy, zz, xy, yz, xz. The contact line has the answer at its points x, and the lower
+    body's displacement to warp it by.
+    """
     import meshes
 
     folder.mkdir(exist_ok=True)
     line = contact_line(solution.bodies[0])
+    chain = np.column_stack([np.arange(len(line) - 1), np.arange(1, len(line))])
     entries = []
     for number, snapshot in enumerate(snapshots):
         report(number, total, f"time {snapshot.time:.6g}")
+        step = int(np.argmin(np.abs(solution.time - snapshot.time)))
+        parts: list[tuple[str, Array, Indices, dict[str, NDArray[Any]]]] = []
+        for body in snapshot.bodies:
+            xx, yy, xy, zz = body.stress.T
+            tensor = np.column_stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
+            data = {"displacement": body.displacement, "stress": tensor, "von_mises": body.von_mises}
+            parts.append((body.name, body.points, body.cells, data))
         lower = snapshot.bodies[0]
-        parts = [(body.name, body.points, body.cells, _point_data(body)) for body in snapshot.bodies]
-        parts.append(("contact", lower.points[line], _chain(len(line)), _surface_data(solution, snapshot, line)))
+        tractions = {name: getattr(solution, name)[step] for name in ("pressure", "shear", "slip")}
+        states = {"state": solution.state[step].astype(np.int32), "displacement": lower.displacement[line]}
+        parts.append(("contact", lower.points[line], chain, tractions | states))
         for part, (name, points, cells, data) in enumerate(parts):
             file = f"{name}_{number:03d}.vtu"
             meshes.write_vtu(folder / file, points, cells, data)
@@ -100,7 +162,7 @@ def write_fields(
     return [COLLECTION, *(entry.file for entry in entries)]
 
 
-def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> NDArray[np.int64]:
+def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:
     """Nodes of a body's contact face from left to right, mid-side nodes among them; indices into the points of its fields."""
     skfem_mesh = mesh.mesh
     facets = np.concatenate([skfem_mesh.boundaries[name] for name in boundaries if name in skfem_mesh.boundaries])
@@ -108,30 +170,6 @@ def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> ND
     has_middles = skfem_mesh.p.shape[1] > n_corners
     nodes = np.unique(np.concatenate([skfem_mesh.facets[:, facets].ravel(), *([n_corners + facets] if has_middles else [])]))
     return np.asarray(nodes[np.argsort(skfem_mesh.p[0, nodes])], dtype=np.int64)
-
-
-def _chain(count: int) -> NDArray[np.int64]:
-    """Lines between `count` points in their order."""
-    return np.column_stack([np.arange(count - 1), np.arange(1, count)])
-
-
-def _surface_data(solution: FiniteElementSolution, snapshot: Snapshot, line: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
-    """What the VTU of the contact line holds: the answer at its points x, and the lower body's displacement to warp it by."""
-    step = int(np.argmin(np.abs(solution.time - snapshot.time)))
-    return {
-        "pressure": solution.pressure[step],
-        "shear": solution.shear[step],
-        "slip": solution.slip[step],
-        "state": solution.state[step].astype(np.int32),
-        "displacement": snapshot.bodies[0].displacement[line],
-    }
-
-
-def _point_data(body: BodyFields) -> dict[str, NDArray[np.float64]]:
-    """What a VTU file holds; the stress as VTK's symmetric tensor xx, yy, zz, xy, yz, xz."""
-    xx, yy, xy, zz = body.stress.T
-    tensor = np.column_stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
-    return {"displacement": body.displacement, "stress": tensor, "von_mises": body.von_mises}
 
 
 @dataclass(frozen=True)
@@ -143,7 +181,7 @@ class Peak:
     place: tuple[float, float]
 
 
-def peak(snapshot: Snapshot, of: Callable[[BodyFields], NDArray[np.float64]] = lambda body: body.von_mises) -> Peak:
+def peak(snapshot: Snapshot, of: Callable[[BodyFields], Array] = lambda body: body.von_mises) -> Peak:
     """Where `of` a body, a value at each of its nodes, is largest: von Mises' stress, or `tension`."""
     values = [of(body) for body in snapshot.bodies]
     which = int(np.argmax([value.max() for value in values]))
@@ -151,15 +189,15 @@ def peak(snapshot: Snapshot, of: Callable[[BodyFields], NDArray[np.float64]] = l
     return Peak(float(values[which][node]), body.name, (float(body.points[node, 0]), float(body.points[node, 1]) + 0.0))
 
 
-def tension(body: BodyFields) -> NDArray[np.float64]:
+def tension(body: BodyFields) -> Array:
     """Largest principal stress at each node, (n,) [stress]: on the face, beside the contact, the one that opens cracks."""
     xx, yy, xy, zz = body.stress.T
     return np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz)
 
 
 @dataclass(frozen=True)
-class Seen:
-    """An instant that was written: what was asked for, the stored time taken, its loads [force/length], its largest stresses.
+class Written:
+    """An instant that was written: what was requested, the stored time taken, its loads [force/length], its largest stresses.
 
     `von_mises` and `tension` are the largest nodal values of von Mises' stress and of the principal stresses.
     """
@@ -172,19 +210,15 @@ class Seen:
     tension: Peak
 
 
-def seen(instant: Instant, snapshot: Snapshot) -> Seen:
-    """What is told of a snapshot once it is on disk."""
+def written(instant: Instant, snapshot: Snapshot) -> Written:
+    """What is stated of a snapshot once it is on disk."""
     loads = snapshot.normal_load, snapshot.tangential_load
-    return Seen(instant, snapshot.time, *loads, peak(snapshot), peak(snapshot, tension))
-
-
-def _placed(found: Peak) -> dict[str, float | str]:
-    return {"value": found.value, "body": found.body, "x": found.place[0], "y": found.place[1]}
+    return Written(instant, snapshot.time, *loads, peak(snapshot), peak(snapshot, tension))
 
 
 def record(
     solution: FiniteElementSolution,
-    instants: Sequence[Seen],
+    instants: Sequence[Written],
     files: Sequence[str],
     pictures: Sequence[str],
     command: str,
@@ -193,10 +227,15 @@ def record(
     notes: Sequence[str] = (),
 ) -> dict[str, Any]:
     """What was written and from what, for fields.json."""
+
+    def placed(found: Peak) -> dict[str, float | str]:
+        return {"value": found.value, "body": found.body, "x": found.place[0], "y": found.place[1]}
+
+    scene = solution.scene
     return {
         "format": "halfplane fields 1",
         "command": command,
-        "units": solution.scene.units,
+        "units": scene.units,
         "instants": [
             {
                 "asked": one.instant.time,
@@ -204,8 +243,8 @@ def record(
                 "time": one.time,
                 "normal_load": one.normal_load,
                 "tangential_load": one.tangential_load,
-                "largest_nodal_von_mises": _placed(one.von_mises),
-                "largest_nodal_tension": _placed(one.tension),
+                "largest_nodal_von_mises": placed(one.von_mises),
+                "largest_nodal_tension": placed(one.tension),
             }
             for one in instants
         ],
@@ -213,7 +252,7 @@ def record(
         "notes": list(notes),
         "files": list(files),
         "pictures": list(pictures),
-        "animation": None if animation is None else dict(animation),
+        "animation": animation,
         "point data": {
             "displacement": "of each body; the upper one's with its movement as a whole; on the contact line the lower one's",
             "stress": "xx, yy, zz, xy, yz, xz, carried to each node from its elements and averaged there",
@@ -224,7 +263,7 @@ def record(
             "state": "on the contact line: 0 open, 1 stick, 2 forward slip, 3 reverse slip",
         },
         "gap": "in the shape of the faces"
-        if solution.scene.bodies.faces_are_true
+        if scene.bodies.faces_are_true
         else "not in the files: both faces are flat, and the profile is the gap between them",
         "bodies": {
             name: {"supports": dict(body.supports), "quality": dict(body.quality)}
@@ -234,5 +273,5 @@ def record(
         "settings": solution.settings,
         "versions": solution.versions,
         "seconds": dict(seconds),
-        "scene": solution.scene.model_dump(mode="json"),
+        "scene": scene.model_dump(mode="json"),
     }
