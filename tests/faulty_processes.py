@@ -15,9 +15,9 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
+from command_line import COARSE, ROOT, environment
 from reports.sweep.store import Store
 from scenes import ContactSolution
-from test_cli_commands import COARSE, ROOT, environment
 
 # What is timed, and what the store of bodies saved: all else of two runs must be the same to the last bit.
 TIMED = ("seconds", "command", "condensations", "sparse factorisations")
@@ -47,12 +47,11 @@ def in_a_child(act: Callable[[], object]) -> int:
 def started(folder: Path, job: str) -> subprocess.Popen[str]:
     """A job in a session of its own, so that its workers can be killed with it."""
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
-    command = [sys.executable, "-m", "reports", *JOBS[job], "--quiet"]
     own = {"HALFPLANE_CACHE": str(folder / "cache"), "PYTHONPATH": str(folder.parent / "code")}
     return subprocess.Popen(
-        command,
+        [sys.executable, "-m", "reports", *JOBS[job], "--quiet"],
         cwd=folder,
-        env=environment() | own,
+        env=environment(**own),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -67,28 +66,16 @@ def finished(folder: Path, job: str) -> int:
     return process.returncode
 
 
-def killed(folder: Path, job: str, after: float) -> None:
-    """SIGKILL to the process and its workers, `after` seconds from the start; nothing if it is done by then."""
-    process = started(folder, job)
-    try:
-        process.communicate(timeout=after)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
-
-
 def half_files(folder: Path) -> list[str]:
     """Files under a name that a reader would open, and that are not whole; what is hidden or ends in .part has no such name."""
     found = []
     for path in sorted(folder.rglob("*")):
         parts = path.relative_to(folder).parts
-        if not path.is_file() or any(part.startswith(".") for part in parts) or path.suffix == ".part":
-            continue
-        if not _whole(path):
+        seen = path.is_file() and path.suffix != ".part" and not any(part.startswith(".") for part in parts)
+        if seen and not _whole(path):
             found.append("/".join(parts))
     store = Store(folder / "out")
-    damaged = [address for address in store.addresses() if store.read(address) is None]
-    return found + damaged
+    return found + [address for address in store.addresses() if store.read(address) is None]
 
 
 def _whole(path: Path) -> bool:
@@ -117,7 +104,7 @@ def numbers(folder: Path) -> dict[str, str]:
         name = path.relative_to(folder).as_posix()
         if path.suffix == ".json" and path.name != "manifest.json":
             content = json.loads(path.read_text(encoding="utf-8"))
-            found[name] = json.dumps(untimed(content.get("result", content) if "sha256" in content else content), sort_keys=True)
+            found[name] = json.dumps(_untimed(content.get("result", content) if "sha256" in content else content), sort_keys=True)
         elif path.suffix == ".csv" and path.name != "index.csv":
             found[name] = path.read_text(encoding="utf-8")
         elif path.suffix == ".nc":
@@ -126,27 +113,30 @@ def numbers(folder: Path) -> dict[str, str]:
     return found
 
 
-def untimed(value: object) -> object:
+def _untimed(value: object) -> object:
     if isinstance(value, dict):
-        return {key: untimed(entry) for key, entry in value.items() if not any(word in key for word in TIMED)}
-    return [untimed(entry) for entry in value] if isinstance(value, list) else value
+        return {key: _untimed(entry) for key, entry in value.items() if not any(word in key for word in TIMED)}
+    return [_untimed(entry) for entry in value] if isinstance(value, list) else value
 
 
 def survive(folder: Path, job: str, kills: int, seed: int, longest: float, truth: dict[str, str]) -> int:
-    """Kill the job `kills` times at random moments, look at what lies there each time, then let it end; returns how often it held.
+    """Kill the job and its workers `kills` times at random moments, then let it end; returns how often it held.
 
-    Whole or absent after each kill, and in the end the numbers of an undisturbed run bit for bit.
+    After each kill every file is whole or absent, and in the end the numbers are those of an undisturbed run bit for bit.
     """
-    chance, held = random.Random(seed), 0
+    chance = random.Random(seed)
     for _ in range(kills):
-        killed(folder, job, chance.uniform(0.2, longest))
-        halves = half_files(folder)
-        assert halves == [], halves
-        held += 1
+        process = started(folder, job)
+        try:
+            process.communicate(timeout=chance.uniform(0.2, longest))
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+        assert half_files(folder) == []
     assert finished(folder, job) in (0, 1)
     assert half_files(folder) == []
     assert numbers(folder / "out") == truth
-    return held
+    return kills
 
 
 def undisturbed(folder: Path, job: str) -> tuple[dict[str, str], float]:

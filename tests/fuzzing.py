@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -12,8 +13,10 @@ from pathlib import Path
 
 import halfplane_fe.store
 from field_files import mesh, pressure_at, shear_at
+from meshes import SurfaceGrading, half_disc
 from reports.checking import require_admissible
 from reports.cli import findings
+from reports.comparison.content import solution_content, strict
 from reports.folder import MANIFEST, claim
 from reports.scoring.against import own_solution
 from reports.scoring.guesses import whole_path
@@ -22,7 +25,8 @@ from reports.scoring.mapping import load_mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution
 from reports.sweep.index import read_index
-from reports.sweep.study import load_study
+from reports.sweep.store import _sum, canonical
+from reports.sweep.study import load_study, study_of
 from scenes import InputError, load_scene, scene_text
 from score_results import exact, rows, written
 
@@ -148,13 +152,12 @@ def _profile(path: Path) -> object:
     return load_scene(scene)
 
 
+def _read(path: Path) -> object:
+    return read(path, ScoreMapping(), load_scene("hertz-paper"))
+
+
 def _scored(path: Path) -> object:
-    scene = load_scene("hertz-paper")
-    return contact_solution(read(path, ScoreMapping(), scene), ScoreMapping(), whole_path(scene))
-
-
-def _sweep(path: Path) -> object:
-    return read_index(path.parent)
+    return contact_solution(_read(path), ScoreMapping(), whole_path(load_scene("hertz-paper")))
 
 
 def _stored_result(path: Path) -> object:
@@ -166,22 +169,15 @@ def _stored_result(path: Path) -> object:
     return read_index(folder)
 
 
-def _manifest(path: Path) -> object:
-    return claim(path.parent)
-
-
 def _condensed(path: Path) -> object:
     """The store of condensed bodies takes what it can't read as not there: it is not a user's file."""
-    from collections import Counter
-
-    body, material = _body()
+    body, material = condensed_body()
     return halfplane_fe.store._read(path, body, material, 1000.0, Counter())
 
 
 @cache
-def _body() -> tuple[object, object]:
-    from meshes import SurfaceGrading, half_disc
-
+def condensed_body() -> tuple[object, object]:
+    """A body and its material, as the store of condensed bodies takes them."""
     return half_disc("lower", SurfaceGrading(0.0, 1.0, 0.5, 0.5, 4.0), 1.0, 1), load_scene("hertz-paper").material.lower
 
 
@@ -253,8 +249,6 @@ def _found(kind: str) -> Callable[[Path], list[bytes]]:
         if kind == "baseline":
             findings.write_baseline(seed, folder / "seed.json", {"semi_analytic.*": 1e-9})
             return [(folder / "seed.json").read_bytes()]
-        from reports.comparison.content import solution_content, strict
-
         solution = exact(steps=3, points=5)
         content = {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}
         if kind == "solution":
@@ -267,29 +261,19 @@ def _found(kind: str) -> Callable[[Path], list[bytes]]:
 
 
 def _stored(_: Path) -> list[bytes]:
-    from reports.sweep.store import _sum, canonical
-
     result = {"address": "0" * 64, "status": "done", "figures": {"exact.dissipation": 1.0}, "seconds": 1.0, "reason": ""}
     body = canonical(result)
     return [json.dumps({"format": "halfplane sweep 1", "sha256": _sum(body), "result": result}).encode()]
 
 
 def _plan(_: Path) -> list[bytes]:
-    study = json.loads(load_study_of(_study()).model_dump_json())
+    study = json.loads(study_of(json.loads(_study()), "seed").model_dump_json())
     points = [{"number": 0, "address": "0" * 64, "coordinates": {"f": 0.5}}]
     return [json.dumps({"format": "halfplane sweep 1", "study": study, "points": points}).encode()]
 
 
-def load_study_of(text: str) -> object:
-    from reports.sweep.study import study_of
-
-    return study_of(json.loads(text), "seed")
-
-
 def _npz(folder: Path) -> list[bytes]:
-    from collections import Counter
-
-    body, material = _body()
+    body, material = condensed_body()
     made = halfplane_fe.store.condense(body, material, 4.0)
     halfplane_fe.store._write(folder / "seed.npz", made, Counter())
     return [(folder / "seed.npz").read_bytes()]
@@ -301,6 +285,7 @@ def _scenes(_: Path) -> list[bytes]:
 
 MAPPING = b"""code = "mine"\nthickness = 2.0\ntimes = [0.0, 1.0]\n[columns]\npressure = "p"\n[factors]\nlength = 1000\n[signs]
 shear = "on upper"\n[element_sizes]\n"a.csv" = 0.5\n"""
+LISTED = b'{"written by": "halfplane", "files": ["report.html", "figures/a.csv", "manifest.json"]}'
 DOORS: Mapping[str, Door] = {
     door.name: door
     for door in (
@@ -310,28 +295,26 @@ DOORS: Mapping[str, Door] = {
         Door("profile.csv", lambda _: [b"x,h\n0,0\n0.5,0.1\n1,0.5\n2.0,2\n", b"-2,2\n-1,0.5\n0,0\n1,0.5\n2,2\n"], _profile),
         Door("mapping.toml", lambda _: [MAPPING], load_mapping),
         Door("result.csv", _csv, _scored),
-        Door("result.vtu", _vtu, lambda path: read(path, ScoreMapping(), load_scene("hertz-paper"))),
-        Door("result.vtk", _fields(".vtk"), lambda path: read(path, ScoreMapping(), load_scene("hertz-paper"))),
-        Door("heavy.h5", _heavy, lambda path: read(path.with_name("heavy.xdmf"), ScoreMapping(), load_scene("hertz-paper"))),
-        Door(
-            "result.xdmf", _fields(".xdmf", data_format="XML"), lambda path: read(path, ScoreMapping(), load_scene("hertz-paper"))
-        ),
-        Door("result.pvd", _collection, lambda path: read(path, ScoreMapping(), load_scene("hertz-paper"))),
-        Door("result.series", _frame_series, lambda path: read(path, ScoreMapping(), load_scene("hertz-paper"))),
-        Door("result.frd", _data("mortar.frd"), lambda path: read(path, ScoreMapping(), load_scene("hertz-paper"))),
-        Door("printed.dat", _printed, lambda path: read(path, ScoreMapping(), load_scene("hertz-paper"))),
+        Door("result.vtu", _vtu, _read),
+        Door("result.vtk", _fields(".vtk"), _read),
+        Door("heavy.h5", _heavy, lambda path: _read(path.with_name("heavy.xdmf"))),
+        Door("result.xdmf", _fields(".xdmf", data_format="XML"), _read),
+        Door("result.pvd", _collection, _read),
+        Door("result.series", _frame_series, _read),
+        Door("result.frd", _data("mortar.frd"), _read),
+        Door("printed.dat", _printed, _read),
         Door("result.nc", _netcdf, lambda path: own_solution(path, load_scene("hertz-paper"))),
         Door("study.toml", lambda _: [_toml_study()], load_study),
         Door("study.json", lambda _: [_study().encode()], load_study),
-        Door("sweep.json", _plan, _sweep),
+        Door("sweep.json", _plan, lambda path: read_index(path.parent)),
         Door("stored.json", _stored, _stored_result),
         Door("baseline.json", _found("baseline"), findings.read_findings),
         Door("solution.json", _found("solution"), findings.read_findings),
         Door("comparison.json", _found("comparison"), findings.read_findings),
         Door(
             MANIFEST,
-            lambda _: [b'{"written by": "halfplane", "files": ["report.html", "figures/a.csv", "manifest.json"]}'],
-            _manifest,
+            lambda _: [b'{"written by": "halfplane", "files": ["a.csv", "manifest.json"]}'],
+            lambda path: claim(path.parent),
         ),
         Door("condensed.npz", _npz, _condensed),
     )

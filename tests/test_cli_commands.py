@@ -1,181 +1,57 @@
-"""The command line as a person uses it: a process of its own, started in an empty folder."""
+"""The command line as a person or a program uses it: what is refused, exit codes, JSON, progress, help, colours."""
+
+from __future__ import annotations
 
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import jsonschema
 import pytest
 
-from reports.cli import main
+import halfplane_fe
+import semi_analytic
+from command_line import COARSE, ROOT, Done, environment, everything, halfplane, process, refused
+from halfplane_fe import SolverSettings
+from meshes import MeshSettings
+from reports.cli.answers import FORMAT, answer_schema
 from reports.cli.application import app
+from reports.cli.machine import Finding
+from reports.cli.options import tolerances_of
+from reports.cli.solving import LONG, cost_of
+from reports.console import Stages, TimeLeft, say, show_table
 from reports.folder import claim
-from scenes import ContactSolution, ConvergenceError, Record, freeze, load_scene, scene_names
+from reports.paper.page import PaperReport
+from reports.paper.tables import Misprint, Statement, Verdict
+from scenes import (
+    ContactSolution,
+    ConvergenceError,
+    Record,
+    TimeSeriesLoad,
+    freeze,
+    load_scene,
+    scene_names,
+    scene_text,
+)
 from test_reports_synthetic import cattaneo_mindlin
 
-ROOT = Path(__file__).parents[1]
-# The slightest mesh and steps that still go through both engines: a second, and far outside every tolerance.
-COARSE = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.25", "--steps-per-cycle", "8")
-
-
-def environment() -> dict[str, str]:
-    """This checkout on the path, whether it is installed or not; tables so wide that nothing is broken."""
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    return os.environ | {"PYTHONPATH": path, "COLUMNS": "400", "NO_COLOR": "1"}
-
-
-def halfplane(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "reports", *arguments]
-    return subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True, timeout=120, check=False)
-
-
-def everything(folder: Path) -> set[str]:
-    return {path.relative_to(folder).as_posix() for path in folder.rglob("*")}
-
-
-def refused(folder: Path, *arguments: str) -> str:
-    """The one sentence on stderr of a command that must end with 2, print nothing else and leave no new file."""
-    before = everything(folder)
-    done = halfplane(folder, *arguments)
-    assert done.returncode == 2, done
-    assert done.stdout == ""
-    lines = done.stderr.strip().splitlines()
-    assert len(lines) == 1, done.stderr
-    assert lines[0].startswith("halfplane: ")
-    assert "Traceback" not in done.stderr
-    assert everything(folder) == before
-    return lines[0]
-
-
-def interrupt(process: subprocess.Popen[str]) -> str:
-    """What stderr says after Ctrl-C; pressed again as a person would where the process goes on (a library may drop the first)."""
-    for _ in range(4):
-        process.send_signal(signal.SIGINT)
-        try:
-            return process.communicate(timeout=15)[1]
-        except subprocess.TimeoutExpired:
-            continue
-    process.kill()
-    return process.communicate()[1]
-
-
-class TestHelp:
-    def test_help_names_every_command_with_examples(self, tmp_path: Path) -> None:
-        done = halfplane(tmp_path, "--help")
-        assert done.returncode == 0
-        for command in ("run", "exact", "fe", "fields", "scenes", "init", "check", "schema", "doctor"):
-            assert f" {command} " in done.stdout
-        assert "halfplane run hertz-paper" in done.stdout
-        assert "130 interrupted" in done.stdout
-
-    def test_help_loads_nothing_heavy(self, tmp_path: Path) -> None:
-        """What makes help fast, of every command too: none of these is imported. A time would depend on the machine."""
-        heavy = {"numpy", "scipy", "pydantic", "xarray", "matplotlib", "skfem", "gmsh", "jinja2", "pyvista", "pandas"}
-        program = (
-            "import sys\nfrom reports.cli import main\nfrom reports.cli.application import app\n"
-            "code = main(['--help']) + sum(main([*name.split(), '--help']) for name in [*app, 'sweep status'] if name[0] != '-')\n"
-            f"print('loaded:', *sorted({heavy!r} & set(sys.modules)))\nsys.exit(code)"
-        )
-        done = subprocess.run(
-            [sys.executable, "-c", program], cwd=tmp_path, env=environment(), capture_output=True, text=True, check=True
-        )
-        assert done.stdout.splitlines()[-1] == "loaded:"
-
-    def test_options_of_run_are_explained(self, tmp_path: Path) -> None:
-        done = halfplane(tmp_path, "run", "--help")
-        assert done.returncode == 0
-        for option in ("--out", "--vtu", "--element-size", "--steps-per-cycle", "--method", "--quiet"):
-            assert option in done.stdout
-
-    def test_version(self, tmp_path: Path) -> None:
-        assert halfplane(tmp_path, "--version").stdout.strip()
-
-
-class TestScenes:
-    def test_library(self, tmp_path: Path) -> None:
-        done = halfplane(tmp_path, "scenes")
-        assert done.returncode == 0
-        for name in scene_names():
-            assert name in done.stdout
-            assert load_scene(name).title in done.stdout
-
-    def test_a_new_scene_is_admissible_and_complete(self, tmp_path: Path) -> None:
-        """init, then check; the file shows every table of a scene and is never overwritten."""
-        assert halfplane(tmp_path, "init", "my.toml").returncode == 0
-        written = (tmp_path / "my.toml").read_text(encoding="utf-8")
-        assert {"material", "profile", "friction", "load"} <= tomllib.loads(written).keys()
-        stated = re.sub(r"(?m)^# ", "", written[written.index("# [tolerances]") :].split("\n\n")[0])
-        assert set(tomllib.loads(stated)["tolerances"]) == set(load_scene(tmp_path / "my.toml").tolerances.model_dump())
-        assert halfplane(tmp_path, "check", "my.toml").returncode == 0
-        assert "my.toml: the file is there already" in refused(tmp_path, "init", "my.toml")
-        assert (tmp_path / "my.toml").read_text(encoding="utf-8") == written
-
-    def test_what_the_example_has_in_comments_is_right_too(self, tmp_path: Path) -> None:
-        """The flat face and the polygon that the file only mentions: comment signs moved, still a scene."""
-        halfplane(tmp_path, "init", "my.toml")
-        text = (tmp_path / "my.toml").read_text(encoding="utf-8")
-        text = text.replace('kind = "hertz"', '# kind = "hertz"').replace('# kind = "flat_rounded"', 'kind = "flat_rounded"')
-        text = text.replace("# flat_half_length", "flat_half_length")
-        start, end = text.index('kind = "ellipse"'), text.index('# kind = "polygon"')
-        tail = (
-            text[end:]
-            .replace("# kind", "kind", 1)
-            .replace("# initial_loading", "initial_loading", 1)
-            .replace("# cycle", "cycle", 1)
-        )
-        (tmp_path / "other.toml").write_text(text[:start] + tail, encoding="utf-8")
-        scene = load_scene(tmp_path / "other.toml")
-        assert (scene.profile.kind, scene.load.kind) == ("flat_rounded", "polygon")
-
-    def test_the_example_with_bodies(self, tmp_path: Path) -> None:
-        """--bodies takes the comment signs away before the tables of bodies, and nothing else."""
-        assert halfplane(tmp_path, "init", "plain.toml").returncode == 0
-        assert halfplane(tmp_path, "init", "bodies.toml", "--bodies").returncode == 0
-        plain, real = load_scene(tmp_path / "plain.toml"), load_scene(tmp_path / "bodies.toml")
-        assert plain.bodies.half_planes
-        assert (real.bodies.lower.kind, real.bodies.upper.kind) == ("block", "pad")
-        assert real.vary(bodies=plain.bodies, name=plain.name) == plain
-        assert "goes with the commented example" in refused(tmp_path, "init", "x.toml", "--bodies", "--from", "hertz-paper")
-
-    def test_schema_explains_the_keys_of_bodies(self, tmp_path: Path) -> None:
-        defined = json.loads(halfplane(tmp_path, "schema").stdout)["$defs"]
-        assert set(defined["Block"]["properties"]) == {"kind", "width", "height", "base", "sides"}
-        for kind in ("Block", "Pad", "Cylinder"):
-            keys = defined[kind]["properties"]
-            assert all(keys[key].get("description") for key in keys if key != "kind")
-
-    @pytest.mark.parametrize("name", scene_names())
-    def test_library_scenes_can_be_started_from(self, tmp_path: Path, name: str) -> None:
-        assert halfplane(tmp_path, "init", "my.toml", "--from", name).returncode == 0
-        assert load_scene(tmp_path / "my.toml").load == load_scene(name).load
-
-    def test_init_wants_toml_and_a_folder(self, tmp_path: Path) -> None:
-        assert "my.json: a commented scene is written as .toml" in refused(tmp_path, "init", "my.json")
-        assert "can't be written: No such file or directory" in refused(tmp_path, "init", "nowhere/my.toml")
-        assert "no such scene" in refused(tmp_path, "init", "my.toml", "--from", "hertz-papr")
-
-    def test_check_says_how_near_gross_sliding_is(self, tmp_path: Path) -> None:
-        done = halfplane(tmp_path, "check", "cattaneo-mindlin")
-        assert done.returncode == 0
-        assert "|Q|/(f P) is at most 0.6, in the cycle at time 2 " in done.stdout
-
-    def test_schema_is_json_with_every_table(self, tmp_path: Path) -> None:
-        done = halfplane(tmp_path, "schema")
-        assert done.returncode == 0
-        assert {"material", "profile", "friction", "load", "tolerances"} <= json.loads(done.stdout)["properties"].keys()
-
-    def test_doctor_looks_at_everything(self, tmp_path: Path) -> None:
-        done = halfplane(tmp_path, "doctor")
-        assert done.returncode == 0, done.stdout
-        for check in ("Python", "packages", "gmsh", "off-screen rendering", "output folder", "threads"):
-            assert check in done.stdout
-        assert everything(tmp_path) == set()
-
-
+__all__ = ["COARSE", "ROOT", "environment", "everything", "halfplane", "refused"]  # of command_line.py: other files ask here
+COMMANDS = {
+    "Solve": ["run", "exact", "fe", "fields", "sweep", "export"],
+    "Judge": ["score", "diff", "advise", "map", "paper"],
+    "Scenes": ["init", "check", "scenes", "schema"],
+    "Machine": ["doctor", "completion", "--help", "--version"],
+}
+NAMES = [name for name in app if not name.startswith("-")]
+KEPT = ROOT / "tests" / "fixtures" / "format1"
 GOOD = """
 [material]
 young_modulus = 210e3
@@ -191,266 +67,564 @@ mean_normal_load = 90.0
 normal_amplitude = 30.0
 tangential_amplitude = 20.0
 """
+STUDY = """
+title = "Friction"
+scene = "hertz-paper"
+engines = ["exact"]
+figures = ["exact.dissipation"]
+[[axes]]
+name = "f"
+key = "friction.coefficient"
+values = [1.0, 1.2]
+"""
 
-# fault -> (text to replace, its replacement, words that the sentence must hold: the key, the value, the rule)
-BAD = {
-    "unknown key": ("radius", "radias", ("profile.radias", "1000.0", "unknown key")),
-    "unknown table": ("[friction]", "[fiction]", ("fiction", "unknown key")),
-    "missing key": ("poisson_ratio = 0.3", "", ("poisson_ratio", "missing")),
-    "missing table": ("[friction]\ncoefficient = 0.5", "", ("friction", "missing")),
-    "wrong type": ("210e3", '"stiff"', ("young_modulus", "'stiff'", "number")),
-    "negative friction": (
-        "coefficient = 0.5",
-        "coefficient = -0.1",
-        ("friction.coefficient", "-0.1", "greater than or equal to 0"),
-    ),
-    "nu too large": ("0.3", "0.5", ("poisson_ratio", "0.5", "less than 0.5")),
-    "nu too small": ("0.3", "-1.0", ("poisson_ratio", "-1.0", "greater than -1")),
-    "not a number": ("210e3", "nan", ("young_modulus", "nan", "finite")),
-    "gross sliding": (
-        "tangential_amplitude = 20.0",
-        "tangential_amplitude = 60.0",
-        ("gross sliding from time", "P = ", "friction.coefficient"),
-    ),
-    "separation": ("normal_amplitude = 30.0", "normal_amplitude = 95.0", ("separation from time", "P is not positive")),
-    "shear without friction": ("coefficient = 0.5", "coefficient = 0.0", ("gross sliding", "f = 0")),
-    "not TOML": ("[load]", "[load", ("not valid TOML",)),
-    "empty": (GOOD, " \n", ("is empty",)),
+# -------------------------------------------------------------------------------------------------------------- refusals
+# Files in the folder where the commands below are given; test_scenes_reading.py has every fault of a scene file.
+SPOILT = {
+    "sliding.toml": GOOD.replace("tangential_amplitude = 20.0", "tangential_amplitude = 60.0"),
+    "separating.toml": GOOD.replace("normal_amplitude = 30.0", "normal_amplitude = 95.0"),
+    "smooth.toml": GOOD.replace("coefficient = 0.5", "coefficient = 0.0"),
+    "misspelt.toml": GOOD.replace("radius", "radias"),
+    "broken.toml": GOOD.replace("[load]", "[load"),
+    "good.toml": GOOD,
+    "study.toml": STUDY,
+    "file": "mine",
+    "taken/report.html": "mine",
+    "folder.toml/empty": "",
+}
+SHARE = "write a share above 0"
+REFUSED = {
+    "rnu": "there is no command 'rnu'; did you mean run? `halfplane --help` lists them",
+    "zzz": "there is no command 'zzz'; `halfplane --help` lists them",
+    "run blocks --elment-size 1": "run has no option --elment-size; did you mean --element-size? `halfplane run --help` lists them",
+    "exact blocks --qiet": "exact has no option --qiet; did you mean --quiet? `halfplane exact --help` lists them",
+    "--zzz": "there is no option '--zzz'; `halfplane --help` lists them",
+    "run blocks --zzz=1": "run has no option --zzz; `halfplane run --help` lists them",
+    "run": "run: SCENE is missing; `halfplane run --help` shows what it takes",
+    "run blocks more words": "run: unexpected argument 'more words'; `halfplane run --help` shows what it takes",
+    "sweep statsu out": "sweep: unexpected argument 'out'; did you mean status? `halfplane sweep --help` shows what it takes",
+    "sweep study.toml out": "sweep: unexpected argument 'out'; `halfplane sweep --help` shows what it takes",
+    "export blocks": "export: --to is missing; `halfplane export --help` shows what it takes",
+    "run misspelt.toml": "misspelt.toml: unknown key profile.radias = 1000.0",
+    "run broken.toml": "broken.toml: not valid TOML",
+    "run sliding.toml": "sliding.toml: load: gross sliding from time",
+    "exact separating.toml": "separating.toml: load: separation from time",
+    "check smooth.toml": "f = 0",
+    "run folder.toml": "folder.toml: the scene file can't be read",
+    "run binary.toml": "binary.toml: the scene file can't be read",
+    "run nowhere.toml": "nowhere.toml: the scene file can't be read: No such file",
+    "run hertz-papr": "did you mean hertz-paper?",
+    "run hertz-paper --quiet --element-size 0.5": "element_size = 0.5 is refused",
+    "run hertz-paper --order two": "--order",
+    "run hertz-paper --method magic": "--method",
+    "run hertz-paper --vtu soon": "--vtu soon",
+    "run hertz-paper --third-limit 10": "it goes with --third calculix",
+    "run hertz-paper --plots gif": '"pdf", "svg", "png"',
+    **{f"run hertz-paper --tolerance={word}": SHARE for word in ("5_percent", "0", "-5%", "nan", "inf%", "shear=x")},
+    "run hertz-paper --tolerance==5%": "unknown metric ''",
+    "run hertz-paper --tolerance=disipation=5%": "unknown metric 'disipation'; did you mean dissipation?",
+    # Before any work: no stage is announced on stderr.
+    **{f"{command} hertz-paper --out file": "--out file: this is a file" for command in ("run", "exact", "fe", "fields")},
+    "run hertz-paper --out /proc/halfplane": "can't be written to",
+    "run hertz-paper --out file/below": "can't be written to",
+    "run hertz-paper --out taken": "report.html is there already",
+    "exact hertz-paper --out=": "one of the arguments is empty",
+    **{f"{words} {300 * 'x'}": "File name too long" for words in ("exact hertz-paper --out", "check")},
+    f"init {300 * 'x'}.toml": "File name too long",
+    "init good.toml": "good.toml: the file is there already",
+    "init my.json": "my.json: a commented scene is written as .toml",
+    "init nowhere/my.toml": "can't be written: No such file or directory",
+    "init my.toml --from hertz-papr": "no such scene",
+    "init my.toml --bodies --from hertz-paper": "goes with the commented example",
+    "advise blocks --limit 5": "such as 0.05 for 5 %",
+    "sweep study.toml --workers 0 --out out": "--workers 0: at least 1",  # it meant all cores, and said nothing
+    "sweep status nowhere --json": "nowhere",
+    "scenes --tag papier": "there is no such tag; there are paper, ",
+    "scenes hertz-papr": "did you mean hertz-paper?",
+    "scenes hertz-paper --tag paper": "leave one of the two out",
+    "completion tcsh": '"bash", "zsh", "fish"',
 }
 
 
-class TestBadInput:
-    @pytest.mark.parametrize("fault", BAD)
-    def test_scene_is_refused_in_a_sentence(self, tmp_path: Path, fault: str) -> None:
-        text, replacement, words = BAD[fault]
-        assert text in GOOD
-        (tmp_path / "bad.toml").write_text(GOOD.replace(text, replacement), encoding="utf-8")
-        sentence = refused(tmp_path, "run", "bad.toml")
-        assert sentence.startswith("halfplane: bad.toml: ")
-        for word in words:
-            assert word in sentence
-
-    def test_the_scene_that_they_start_from_is_good(self, tmp_path: Path) -> None:
-        (tmp_path / "good.toml").write_text(GOOD, encoding="utf-8")
-        assert halfplane(tmp_path, "check", "good.toml").returncode == 0
-
-    def test_files_that_can_not_be_read(self, tmp_path: Path) -> None:
-        (tmp_path / "folder.toml").mkdir()
-        (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00scene")
-        assert "folder.toml: the scene file can't be read" in refused(tmp_path, "run", "folder.toml")
-        assert "binary.toml: the scene file can't be read" in refused(tmp_path, "run", "binary.toml")
-        assert "nowhere.toml: the scene file can't be read: No such file" in refused(tmp_path, "run", "nowhere.toml")
-
-    def test_unknown_scene_command_option(self, tmp_path: Path) -> None:
-        assert "did you mean hertz-paper?" in refused(tmp_path, "run", "hertz-papr")
-        assert "there is no command 'rum'; did you mean run? " in refused(tmp_path, "rum", "hertz-paper")
-        assert "--elment-size" in refused(tmp_path, "run", "hertz-paper", "--elment-size", "0.1")
-        assert "extra" in refused(tmp_path, "run", "hertz-paper", "extra")
-        assert "run: SCENE is missing" in refused(tmp_path, "run")
-
-    def test_option_values(self, tmp_path: Path) -> None:
-        assert "element_size = 0.5 is refused" in refused(tmp_path, "run", "hertz-paper", "--quiet", "--element-size", "0.5")
-        assert "--order" in refused(tmp_path, "run", "hertz-paper", "--order", "two")
-        assert "--method" in refused(tmp_path, "run", "hertz-paper", "--method", "magic")
-        assert "--vtu soon" in refused(tmp_path, "run", "hertz-paper", "--vtu", "soon")
-
-    def test_options_that_go_with_another(self, tmp_path: Path) -> None:
-        """It was ignored."""
-        assert "it goes with --third calculix" in refused(tmp_path, "run", "hertz-paper", "--third-limit", "10")
-
-    def test_out_is_found_unusable_before_any_solving(self, tmp_path: Path) -> None:
-        """No stage is announced on stderr: the sentence comes first and alone."""
-        (tmp_path / "file").write_text("mine", encoding="utf-8")
-        (tmp_path / "taken").mkdir()
-        (tmp_path / "taken" / "report.html").write_text("mine", encoding="utf-8")
-        for command in ("run", "exact", "fe", "fields"):
-            assert "--out file: this is a file" in refused(tmp_path, command, "hertz-paper", "--out", "file")
-        assert "can't be written to" in refused(tmp_path, "run", "hertz-paper", "--out", "/proc/halfplane")
-        assert "can't be written to" in refused(tmp_path, "run", "hertz-paper", "--out", "file/below")
-        assert "report.html is there already" in refused(tmp_path, "run", "hertz-paper", "--out", "taken")
+@pytest.fixture(scope="module")
+def spoilt(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("spoilt")
+    for name, text in SPOILT.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    (folder / "binary.toml").write_bytes(b"\xff\xfe\x00scene")
+    return folder
 
 
-class TestExitCodes:
-    def test_outside_tolerance_is_1_and_the_report_is_there(self, tmp_path: Path) -> None:
-        done = halfplane(tmp_path, "run", "hertz-paper", *COARSE)
-        assert done.returncode == 1, done.stderr
-        page = done.stdout.strip().splitlines()[-1]
-        assert page == "out/hertz-paper/report.html"
-        stored = json.loads((tmp_path / "out" / "hertz-paper" / "comparison.json").read_text(encoding="utf-8"))
-        assert stored["verdict"]["passed"] is False
-        assert "outside" in done.stdout
-        assert stored["command"] == (
-            "halfplane run hertz-paper --element-size 0.25 --edge-element-size 0.25 --order 1 --steps-per-cycle 8 "
-            "--out out/hertz-paper"
-        )
-        assert everything(tmp_path) >= {"out/hertz-paper/report.html", "out/hertz-paper/result.nc"}
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_is_refused_is_one_sentence_with_2_and_no_file(words: str, spoilt: Path) -> None:
+    line = refused(spoilt, *words.split())
+    assert REFUSED[words] in line
+    assert not REFUSED[words].endswith(("lists them", "takes")) or line == f"halfplane: {REFUSED[words]}"
 
-    def test_within_tolerance_is_0(self, tmp_path: Path) -> None:
-        """The same coarse run, with tolerances that it meets, stated in the scene."""
-        (tmp_path / "wide.toml").write_text(
-            GOOD + "[tolerances]\n" + "\n".join(f"{name} = 10.0" for name in load_scene("hertz-paper").tolerances.model_dump()),
-            encoding="utf-8",
-        )
-        done = halfplane(tmp_path, "run", "wide.toml", "--quiet", *COARSE)
-        assert done.returncode == 0, done.stdout + done.stderr
-        assert done.stderr == ""
-        assert "within all 8 tolerances" in done.stdout
 
-    @pytest.mark.parametrize("command", ["run", "fe"])
-    def test_not_converged_is_3_and_keeps_what_was_solved(
-        self, command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        """An engine that fails after the first revolution's first steps, whatever would make it fail."""
-        partial = cattaneo_mindlin(
-            steps_per_leg=4, points=21, record=Record(False, "not converged", "stuck", freeze([0] * 13, int))
-        )
-        self.fail_with(ConvergenceError("stuck at time 2.5", partial), monkeypatch)
-        monkeypatch.chdir(tmp_path)
-        assert main([command, "cattaneo-mindlin", "--quiet"]) == 3
-        shown = capsys.readouterr()
-        assert "halfplane: cattaneo-mindlin: not converged: stuck at time 2.5" in shown.err
-        assert "stuck" in shown.out
-        folder = tmp_path / "out" / "cattaneo-mindlin"
-        assert shown.out.strip().splitlines()[-1] == "out/cattaneo-mindlin/partial.nc"
-        assert {path.name for path in folder.iterdir()} >= {"partial.nc", "partial.json", "partial.csv", "scene.json"}
-        assert not (folder / "report.html").exists()
-        assert json.loads((folder / "partial.json").read_text(encoding="utf-8"))["converged"] is False
-        assert ContactSolution.load(folder / "partial.nc").time[-1] == partial.time[-1]
+def test_an_empty_word_is_refused(spoilt: Path) -> None:
+    """As of --out "$FOLDER" where that is not set: results went to the current folder."""
+    assert "one of the arguments is empty" in refused(spoilt, "exact", "hertz-paper", "--out", "")
 
-    def test_not_converged_at_the_first_step(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        self.fail_with(ConvergenceError("stuck at once"), monkeypatch)
-        monkeypatch.chdir(tmp_path)
-        assert main(["run", "cattaneo-mindlin", "--quiet"]) == 3
-        assert "no step was solved, so nothing was written" in capsys.readouterr().err
-        assert everything(tmp_path) == set()
 
-    def fail_with(self, failure: ConvergenceError, monkeypatch: pytest.MonkeyPatch) -> None:
-        def solve(*_: object, **__: object) -> None:
-            raise failure
+def test_an_old_name_of_a_key_gets_one_note(tmp_path: Path) -> None:
+    """Python shows no DeprecationWarning of a library. Each name once, and only on stderr."""
+    assert halfplane(tmp_path, "init", "old.toml", "--quiet").returncode == 0
+    text = (tmp_path / "old.toml").read_text(encoding="utf-8")
+    (tmp_path / "old.toml").write_text(text.replace("initial_loading =", "way_in ="), encoding="utf-8")
+    done = halfplane(tmp_path, "check", "old.toml", "--json")
+    assert done.returncode == json.loads(done.stdout)["exit_code"] == 0
+    assert done.stderr == "Note: way_in is now called initial_loading; the old name is read until version 0.3.\n"
 
-        monkeypatch.setattr("halfplane_fe.solve", solve)
 
-    def test_interrupted_is_130_and_leaves_nothing_half_written(self, tmp_path: Path) -> None:
-        command = [sys.executable, "-m", "reports", "run", "hertz-paper", "--steps-per-cycle", "20000"]
-        with subprocess.Popen(
-            command, cwd=tmp_path, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        ) as process:
-            assert process.stderr is not None
-            for line in process.stderr:
-                if line.startswith("finite elements"):
-                    break
-            rest = interrupt(process)
-        assert process.returncode == 130
-        assert "Traceback" not in rest
-        # Before the first step there is nothing to keep; after it the steps are.
-        if "interrupted; nothing was written" in rest:
-            assert everything(tmp_path) == set()
-        else:
-            assert (tmp_path / "out" / "hertz-paper" / "partial.nc").exists()
+# ------------------------------------------------------------------------------------------------------------------ help
+def test_help_lists_commands_by_use_with_examples_and_exit_codes(tmp_path: Path) -> None:
+    shown = halfplane(tmp_path, "--help").stdout
+    found: dict[str, list[str]] = {}
+    for line in shown.split("Examples:")[0].splitlines():
+        if line.startswith("╭─ "):
+            found[line.split()[1]] = []
+        elif line.startswith("│ ") and line[2] != " ":
+            found[list(found)[-1]].append(line.split()[1])
+    assert found == COMMANDS
+    assert "halfplane run hertz-paper" in shown
+    assert "130 interrupted" in shown
+    options = halfplane(tmp_path, "run", "--help").stdout
+    assert all(one in options for one in ("--out", "--vtu", "--element-size", "--steps-per-cycle", "--method", "--quiet"))
 
-    def test_one_engine_alone(self, tmp_path: Path) -> None:
-        exact = halfplane(tmp_path, "exact", "cattaneo-mindlin", "--quiet")
-        assert exact.returncode == 0, exact.stderr
-        assert exact.stdout.strip().splitlines()[-1] == "out/cattaneo-mindlin/semi_analytic.nc"
-        alone = halfplane(tmp_path, "fe", "cattaneo-mindlin", "--quiet", *COARSE)
-        # Admissible, but on so coarse a mesh a number that the scene expects of the default one is missed, and said to be.
-        assert alone.returncode == 1, alone.stderr
-        assert "of 3 expected numbers are missed" in alone.stdout
-        files = {path.name for path in (tmp_path / "out" / "cattaneo-mindlin").iterdir()}
-        assert files >= {"semi_analytic.nc", "semi_analytic.json", "semi_analytic.csv", "halfplane_fe.nc", "scene.json"}
+
+def test_help_loads_nothing_heavy(tmp_path: Path) -> None:
+    """What makes help fast, of every command too: none of these is imported. A time would depend on the machine."""
+    heavy = {"numpy", "scipy", "pydantic", "xarray", "matplotlib", "skfem", "gmsh", "jinja2", "pyvista", "pandas"}
+    program = (
+        "import sys\nfrom reports.cli import main\nfrom reports.cli.application import app\n"
+        "code = main(['--version']) + main(['--help'])\n"
+        "code += sum(main([*name.split(), '--help']) for name in [*app, 'sweep status'] if name[0] != '-')\n"
+        f"print('loaded:', *sorted({heavy!r} & set(sys.modules)))\nsys.exit(code)"
+    )
+    done = process(tmp_path, program=("-c", program))
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "loaded:")
+
+
+def test_a_completion_script_knows_every_command_and_bash_completes(tmp_path: Path) -> None:
+    for shell in ("fish", "zsh", "bash"):
+        script = halfplane(tmp_path, "completion", shell).stdout
+        words = [word.removeprefix("--") for names in COMMANDS.values() for word in names]
+        assert not [word for word in (*words, "steps-per-cycle") if word not in script]
+    if shutil.which("bash") is None:
+        pytest.skip("there is no bash here")
+    (tmp_path / "words").write_text(script, encoding="utf-8")
+    program = 'source ./words; COMP_WORDS=({}); COMP_CWORD={}; _halfplane; printf "%s\\n" "${{COMPREPLY[@]}}"'
+    wanted = {"halfplane sco": ["score"], "halfplane fields blocks --anim": ["--animate"], "halfplane completion f": ["fish"]}
+    for words, found in wanted.items():
+        command = ["bash", "-c", program.format(words, len(words.split()) - 1)]
+        assert subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout.split() == found
+
+
+@pytest.mark.parametrize(
+    ("own", "coloured"), [({"FORCE_COLOR": "1"}, True), ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False), ({}, False)]
+)
+def test_verdicts_are_coloured_where_the_terminal_has_colours_and_nobody_minds(
+    own: dict[str, str], coloured: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("NO_COLOR", "FORCE_COLOR", "TTY_COMPATIBLE"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in (own | {"TERM": "xterm-256color"}).items():
+        monkeypatch.setenv(name, value)
+    show_table("Verdict", ("metric", "accurate"), (("shear", "within"), ("edge", "outside"), ("stick", "undecided")))
+    say("outside", "bold red")
+    shown = capsys.readouterr().out
+    assert ("\x1b[32mwithin" in shown) is ("\x1b[1;33mundecided" in shown) is coloured
+    assert shown.count("\x1b[1;31moutside") == 2 * coloured
+    assert own or "\x1b" not in shown
+
+
+# ---------------------------------------------------------------------------------------------------------------- scenes
+def test_init_check_and_what_the_example_mentions(tmp_path: Path) -> None:
+    """The commented example is a whole scene; with its comment signs moved it is another, with --bodies a third."""
+    assert halfplane(tmp_path, "init", "my.toml").returncode == 0
+    text = (tmp_path / "my.toml").read_text(encoding="utf-8")
+    assert {"material", "profile", "friction", "load"} <= tomllib.loads(text).keys()
+    stated = re.sub(r"(?m)^# ", "", text[text.index("# [tolerances]") :].split("\n\n")[0])
+    assert set(tomllib.loads(stated)["tolerances"]) == set(load_scene(tmp_path / "my.toml").tolerances.model_dump())
+    assert halfplane(tmp_path, "check", "my.toml").returncode == 0
+
+    other = text.replace('kind = "hertz"', '# kind = "hertz"').replace('# kind = "flat_rounded"', 'kind = "flat_rounded"')
+    other = other.replace("# flat_half_length", "flat_half_length")
+    start, end = other.index('kind = "ellipse"'), other.index('# kind = "polygon"')
+    tail = other[end:]
+    for key in ("kind", "initial_loading", "cycle"):
+        tail = tail.replace(f"# {key}", key, 1)
+    (tmp_path / "other.toml").write_text(other[:start] + tail, encoding="utf-8")
+    scene = load_scene(tmp_path / "other.toml")
+    assert (scene.profile.kind, scene.load.kind) == ("flat_rounded", "polygon")
+
+    assert halfplane(tmp_path, "init", "bodies.toml", "--bodies").returncode == 0
+    plain, real = load_scene(tmp_path / "my.toml"), load_scene(tmp_path / "bodies.toml")
+    assert (real.bodies.lower.kind, real.bodies.upper.kind) == ("block", "pad")
+    assert real.vary(bodies=plain.bodies, name=plain.name) == plain
+
+
+def test_every_scene_of_the_library_is_listed_and_can_be_started_from(tmp_path: Path) -> None:
+    done = halfplane(tmp_path, "scenes", COLUMNS="100")
+    lines = done.stdout.splitlines()
+    assert max(map(len, lines)) <= 120
+    for name in scene_names():
+        assert name in lines
+        assert load_scene(name).title in " ".join(done.stdout.split())
+        (tmp_path / name).mkdir()
+        assert halfplane(tmp_path / name, "init", "my.toml", "--from", name).returncode == 0
+        assert load_scene(tmp_path / name / "my.toml").load == load_scene(name).load
+    flight = tmp_path / "flight"
+    assert everything(flight) == {"my.toml", "flight.csv", "flight.py"}
+    assert "flight.csv: the file is there already" in refused(flight, "init", "other.toml", "--from", "flight")
+
+
+def test_one_scene_in_detail(tmp_path: Path) -> None:
+    shown = halfplane(tmp_path, "scenes", "flat-pad-on-block").stdout
+    assert not [
+        w
+        for w in ["purpose", "source", "tags", "question", "bodies", "tolerances", "expected"]
+        if not re.search(rf"(?m)^{w} ", shown)
+    ]
+    found = json.loads(halfplane(tmp_path, "scenes", "--tag", "paper", "--tag", "flat", "--json").stdout)["result"]["scenes"]
+    assert [one["name"] for one in found] == ["flat-rounded-paper", "motor"]
+    assert found[0]["expected"][0]["source"]
+
+
+def test_schemas_have_every_table_and_explain_the_keys_of_bodies(tmp_path: Path) -> None:
+    schema = json.loads(halfplane(tmp_path, "schema").stdout)
+    assert {"material", "profile", "friction", "load", "tolerances"} <= schema["properties"].keys()
+    assert set(schema["$defs"]["Block"]["properties"]) == {"kind", "width", "height", "base", "sides"}
+    for kind in ("Block", "Pad", "Cylinder"):
+        keys = schema["$defs"][kind]["properties"]
+        assert all(keys[key].get("description") for key in keys if key != "kind")
+    assert json.loads(halfplane(tmp_path, "schema", "--answers").stdout) == answer_schema()
+
+
+def test_a_missed_number_ends_with_1(tmp_path: Path) -> None:
+    text = scene_text("hertz-normal").split("[[expected]]")[0]
+    number = '[[expected]]\nquantity = "largest_half_width"\nvalue = {}\ntolerance = 1e-9\nsource = "Hertz (1882)"\n'
+    for value, code, word in ((1.0, 0, "yes"), (1.001, 1, "no")):
+        (tmp_path / "mine.toml").write_text(text + number.format(value), encoding="utf-8")
+        done = halfplane(tmp_path, "exact", "mine.toml", "--quiet")
+        assert done.returncode == code, done
+        row = next(line for line in done.stdout.splitlines() if "largest half width" in line)
+        assert re.search(rf"\b{word}\b", row)
+
+
+# ---------------------------------------------------------------------------------------------------- answers as JSON
+@pytest.fixture
+def said(tmp_path: Path) -> Callable[..., tuple[int, dict[str, Any]]]:
+    """Runs a command with --json: its exit code and what the document that is its whole stdout holds as `result`."""
+
+    def run(*words: str) -> tuple[int, dict[str, Any]]:
+        return answer_of(halfplane(tmp_path, *words, "--json"), *words)
+
+    return run
+
+
+def answer_of(done: Done, *words: str) -> tuple[int, dict[str, Any]]:
+    found = json.loads(done.stdout)
+    jsonschema.validate(found, answer_schema())
+    assert (found["format"], found["exit_code"]) == (FORMAT, done.returncode)
+    assert " ".join(words).startswith(found["command"])
+    return done.returncode, found["result"]
+
+
+@pytest.fixture(scope="module")
+def coarse(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
+    """A folder in which `run cattaneo-mindlin --json` was given, on the coarsest mesh, and what it printed."""
+    folder = tmp_path_factory.mktemp("coarse")
+    return folder, halfplane(folder, "run", "cattaneo-mindlin", "--json", *COARSE)
+
+
+def test_a_run_outside_its_tolerances_is_1_with_page_files_log_and_one_document(coarse: tuple[Path, Done]) -> None:
+    folder, done = coarse
+    code, found = answer_of(done, "run", "cattaneo-mindlin")
+    assert (code, found["passed"], found["metrics"]["dissipation"]["accurate"]) == (1, False, False)
+    assert found["page"] == "out/cattaneo-mindlin/report.html"
+    assert everything(folder) >= {found["page"], "out/cattaneo-mindlin/result.nc"}
+    whole = json.loads((folder / "out/cattaneo-mindlin/comparison.json").read_text(encoding="utf-8"))
+    assert found["metrics"]["shear"]["value"] == whole["metrics"]["shear"]["value"]
+    assert whole["verdict"]["passed"] is False
+    assert whole["command"] == (
+        "halfplane run cattaneo-mindlin --element-size 0.25 --edge-element-size 0.25 --order 1 --steps-per-cycle 8 "
+        "--out out/cattaneo-mindlin"
+    )
+    log = (folder / "out/cattaneo-mindlin/run.log").read_text(encoding="utf-8")
+    assert "halfplane run cattaneo-mindlin --element-size 0.25" in log.splitlines()[0]
+    assert all(words in log for words in ("revolution 1, ", " contact iterations", whole["verdict"]["sentence"]))
+    assert "finite elements: " in done.stderr
+
+
+def test_a_run_is_judged_by_the_users_tolerances_and_says_how_to_repeat_that(tmp_path: Path) -> None:
+    """The same coarse mesh with wide tolerances: 0. Figures of publication quality go with the next run."""
+    given = [
+        "--tolerance",
+        "50%",
+        "pressure=50%",
+        "peak_pressure=50%",
+        "--tolerance",
+        "shear=0.5",
+        "contact_edge=1",
+        "stick_edge=1",
+    ]
+    (tmp_path / "mine.toml").write_text(scene_text("cattaneo-mindlin").split("[[expected]]")[0], encoding="utf-8")
+    done = halfplane(tmp_path, "run", "mine.toml", "--quiet", "--plots", "svg", *COARSE, *given.split())
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines()[-1] == "out/mine/report.html"
+    whole = json.loads((tmp_path / "out/mine/comparison.json").read_text(encoding="utf-8"))
+    assert whole["metrics"]["shear"]["tolerance"] == whole["metrics"]["dissipation"]["tolerance"] == 0.5
+    assert "within all 9 tolerances" in whole["verdict"]["sentence"]
+    assert "--plots svg" in whole["command"]
+    assert "--tolerance 50% pressure=50% peak_pressure=50% shear=0.5 contact_edge=1 stick_edge=1" in whole["command"]
+    plots = {path.stem for path in (tmp_path / "out/mine/plots").iterdir()}
+    assert plots == {path.stem for path in (tmp_path / "out/mine/figures").glob("*.csv")}
+    assert halfplane(tmp_path, "run", "mine.toml", "--quiet", *COARSE).returncode == 1
+    assert not (tmp_path / "out/mine/plots").exists()  # of an earlier run
+
+
+def test_a_share_is_for_four_metrics_and_a_key_for_one() -> None:
+    assert tolerances_of(()) == {}
+    assert tolerances_of(["5%"]) == dict.fromkeys(
+        ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick"), 0.05
+    )
+    assert tolerances_of(["0.1", "shear=3%", "dissipation=0.02"])["shear"] == pytest.approx(0.03)
+    assert tolerances_of(["0.1", "dissipation=0.02"])["dissipation"] == 0.02
+    assert tolerances_of(["dissipation=0.02", "0.1"])["dissipation"] == 0.1  # the last counts
+
+
+def test_one_engine_alone_has_its_values_and_misses_what_so_coarse_a_mesh_misses(said: Any, tmp_path: Path) -> None:
+    for engine, words, wanted in (("semi_analytic", ["exact"], 0), ("halfplane_fe", ["fe", *COARSE], 1)):
+        code, found = said(words[0], "cattaneo-mindlin", "--quiet", *words[1:])
+        whole = json.loads((tmp_path / f"out/cattaneo-mindlin/{engine}.json").read_text(encoding="utf-8"))
+        assert (found["engine"], found["admissible"], found["passed"]) == (engine, True, code == 0)
+        assert (code, found["file"]) == (wanted, f"out/cattaneo-mindlin/{engine}.nc")
+        for name in ("dissipation", "largest_pressure", "largest_half_width", "certificates", "notes"):
+            assert found[name] == whole[name]
+        stated = {one.quantity for one in load_scene("cattaneo-mindlin").expected}
+        assert {"dissipation"} <= {one["quantity"] for one in found["expected"]} <= stated
+        assert all(one["met"] for one in found["expected"]) is found["passed"]
+    assert {path.suffix for path in (tmp_path / "out/cattaneo-mindlin").glob("semi_analytic.*")} == {".nc", ".json", ".csv"}
+
+
+def test_check_and_doctor(said: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert said("check", "cattaneo-mindlin")[1]["nearest_to_sliding"]["ratio"] == pytest.approx(0.6)
+    assert "|Q|/(f P) is at most 0.6, in the cycle at time 2 " in halfplane(tmp_path, "check", "cattaneo-mindlin").stdout
+    code, found = said("doctor")
+    assert (code, everything(tmp_path)) == (0, set())
+    assert found["checks"].keys() >= {"Python", "packages", "gmsh", "off-screen rendering", "output folder"}
+    findings = (Finding("gmsh", True, "there"), Finding("off-screen rendering", False, "no screen"))
+    monkeypatch.setattr("reports.cli.machine.examine", lambda _out: findings)
+    code, found = said("doctor")
+    assert (code, found["passed"]) == (1, False)
+    assert found["checks"]["off-screen rendering"] == {"good": False, "found": "no screen"}
+    for words, code in ((("doctor", "--quiet"), 1), (("check", "cattaneo-mindlin", "--quiet"), 0)):
+        assert halfplane(tmp_path, *words) == Done(code, "", "")
+
+
+def test_advice_is_yes_no_not_sure_or_nothing_known(said: Any, tmp_path: Path) -> None:
+    code, found = said("advise", "blocks")
+    assert (code, found["within_limit"], found["passed"]) == (0, True, True)
+    (blocks,) = found["departures"]
+    assert blocks["errors"] == found["sum_of_known"]
+    error = blocks["errors"]["dissipation"]["error"]
+    assert error == pytest.approx(-0.0277, abs=0.005)  # the published run
+    assert set(blocks["errors"]) == {"dissipation", "p0", "contact_half_width"}
+    assert found["sentence"].startswith("Yes: dissipation")
+    code, found = said("advise", "blocks", "--limit", "0.02")
+    assert (code, found["within_limit"], found["passed"]) == (1, False, False)
+    code, found = said("advise", "blocks", "--limit", f"{abs(error):.4g}")  # a limit of the error itself
+    assert (code, found["verdict"], found["within_limit"]) == (1, "undecided", False)
+    assert found["sentence"].startswith("Not sure: ")
+    assert "the uncertainty reaches across the limit" in found["sentence"]
+    code, found = said("advise", "pad-on-block")
+    assert code == 1
+    assert (found["within_limit"] is None) is any(one["errors"] is None for one in found["departures"])
+    _, found = said("advise", "hertz-paper")
+    assert (found["departures"], found["sum_of_known"]) == ([], None)
+    # A flat pad of a/R = 0.54: the map ends at 0.4, and beyond it no uncertainty is known.
+    text = scene_text("flat-pad-on-block").split("[[expected]]")[0].split("[tolerances]")[0]
+    (tmp_path / "pad.toml").write_text(text, encoding="utf-8")
+    done = halfplane(tmp_path, "advise", "pad.toml")
+    (arcs,) = (line for line in done.stdout.splitlines() if "true arcs" in line)
+    assert (done.returncode, "extrapolated" in arcs, "about −" in arcs, "±" in arcs) == (1, True, True, False)
+    assert "map `curvature`, pad" in done.stdout  # the name that `halfplane map` takes
+
+
+def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code, found = said("fields", "hertz-normal", "--no-pictures", "--quiet", *COARSE)
+    assert code == 0
+    assert all((tmp_path / "out/hertz-normal" / name).exists() for name in found["files"])
+    assert (tmp_path / found["file"]).exists()
+    assert found["instants"]
+    assert all(one[name]["value"] > 0 for one in found["instants"] for name in ("largest_nodal_von_mises", "largest_nodal_tension"))
+    assert "not peaks" in found["largest nodal stresses"]
+
+    code, found = said("export", "hertz-normal", "--to", "calculix", "--quiet")
+    deck = (tmp_path / found["file"]).read_text(encoding="utf-8")
+    assert found["nodes"] > found["elements"] / 2 > 100
+    assert (code, f"\n{found['nodes']}, " in deck) == (0, True)
+
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    code, found = said("sweep", "study.toml", "--workers", "1", "--quiet")
+    assert (code, found["points"]) == (0, {"done": 2, "failed": 0, "running": 0, "waiting": 0, "total": 2})
+    assert (tmp_path / found["file"]).read_text(encoding="utf-8").count("\n") == 3
+    status, page = said("sweep", "status", "out/study")[1], said("sweep", "report", "out/study")[1]
+    assert status["points"] == page["points"] == found["points"]
+    assert (status["title"], status["seconds_left"], status["failures"], status["damaged"]) == ("Friction", None, [], [])
+    assert (tmp_path / page["page"]).exists()
+
+    written: list[Path] = []
+    monkeypatch.setattr("reports.maps.publication.write", lambda folder, there: written.append(folder))
+    code, found = said("map", "unlike", "--pages", "--out", "maps")
+    assert (code, found["studies"], [Path(found["page"]).parent]) == (0, {}, written)  # pages alone run none
+
+    statement = Statement("key", "where", "words", "computed", Verdict.REFINED, {"a": 1.0})
+    misprint = Misprint("key", "where", "printed", "right", "proof", None, {})
+    report = PaperReport((statement,), (misprint,), Path("out/report.html"))
+    monkeypatch.setattr("reports.paper.page.write", lambda *_: report)
+    _, found = said("paper", "--quiet")
+    assert found["verdicts"] == {"confirmed": 0, "refined": 1, "contradicted": 0}
+    assert (found["statements"][0]["verdict"], found["misprints"][0]["proven"]) == ("refined", None)
+
+    assert said("scenes", "flight")[1]["scenes"][0]["files"] == ["flight.csv", "flight.py"]
+    assert said("diff", str(KEPT / "result.nc"), str(KEPT / "baseline.json"))[1]["same"] is True
+
+
+def test_the_schema_has_every_command_the_manual_every_key_and_another_envelope_is_refused() -> None:
+    schema = answer_schema()
+    commands = {one["if"]["properties"]["command"]["const"] for one in schema["allOf"]}
+    assert commands == set(NAMES) - {"init", "schema", "completion"} | {"sweep status", "sweep report"}
+    text = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+    listed = {name: set(re.findall(r"`([^`]+)`", keys)) for name, keys in re.findall(r"(?m)^\| `([^`]+)` \| (`.*`) \|$", text)}
+    for one in schema["allOf"]:
+        result = one["then"]["properties"]["result"]
+        table = result["anyOf"][1] if "anyOf" in result else result
+        table = schema["$defs"][table["$ref"].removeprefix("#/$defs/")] if "$ref" in table else table
+        assert listed[one["if"]["properties"]["command"]["const"]] == set(table["required"])
+    answer = {"format": FORMAT, "command": "doctor", "exit_code": 0, "scene": None, "result": {"passed": True, "checks": {}}}
+    jsonschema.validate(answer, schema)
+    for wrong in ({**answer, "format": "halfplane verdict 1"}, {**answer, "result": {"passed": True}}, {**answer, "more": 1}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(wrong, schema)
+
+
+# ------------------------------------------------------------------------------------------------------------ exit code 3
+@pytest.fixture
+def partial() -> ContactSolution:
+    """The first revolution's steps of a solution that then failed."""
+    return cattaneo_mindlin(steps_per_leg=4, points=21, record=Record(False, "not converged", "stuck", freeze([0] * 13, int)))
+
+
+def failing(fault: BaseException) -> Callable[..., None]:
+    def solve(*_: object, **__: object) -> None:
+        raise fault
+
+    return solve
+
+
+@pytest.mark.parametrize("command", ["run", "fe", "exact"])
+def test_not_converged_is_3_and_keeps_what_was_solved(
+    command: str, partial: ContactSolution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for engine in ("halfplane_fe", "semi_analytic"):
+        monkeypatch.setattr(f"{engine}.solve", failing(ConvergenceError("stuck at time 2.5", partial)))
+    done = halfplane(tmp_path, command, "cattaneo-mindlin", "--quiet")
+    assert done.returncode == 3
+    assert "halfplane: cattaneo-mindlin: not converged: stuck at time 2.5" in done.stderr
+    assert "stuck" in done.stdout
+    assert done.stdout.splitlines()[-1] == "out/cattaneo-mindlin/partial.nc"
+    folder = tmp_path / "out" / "cattaneo-mindlin"
+    assert everything(folder) >= {"partial.nc", "partial.json", "partial.csv", "scene.json"}
+    assert not (folder / "report.html").exists()
+    assert json.loads((folder / "partial.json").read_text(encoding="utf-8"))["converged"] is False
+    assert ContactSolution.load(folder / "partial.nc").time[-1] == partial.time[-1]
+    code, found = answer_of(halfplane(tmp_path, command, "cattaneo-mindlin", "--quiet", "--json"), command)
+    assert (code, found["file"]) == (3, "out/cattaneo-mindlin/partial.nc")
+    assert "stuck at time 2.5" in found["error"]
+
+
+def test_not_converged_at_once_and_a_reference_that_does_not(said: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("halfplane_fe.solve", failing(ConvergenceError("step 3 does not converge")))
+    done = halfplane(tmp_path, "run", "cattaneo-mindlin", "--quiet")
+    assert done.returncode == 3
+    assert "no step was solved, so nothing was written" in done.stderr
+    assert everything(tmp_path) == set()
+    code, found = said("score", str(KEPT / "result.nc"), "--scene", "cattaneo-mindlin", "--against", "fe", "--quiet")
+    assert (code, found["passed"], found["file"]) == (3, False, None)
+    assert found["error"] == "the reference is not converged: step 3 does not converge"
+
+
+# ----------------------------------------------------------------------------------------------------------- exit code 70
+PLANTED = "halfplane: internal error, a fault of halfplane: ZeroDivisionError: planted; the traceback is "
+
+
+def kept(done: Done) -> str:
+    """The file that the one sentence on stderr names, and that holds the traceback."""
+    assert done.returncode == 70
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(PLANTED + "in ")
+    return line.removeprefix(PLANTED + "in ").removesuffix(": please report it")
 
 
 class TestInternalErrors:
     """An exception that nobody expected: exit code 70, one sentence, and the traceback in a file that the sentence names."""
 
-    SENTENCE = "halfplane: internal error, a fault of halfplane: ZeroDivisionError: planted; the traceback is in "
-
     @pytest.fixture(autouse=True)
     def here(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.chdir(tmp_path)
         monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
 
-    @staticmethod
-    def planted(*_: object, **__: object) -> None:
-        raise ZeroDivisionError("planted")
+    @pytest.mark.parametrize("name", NAMES)
+    def test_at_every_command(self, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """One whose folder another claimed before in the same process among them: that folder is left alone."""
+        claim(tmp_path / "other")
 
-    def told(self, capsys: pytest.CaptureFixture[str]) -> str:
-        """The file that the one sentence on stderr names, and that holds the traceback."""
-        shown = capsys.readouterr()
-        (line,) = shown.err.splitlines()
-        assert line.startswith(self.SENTENCE)
-        name = line.removeprefix(self.SENTENCE).removesuffix(": please report it")
-        text = Path(name).read_text(encoding="utf-8")
-        assert "Traceback (most recent call last):" in text
-        assert text.rstrip().endswith("ZeroDivisionError: planted")
-        return name
-
-    @pytest.mark.parametrize("name", [name for name in app if not name.startswith("-")])
-    def test_at_every_command(self, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
         def fails() -> None:
-            self.planted()
+            raise ZeroDivisionError("planted")
 
         monkeypatch.setattr(app[name], "default_command", fails)
-        assert main([name]) == 70
-        kept = Path(self.told(capsys))
-        assert kept.parent == Path.cwd()
-        assert f"  halfplane {name}\n" in kept.read_text(encoding="utf-8")
+        file = Path(kept(halfplane(tmp_path, name)))
+        assert file.parent == tmp_path
+        text = file.read_text(encoding="utf-8")
+        assert f"  halfplane {name}\n" in text
+        assert "Traceback (most recent call last):" in text
+        assert text.rstrip().endswith("ZeroDivisionError: planted")
+        assert not (tmp_path / "other").exists()
 
-    def test_the_output_folder_has_it_and_is_used_again(
-        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    @pytest.mark.parametrize("words", ["run", "fe", "fields --at 1 --no-pictures", "exact"])
+    def test_the_output_folder_has_it_no_half_answer_and_is_used_again(
+        self, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        """Beside what an earlier run left there, one below the other; a later run takes the folder as before."""
-        asked = ["exact", "cattaneo-mindlin", "--quiet", "--out", "here"]
-        assert main(asked) == 0
-        before = everything(Path("here"))
-        capsys.readouterr()
-        with monkeypatch.context() as patch:
-            patch.setattr("semi_analytic.solve", self.planted)
-            for count in (1, 2):
-                assert main(asked) == 70
-                assert self.told(capsys) == "here/run.log"
-                assert Path("here/run.log").read_text(encoding="utf-8").count("Traceback") == count
-        assert everything(Path("here")) == before | {"run.log"}
-        assert everything(Path.cwd()) == {"here", *(f"here/{name}" for name in everything(Path("here")))}
-        assert main(asked) == 0
-
-    def test_the_folder_of_another_command_is_left_alone(
-        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        """One that a script claimed before it called the command line: it got the traceback of a command without a folder."""
-        claim("other")
-        monkeypatch.setattr("reports.cli.machine.examine", self.planted)
-        assert main(["doctor"]) == 70
-        assert Path(self.told(capsys)).parent == Path.cwd()
-        assert not Path("other").exists()
-
-    @pytest.mark.parametrize("words", ["run", "fe", "fields --at 1 --no-pictures"])
-    def test_no_answer_is_left_half_written(
-        self, words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        monkeypatch.setattr("halfplane_fe.solve", self.planted)
         command, *options = words.split()
-        assert main([command, "cattaneo-mindlin", *options, "--quiet"]) == 70
-        assert self.told(capsys) == "out/cattaneo-mindlin/run.log"
-        assert {path.name for path in Path("out/cattaneo-mindlin").iterdir()} == {"run.log", "manifest.json"}
+        asked = [command, "cattaneo-mindlin", *options, "--quiet", "--out", "here"]
+        before: set[str] = set()
+        if command == "exact":
+            assert halfplane(tmp_path, *asked).returncode == 0
+            before = everything(tmp_path / "here")
+        with monkeypatch.context() as patch:
+            patch.setattr(
+                "semi_analytic.solve" if command == "exact" else "halfplane_fe.solve", failing(ZeroDivisionError("planted"))
+            )
+            for count in (1, 2):
+                assert kept(halfplane(tmp_path, *asked)) == "here/run.log"
+                assert (tmp_path / "here/run.log").read_text(encoding="utf-8").count("Traceback") == count
+        assert everything(tmp_path / "here") == before | {"run.log", "manifest.json"}
+        assert command != "exact" or halfplane(tmp_path, *asked).returncode == 0
 
-    def test_where_no_file_can_be_written_it_is_on_stderr(
-        self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        def full(*_: object, **__: object) -> None:
-            raise OSError(28, "No space left on device")
-
-        monkeypatch.setattr("semi_analytic.solve", self.planted)
+    def test_where_no_file_can_be_written_it_is_on_stderr(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("semi_analytic.solve", failing(ZeroDivisionError("planted")))
+        full = failing(OSError(28, "No space left on device"))
         monkeypatch.setattr("reports.folder.filled", full)
-        assert main(["exact", "cattaneo-mindlin", "--quiet", "--out", "here"]) == 70
-        assert Path(self.told(capsys)).parent == Path.cwd()
+        asked = ["exact", "cattaneo-mindlin", "--quiet", "--out", "here"]
+        assert Path(kept(halfplane(tmp_path, *asked))).parent == tmp_path
         monkeypatch.setattr("tempfile.mkstemp", full)
-        assert main(["exact", "cattaneo-mindlin", "--quiet", "--out", "here"]) == 70
-        shown = capsys.readouterr().err
-        assert "Traceback (most recent call last):" in shown
-        assert shown.splitlines()[-1].endswith("ZeroDivisionError: planted; the traceback is above: please report it")
+        done = halfplane(tmp_path, *asked)
+        assert done.returncode == 70
+        assert "Traceback (most recent call last):" in done.stderr
+        assert done.stderr.splitlines()[-1] == PLANTED + "above: please report it"
 
     def test_of_a_process(self, tmp_path: Path) -> None:
         """No traceback on the terminal, nothing on stdout; a message of many lines is one short one."""
@@ -461,10 +635,115 @@ class TestInternalErrors:
             "sys.argv = ['halfplane', 'exact', 'cattaneo-mindlin', '--quiet']\n"
             "sys.exit(reports.cli.main())\n"
         )
-        command = [sys.executable, "-c", program]
-        done = subprocess.run(command, cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=120, check=False)
+        done = process(tmp_path, program=("-c", program))
         assert (done.returncode, done.stdout) == (70, "")
         (line,) = done.stderr.splitlines()
         assert len(line) < 400
         assert "; the traceback is in out/cattaneo-mindlin/run.log: please report it" in line
-        assert "KeyError" in (tmp_path / "out" / "cattaneo-mindlin" / "run.log").read_text(encoding="utf-8")
+        assert "KeyError" in (tmp_path / "out/cattaneo-mindlin/run.log").read_text(encoding="utf-8")
+
+
+def test_interrupted_at_the_first_line_is_130_and_leaves_nothing_half_written(tmp_path: Path) -> None:
+    """Before the first step there is nothing to keep; test_faults_processes.py interrupts later."""
+    command = [sys.executable, "-m", "reports", "run", "hertz-paper", "--steps-per-cycle", "20000"]
+    with subprocess.Popen(command, cwd=tmp_path, env=environment(), stderr=subprocess.PIPE, text=True) as running:
+        assert running.stderr is not None
+        while not running.stderr.readline().startswith("finite elements"):
+            continue
+        running.send_signal(signal.SIGINT)
+        _, rest = running.communicate(timeout=120)
+    assert running.returncode == 130
+    assert "Traceback" not in rest
+    if "interrupted; nothing was written" in rest:
+        assert everything(tmp_path) == set()
+    else:
+        assert (tmp_path / "out" / "hertz-paper" / "partial.nc").exists()
+
+
+# ----------------------------------------------------------------------------------------------------- progress and cost
+def test_time_left_is_that_of_the_part_and_starts_anew_with_the_next() -> None:
+    left = TimeLeft(iter([0.0, 10.0, 12.0, 14.0, 20.0, 21.0]).__next__)
+    found = [left.words(done, 5) for done in (0, 1, 2, 0, 1)]
+    assert found == ["", "8 s left", "6 s left", "", "4 s left"]
+    assert TimeLeft(iter([0.0, 1.0]).__next__).words(3, None) == ""  # nothing is said of work without a total
+
+
+def test_piped_lines_are_plain_and_whole(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("reports.console._LINE_EVERY", 0.0)
+    stages = Stages()
+    with stages.stage("finite elements") as report:
+        for done in range(4):
+            report(done, 3, f"revolution 1, {100 * done} steps, {250 * done} contact iterations, " + "and more words " * 6)
+    lines = capsys.readouterr().err.splitlines()
+    assert (len(lines), lines[0], stages.log[0][10:]) == (6, *["finite elements ..."] * 2)
+    assert lines[3].startswith("  finite elements: revolution 1, 200 steps, 500 contact iterations")
+    assert "2 of 3 stretches" in lines[3]
+    assert not [line for line in lines if "\x1b" in line]
+    assert "300 steps" in stages.log[1]
+
+
+@pytest.mark.parametrize("name", ["hertz-paper", "cattaneo-mindlin", "unload-reload"])
+def test_increments_are_those_of_the_solution(name: str) -> None:
+    """To a quarter: how often increments are halved is measured, not known."""
+    scene, mesh, settings = load_scene(name), MeshSettings(element_size=0.25, edge_element_size=0.1, order=1), SolverSettings()
+    solved = halfplane_fe.solve(scene, mesh=mesh, settings=settings).work.counts["steps solved"]
+    assert cost_of(scene, mesh, settings).increments == pytest.approx(solved, rel=0.25)
+
+
+def test_the_published_runs_of_the_library_have_the_increments_that_are_stated() -> None:
+    published = json.loads((ROOT / "reports" / "published" / "values.json").read_text(encoding="utf-8"))["scenes"]
+    solved = {name: published[name]["frozen"]["halfplane_fe.counts.steps_solved"] for name in scene_names()}
+    over = {name: cost_of(load_scene(name), MeshSettings(), SolverSettings()).increments / count for name, count in solved.items()}
+    assert not {name: ratio for name, ratio in over.items() if not 0.45 < ratio < 3}
+    assert sum(3 / 4 < ratio < 4 / 3 for ratio in over.values()) >= 27
+    assert over["hertz-normal"] == over["cylinder-roller-frictionless"] == 1  # nothing is halved: they can be counted
+
+
+def test_cost_follows_steps_mesh_and_rows() -> None:
+    scene = load_scene("hertz-paper")
+    plain = cost_of(scene, MeshSettings(), SolverSettings())
+    fine = cost_of(scene, MeshSettings.fine(), SolverSettings())
+    assert plain.seconds < LONG < fine.seconds
+    assert cost_of(scene, MeshSettings(), SolverSettings(steps_per_cycle=960)).increments > plain.increments + 1500
+    assert fine.memory > 2 * plain.memory
+    # A record keeps 4,000 instants, whatever its length; ten times the rows take ten times the seconds, not the memory.
+    long, longer = (
+        cost_of(scene.vary(load=TimeSeriesLoad(rows=rows)), MeshSettings(), SolverSettings())
+        for rows in ([[k, 90 + k % 2, 0] for k in range(n)] for n in (1000, 10_000))
+    )
+    assert longer.seconds > 8 * long.seconds
+    assert longer.memory < 4 * long.memory
+
+
+def test_a_long_run_of_real_bodies_measures_no_uncertainty_unless_asked_and_says_so(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Before the work on the terminal, after it in the notes; never where the budget was asked for or left out by the user."""
+    halfplane(tmp_path, "init", "pad.toml", "--bodies", "--quiet")
+    solved = semi_analytic.solve(tmp_path / "pad.toml")
+    monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: solved)
+    monkeypatch.setattr("reports.comparison.budget.climb", lambda *_: pytest.fail("a budget was measured"))
+    asked = ("run", "pad.toml", "--out", "out", "--no-coarse-mesh", "--json")
+    for seconds, words, told in ((120.0, ["--no-budget"], False), (0.0, ["--no-budget"], False), (0.0, [], True)):
+        monkeypatch.setattr("reports.cli.solving._LONG_FOR_A_BUDGET", seconds)
+        done = halfplane(tmp_path, *asked, *words)
+        pattern = r"no uncertainty was measured: it would take about \d+ s more; --budget measures it"
+        assert bool(re.search(pattern, done.stderr)) is told
+        assert any(re.fullmatch(rf"N{pattern[1:]}\.", note) for note in json.loads(done.stdout)["result"]["notes"]) is told
+        page = (tmp_path / "out" / "report.html").read_text("utf-8")
+        assert ("No uncertainty was measured: it would take" in page) is told
+    for seconds, words in ((120.0, []), (0.0, ["--budget"])):
+        monkeypatch.setattr("reports.cli.solving._LONG_FOR_A_BUDGET", seconds)
+        with pytest.raises(pytest.fail.Exception, match="a budget was measured"):
+            halfplane(tmp_path, *asked, *words)
+
+
+def test_long_work_is_announced_and_short_work_is_not(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    solved = semi_analytic.solve(load_scene("hertz-normal"))
+    monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: solved)
+    for words, announced in (([], False), (["--edge-element-size", "0.0002"], True)):
+        done = halfplane(tmp_path, "fe", "hertz-normal", *words)
+        said = [line for line in done.stderr.splitlines() if " increments, " in line]
+        assert bool(said) is announced
+    assert re.fullmatch(r"finite elements: about [\d,]+ increments, \d+ (s|min), .* of memory \(an order of magnitude\)", said[0])
+    assert os.environ.get("COLUMNS") != "400"  # halfplane() leaves no variable behind

@@ -1,21 +1,30 @@
-"""Pages that are made from files and engines are current, and what pages point to exists."""
+"""The manual and the README: examples run and print what the pages say, generated pages are current, what pages name exists."""
 
 from __future__ import annotations
 
 import ast
+import doctest
 import hashlib
 import html
 import importlib
 import json
+import os
 import re
 import sys
 import tomllib
 import unicodedata
+import xml.etree.ElementTree as ET
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import nbclient
+import nbformat
+import numpy as np
 import pytest
+
+from command_line import COARSE, halfplane
+from reports.cli.application import app
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -23,14 +32,143 @@ sys.path.append(str(DOCS))
 pages: Any = importlib.import_module("pages")
 quoting: Any = importlib.import_module("quoting")
 architecture: Any = importlib.import_module("architecture")
+executed: Any = importlib.import_module("executed")
 
-TEXTS = {
-    str(path.relative_to(DOCS)): path.read_text(encoding="utf-8") for path in sorted([*DOCS.glob("*.md"), *DOCS.glob("api/*.md")])
-}
+FILES = sorted([*DOCS.glob("*.md"), *DOCS.glob("api/*.md")])
+TEXTS = {str(path.relative_to(DOCS)): path.read_text(encoding="utf-8") for path in FILES}
+RUNNABLE = [name for name, text in TEXTS.items() if "/" not in name and executed.runnable(text)]
 PACKAGES = {"scenes", "semi_analytic", "meshes", "halfplane_fe", "reports"}
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.DOTALL | re.MULTILINE)
+NOTEBOOK = DOCS / "first-steps.ipynb"
+NUMBER = re.compile(r"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
+ROLE = re.compile(r"\{py:\w+\}`(?:[^`<]*<)?~?([\w.]+)>?`")
+HUNDREDTH = 0.02  # of a point; another processor turns a last digit round
 RENEW = "run `make pages`, and look at what moved"
 
 
+# -------------------------------------------------------------------------------------------------------------- examples
+def same_drawing(one: str, other: str) -> bool:
+    """Whether two drawings have the same elements and words, with numbers that differ by no more than is seen."""
+    words = [[(element.tag, element.text) for element in ET.fromstring(text).iter()] for text in (one, other)]
+    plain = [re.sub(r'(id|href)="[^"]*"|url\([^)]*\)', "", text) for text in (one, other)]
+    numbers = [np.array([float(word) for word in NUMBER.findall(text)]) for text in plain]
+    same = words[0] == words[1] and len(numbers[0]) == len(numbers[1])
+    return same and bool(np.all(np.abs(numbers[0] - numbers[1]) <= HUNDREDTH))
+
+
+@pytest.mark.parametrize("name", RUNNABLE)
+def test_a_page_says_what_its_blocks_print(name: str, tmp_path: Path) -> None:
+    assert executed.run(TEXTS[name], tmp_path) == TEXTS[name], f"docs/{name} is stale: {RENEW}"
+    for picture in tmp_path.glob("*.svg"):
+        kept = (DOCS / "figures" / picture.name).read_text(encoding="utf-8")
+        assert same_drawing(kept, picture.read_text(encoding="utf-8")), f"docs/figures/{picture.name} is stale: {RENEW}"
+        assert f"figures/{picture.name}" in TEXTS[name]
+
+
+def test_how_tos_have_examples_and_every_picture_and_figure_is_shown() -> None:
+    wanted = {"quick-start", "tutorial", "theory", "score-abaqus", "own-profile", "measured-loads", "cluster-sweep"}
+    assert {f"{name}.md" for name in (*wanted, "read-the-error-budget", "penalty-or-lagrangian")} <= set(RUNNABLE)
+    shown = {target for name, text in TEXTS.items() if "/" not in name for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)}
+    assert not [target for target in shown if not (DOCS / target).is_file()]
+    assert {f"figures/{path.name}" for path in (DOCS / "figures").iterdir()} <= shown
+
+
+def test_planted_faults_of_a_page_are_seen(tmp_path: Path) -> None:
+    """Another number, text that is no output, a block that fails, a command that ends otherwise, a file, a curve that moved."""
+    page = "```python\nprint(1 + 1)\n```\n\n```text\n3\n```\n"
+    assert executed.run(page, tmp_path) == page.replace("3", "2")
+    page = "```python\nprint(1)\n```\n\nLook:\n\n```text\nanything\n```\n"
+    assert executed.run(page, tmp_path) == page
+    with pytest.raises(ZeroDivisionError):
+        executed.run("```python\n1 / 0\n```\n", tmp_path)
+    with pytest.raises(executed.StaleError, match="ended with 2"):
+        executed.run("```console\n$ halfplane rnu\n```\n", tmp_path)
+    page = "```console\n$ halfplane rnu # ends with 2\n```\n"
+    assert executed.run(page, tmp_path) == page
+    page = "```{code-block} toml\n:caption: a.toml\n\nx = 1\n```\n\n"
+    page += '```python\nfrom pathlib import Path\nprint(Path("a.toml").read_text(), end="")\n```\n\n```text\n?\n```\n'
+    assert executed.run(page, tmp_path) == page.replace("?", "x = 1")
+    drawing = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M 1.00 2.00 L 3 4"/><text>a</text></svg>'
+    assert same_drawing(drawing, drawing.replace("1.00", "1.001"))
+    assert not same_drawing(drawing, drawing.replace("1.00", "1.10"))
+    assert not same_drawing(drawing, drawing.replace(">a<", ">b<"))
+
+
+def run_notebook(path: Path, folder: Path) -> list[dict[str, Any]]:
+    """Outputs of every code cell."""
+    os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")
+    book = nbformat.read(path, as_version=4)
+    nbclient.NotebookClient(book, timeout=120, resources={"metadata": {"path": str(folder)}}).execute()
+    return [output for cell in book.cells if cell.cell_type == "code" for output in cell.outputs]
+
+
+@pytest.mark.slow
+def test_the_notebook_runs_and_shows_scene_solution_and_comparison(tmp_path: Path) -> None:
+    outputs = run_notebook(NOTEBOOK, tmp_path)
+    shown = [output["data"]["text/html"] for output in outputs if "text/html" in output.get("data", {})]
+    assert any("Cattaneo-Mindlin" in html for html in shown)
+    assert any("tolerance" in html for html in shown)
+    streams = [output for output in outputs if output["output_type"] == "stream"]
+    assert "0.0012117117" in "".join(output["text"] for output in streams if output["name"] == "stdout")
+    assert not [output for output in streams if output["name"] == "stderr"]
+
+
+def test_a_cell_that_fails_is_a_failure_and_the_notebook_is_kept_without_outputs(tmp_path: Path) -> None:
+    path = tmp_path / "broken.ipynb"
+    nbformat.write(nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("1 / 0")]), path)
+    with pytest.raises(nbclient.exceptions.CellExecutionError, match="ZeroDivisionError"):
+        run_notebook(path, tmp_path)
+    book = nbformat.read(NOTEBOOK, as_version=4)
+    assert not [cell for cell in book.cells if cell.cell_type == "code" and (cell.outputs or cell.execution_count)]
+
+
+# ---------------------------------------------------------------------------------------------------------------- README
+def blocks(language: str) -> list[str]:
+    return [text for kind, text in BLOCKS if kind == language]
+
+
+@pytest.mark.parametrize("options", [COARSE, pytest.param((), marks=pytest.mark.slow)], ids=["coarse", "as it stands"])
+def test_the_scene_of_the_readme_runs_through_both_engines(options: tuple[str, ...], tmp_path: Path) -> None:
+    (text,) = blocks("toml")
+    (tmp_path / "roller.toml").write_text(text, encoding="utf-8")
+    assert halfplane(tmp_path, "check", "roller.toml").returncode == 0
+    run = halfplane(tmp_path, "run", "roller.toml", *options)
+    assert run.returncode == (1 if options else 0), run
+    assert (tmp_path / "out" / "roller" / "report.html").is_file()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", blocks("python"))
+def test_python_blocks_of_the_readme_run(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    exec(compile(text, "README.md", "exec"), {})
+
+
+def test_the_names_in_the_readme_are_there(tmp_path: Path) -> None:
+    """What Python blocks call, targets of make, commands, linked files; CI installs what it says and calls make test."""
+    for text in blocks("python"):
+        tree = ast.parse(text)
+        imports = "\n".join(ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom))
+        names: dict[str, Any] = {}
+        exec(imports, names)
+        calls = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)]
+        assert not [node.attr for node in calls if node.value.id in PACKAGES and not hasattr(names[node.value.id], node.attr)]
+    called = {word for text in blocks("sh") for word in re.findall(r"^make (\w+)", text, flags=re.MULTILINE)}
+    targets = set(re.findall(r"^([a-z-]+):.*##", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
+    assert {"run", "test"} <= called <= targets
+    named = set(re.findall(r"^\| `halfplane (\w+)", README, flags=re.MULTILINE))
+    assert named
+    assert named <= set(app)
+    links = [target for target in re.findall(r"\]\(([^)#]+)\)", README) if "://" not in target]
+    assert links
+    assert all((ROOT / target).exists() for target in links)
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert "README.md" in script
+    assert re.search(r"^(exec )?make test$", script, flags=re.MULTILINE)
+
+
+# ----------------------------------------------------------------------------------------------------------- made pages
 @pytest.fixture(scope="module")
 def made() -> dict[str, str]:
     return dict(pages.made())
@@ -78,7 +216,7 @@ A_MAP = """# A map
 """
 
 
-def test_cells_and_sentences_of_a_map_have_keys_and_none_that_two_share() -> None:
+def test_cells_sentences_and_claims_have_keys_none_that_two_share_and_two_digits() -> None:
     found = {key: entry["text"] for key, entry in quoting.map_values("m", A_MAP).items()}
     assert found == {
         "m: work, high: exponent": "no law",
@@ -87,10 +225,15 @@ def test_cells_and_sentences_of_a_map_have_keys_and_none_that_two_share() -> Non
         "m: It is off by -2": "It is off by −2 ± 1 %.",
         "m: More of it.": "More of it.",
     }
+    rows = [("a", 2.1766, "%"), ("b", 137.0, ""), ("c", -0.00061, ""), ("d", float("inf"), "")]
+    kept = {"S": {"commit": "abc", "rows": [{"what": w, "measured": m, "unit": u, "how": "so"} for w, m, u in rows]}}
+    claims = quoting.claim_values(kept)
+    assert [entry["text"] for entry in claims.values()] == ["2.2 %", "137", "−0.00061", "inf"]
+    assert claims["S: a"]["source"] == "so; make numbers, on abc"
 
 
-def test_the_tables_of_the_third_opinion_are_what_was_measured_and_published() -> None:
-    """Every case of benchmarks/third.json is in a table or quoted, and a figure changed by hand does not stay."""
+def test_the_third_opinion_is_what_was_measured_and_published() -> None:
+    """Every case of benchmarks/third.json is in a table or quoted, and a value changed by hand does not stay."""
     page, cases = TEXTS["third.md"], pages.third()
     rows = [line for line in page.splitlines() if line.count(" | ") == 9 and not line.startswith("| scene |")]
     for column in (3, 4, 5):
@@ -101,19 +244,8 @@ def test_the_tables_of_the_third_opinion_are_what_was_measured_and_published() -
     assert len(rows) > 30
     assert len(cases) == len(rows) + 1
     assert "{number}`CalculiX, cattaneo-mindlin, stick slope 50: shear`" in page
-
-
-def test_a_claim_is_quoted_with_two_digits_its_unit_and_where_it_is_from() -> None:
-    rows = [("a", 2.1766, "%"), ("b", 137.0, ""), ("c", -0.00061, ""), ("d", float("inf"), "")]
-    kept = {"S": {"commit": "abc", "rows": [{"what": w, "measured": m, "unit": u, "how": "so"} for w, m, u in rows]}}
-    found = quoting.claim_values(kept)
-    assert [entry["text"] for entry in found.values()] == ["2.2 %", "137", "−0.00061", "inf"]
-    assert found["S: a"]["source"] == "so; make numbers, on abc"
-
-
-def test_what_the_report_says_of_calculix_is_what_was_measured() -> None:
-    """The sentence on its friction history quotes the second revolutions."""
-    source, cases = (ROOT / "reports" / "third" / "calculix.py").read_text(encoding="utf-8"), pages.third()
+    # The report's sentence on CalculiX' friction history quotes the second revolutions.
+    source = (ROOT / "reports" / "third" / "opinion.py").read_text(encoding="utf-8")
     varying, constant = (cases[f"{name}, 2 revolutions"]["errors"]["dissipation"] for name in ("hertz-paper", "cattaneo-mindlin"))
     assert f"{100 * varying:+.0f} % of the dissipation of" in source
     assert f"{100 * constant:+.0f} % of cattaneo-mindlin's" in source
@@ -131,13 +263,9 @@ def functions(path: Path) -> set[str]:
 
 def missing(tests: list[str]) -> list[str]:
     """Those that are not there; a file alone stands for all its tests."""
-    lost = []
-    for test in tests:
-        file, _, name = test.partition("::")
-        path = ROOT / "tests" / file
-        if not path.is_file() or (name and name not in functions(path)):
-            lost.append(test)
-    return lost
+    split = [(test, *test.partition("::")) for test in tests]
+    paths = [(test, ROOT / "tests" / file, name) for test, file, _, name in split]
+    return [test for test, path, name in paths if not path.is_file() or (name and name not in functions(path))]
 
 
 def test_every_test_of_a_requirement_exists() -> None:
@@ -152,98 +280,112 @@ def test_the_architecture_is_that_of_the_contracts(tmp_path: Path) -> None:
     contracts = architecture.read(ROOT / "pyproject.toml")
     assert set(contracts.packages) == PACKAGES
     arrows = set(contracts.arrows())
-    assert {
-        ("reports", "semi_analytic"),
-        ("reports", "halfplane_fe"),
-        ("halfplane_fe", "meshes"),
-        ("semi_analytic", "scenes"),
-    } <= arrows
+    wanted = {("reports", "semi_analytic"), ("reports", "halfplane_fe"), ("halfplane_fe", "meshes"), ("semi_analytic", "scenes")}
+    assert wanted <= arrows
     assert not {("semi_analytic", "halfplane_fe"), ("halfplane_fe", "semi_analytic"), ("semi_analytic", "meshes")} & arrows
-    other = (
-        (ROOT / "pyproject.toml")
-        .read_text(encoding="utf-8")
-        .replace('"reports", "semi_analytic | halfplane_fe"', '"reports | halfplane_fe", "semi_analytic"')
-    )
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    other = text.replace('"reports", "semi_analytic | halfplane_fe"', '"reports | halfplane_fe", "semi_analytic"')
     (tmp_path / "pyproject.toml").write_text(other, encoding="utf-8")
     assert architecture.svg(tmp_path / "pyproject.toml") != architecture.svg(ROOT / "pyproject.toml")
 
 
-def named(target: str) -> bool:
-    """Whether a dotted name leads to something."""
+# ---------------------------------------------------------------------------------------------------------------- formulas
+FORMULAS = (
+    *("Hertz law", "flat-and-rounded law", "power law", "Ciavarella-Jaeger superposition", "Cattaneo-Mindlin traction"),
+    *("memory curve", "Masing reversal", "Coulomb limit", "permanent stick zone", "slip outside the stick zone"),
+    *("relative tangential displacement", "pointwise dissipation", "global dissipation", "W of a steady ellipse"),
+    *("hysteresis damping", "gross-sliding check", "separation", "Abel transform", "events", "return mapping"),
+    *("static condensation (Schur complement)", "Flamant far field", "dual mortar", "active set"),
+)
+CELLS = [re.split(r"(?<!\\)\|", line)[1:-1] for line in TEXTS["api/formulas.md"].splitlines() if line.startswith("| ")]
+TABLE = [row for row in ([cell.strip() for cell in cells] for cells in CELLS) if row[0] != "formula"]
+TARGETS = sorted({target for row in TABLE for target in ROLE.findall(row[2])})
+
+
+def found(target: str) -> tuple[Any, Any] | None:
+    """The module and the object of a dotted name, None where there is none."""
     parts = target.split(".")
     for cut in range(len(parts) - 1, 0, -1):
         try:
-            found: Any = importlib.import_module(".".join(parts[:cut]))
+            module = value = importlib.import_module(".".join(parts[:cut]))
         except ModuleNotFoundError:
             continue
         for part in parts[cut:]:
-            if not hasattr(found, part):
-                return False
-            found = getattr(found, part)
-        return True
-    return False
+            value = getattr(value, part, None)
+        return None if value is None else (module, value)
+    return None
 
 
-def test_every_formula_leads_to_a_function_that_is_shown() -> None:
-    targets = set(re.findall(r"\{py:\w+\}`(?:[^`<]*<)?~?([\w.]+)>?`", TEXTS["theory.md"]))
-    assert len(targets) > 15
-    assert not [target for target in targets if not named(target)]
+def fault(target: str, place: tuple[Any, Any] | None) -> str:
+    """What is wrong with the example of a function, "" if nothing is."""
+    if place is None:
+        return "there is no such function"
+    module, value = place
+    examples = doctest.DocTestFinder(recurse=False).find(value, target, module)
+    said: list[str] = [] if any(one.examples for one in examples) else ["no example in its docstring"]
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE, verbose=False)
+    for one in examples:
+        runner.run(one, out=said.append)
+    return "".join(said)
+
+
+def bare() -> None:
+    """No example."""
+
+
+def wrong() -> None:
+    """A wrong one: 1 + 1 is not 3."""
+
+
+def test_the_table_holds_every_formula_and_the_example_of_each_function_is_right() -> None:
+    assert all(len(row) == 4 and all(row) and ROLE.search(row[2]) for row in TABLE)
+    assert not [name for name in FORMULAS if not any(row[0].startswith(name) for row in TABLE)]
+    assert {target: said for target in TARGETS if (said := fault(target, found(target)))} == {}
+    linked = set(ROLE.findall(TEXTS["theory.md"]))
+    assert len(linked) > 15
+    assert not [target for target in linked if found(target) is None]
     shown = TEXTS["api/formulas.md"]
-    assert not [target for target in targets if target not in shown and target.rpartition(".")[0] not in shown]
-    assert not named("semi_analytic.hertz.no_such_function")
+    assert not [target for target in linked if target not in shown and target.rpartition(".")[0] not in shown]
+    # The testers tested.
+    assert "no such function" in fault("", found("semi_analytic.hertz.no_such_function"))
+    assert "no such function" in fault("", found("no_such_package.function"))
+    assert "no example" in fault("bare", (None, bare))
+    wrong.__doc__ = "A wrong one.\n\n>>> 1 + 1\n3\n"
+    assert "Expected:\n    3" in fault("wrong", (None, wrong))
 
 
-def test_each_package_has_its_page_of_public_names() -> None:
+def test_each_package_has_its_page_and_the_citation_is_of_this_version() -> None:
     assert {name[len("api/") : -len(".md")] for name in TEXTS if name.startswith("api/")} - {"formulas"} == PACKAGES
     assert all(f".. automodule:: {package}\n" in TEXTS[f"api/{package}.md"] for package in PACKAGES)
-
-
-def test_the_citation_is_of_this_version() -> None:
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f'version: "{version("halfplane")}"' in citation
     assert f"license: {tomllib.loads((ROOT / 'pyproject.toml').read_text(encoding='utf-8'))['project']['license']}\n" in citation
 
 
-def words(text: str) -> list[str]:
-    """Words and numbers in lower case, without tags, escapes, LaTeX commands and the prefixes of Python's strings."""
+# ----------------------------------------------------------------------------------------------- the paper's own words
+def runs(text: str) -> dict[bytes, str]:
+    """Digest, as in tests/data/paper.bin -> nine words or numbers that follow each other, in lower case.
+
+    Tags, escapes, LaTeX commands and the prefixes of Python's strings are no words.
+    """
     text = re.sub(r"<[^<>]{0,300}>|\\n|\\[a-zA-Z]+|\b[fr]{1,2}(?=[\"'])", " ", html.unescape(text))
-    return re.findall(r"[a-z0-9]+", unicodedata.normalize("NFKD", text).lower())
-
-
-def digest(run: str) -> bytes:
-    """What tests/data/paper.bin holds of nine words."""
-    return hashlib.blake2b(run.encode(), digest_size=5).digest()
-
-
-def runs(found: list[str]) -> dict[bytes, str]:
-    """Digest -> nine words that follow each other."""
-    each = (" ".join(found[k : k + 9]) for k in range(len(found) - 8))
-    return {digest(run): run for run in each}
-
-
-def common(text: str, known: frozenset[bytes]) -> list[str]:
-    """Runs of nine words of the text that are among the known ones."""
-    return [run for key, run in runs(words(text)).items() if key in known]
+    words = re.findall(r"[a-z0-9]+", unicodedata.normalize("NFKD", text).lower())
+    each = (" ".join(words[k : k + 9]) for k in range(len(words) - 8))
+    return {hashlib.blake2b(run.encode(), digest_size=5).digest(): run for run in each}
 
 
 def test_the_paper_is_quoted_nowhere() -> None:
     """No nine words in a row are the paper's, but for its title; formulas and numbers are left out."""
     stored = (ROOT / "tests" / "data" / "paper.bin").read_bytes()
-    paper = frozenset(stored[k : k + 5] for k in range(0, len(stored), 5))
+    paper = {stored[k : k + 5] for k in range(0, len(stored), 5)}
     assert len(paper) > 4000
-    texts = {path: path.read_text(encoding="utf-8") for path in written()}
-    assert {ROOT / "README.md", DOCS / "misprints.md", ROOT / "reports" / "paper" / "paper.toml"} <= texts.keys()
-    found = {str(path.relative_to(ROOT)): quoted for path, text in texts.items() if (quoted := common(text, paper))}
-    assert not found
+    kinds = {".py", ".md", ".html", ".toml", ".txt", ".ipynb"}  # what people wrote, and the pages that are made from it
+    below = [path for name in (*PACKAGES, "benchmarks", "docs", "tests") for path in (ROOT / name).rglob("*")]
+    written = [path for path in (*ROOT.glob("*.md"), *below) if path.suffix in kinds and "_build" not in path.parts]
+    assert {ROOT / "README.md", DOCS / "misprints.md", *(ROOT / "reports" / "paper").glob("*.py")} <= set(written)
+    texts = {str(path.relative_to(ROOT)): runs(path.read_text(encoding="utf-8")) for path in written}
+    assert not {name: quoted for name, text in texts.items() if (quoted := [text[key] for key in text.keys() & paper])}
     # A quotation is seen through line breaks, markup and the joints of strings.
-    planted = frozenset(runs(["one", "two", "three", "four", "five", "six", "seven", "eight", "nine"]))
-    assert common('("zero One two, *three*, four "\n f"five <b>six</b> seven-eight nine ten")', planted)
-    assert not common("one two three four five six seven eight ten", planted)
-
-
-def written() -> list[Path]:
-    """What people wrote, and the pages that are made from it."""
-    folders = [*sorted(PACKAGES), "benchmarks", "docs", "tests"]
-    kinds = {".py", ".md", ".html", ".toml", ".txt", ".ipynb"}
-    inside = [path for name in folders for path in (ROOT / name).rglob("*") if path.suffix in kinds and "_build" not in path.parts]
-    return [*sorted(ROOT.glob("*.md")), *inside]
+    planted = runs("one two three four five six seven eight nine").keys()
+    assert runs('("zero One two, *three*, four "\n f"five <b>six</b> seven-eight nine ten")').keys() & planted
+    assert not runs("one two three four five six seven eight ten").keys() & planted

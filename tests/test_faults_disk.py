@@ -12,13 +12,14 @@ from pathlib import Path
 import pytest
 
 import faulty_disk
+import halfplane_fe
 import reports
+from command_line import COARSE, process
 from faulty_processes import STUDY, half_files, in_a_child
+from meshes import MeshSettings
 from reports.folder import MANIFEST, filled
 from reports.sweep.store import Store
-from scenes import ContactSolution, InputError
-from test_cli_commands import COARSE
-from test_faults_surroundings import halfplane
+from scenes import ContactSolution, InputError, load_scene
 from test_reports_synthetic import cattaneo_mindlin
 
 # An old run lies in x; each of these writes there, or beside it.
@@ -76,7 +77,7 @@ def test_a_file_that_may_not_grow_is_a_sentence_and_leaves_all_as_it_was(job: st
     disk = tmp_path / "disk"
     shutil.copytree(old, disk)
     before = content(disk)
-    done = halfplane(disk, *JOBS[job], limit=limit)
+    done = process(disk, *JOBS[job], file_size=limit)
     check(done.returncode, done.stderr, disk, before)
     assert "File too large" in done.stderr
 
@@ -145,6 +146,26 @@ def test_whichever_write_of_a_sweep_fails_its_store_holds_whole_results_and_it_r
     assert done.code == 0
 
 
+@pytest.mark.slow
+def test_a_small_disk_is_a_sentence_keeps_what_was_there_and_stores_no_body(
+    small_disk: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(InputError, match="can't be written to"):
+        reports.write(reports.compare(cattaneo_mindlin(), cattaneo_mindlin()), small_disk / "out")
+    assert content(small_disk) == {}
+    with filled(small_disk / "out") as folder:
+        (folder / "report.html").write_text("<html></html>")
+    before = content(small_disk)
+    with pytest.raises(InputError), filled(small_disk / "out") as folder:
+        (folder / "report.html").write_bytes(bytes(10**6))
+    assert content(small_disk) == before
+    monkeypatch.setenv("HALFPLANE_CACHE", str(small_disk / "cache"))
+    answer = halfplane_fe.solve(load_scene("cattaneo-mindlin"), MeshSettings(element_size=0.1, edge_element_size=0.008, order=1))
+    assert answer.work.counts["condensations not stored"] > 0
+    assert half_files(small_disk) == []
+    assert not list(small_disk.rglob("*.part"))
+
+
 @pytest.mark.parametrize("name", ["replace", "rename"])
 def test_whichever_move_fails_the_folder_is_as_before_and_what_is_new_is_kept(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -183,6 +204,20 @@ def test_whichever_move_fails_the_folder_is_as_before_and_what_is_new_is_kept(
         shutil.rmtree(place.parent)
     assert fails > 3
     assert set(content(out)) == {"a.json", "new", "new/c.json", "report.html", MANIFEST}
+
+
+def test_a_folder_that_is_read_only_is_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Root may write anywhere, so the refusal of the system is played."""
+
+    def refuse(**_: object) -> str:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("tempfile.mkdtemp", refuse)
+    with (
+        pytest.raises(InputError, match="the folder can't be written to: Permission denied; name another"),
+        filled(tmp_path / "out"),
+    ):
+        pass
 
 
 def test_a_solution_that_finds_no_room_leaves_the_old_file(tmp_path: Path) -> None:

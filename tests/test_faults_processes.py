@@ -1,4 +1,4 @@
-"""Kills, Ctrl-C, full and read-only disks, two processes at once: every file whole or absent, the same numbers in the end."""
+"""Kills, signals, closed and full streams, two processes at once: every file whole or absent, the same numbers in the end."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ import errno
 import fcntl
 import json
 import os
-import re
 import signal
-import subprocess
 import sys
 import threading
 import time
 from ast import literal_eval
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from subprocess import CompletedProcess
 from types import FrameType
 from typing import Any
 
@@ -26,21 +25,49 @@ from threadpoolctl import threadpool_limits
 import halfplane_fe
 import reports
 import semi_analytic
+from command_line import COARSE, everything, interrupted, process, sentence
 from faulty_processes import JOBS, finished, half_files, in_a_child, numbers, started, survive, undisturbed
 from halfplane_fe import store
 from meshes import MeshSettings
+from reports import folder as folders
 from reports import staging
 from reports.comparison import Comparison
-from reports.folder import MANIFEST, claim, filled
-from reports.staging import replace_text
+from reports.folder import MANIFEST, FilledBefore, claim, filled
+from reports.staging import lock, replace_text
 from reports.sweep.store import Store
 from scenes import ContactSolution, InputError, Interrupted, load_scene
-from test_cli_commands import COARSE, environment, everything
 from test_reports_synthetic import cattaneo_mindlin
 
 MESH = MeshSettings(element_size=0.25, edge_element_size=0.25, order=1)
+EXACT = ("exact", "hertz-paper", "--out", "out")
+WRITTEN = {
+    "out",
+    *(f"out/{name}" for name in (MANIFEST, "scene.json", *(f"semi_analytic.{kind}" for kind in ("csv", "json", "nc")))),
+}
 
 
+@pytest.fixture(scope="module")
+def comparison() -> Comparison:
+    return reports.compare(cattaneo_mindlin(), cattaneo_mindlin())
+
+
+def fill(out: Path, *names: str, meanwhile: Callable[[], object] = lambda: None) -> None:
+    """Files that hold all their names, written as a report is."""
+    with filled(out) as there:
+        for name in names:
+            (there / name).parent.mkdir(exist_ok=True)
+            (there / name).write_text(f"{names}")
+        meanwhile()
+
+
+def listed(out: Path) -> set[str]:
+    """The files of a folder, which must be those of its manifest."""
+    files = {name for name in everything(out) if (out / name).is_file()}
+    assert set(json.loads((out / MANIFEST).read_text(encoding="utf-8"))["files"]) == files
+    return files
+
+
+# ----------------------------------------------------------------------------------------------------------------- kills
 @pytest.mark.slow
 @pytest.mark.parametrize("job", JOBS)
 def test_killed_sixty_seven_times_a_job_leaves_whole_files_and_ends_with_the_same_bits(job: str, tmp_path: Path) -> None:
@@ -48,11 +75,6 @@ def test_killed_sixty_seven_times_a_job_leaves_whole_files_and_ends_with_the_sam
     assert len(truth) > 2
     (tmp_path / "killed").mkdir()
     assert survive(tmp_path / "killed", job, 67, 3, seconds, truth) == 67
-
-
-@pytest.fixture(scope="module")
-def comparison() -> Comparison:
-    return reports.compare(cattaneo_mindlin(), cattaneo_mindlin())
 
 
 def writing(comparison: Comparison, folder: Path, done: int) -> None:
@@ -71,28 +93,25 @@ def writing(comparison: Comparison, folder: Path, done: int) -> None:
     reports.write(comparison, folder / "out")
 
 
-@pytest.mark.parametrize("done", [0, 1, 3, 7, 11, 15])
-def test_killed_between_two_moves_every_file_is_whole_or_absent(done: int, comparison: Comparison, tmp_path: Path) -> None:
-    """SIGKILL at the one place where it can hurt: while finished files go to their names. The page and the manifest come last."""
+@pytest.mark.parametrize(("done", "before"), [(0, False), (1, False), (7, False), (15, False), (1, True), (3, True)])
+def test_killed_between_two_moves_every_file_is_whole_or_absent(
+    done: int, before: bool, comparison: Comparison, tmp_path: Path
+) -> None:
+    """SIGKILL while finished files go to their names, into a new folder or over an earlier report; page and manifest come last."""
+    out = tmp_path / "out"
+    if before:
+        reports.write(comparison, out)
     assert in_a_child(lambda: writing(comparison, tmp_path, done)) == -signal.SIGKILL
     assert half_files(tmp_path) == []
-    assert not (tmp_path / "out" / "report.html").exists()
-    assert len([name for name in everything(tmp_path / "out") if "." in name]) == done if done else True
+    assert not (out / "report.html").exists()
+    assert before or len([name for name in everything(out) if "." in name]) == done
     assert [name for name in os.listdir(tmp_path) if name.startswith(".")] != []
-    reports.write(comparison, tmp_path / "out")
-    assert os.listdir(tmp_path) == ["out"]
-    reports.write(comparison, tmp_path / "undisturbed")
-    assert everything(tmp_path / "out") == everything(tmp_path / "undisturbed")
-    manifest = json.loads((tmp_path / "out" / MANIFEST).read_text(encoding="utf-8"))
-    assert set(manifest["files"]) == {name for name in everything(tmp_path / "out") if (tmp_path / "out" / name).is_file()}
-
-
-@pytest.mark.parametrize("done", [1, 3])
-def test_killed_between_two_moves_no_page_stands_beside_other_figures(done: int, comparison: Comparison, tmp_path: Path) -> None:
-    reports.write(comparison, tmp_path / "out")
-    assert in_a_child(lambda: writing(comparison, tmp_path, done)) == -signal.SIGKILL
-    assert not (tmp_path / "out" / "report.html").exists()
-    assert half_files(tmp_path) == []
+    if done == 7:
+        reports.write(comparison, out)
+        assert os.listdir(tmp_path) == ["out"]
+        files = listed(out)
+        reports.write(comparison, tmp_path / "undisturbed")
+        assert files == listed(tmp_path / "undisturbed")
 
 
 def test_half_a_file_is_seen(tmp_path: Path) -> None:
@@ -103,36 +122,87 @@ def test_half_a_file_is_seen(tmp_path: Path) -> None:
     assert len(half_files(tmp_path)) == 5
 
 
-def interrupted(folder: Path, *words: str, which: signal.Signals = signal.SIGINT) -> tuple[int, str]:
-    """Exit code and stderr of a command that gets Ctrl-C, or another signal, once it tells of its steps."""
-    command = [sys.executable, "-m", "reports", *words]
-    with subprocess.Popen(
-        command, cwd=folder, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stderr is not None
-        told = ""
-        for line in process.stderr:
-            told += line
-            if re.search(r"[1-9]\d* steps", line):  # on a busy machine the first line comes before the first step is done
-                break
-        process.send_signal(which)
-        _, rest = process.communicate(timeout=120)
-    return process.returncode, told + rest
+def dying(folder: Path) -> None:
+    fill(folder / "dead", "a.json", meanwhile=lambda: os.kill(os.getpid(), signal.SIGKILL))
 
 
-@pytest.mark.parametrize("command", ["fe", pytest.param("run", marks=pytest.mark.slow)])
-def test_an_interrupt_is_130_and_what_was_solved_is_kept_and_said(command: str, tmp_path: Path) -> None:
-    code, told = interrupted(tmp_path, command, "hertz-paper", *COARSE[:-1], "4000", "--out", "out")
-    assert code == 130, told
-    assert "Traceback" not in told
-    assert "interrupted at time" in told
-    assert "what was solved is kept in out/partial.nc" in told
+def test_a_folder_of_a_run_that_lives_stays_and_one_of_a_dead_run_goes(tmp_path: Path) -> None:
+    assert in_a_child(lambda: dying(tmp_path)) == -signal.SIGKILL
+    (dead,) = os.listdir(tmp_path)
+    with filled(tmp_path / "alive") as folder:
+        assert dead not in os.listdir(tmp_path)
+        (folder / "a.json").write_text("{}")
+        fill(tmp_path / "other", "b.json")
+    assert listed(tmp_path / "alive") | listed(tmp_path / "other") == {"a.json", "b.json", MANIFEST}
+    assert set(os.listdir(tmp_path)) == {"alive", "other"}
+
+
+@pytest.mark.parametrize("locks", ["of one machine", "none"])
+def test_a_folder_that_no_lock_says_is_dead_goes_after_a_day(locks: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run on another machine may hold a lock that this one does not see."""
+    with monkeypatch.context() as elsewhere:
+        if locks == "of one machine":
+            elsewhere.setattr(staging, "_PREFIX", ".halfplane-0123ab-")
+        assert in_a_child(lambda: dying(tmp_path)) == -signal.SIGKILL
+    (name,) = os.listdir(tmp_path)
+    if locks == "none":
+        monkeypatch.setattr(fcntl, "flock", refusing(errno.ENOLCK))
+    claim(tmp_path / "out")
+    assert os.listdir(tmp_path) == [name]
+    for path in (tmp_path / name, *(tmp_path / name).rglob("*")):
+        os.utime(path, (time.time() - 90_000, time.time() - 90_000))
+    claim(tmp_path / "out")
+    assert os.listdir(tmp_path) == []
+
+
+def refusing(reason: int) -> Callable[..., None]:
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(reason, os.strerror(reason))
+
+    return refuse
+
+
+@pytest.mark.parametrize("writer", ["baseline", "sweep"])
+def test_a_file_of_a_killed_process_goes_too(writer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = Store(tmp_path / "store")
+    store.prepare()
+
+    def write() -> None:
+        if writer == "baseline":
+            replace_text(tmp_path / "baseline.json", "{}")
+        else:
+            store.prepare()
+            store.write({"address": "a"})
+
+    with monkeypatch.context() as killing:
+        killing.setattr(os, "replace", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
+        assert in_a_child(write) == -signal.SIGKILL
+    assert [path for path in tmp_path.rglob(".*") if path.is_file()] != []
+    write()
+    assert [path for path in tmp_path.rglob(".*") if path.is_file()] == []
+
+
+# --------------------------------------------------------------------------------------------------------------- signals
+@pytest.mark.parametrize(
+    ("command", "which", "code"),
+    [
+        pytest.param("fe", signal.SIGINT, 130, marks=pytest.mark.slow),
+        pytest.param("run", signal.SIGINT, 130, marks=pytest.mark.slow),
+        ("fe", signal.SIGTERM, 143),
+        pytest.param("fe", signal.SIGHUP, 129, marks=pytest.mark.slow),
+    ],
+)
+def test_a_signal_to_end_keeps_what_was_solved_and_says_so(command: str, which: signal.Signals, code: int, tmp_path: Path) -> None:
+    found, said = interrupted(tmp_path, command, "hertz-paper", *COARSE[:-1], "4000", "--out", "out", which=which)
+    assert found == code, said
+    assert "Traceback" not in said
+    assert "interrupted at time" in said
+    assert "what was solved is kept in out/partial.nc" in said
     kept = ContactSolution.load(tmp_path / "out" / "partial.nc")
-    assert not kept.record.converged
-    assert kept.record.termination == "interrupted"
-    assert len(kept.time) > 1
+    assert (kept.record.converged, kept.record.termination, len(kept.time) > 1) == (False, "interrupted", True)
     assert np.isfinite(kept.pressure).all()
     assert half_files(tmp_path) == []
+    assert not [name for name in everything(tmp_path) if name.startswith(".")]
 
 
 def test_an_interrupt_between_two_lists_leaves_them_of_one_length(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -174,75 +244,253 @@ def test_numpy_searches_no_member_of_an_enumeration(engine: str) -> None:
     assert not [f"{place.f_code.co_filename}:{place.f_lineno}" for place in searched if place is not None]
 
 
-@pytest.mark.slow
-def test_a_full_disk_is_a_sentence_and_leaves_nothing(comparison: Comparison, small_disk: Path) -> None:
-    with pytest.raises(InputError, match="can't be written to"):
-        reports.write(comparison, small_disk / "out")
-    assert everything(small_disk) == set()
+def scripted(folder: Path, *lines: str) -> tuple[int, str, str]:
+    """Exit code and streams of lines of Python in a process of their own."""
+    done = process(folder, program=("-c", "\n".join(["import os, signal, sys", *lines])))
+    return done.returncode, done.stdout, done.stderr
+
+
+IGNORED = (
+    "from reports.cli.process import settled",
+    "signal.signal(signal.SIGHUP, signal.SIG_IGN)",
+    "with settled(): os.kill(os.getpid(), signal.SIGHUP); print('goes on')",
+)
+TWICE = (
+    "from reports.cli import application as cli",
+    "def stop(*_): os.kill(os.getpid(), signal.SIGINT)",
+    "cli.app = cli._refused = stop",
+    "sys.exit(cli.main())",
+)
+
+
+def swallowed(fault: str, asked: str = "os.kill(os.getpid(), signal.SIGINT)") -> tuple[str, ...]:
+    """Compiled modules and locks make another error of a Ctrl-C."""
+    inside = ("def app(_):", f"    try: {asked}", "    except KeyboardInterrupt: pass", f"    raise {fault}")
+    return ("from reports.cli import application as cli", *inside, "cli.app = app", "sys.exit(cli.main())")
+
+
+SAID = "halfplane: interrupted; nothing was written\n"
+SCRIPTS = {
+    "a signal that nohup ignores stays ignored": (IGNORED, (0, "goes on\n", "")),
+    "a second Ctrl-C while the first is reported": (TWICE, (130, "", "")),
+    "Ctrl-C in a compiled module": (swallowed("ImportError('initialization failed')"), (130, "", SAID)),
+    "Ctrl-C in a lock": (swallowed("RuntimeError('release unlocked lock')"), (130, "", SAID)),
+}
+
+
+@pytest.mark.parametrize("case", SCRIPTS)
+def test_signals_at_odd_moments(case: str, tmp_path: Path) -> None:
+    lines, wanted = SCRIPTS[case]
+    assert scripted(tmp_path, *lines) == wanted
+
+
+def test_the_same_error_without_a_signal_is_internal(tmp_path: Path) -> None:
+    code, _, errors = scripted(tmp_path, *swallowed("ImportError('initialization failed')", "pass"))
+    assert code == 70
+    assert "internal error" in errors
+    assert "Traceback" not in errors
+
+
+@pytest.mark.parametrize("move", [1, 2, 4])
+def test_ctrl_c_while_files_are_moved_waits_until_all_are(move: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    moves, real = 0, os.replace
+
+    def replace(source: Path, target: Path) -> None:
+        nonlocal moves
+        moves += 1
+        if moves == move:
+            os.kill(os.getpid(), signal.SIGINT)
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", replace)
+    with pytest.raises(FilledBefore, match=r"the results in .*out are whole"):
+        fill(tmp_path / "out", "a.json", "report.html")
+    assert set(os.listdir(tmp_path)) == {"out"}
+    assert listed(tmp_path / "out") == {"a.json", "report.html", MANIFEST}
+
+
+# --------------------------------------------------------------------------------------------------------------- streams
+@pytest.fixture
+def unread() -> Iterator[int]:
+    """A pipe that nobody reads any more."""
+    read, write = os.pipe()
+    os.close(read)
+    yield write
+    os.close(write)
+
+
+@pytest.fixture
+def full() -> Iterator[int]:
+    """A disk that is full."""
+    with open("/dev/full", "w") as stream:
+        yield stream.fileno()
+
+
+@pytest.mark.parametrize("words", [("scenes", "--json"), ("--help",), ("completion", "bash")])
+def test_an_answer_that_nobody_reads_is_141_and_one_without_room_a_sentence(
+    words: tuple[str, ...], unread: int, full: int, tmp_path: Path
+) -> None:
+    """As in `halfplane scenes | head -1`; 1 would mean that a verdict is bad."""
+    done = process(tmp_path, *words, stdout=unread)
+    assert (done.returncode, done.stderr) == (141, "")
+    line = sentence(process(tmp_path, *words, stdout=full))
+    assert "the answer could not be written to stdout: No space left on device" in line
 
 
 @pytest.mark.slow
-def test_a_full_disk_keeps_what_an_earlier_run_left(small_disk: Path) -> None:
-    with filled(small_disk / "out") as folder:
-        (folder / "report.html").write_text("<html></html>")
-    before = everything(small_disk)
-    with pytest.raises(InputError), filled(small_disk / "out") as folder:
-        (folder / "report.html").write_bytes(bytes(10**6))
-    assert everything(small_disk) == before
-    assert (small_disk / "out" / "report.html").read_text() == "<html></html>"
+@pytest.mark.parametrize("where", ["unread", "full"])
+def test_progress_that_goes_nowhere_does_not_end_the_work(where: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    done = process(tmp_path, *EXACT, stderr=request.getfixturevalue(where))
+    assert done.returncode == 0
+    assert "out/semi_analytic.nc" in done.stdout
+    assert everything(tmp_path) == WRITTEN
+
+
+def test_closed_streams_are_no_files(tmp_path: Path) -> None:
+    """Else the first file that is opened is stdout."""
+    assert process(tmp_path, *EXACT, closed=True).returncode == 0
+    assert everything(tmp_path) == WRITTEN
+    assert ContactSolution.load(tmp_path / "out" / "semi_analytic.nc").record.converged
+    assert process(tmp_path, "scenes", closed=True).returncode == 0
+
+
+def test_a_terminal_that_knows_no_greek_gets_words(tmp_path: Path) -> None:
+    def asked(*words: str) -> CompletedProcess[str]:
+        done = process(tmp_path, *words, PYTHONIOENCODING="ascii")
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout.isascii()
+        return done
+
+    shown = asked("check", "hertz-paper").stdout
+    assert "nu = 0.3" in shown
+    assert "cos(t - 90 deg)" in shown
+    assert json.loads(asked("scenes", "--json").stdout)["exit_code"] == 0
+    script = "import sys\nfrom reports.cli.process import settled\nwith settled(): sys.stdout.write('\"\\u6f22 \\u03bd\"')"
+    done = process(tmp_path, program=("-c", script), PYTHONIOENCODING="ascii")
+    assert done.stdout == '"\\u6f22 nu"'  # signs without a word are escapes that JSON reads
+    assert json.loads(done.stdout) == "漢 nu"
+
+
+@pytest.mark.parametrize("words", [("run", "hertz-paper", "--out", b"o\xff"), ("check", b"o\xff.toml")])
+def test_an_argument_that_is_no_text_is_refused_before_any_work(words: tuple[str | bytes, ...], tmp_path: Path) -> None:
+    """Its byte stands in the command that a report shows: the page could not be written, after all the work."""
+    assert "o\\udcff" in sentence(process(tmp_path, *words))
+    assert everything(tmp_path) == set()
 
 
 @pytest.mark.slow
-def test_a_full_disk_under_the_store_of_bodies_is_done_without(small_disk: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HALFPLANE_CACHE", str(small_disk / "cache"))
-    answer = halfplane_fe.solve(load_scene("cattaneo-mindlin"), MeshSettings(element_size=0.1, edge_element_size=0.008, order=1))
-    assert answer.work.counts["condensations not stored"] > 0
-    assert half_files(small_disk) == []
-    assert not list(small_disk.rglob("*.part"))
+def test_a_terminal_of_no_width_is_taken_for_one_that_does_not_say(tmp_path: Path) -> None:
+    assert process(tmp_path, *EXACT, COLUMNS="0").stdout == process(tmp_path, *EXACT, COLUMNS="80").stdout != ""
 
 
-def test_a_folder_that_is_read_only_is_a_sentence(comparison: Comparison, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Root may write anywhere, so the refusal of the system is played."""
+# --------------------------------------------------------------------------------------- folders lost, shared and locked
+def locked(folder: Path) -> int:
+    """A handle of a process that was stopped while it moved files."""
+    handle = os.open(folder, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    return handle
 
-    def refuse(**_: object) -> str:
-        raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("tempfile.mkdtemp", refuse)
-    with pytest.raises(InputError, match="the folder can't be written to: Permission denied; name another"):
-        reports.write(comparison, tmp_path / "out")
+def test_a_folder_that_a_stopped_process_holds_is_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(folders, "_PATIENCE", 0.0)
+    handle = locked(tmp_path)
+    with pytest.raises(InputError, match="another process has held this folder for 0 s"):
+        claim(tmp_path)
+    os.close(handle)
+    assert claim(tmp_path) == tmp_path
+
+
+def replaced_by_a_file(out: Path) -> None:
+    out.rmdir()
+    out.write_text("mine")
+
+
+SPOILS: dict[str, Callable[[Path], object]] = {
+    "locked": locked,
+    "a file": replaced_by_a_file,
+    "a name taken": lambda out: (out / "a.json").write_text("mine"),
+}
+
+
+@pytest.mark.parametrize("spoil", SPOILS)
+def test_what_was_computed_is_kept_where_its_folder_is_lost(spoil: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hours of work must not go because of what somebody did to the folder meanwhile."""
+    monkeypatch.setattr(folders, "_PATIENCE", 0.0)
+    out = tmp_path / "out"
+    out.mkdir()
+    with pytest.raises(InputError, match="what did not get there is kept in ") as fault:
+        fill(out, "a.json", "b.json", meanwhile=lambda: SPOILS[spoil](out))
+    claim(tmp_path / "later")
+    assert (Path(str(fault.value).rsplit("kept in ", 1)[1]) / "b.json").is_file()
+    assert not (out / MANIFEST).exists()
+    assert out.is_dir() or out.read_text() == "mine"
+
+
+def test_a_folder_that_was_replaced_is_locked_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lock on a folder that is there no more keeps nobody out."""
+    out, real = tmp_path / "out", fcntl.flock
+    out.mkdir()
+
+    def flock(handle: int, how: int) -> None:
+        real(handle, how)
+        if not (tmp_path / "old").exists():
+            out.rename(tmp_path / "old")
+            out.mkdir()
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    assert lock(out) is None
+    handle = lock(out)
+    assert handle is not None
+    assert os.path.samestat(os.fstat(handle), out.stat())
+    os.close(handle)
+
+
+@pytest.mark.parametrize("case", ["another disk", "somebody else's", "a link"])
+def test_a_folder_is_filled_whatever_is_above_it(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mounted disk or a folder of somebody else's, where nothing can be renamed; a link elsewhere, to memory if there is such."""
+    memory, out = Path("/dev/shm"), tmp_path / "out"
+    if case == "a link":
+        above = memory if os.access(memory, os.W_OK) else tmp_path
+        home = above / f"halfplane-{os.getpid()}-{tmp_path.name}"
+        home.mkdir(exist_ok=True)
+        out.symlink_to(home)
+    else:
+        home = out
+        home.mkdir()
+        monkeypatch.setattr(os, "rename", refusing(errno.EXDEV if case == "another disk" else errno.EACCES))
+    try:
+        fill(out, "a.json")
+        assert listed(home) == {"a.json", MANIFEST}
+    finally:
+        for path in home.iterdir():
+            path.unlink()
+        home.rmdir()
+
+
+def test_an_error_about_another_file_is_not_one_of_the_folder(tmp_path: Path) -> None:
+    """A program that is missing, say, while a page is made."""
+    with pytest.raises(FileNotFoundError, match=r"lost\.txt"):
+        fill(tmp_path / "out", "a.json", meanwhile=(tmp_path / "lost.txt").read_text)
+    assert everything(tmp_path) == set()
 
 
 def test_many_at_once_on_one_folder_leave_one_whole_report(tmp_path: Path) -> None:
     """Whoever moves last leaves its files and no others, and the manifest lists what is there."""
     runs = [("a.json", "b.json", "report.html"), ("a.json", "c.json", "tables/d.csv", "report.html")]
-
-    def fill(k: int) -> None:
-        with filled(tmp_path / "out") as folder:
-            (folder / "tables").mkdir()
-            for name in runs[k % 2]:
-                (folder / name).write_text(f'"{k % 2}"\n')
-                time.sleep(0.005)
-
-    for _ in range(20):
+    for _ in range(10):
         with ThreadPoolExecutor(8) as crowd:
-            list(crowd.map(fill, range(8)))
-        there = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*") if path.is_file()}
-        last = int((tmp_path / "out" / "report.html").read_text().strip('"\n'))
-        assert there == {*runs[last], MANIFEST}
-        assert {(tmp_path / "out" / name).read_text() for name in runs[last]} == {f'"{last}"\n'}
-        assert set(json.loads((tmp_path / "out" / MANIFEST).read_text())["files"]) == there
-    assert everything(tmp_path) - {"out"} == {f"out/{name}" for name in everything(tmp_path / "out")}
+            list(crowd.map(lambda k: fill(tmp_path / "out", *runs[k % 2], meanwhile=lambda: time.sleep(0.01)), range(8)))
+        last = (tmp_path / "out" / "report.html").read_text()
+        assert listed(tmp_path / "out") == {*literal_eval(last), MANIFEST}
+        assert {(tmp_path / "out" / name).read_text() for name in literal_eval(last)} == {last}
+    assert os.listdir(tmp_path) == ["out"]
 
 
+@pytest.mark.slow
 def test_another_first_run_at_any_moment_is_no_stranger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One whole run comes between any two lines of another, or waits for it: three of 163 took its page for somebody else's."""
     real, waits = time.sleep, threading.Event()
     lines, moment, others = 0, 0, list[Future[None]]()
-
-    def fill(*names: str) -> None:
-        with filled(tmp_path / str(moment) / "out") as folder:
-            for name in names:
-                (folder / name).write_text(f"{names}")
 
     def sleep(seconds: float) -> None:
         waits.set()  # the one of us has locked what the other needs
@@ -254,7 +502,7 @@ def test_another_first_run_at_any_moment_is_no_stranger(tmp_path: Path, monkeypa
             return None
         lines += event == "line"
         if lines == moment and not others:
-            others.append(crowd.submit(fill, "a.json", "b.json", "report.html"))
+            others.append(crowd.submit(fill, tmp_path / str(moment) / "out", "a.json", "b.json", "report.html"))
             others[0].add_done_callback(lambda _: waits.set())
             assert waits.wait(60)
         return watch
@@ -263,85 +511,21 @@ def test_another_first_run_at_any_moment_is_no_stranger(tmp_path: Path, monkeypa
     with ThreadPoolExecutor(1) as crowd:
         while lines >= moment:
             moment, lines = moment + 1, 0
-            (tmp_path / str(moment)).mkdir()
+            place = tmp_path / str(moment)
+            place.mkdir()
             others.clear()
             waits.clear()
             sys.settrace(watch)
             try:
-                fill("a.json", "c.json", "report.html")
+                fill(place / "out", "a.json", "c.json", "report.html")
             finally:
                 sys.settrace(None)
             for other in others:
                 other.result(60)
-            place = tmp_path / str(moment)
             (names,) = {path.read_text() for path in (place / "out").iterdir() if path.name != MANIFEST}
-            assert {"out", "out/manifest.json", *(f"out/{name}" for name in literal_eval(names))} == everything(place)
+            assert listed(place / "out") == {MANIFEST, *literal_eval(names)}
+            assert os.listdir(place) == ["out"]
     assert moment > 100
-
-
-def dying(folder: Path) -> None:
-    with filled(folder / "dead") as results:
-        (results / "a.json").write_text("{}")
-        os.kill(os.getpid(), signal.SIGKILL)
-
-
-def test_a_folder_of_a_run_that_lives_stays_and_one_of_a_dead_run_goes(tmp_path: Path) -> None:
-    assert in_a_child(lambda: dying(tmp_path)) == -signal.SIGKILL
-    (dead,) = os.listdir(tmp_path)
-    with filled(tmp_path / "alive") as folder:
-        assert dead not in os.listdir(tmp_path)
-        (folder / "a.json").write_text("{}")
-        with filled(tmp_path / "other") as other:
-            (other / "b.json").write_text("{}")
-    assert everything(tmp_path) == {
-        "alive",
-        "other",
-        *(f"{n}/{MANIFEST}" for n in ("alive", "other")),
-        "alive/a.json",
-        "other/b.json",
-    }
-
-
-@pytest.mark.parametrize("locks", ["of one machine", "none"])
-def test_a_folder_that_no_lock_says_is_dead_goes_after_a_day(locks: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A run on another machine may hold a lock that this one does not see."""
-    with monkeypatch.context() as elsewhere:
-        if locks == "of one machine":
-            elsewhere.setattr(staging, "_PREFIX", ".halfplane-0123ab-")
-        assert in_a_child(lambda: dying(tmp_path)) == -signal.SIGKILL
-    (name,) = os.listdir(tmp_path)
-    if locks == "none":
-
-        def flock(*_: object) -> None:
-            raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
-
-        monkeypatch.setattr(fcntl, "flock", flock)
-    claim(tmp_path / "out")
-    assert os.listdir(tmp_path) == [name]
-    for path in (tmp_path / name, *(tmp_path / name).rglob("*")):
-        os.utime(path, (time.time() - 90_000, time.time() - 90_000))
-    claim(tmp_path / "out")
-    assert os.listdir(tmp_path) == []
-
-
-@pytest.mark.parametrize("writer", ["baseline", "sweep"])
-def test_a_file_of_a_killed_process_goes_too(writer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    store = Store(tmp_path / "store")
-    store.prepare()
-
-    def write() -> None:
-        if writer == "baseline":
-            replace_text(tmp_path / "baseline.json", "{}")
-        else:
-            store.prepare()
-            store.write({"address": "a"})
-
-    with monkeypatch.context() as killing:
-        killing.setattr(os, "replace", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
-        assert in_a_child(write) == -signal.SIGKILL
-    assert [path for path in tmp_path.rglob(".*") if path.is_file()] != []
-    write()
-    assert [path for path in tmp_path.rglob(".*") if path.is_file()] == []
 
 
 @pytest.mark.slow
@@ -349,26 +533,22 @@ def test_two_processes_on_one_folder_and_one_store(tmp_path: Path) -> None:
     truth, _ = undisturbed(tmp_path / "truth", "run")
     home = tmp_path / "both"
     home.mkdir()
-    both = [started(home, "run") for _ in range(2)]
-    for process in both:
-        _, errors = process.communicate(timeout=300)
-        assert process.returncode in (0, 1, 2), errors
+    for both in [started(home, "run") for _ in range(2)]:
+        _, errors = both.communicate(timeout=300)
+        assert both.returncode in (0, 1, 2), errors
         assert "Traceback" not in errors
     assert half_files(home) == []
     assert finished(home, "run") in (0, 1)
     assert numbers(home / "out") == truth
 
 
+# ------------------------------------------------------------------------------------------------------------- same bits
 def test_the_same_scene_twice_is_the_same_files(comparison: Comparison, tmp_path: Path) -> None:
     """Timestamps and wall times apart, the bytes of every table and the numbers of every answer."""
-    for name in ("first", "second"):
-        folder = tmp_path / name
-        folder.mkdir()
-        reports.write(comparison, folder / "out")
+    pages = [reports.write(comparison, tmp_path / name / "out").read_text(encoding="utf-8") for name in ("first", "second")]
     first, second = (numbers(tmp_path / name / "out") for name in ("first", "second"))
     assert first == second
     assert len(first) > 10
-    pages = [(tmp_path / name / "out" / "report.html").read_text(encoding="utf-8") for name in ("first", "second")]
     assert len(pages[0]) == len(pages[1])
 
 
@@ -380,6 +560,7 @@ def test_the_same_scene_solved_twice_is_the_same_bits(monkeypatch: pytest.Monkey
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
 
 
+@pytest.mark.slow
 def test_one_or_two_threads_of_blas_agree_to_rounding() -> None:
     """Whatever the user's machine allows: the finite elements hold BLAS to one thread themselves, theory does without it.
 

@@ -1,78 +1,138 @@
-"""Each package says in its docstring which file holds what: every file is there, and nothing that is not."""
+"""Packages: each file on its map, imports in no circle, the interface shown, pins and licences, a wheel that runs."""
+
+from __future__ import annotations
 
 import ast
 import re
+import subprocess
+import sys
+import tomllib
 from collections import Counter
 from importlib import import_module
+from importlib.metadata import distributions
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+ROOT = Path(__file__).parents[1]
+BENCHMARKS = ROOT / "benchmarks"
+PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
 
-def named(text):
+
+# -------------------------------------------------------------------------------------------------------- names and files
+def named(text: str | None) -> Counter[str]:
     """Files that a docstring names, with how often."""
-    return Counter(re.findall(r"\b\w+\.py\b", text))
+    return Counter(re.findall(r"\b\w+\.py\b", text or ""))
 
 
-@pytest.mark.parametrize("package", ["scenes", "semi_analytic", "meshes", "halfplane_fe"])
-def test_every_file_has_its_place_on_the_map_once(package):
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_shows_its_interface_and_has_each_file_on_its_map_once(package: str) -> None:
+    """No module of it has the name of a public function."""
     module = import_module(package)
-    files = {path.name for path in Path(module.__file__).parent.glob("*.py")} - {"__init__.py"}
-    assert named(module.__doc__) == Counter(files)
+    assert dir(module) == sorted(module.__all__)
+    files = {path.name for path in (ROOT / package).glob("*.py")} - {"__init__.py"}
+    if package != "reports":
+        assert named(module.__doc__) == Counter(files)
+    if package in ("scenes", "semi_analytic"):
+        assert not {name.removesuffix(".py") for name in files} & set(module.__all__)
 
 
-def test_a_file_that_is_missing_or_named_twice_is_noticed():
+def test_a_file_that_is_missing_or_named_twice_is_noticed() -> None:
     assert named("one.py, two.py") != Counter({"one.py"})
     assert named("one.py, one.py") != Counter({"one.py"})
 
 
 def test_no_module_of_the_benchmarks_has_the_name_of_one_of_the_tests() -> None:
     """Some of either import some of the other, all by plain names: whoever comes second would get the wrong one."""
-    one, other = ({path.name for path in (Path(__file__).parents[1] / folder).glob("*.py")} for folder in ("benchmarks", "tests"))
+    one, other = ({path.name for path in (ROOT / folder).glob("*.py")} for folder in ("benchmarks", "tests"))
     assert one & other == set()
 
 
-def imported(file, package):
-    """Modules of the package that a file imports, wherever in it, for types alone too."""
-    nodes = [node for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom)]
-    names = {f"{node.module}.{name.name}" for node in nodes for name in node.names} | {node.module for node in nodes}
-    return {name.split(".")[1] for name in names if name and name.startswith(f"{package}.")}
-
-
-@pytest.mark.parametrize("package", ["scenes", "semi_analytic", "meshes", "halfplane_fe"])
-def test_imports_go_round_in_no_circle(package):
-    """Taking away, again and again, the modules that import none of those left leaves nothing."""
-    folder = Path(import_module(package).__file__).parent
-    left = {path.stem: imported(path, package) for path in folder.glob("*.py") if path.stem != "__init__"}
-    while last := {name for name, needs in left.items() if not needs & left.keys() - {name}}:
-        left = {name: needs for name, needs in left.items() if name not in last}
-    assert not left
-
-
-def imported_at_run_time(file: Path, modules: set[str]) -> set[str]:
-    """Modules that a file imports, wherever in it, but for the checker of types; of a package its `__init__`."""
-    parts = [
-        part for part in ast.parse(file.read_text(encoding="utf-8")).body if not ast.unparse(part).startswith("if TYPE_CHECKING")
-    ]
+def imported(text: str, modules: set[str], types: bool = True) -> set[str]:
+    """Modules that a file imports, wherever in it, for types alone too or not; of a package its `__init__`."""
+    parts = [part for part in ast.parse(text).body if types or not ast.unparse(part).startswith("if TYPE_CHECKING")]
     nodes = [node for part in parts for node in ast.walk(part) if isinstance(node, ast.ImportFrom)]
     names = {(node.module or "", f"{node.module}.{name.name}") for node in nodes for name in node.names}
     return {whole if whole in modules else part for part, whole in names if {part, whole} & modules}
 
 
-def test_imports_of_reports_go_round_in_no_circle() -> None:
-    """The same through all folders of reports; a module stands for its file, a package for its `__init__.py`."""
-    root = Path(import_module("reports").__file__ or "").parents[1]
-    files = {
-        ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
-        for path in (root / "reports").rglob("*.py")
-    }
-    left = {name: imported_at_run_time(path, set(files)) for name, path in files.items() if name != "reports"}
+def circle(package: str, texts: dict[str, str]) -> set[str]:
+    """What is left when modules that import none of those left are taken away, again and again: nothing, without a circle."""
+    left = {name: imported(text, set(texts), types=package != "reports") for name, text in texts.items() if name != package}
     while last := {name for name, needs in left.items() if not needs & left.keys() - {name}}:
         left = {name: needs for name, needs in left.items() if name not in last}
-    assert not left
+    return set(left)
 
 
-@pytest.mark.parametrize("package", ["scenes", "semi_analytic"])
-def test_no_module_has_the_name_of_a_public_function(package):
-    module = import_module(package)
-    assert not {path.stem for path in Path(module.__file__).parent.glob("*.py")} & set(module.__all__)
+@pytest.mark.parametrize("package", PACKAGES)
+def test_imports_go_round_in_no_circle(package: str) -> None:
+    """Through all folders of reports, where imports for types alone may."""
+    files = {".".join(path.relative_to(ROOT).with_suffix("").parts): path for path in (ROOT / package).rglob("*.py")}
+    texts = {name.removesuffix(".__init__"): path.read_text(encoding="utf-8") for name, path in files.items()}
+    assert circle(package, texts) == set()
+    assert circle("a", {"a": "", "a.b": "from a import c", "a.c": "from a.d import x", "a.d": "def f():\n from a.b import y"}) == {
+        *("a.b", "a.c", "a.d")
+    }
+
+
+def test_nothing_in_the_project_reads_the_folder_beside_it() -> None:
+    """Code, tests, benchmarks, pages and settings; the name stands here in two parts, so that this file is judged too."""
+    outside = "../" + "shared"
+    suffixes = {".py", ".md", ".toml", ".ipynb", ".yml", ".yaml", ".sh", ".jinja", ".html", ".js", ".css"}
+    below = [path for folder in (*PACKAGES, "tests", "benchmarks", ".ci", "docs") for path in (ROOT / folder).rglob("*")]
+    files = [path for path in (*below, *ROOT.iterdir()) if path.is_file() and "_build" not in path.parts]
+    read = [path for path in files if path.suffix in suffixes or path.name in ("Makefile", "run")]
+    assert len(read) > 300
+    assert not [path for path in read if outside in path.read_text(encoding="utf-8")]
+
+
+# ------------------------------------------------------------------------------------------------------- what pip installs
+@pytest.fixture
+def tool(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A module of the benchmarks by its name."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    return import_module
+
+
+def test_licences_bounds_pythons_and_pins(tool: Any) -> None:
+    """The table of licences is that of what is installed; requirements have lower bounds; all that is installed is pinned."""
+    licences, installed, pins = (tool(name) for name in ("licences", "installed", "pins"))
+    assert licences.PAGE.read_text(encoding="utf-8") == licences.page()
+    assert {"numpy", "gmsh", "markupsafe"} <= licences.closure().keys()
+    assert "not stated" not in licences.page()
+    lowest = installed.lowest()
+    assert len(lowest) >= 16
+    assert all(pin.count("==") == 1 for pin in lowest)
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    oldest, *_, newest = pins.pythons()
+    assert project["project"]["requires-python"] == f">={oldest}"
+    assert project["tool"]["mypy"]["python_version"] == oldest
+    assert "target-version" not in project["tool"]["ruff"]  # ruff takes requires-python
+    assert f"Any Python from {oldest} to {newest}" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+    # On the newest Python too, where a requirement may hold that the oldest does not have.
+    pinned = {licences.plain(word): word.partition("==")[2] for word in pins.pinned()}
+    others = {"halfplane", "pip", "setuptools"}
+    ours = {licences.plain(found.name): found.version for found in distributions() if found.name not in others}
+    assert {name: pinned.get(name) for name in ours} == ours
+
+
+@pytest.mark.slow
+def test_installed_packages_fit_together() -> None:
+    done = subprocess.run([sys.executable, "-m", "pip", "check"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def test_every_command_runs_from_an_installed_wheel(tmp_path: Path, tool: Any) -> None:
+    assert tool("installed").every_command(tmp_path / "environment", tmp_path / "there") == []
+
+
+@pytest.mark.slow
+# The lower bounds are older than Python 3.14, so without wheels for it.
+@pytest.mark.parametrize("kind", ["--pinned", *(["--lowest"] if sys.version_info < (3, 14) else [])])
+def test_the_wheel_runs_outside_the_checkout(kind: str, tmp_path: Path) -> None:
+    command = [sys.executable, str(BENCHMARKS / "installed.py"), kind, str(tmp_path / "environment")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
