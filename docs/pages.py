@@ -2,7 +2,8 @@
 
     python docs/pages.py
 
-verification.md, gallery.md, misprints.md, architecture.svg, values.json, and the tables of third.md. A test makes all of it again.
+verification.md, gallery.md, misprints.md, architecture.svg, values.json, and the tables of third.md and scene-keys.md. Tests
+make all of it again.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 
 import architecture
 import quoting
+import reference
 
 from reports.comparison.metrics import are_half_planes, tolerances_of
 from reports.paper.cases import Paper, paper
@@ -46,6 +48,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "gallery.md": "\n".join([*gallery()]) + "\n",
         "misprints.md": "\n".join([*misprint_page(examples)]) + "\n",
         "third.md": third_opinion((FOLDER / "third.md").read_text(encoding="utf-8")),
+        "scene-keys.md": reference.page((FOLDER / "scene-keys.md").read_text(encoding="utf-8")),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
     }
 

@@ -24,7 +24,7 @@ class Elastic(Frozen):
     """
 
     young_modulus: Positive = Field(description="Young's modulus, stress units (library: MPa)")
-    poisson_ratio: float = Field(gt=-1, lt=0.5, description="Poisson's ratio, in (-1, 0.5)")
+    poisson_ratio: float = Field(gt=-1, lt=0.5, description="Poisson's ratio")
 
 
 class Materials(Frozen):
@@ -106,7 +106,7 @@ class Cylinder(Frozen):
     """Half of a solid cylinder, its plane of symmetry bonded to a rigid plane (which carries the load of an upper body)."""
 
     kind: Literal["cylinder"] = "cylinder"
-    radius: Positive = Field(description="length units (library: mm)")
+    radius: Positive = Field(description="radius of the cylinder, length units (library: mm)")
 
     @property
     def face_half_width(self) -> float:

@@ -108,9 +108,9 @@ class EllipseLoad(Frozen):
 
     kind: Literal["ellipse"] = "ellipse"
     mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
-    normal_amplitude: float = Field(0.0, ge=0, description="P1 >= 0")
-    mean_tangential_load: float = Field(0.0, description="Q0")
-    tangential_amplitude: float = Field(0.0, ge=0, description="Q1 >= 0")
+    normal_amplitude: float = Field(0.0, ge=0, description="P1, force per unit thickness (library: N/mm)")
+    mean_tangential_load: float = Field(0.0, description="Q0, force per unit thickness (library: N/mm)")
+    tangential_amplitude: float = Field(0.0, ge=0, description="Q1, force per unit thickness (library: N/mm)")
     phase_degrees: float = Field(90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise")
     initial_loading: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
         "straight",
@@ -149,8 +149,10 @@ class PolygonLoad(Frozen):
     """
 
     kind: Literal["polygon"] = "polygon"
-    initial_loading: tuple[Point, ...] = Field(min_length=1, description="[P, Q] points after (0, 0)")
-    cycle: tuple[Point, ...] = Field((), description="[P, Q] points after the last one of the initial loading")
+    initial_loading: tuple[Point, ...] = Field(min_length=1, description="[P, Q] points after (0, 0) (library: N/mm)")
+    cycle: tuple[Point, ...] = Field(
+        (), description="[P, Q] points after the last one of the initial loading, force per unit thickness (library: N/mm)"
+    )
 
     @property
     def _corners(self) -> list[Point]:
@@ -185,11 +187,11 @@ class HarmonicLoad(Frozen):
 
     kind: Literal["harmonics"] = "harmonics"
     mean_normal_load: Positive = Field(description="P0, force per unit thickness (library: N/mm)")
-    mean_tangential_load: float = Field(0.0, description="Q0")
-    normal_harmonics: tuple[Harmonic, ...] = Field((), description="[P_k, phi_k in degrees] of k = 1, 2, ...")
-    tangential_harmonics: tuple[Harmonic, ...] = Field((), description="[Q_k, phi_k in degrees] of k = 1, 2, ...")
+    mean_tangential_load: float = Field(0.0, description="Q0, force per unit thickness (library: N/mm)")
+    normal_harmonics: tuple[Harmonic, ...] = Field((), description="[P_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)")
+    tangential_harmonics: tuple[Harmonic, ...] = Field((), description="[Q_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)")
     initial_loading: InitialLoading = Field(
-        "straight", description="from (0, 0) to the first point of the cycle: straight, or by the [P, Q] points"
+        "straight", description="from (0, 0) to the first point of the cycle: straight, or along [P, Q] points"
     )
 
     def path(self) -> LoadPath:
@@ -220,9 +222,9 @@ class TimeSeriesLoad(FromFile):
     table, columns = "rows", ("time", "P", "Q")
 
     kind: Literal["time_series"] = "time_series"
-    file: str | None = Field(None, description="CSV file of the columns time, P, Q; path relative to the scene file")
-    rows: Table = Field(description="the rows themselves, [time, P, Q] each, in place of a file")
-    repeats: bool = Field(False, description="whether the rows are one cycle that repeats for ever")
+    file: str | None = Field(None, description="CSV file with the columns time, P, Q; path relative to the scene file")
+    rows: Table = Field(description="the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)")
+    repeats: bool = Field(False, description="whether the rows are one cycle that repeats")
 
     def check_rows(self) -> None:
         rows = self.rows.values
@@ -272,12 +274,12 @@ class CallableLoad(Frozen):
     """
 
     kind: Literal["callable"] = "callable"
-    normal_load: PythonFunction = Field(description="P(time), force per unit thickness")
-    tangential_load: PythonFunction = Field(description="Q(time)")
-    duration: Positive = Field(description="time that the functions cover: of one cycle if it repeats")
-    repeats: bool = Field(False, description="whether the functions are one cycle that repeats for ever")
+    normal_load: PythonFunction = Field(description="P(time), force per unit thickness (library: N/mm)")
+    tangential_load: PythonFunction = Field(description="Q(time), force per unit thickness (library: N/mm)")
+    duration: Positive = Field(description="time that the functions cover, one cycle if it repeats, any time unit (library: s)")
+    repeats: bool = Field(False, description="whether the functions are one cycle that repeats")
     initial_loading: InitialLoading = Field(
-        "straight", description="from (0, 0) to the loads at time 0: straight, or by the [P, Q] points"
+        "straight", description="from (0, 0) to the loads at time 0: straight, or along [P, Q] points"
     )
 
     @model_validator(mode="after")

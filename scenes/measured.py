@@ -281,9 +281,9 @@ class Tabulated(FromFile):
     table, columns = "points", ("x", "h")
 
     kind: Literal["tabulated"] = "tabulated"
-    file: str | None = Field(None, description="CSV file of the columns x, h (length units); path relative to the scene file")
-    points: Table = Field(description="the rows themselves, [x, h] each, in place of a file")
-    asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides, as a share of the largest gap")
+    file: str | None = Field(None, description="CSV file with the columns x, h; path relative to the scene file")
+    points: Table = Field(description="the rows themselves, [x, h] each, in place of a file, length units (library: mm)")
+    asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides over the largest gap")
 
     def check_rows(self) -> None:
         one_sided(self.points.values, self.asymmetry)

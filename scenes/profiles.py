@@ -86,9 +86,9 @@ class PowerLaw(Gap):
     """
 
     kind: Literal["power_law"] = "power_law"
-    exponent: float = Field(ge=1, description="exponent n >= 1, any real number")
+    exponent: float = Field(ge=1, description="exponent n, any real number")
     length: Positive = Field(description="distance at which the gap is `rise`, length units (library: mm)")
-    rise: Positive = Field(description="gap at `length`, length units (library: mm)")
+    rise: Positive = Field(description="gap at `length` (library: mm)")
 
     @property
     def datum_length(self) -> float:
@@ -189,7 +189,9 @@ class EvenPolynomial(Gap):
 
     kind: Literal["polynomial"] = "polynomial"
     length: Positive = Field(description="length by which x is divided, length units (library: mm)")
-    rises: tuple[float, ...] = Field(min_length=1, description="what the powers 2, 4, 6, ... add to the gap at `length`")
+    rises: tuple[float, ...] = Field(
+        min_length=1, description="contributions of the powers 2, 4, 6, ... to the gap at `length` (library: mm)"
+    )
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
@@ -231,10 +233,10 @@ class CallableProfile(Gap):
     """
 
     kind: Literal["callable"] = "callable"
-    height_function: PythonFunction | None = Field(None, description="h(x) [length] of x [length]")
-    slope_function: PythonFunction | None = Field(None, description="h'(x) of x [length]")
-    extent: Positive = Field(description="largest |x| at which the function is asked, length units")
-    breaks: tuple[Positive, ...] = Field((), description="x > 0 at which the slope has a corner, where they are known")
+    height_function: PythonFunction | None = Field(None, description="gap h of x, both length units (library: mm)")
+    slope_function: PythonFunction | None = Field(None, description="slope h' of x")
+    extent: Positive = Field(description="largest |x| at which the function is evaluated, length units (library: mm)")
+    breaks: tuple[Positive, ...] = Field((), description="places x at which the slope has a corner, if known (library: mm)")
 
     _slope: Pieces = PrivateAttr()
     _core: chebyshev.Chebyshev | None = PrivateAttr(None)  # h'(x)/x as a series of x^2, up to the first edge of `_slope`

@@ -97,7 +97,7 @@ class Expected(Frozen):
         description="largest difference over the value; where the value is 0, over A f^2 P^2 (energies; f = 1 if frictionless, "
         "P the largest load), the largest half-width or the largest pressure"
     )
-    engine: Literal["half-plane theory", "finite elements"] = Field("half-plane theory", description="which must meet it")
+    engine: Literal["half-plane theory", "finite elements"] = Field("half-plane theory", description="the engine that must meet it")
     source: str = Field(min_length=1, description="where the number comes from")
 
 
@@ -156,7 +156,7 @@ class Friction(Frozen):
     Friction(coefficient=0.6)
     """
 
-    coefficient: float = Field(ge=0, description="coefficient of friction f >= 0; 0 is frictionless")
+    coefficient: float = Field(ge=0, description="coefficient of friction f; 0 is frictionless")
 
     @model_validator(mode="before")
     @classmethod
@@ -210,7 +210,7 @@ class Scene(Frozen):
     title: str = Field("", description="one line for headings")
     purpose: str = Field("", description="what the scene is for")
     source: str = Field("", description="where its numbers come from")
-    tags: tuple[Tag, ...] = Field((), description="words to find it by, of a closed set: `halfplane scenes --tag`")
+    tags: tuple[Tag, ...] = Field((), description="words to find it by: `halfplane scenes --tag`")
     units: str = Field("N, mm, MPa", description="any consistent set, as force, length, stress: words for the axes only")
     material: Annotated[Materials, ShortForm(Elastic)]
     profile: Profile
@@ -219,7 +219,7 @@ class Scene(Frozen):
     bodies: Bodies = Bodies()
     tolerances: Tolerances = Tolerances()
     expected: tuple[Expected, ...] = Field((), description="known numbers, checked by `halfplane run`")
-    cycles: int = Field(6, ge=1, description="at most so many revolutions; the engines stop once the cycle repeats")
+    cycles: int = Field(6, ge=1, description="largest number of revolutions; the engines stop once the cycle repeats")
 
     @field_validator("units")
     @classmethod
