@@ -5,7 +5,7 @@ And the coarse mesh beside it, from which the dissipation differs by what it is 
 # notation: h element at the edges of contact and stick, of the coarser side; a half-width; A = 2/E*; f coefficient of friction
 
 Measured on Hertz at P0 : P1 = 3 : 1, quadratic elements, h = a/1.1 ... a/160, matching sides and sides of ratio 1.5 ... 20, the
-worst instant with more than 0.3 of the largest load: q is off by 0.3 to 0.62 h/a of f p in L2, p by 0.1 to 0.25 h/a; linear
+worst instant with more than 0.3 of the largest load: the error in L2 is 0.3 to 0.62 h/a of f p for q, 0.1 to 0.25 h/a for p; linear
 elements are 3.7 times worse. Where P and Q go along the limit of friction, so that nothing slips and all of it nearly does,
 elements of a/16 to a/160 dissipate 0.024 to 0.04 (h/a)^2 A f^2 P^2.
 """
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 # Error in L2 over h/a, of q and of p; that of linear elements over that of quadratic ones.
 _SHEAR, _PRESSURE, _LINEAR = 0.65, 0.25, 3.7
-# Error above which a reader is told.
+# Error above which there is a note.
 _TOLD = 0.05
 # Share of the largest load from which on instants count: below it tractions are off in a contact that carries next to nothing.
 _LOADED = 0.3
@@ -34,7 +34,7 @@ _LOADED = 0.3
 _SHARP = 1.25
 # Dissipation over A f^2 P^2 (h/a)^2 of a mesh on which nothing should slip.
 _FLOOR = 0.04
-# Elements below which the dissipation of a slip zone is off by per cents: Cattaneo and Mindlin's cycle has 0.4 % at 3.4 elements,
+# Elements below which the dissipation of a slip zone has an error of per cents: Cattaneo and Mindlin's cycle has 0.4 % at 3.4 elements,
 # 3 % at 1.6, 34 % at 0.7, and is seven times too large or nothing at 0.2.
 _FEW = 2.0
 
@@ -88,7 +88,7 @@ def _of_tractions(scene: Scene, seen: Seen) -> Iterator[str]:
     if exponent < _SHARP:
         yield (
             f"the profile rises as |x|^{exponent:g}, next to a wedge, whose pressure is infinite at the tip: no mesh here follows "
-            "it, the shear may be off by 15% of f p and the pressure by 30% in L2"
+            "it, expect errors of 15% of f p in the shear and of 30% in the pressure (L2)"
         )
     for kink in scene.profile.kinks:
         # A flank is as steep as it is narrow beside what it ends: one that takes most of the contact is Hertz' own.
@@ -116,9 +116,9 @@ def _elements(order: int) -> float:
 def _in_words(shear: float, pressure: float, sheared: bool) -> str:
     """What to expect of the tractions."""
     if (shear if sheared else pressure) > 0.5:
-        return "tractions and dissipation may be off by half of their size and more"
-    of_shear = f"the shear may be off by {shear:.0%} of f p and " if sheared else ""
-    return f"{of_shear}the pressure by {pressure:.0%} in L2"
+        return "expect errors of tractions and dissipation of half their size and more"
+    of_shear = f"of {shear:.0%} of f p in the shear and " if sheared else ""
+    return f"expect an error {of_shear}of {pressure:.0%} in the pressure (L2)"
 
 
 def _of_slip(seen: Seen) -> Iterator[str]:
@@ -132,9 +132,9 @@ def _of_slip(seen: Seen) -> Iterator[str]:
             "dissipation would be missing"
         )
     elif slip < _FEW:
-        much = "by per cents or more" if slip > 1 else "by a factor, either way"
+        much = "some per cent or more" if slip > 1 else "a factor, up or down"
         yield (
-            f"slip zones are {slip:.2g} elements wide at most, {seen.element:.3g} each: the dissipation is off {much}; "
+            f"slip zones are {slip:.2g} elements wide at most, {seen.element:.3g} each: the error of the dissipation is {much}; "
             "make edge_element_size several times less than their width"
         )
     elif floor > _TOLD * seen.dissipation:

@@ -1,7 +1,7 @@
 """The FE side's own coarse run: how large the contact gets and where its edges travel. No formula for any profile.
 
 One coarse half-disc serves every size: the compliance of a half-plane has no length in it but the datum of the normal approach.
-Bodies with a size of their own are cut anew for each.
+Bodies with a size of their own are meshed for each size.
 """
 
 from __future__ import annotations

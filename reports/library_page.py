@@ -2,7 +2,7 @@
 
     python -m reports.library_page          (part of `make publish`)
 
-All between the two marks of the page is written anew, all else stays as it is.
+All between the two marks of the page is written again, all else stays as it is.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BEGIN, END = "<!-- the library: written by `python -m reports.library_page` -->"
 
 
 def page(before: str) -> str:
-    """The page with its part on the library written anew.
+    """The page with its part on the library written again.
 
     Raises
     ------

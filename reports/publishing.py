@@ -256,10 +256,9 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
         "Every scene of the library through both engines, with their default settings. The columns in per cent are finite elements "
         "against half-plane theory, worst instant of the last cycle; dissipation in A f² P_ref² where the reference has none. With "
         "real bodies the two answer different questions on purpose, and a tolerance missed is a finding about the idealisation.\n\n"
-        "`make publish` writes this folder anew; [values.json](values.json) holds every number on these pages, and a test fails "
+        "`make publish` writes this folder; [values.json](values.json) holds every number on these pages, and a test fails "
         "where the code gives another one. No uncertainty was requested, so each verdict is by |E| alone. "
-        "What the two columns *external* and *frozen* are is told in "
-        "[regression.md](../../docs/regression.md)."
+        "The columns *external* and *frozen*: [regression.md](../../docs/regression.md)."
     )
     return f"# Published reports\n\n<!-- written by `make publish` -->\n\n{intro}\n\n{_table(heads, rows)}\n"
 
@@ -440,7 +439,7 @@ def _say_what_moved(name: str, before: Mapping[str, Any] | None, now: Mapping[st
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Publish the whole library or the scenes named; with --pages write the pages anew from values.json."""
+    """Publish the whole library or the scenes named; with --pages write the pages again from values.json."""
     if not TRUTHS.exists():
         say("reports are published from a checkout: benchmarks/regress.json is not there")
         return 2

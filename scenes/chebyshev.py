@@ -103,7 +103,7 @@ def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pie
     """A function by series on pieces between `edges` (n,), cut further until each is resolved to rounding.
 
     Resolved means: to 1e-13 of the largest value on the piece, to 1e-15 of that on the next one, or to 4e-15 of `scale`. A corner
-    inside a piece is found by halving, becomes an edge, and the pieces next to it are made anew.
+    inside a piece is found by halving, becomes an edge, and the pieces next to it are computed again.
 
     Raises
     ------

@@ -57,7 +57,7 @@ def test_a_wrong_result_is_outside_and_told_what_it_suffers_from(tmp_path):
     done = _halfplane(tmp_path, "mine.csv", "--scene", "hertz-paper", "--quiet", "--out", "here")
     assert done.returncode == 1, done.stderr
     assert "Likely causes:" in done.stdout
-    assert "What it most likely suffers from" in (tmp_path / "here/report.html").read_text(encoding="utf-8")
+    assert "Likely causes of the difference" in (tmp_path / "here/report.html").read_text(encoding="utf-8")
 
 
 def test_a_tolerance_judges_before_that_of_the_scene(tmp_path):

@@ -21,7 +21,7 @@ from command_line import process, refused, sentence
 from fuzzing import DOORS, TOKENS, Door, attempt, outcome, spoilt
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings, SurfaceGrading, foreign, half_disc, read_frames
-from meshes.limits import body_nodes, check_count, contact_nodes
+from meshes.bodies import body_nodes, check_count, contact_nodes
 from reports.cli import findings
 from reports.scoring.against import own_solution
 from scenes import InputError, load_scene, scene_text

@@ -218,7 +218,7 @@ def _draw(axes: Axes, mark: Mark) -> None:
 
 
 def _line(css: str) -> dict[str, Any]:
-    """How matplotlib is told the look of a line."""
+    """The look of a line, as arguments of matplotlib."""
     look = style_of(css)
     width = _POINT * float(look.get("stroke-width", 1))
     dashes = [float(part) * _POINT / width for part in look.get("stroke-dasharray", "none").replace("none", "").split()]
@@ -233,7 +233,7 @@ def _line(css: str) -> dict[str, Any]:
 
 
 def _area(css: str) -> dict[str, Any]:
-    """How matplotlib is told the look of an area."""
+    """The look of an area, as arguments of matplotlib."""
     look = style_of(css)
     edge = look.get("stroke", "none")
     width = 0.0 if edge == "none" else _POINT * float(look.get("stroke-width", 1))

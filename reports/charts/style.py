@@ -29,7 +29,7 @@ STATE_NAMES = {
     SurfaceState.SLIP_FORWARD: "forward slip",
     SurfaceState.SLIP_REVERSE: "reverse slip",
 }
-# Eleven points of matplotlib's maps of these names; between them by straight lines no channel is off by more than 6 of 255.
+# Eleven points of matplotlib's maps of these names; between them by straight lines the largest error of a channel is 6 of 255.
 _MAPS = {
     "viridis": "440154 482475 414487 355f8d 2a788e 21918c 22a884 44bf70 7ad151 bddf26 fde725",
     "RdBu_r": "053061 2166ac 4393c3 92c5de d1e5f0 f7f7f7 fddbc7 f4a582 d6604d b2182b 67001f",

@@ -86,7 +86,7 @@ Examples:
   halfplane exact my.toml                   half-plane theory alone
   halfplane fe my.toml --method penalty     finite elements alone
   halfplane fields my.toml --at 12.6 14.1   both bodies for ParaView, pictures
-  halfplane score my.csv --scene hertz-paper  somebody else's result
+  halfplane score my.csv --scene hertz-paper  an external result
   halfplane export my.toml --to calculix    a deck for another code
   halfplane diff out/a out/b                two runs, or a run and a baseline
   halfplane sweep study.toml                a scene over axes of its keys
@@ -196,8 +196,10 @@ def _said(fault: Exception, tokens: list[str], received: Sequence[int]) -> int:
         why = f" ({_one_line(str(fault))})" if str(fault) else ""
         return _refused(f"there is not enough memory for this{why}; ask for a coarser mesh, fewer steps or fewer instants")
     if isinstance(fault, OSError):  # that no door has words for
-        where = f"{_one_line(os.fsdecode(fault.filename))}: " if isinstance(fault.filename, str | bytes) else ""
-        return _refused(f"{where}the system refuses: {fault.strerror or _one_line(str(fault))}; see to that and ask again")
+        where = f"{_one_line(os.fsdecode(fault.filename))}: " if isinstance(fault.filename, str | bytes) else "a file: "
+        return _refused(
+            f"cannot read or write {where}{fault.strerror or _one_line(str(fault))}; mend that and run the command again"
+        )
     # Compiled modules and locks make another error of Ctrl-C.
     return _interrupted("") if received else _internal(fault, tokens)
 

@@ -38,7 +38,7 @@ COUNTS = (
     "quadrature nodes",
 )
 OF_AN_ENGINE = ("dissipation", "loop_work", "permanent_stick_half_width", "largest_half_width", "largest_pressure")
-# The first pattern that fits a key counts. What processors of other kinds give is told in docs/regression.md.
+# The first pattern that fits a key counts. Values of other processors: docs/regression.md.
 DEFAULTS: tuple[tuple[str, float], ...] = (
     ("*.counts.*", 0.05),  # rounding decides whether an increment is halved, and the next ones follow
     ("metric.*", 1e-6),

@@ -108,7 +108,7 @@ def _store() -> tuple[bool, str]:
 
     folder = cache_folder()
     if folder is None:
-        off = "switched off by HALFPLANE_CACHE=off"
+        off = "none: HALFPLANE_CACHE=off"
         return True, off if switched_off() else "none: this user has no home; HALFPLANE_CACHE names a folder"
     count, size = stored_bytes()
     return True, f"{count} condensed bodies, {size / 1e6:.1f} MB in {folder} (HALFPLANE_CACHE moves it, or switches it off)"

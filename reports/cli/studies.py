@@ -116,7 +116,7 @@ def _announce(prepared: Prepared, workers: int, executor: str) -> None:
     if stored := points - len(prepared.waiting):
         say(f"{stored} points have results already, {len(prepared.waiting)} are left")
     if damaged := prepared.store.damaged():
-        say(f"{len(damaged)} damaged results were set aside and are made anew: {', '.join(damaged[:3])}")
+        say(f"{len(damaged)} damaged results were set aside and are computed again: {', '.join(damaged[:3])}")
     tally = Tally(points, skipped=points - len(prepared.waiting), workers=workers)
     left = time_left(tally, prepared.seconds_each)
     if prepared.waiting and executor == "processes":
@@ -148,7 +148,7 @@ def status(folder: Folder, /, *, json: Json = False) -> int:
     counts = [(name, str(count)) for name, count in _content(state)["points"].items()]
     show_table(state.title or str(folder), ("points", "number"), counts, right=(1,))
     for name in state.damaged:
-        say(f"damaged and set aside: results/{name}; the next sweep makes it anew")
+        say(f"damaged and set aside: results/{name}; the next sweep computes it again")
     for number, reason in state.failures[:_SHOWN]:
         say(f"point {number} failed: {reason}")
     if len(state.failures) > _SHOWN:

@@ -390,7 +390,7 @@ def _far_field(metric: Metric, comparison: Comparison, ladders: Ladders) -> Term
     how = f"radius 2 L, L, L/2 on the mesh of {ladders.coarse}: {found.kind}"
     if found.kind == "exact" or ladder.plausible(found.order):
         return Term("far field", _share(ladder.values[1], found), found.uncertainty, how, order=found.order, kind=found.kind)
-    how += "; lost in the scatter of meshing anew, of that size"
+    how += "; not resolved: the scatter between meshes is as large"
     return Term("far field", None, ladder.spread, how, order=found.order, kind=found.kind)
 
 

@@ -640,7 +640,7 @@ def _(pair: Pair) -> Measured:
 def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     """What the whole contact does at each instant, (k,): 0 full slip, 1 partial slip, 2 full stick, -1 out of contact.
 
-    Full stick is told by stick edges that are the contact edges (to 1e-9 `length`), full slip by NaN.
+    Full stick: the stick edges are the contact edges (to 1e-9 `length`). Full slip: they are NaN.
     """
     apart = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
     status = np.where(np.isnan(apart), 0, np.where(apart <= 1e-9 * length, 2, 1))
