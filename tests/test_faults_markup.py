@@ -34,7 +34,7 @@ from reports.sweep.points import expand
 from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
 from reports.sweep.study import study_of
-from reports.third.blocks import header
+from reports.third.dialects import _header
 from scenes import InputError, load_scene
 from test_reports_synthetic import cattaneo_mindlin
 
@@ -153,7 +153,7 @@ def test_a_name_can_not_bring_a_card_into_a_deck() -> None:
     body = SimpleNamespace(nodes=())
     settings, scales = SimpleNamespace(edge_element_size=0.01, far_radius=10.0), SimpleNamespace(half_width=1.0, load=1.0)
     deck = SimpleNamespace(lower=body, upper=body, time=(0.0, 1.0), settings=settings, scales=scales, scene=scene)
-    lines = "\n".join(header(deck, (), "", {"halfplane": "1"})).splitlines()
+    lines = "\n".join(_header(deck, "calculix", "", {"halfplane": "1"})).splitlines()
     assert [line for line in lines if line.startswith("*") and not line.startswith("**")] == ["*HEADING"]
 
 
