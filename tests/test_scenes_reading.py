@@ -100,8 +100,8 @@ REFUSED = {
     "two faults": (HERTZ + "\n\n[friction]\ncoefficient = 0.5", 'kind = "hertz"\nradius = -1\n[friction]\ncoefficient = -1',
                    "profile.radius = -1|(also at fault: friction.coefficient)"),
     "a pad wider than its block": (*bodies(upper='{kind = "pad", width = 28.0, height = 5.0}', lower=BLOCK),
-                                   "bodies is refused: the upper body, a pad of width 28, is wider than the block that it faces, of "
-                                   "width 20: make the pad narrower or the block wider"),
+                                   "bodies is refused: the upper body, a pad of width 28, is wider than the block that it faces, "
+                                   "of width 20: make the pad narrower or the block wider"),
     "the same upside down": (*bodies(lower='{kind = "pad", width = 28.0, height = 5.0}', upper=BLOCK),
                              "the lower body, a pad of width 28, is wider"),
     "a pad past its arcs": (*bodies(upper='{kind = "pad", width = 4.0, height = 9.0}'),
