@@ -32,7 +32,7 @@ LAST_DIGITS = 4 * _EPS
 """Share of P by which P_c may be off: measured 1 to 3 last digits on cycles of constant P with d/P from 1e-4 to 1e-14."""
 
 PROMISED = 1e-12
-"""Closed forms promise that much, see `errors`; what rounding adds is told where it is more."""
+"""Closed forms promise that much, see `errors`; what rounding adds is stated where it is more."""
 
 
 def repeats_within(share: float) -> float:

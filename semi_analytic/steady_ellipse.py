@@ -409,7 +409,7 @@ def works_by_lam(e: Ellipses, quick: Area, careful: Area, deep: float) -> tuple[
     order = np.argsort(kind, kind="stable")
     loops, found = _rows(e).take(order, axis=1), np.empty((3, len(order)))
     bounds = np.cumsum(np.bincount(kind, minlength=2 * len(_RULES)))
-    # Used again and again: what is not allocated anew stays in the cache.
+    # Used again and again: what is allocated once stays in the cache.
     memory = np.empty(12 * max(_NODES, 64 * len(_RULES[-1][0])))
     for number in np.flatnonzero(np.diff(bounds, prepend=0)).tolist():
         step = max(_NODES // len(_RULES[number // 2][0]), 64)

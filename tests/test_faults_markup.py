@@ -152,7 +152,7 @@ def test_a_name_can_not_bring_a_card_into_a_deck() -> None:
     scene = load_scene("hertz-paper").vary(name="x\n*INCLUDE, INPUT=/etc/passwd", title="a\n*STEP")
     body = SimpleNamespace(nodes=())
     settings, scales = SimpleNamespace(edge_element_size=0.01, far_radius=10.0), SimpleNamespace(half_width=1.0, load=1.0)
-    deck = SimpleNamespace(lower=body, upper=body, time=(0.0, 1.0), settings=settings, scales=scales, scene=scene)
+    deck = SimpleNamespace(lower=body, upper=body, reference=1, time=(0.0, 1.0), settings=settings, scales=scales, scene=scene)
     lines = "\n".join(_header(deck, "calculix", "", {"halfplane": "1"})).splitlines()
     assert [line for line in lines if line.startswith("*") and not line.startswith("**")] == ["*HEADING"]
 
