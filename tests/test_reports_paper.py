@@ -1,20 +1,37 @@
-"""Every statement and misprint of the paper as `halfplane paper` measures it, against the figures of the theory page."""
+"""What `halfplane paper` writes: statements and misprints by their numbers, figures in three forms, a page that stands alone."""
 
+import csv
 import math
+import re
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 
-from reports.paper.cases import FRICTIONS, Paper, paper, sliding_limit
-from reports.paper.page import misprints, statements, tally
-from reports.paper.statements import one_way_slip, slip_speed
-from reports.paper.tables import APART, EXACT, Misprint, Statement, judge_number, proves
+from reports.charts.marks import Band, Curve, Note
+from reports.charts.plate import Panel, Plate
+from reports.charts.publication import figure_of
+from reports.cli import main
+from reports.console import Stages
+from reports.paper import page as paper_page
+from reports.paper.cases import FRICTIONS, LETTERS, Case, Paper, paper, sliding_limit
+from reports.paper.figures import sheets
+from reports.paper.page import PaperReport, tally
+from reports.paper.statements import STATEMENTS, one_way_slip, slip_speed
+from reports.paper.tables import APART, EXACT, judge_number, proves
+from scenes import InputError, load_scene
 from semi_analytic import Reason, dissipation
+
+FIGURES = [f"figure_{name}" for name in ("01", "02", "03", "04a", "04b", "05", "06", "07a", "07b", "08", "09", "10a", "10b")]
 
 # E is where tan t = -1/f, I half a turn later, G the mirror image of E.
 DELAY = math.degrees(math.atan(1 / 0.4) - math.atan(1 / 1.0))
 # key -> verdict and the numbers that the theory page states: name in the row's values -> (value, how close).
-STATEMENTS: dict[str, tuple[str, dict[str, tuple[float, float]]]] = {
+SAID: dict[str, tuple[str, dict[str, tuple[float, float]]]] = {
     # Brute force, 40,000 flat punches in small steps: (5) is 14 % wrong in slip, the core's share of the residual tractions 0.524.
     "(5)": ("refined", {"error in full stick": (0.0, 1e-12), "error in slip": (0.1442, 5e-4)}),
     "(6)": ("confirmed", {f"error at {place}": (0.0, 1e-12) for place in ("B-C", "C", "D", "E")}),
@@ -73,7 +90,7 @@ STATEMENTS: dict[str, tuple[str, dict[str, tuple[float, float]]]] = {
     "figure of merit": ("confirmed", {"quotient of merits": (0.574, 5e-4), "five over eight": (0.625, 0.0)}),
 }
 # key -> the number that the printed reading comes to, where it is known beforehand.
-MISPRINTS: dict[str, dict[str, tuple[float, float]]] = {
+WRONG: dict[str, dict[str, tuple[float, float]]] = {
     "(2)": {},
     "condition of stick": {"right": (0.0, 0.0)},
     "(9), (10)": {"with B": (math.sqrt((3 - math.sqrt(0.5)) / 3), 1e-12), "with G": (0.727046, 1e-6)},
@@ -104,24 +121,25 @@ MISPRINTS: dict[str, dict[str, tuple[float, float]]] = {
 
 
 @pytest.fixture(scope="module")
-def examples() -> Paper:
-    return paper()
+def report(tmp_path_factory: pytest.TempPathFactory) -> PaperReport:
+    return paper_page.write(tmp_path_factory.mktemp("paper") / "out", Stages(quiet=True), "halfplane paper --out out")
 
 
 @pytest.fixture(scope="module")
-def said(examples: Paper) -> dict[str, Statement]:
-    return {row.key: row for row in statements(examples)}
+def page(report: PaperReport) -> str:
+    return report.page.read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
-def wrong(examples: Paper) -> dict[str, Misprint]:
-    return {row.key: row for row in misprints(examples)}
+def plates() -> dict[str, Plate]:
+    return {plate.name: plate for plate in sheets(paper())}
 
 
-@pytest.mark.parametrize("key", STATEMENTS)
-def test_statement(said: dict[str, Statement], key: str) -> None:
-    verdict, numbers = STATEMENTS[key]
-    row = said[key]
+# ------------------------------------------------------------------------------------------------ statements and misprints
+@pytest.mark.parametrize("key", SAID)
+def test_statement(report: PaperReport, key: str) -> None:
+    verdict, numbers = SAID[key]
+    row = next(row for row in report.statements if row.key == key)
     assert row.verdict == verdict
     assert row.words
     assert row.computed
@@ -129,83 +147,159 @@ def test_statement(said: dict[str, Statement], key: str) -> None:
         assert row.values[name] == pytest.approx(value, rel=0, abs=tolerance), name
 
 
-@pytest.mark.parametrize("key", MISPRINTS)
-def test_misprint(wrong: dict[str, Misprint], key: str) -> None:
+@pytest.mark.parametrize("key", WRONG)
+def test_misprint(report: PaperReport, key: str) -> None:
     """Proven: the mended reading agrees with the engine and the printed one does not; a citation is a matter of reading."""
-    row = wrong[key]
+    row = next(row for row in report.misprints if row.key == key)
     assert row.proven is (None if key == "reference [7]" else True)
-    for name, (value, tolerance) in MISPRINTS[key].items():
+    for name, (value, tolerance) in WRONG[key].items():
         assert row.values[name] == pytest.approx(value, rel=0, abs=tolerance), name
     if key not in {"condition of stick", "3H", "J and K", "reference [7]", "(11)"}:
         assert row.values["right"] <= EXACT
         assert row.values["printed"] > APART
+    if key == "(23), (24), sign":  # forward slip does negative work as printed
+        assert max(row.values["printed JM"], row.values["printed IJ"]) < 0
 
 
-def test_nothing_is_left_out(said: dict[str, Statement], wrong: dict[str, Misprint]) -> None:
-    assert list(said) == list(STATEMENTS)
-    assert list(wrong) == list(MISPRINTS)
-    assert tally(list(said.values())) == {"confirmed": 29, "refined": 8, "contradicted": 3}
+def test_nothing_is_left_out(report: PaperReport) -> None:
+    assert [row.key for row in report.statements] == list(SAID)
+    assert [row.key for row in report.misprints] == list(WRONG)
+    assert tally(report.statements) == {"confirmed": 29, "refined": 8, "contradicted": 3}
 
 
-def test_forward_slip_does_negative_work_as_printed(wrong: dict[str, Misprint]) -> None:
-    values = wrong["(23), (24), sign"].values
-    assert values["printed JM"] < 0
-    assert values["printed IJ"] < 0
+def test_judges_can_say_no() -> None:
+    assert [judge_number(value, 0.73, 2) for value in (0.7349, 0.7351, 0.76)] == ["confirmed", "refined", "contradicted"]
+    assert not any(proves(*errors) for errors in ((1e-8, 0.5), (0.0, 1e-4), (math.nan, 0.5), (math.inf, 0.5)))
 
 
-class TestRulesCanFail:
-    """The judges themselves: each says no when it should."""
-
-    def test_verdicts(self) -> None:
-        assert judge_number(0.7349, 0.73, 2) == "confirmed"
-        assert judge_number(0.7351, 0.73, 2) == "refined"
-        assert judge_number(0.76, 0.73, 2) == "contradicted"
-
-    @pytest.mark.parametrize(("right", "printed"), [(1e-8, 0.5), (0.0, 1e-4), (math.nan, 0.5), (math.inf, 0.5)])
-    def test_no_proof(self, right: float, printed: float) -> None:
-        assert not proves(right, printed)
-
-    def test_other_friction_takes_the_numbers_away(self, examples: Paper) -> None:
-        """With f = 0.9 the same rows give other numbers and other verdicts: nothing in them is written down beforehand."""
-        other = Paper(examples.hertz.with_load(friction=0.9), examples.rounded.with_load(friction=0.9))
-        found = {row.key: row for row in statements(other)}
-        assert found["permanent stick"].verdict != "confirmed"
-        assert found["permanent stick"].values["a(P_T)/a0"] < 0.72
-        assert found["one-way slip"].values["edge"] == pytest.approx(found["one-way slip"].values["largest a in E-G"], abs=1e-8)
-        assert found["one-way slip"].values["edge"] != pytest.approx(0.874, abs=5e-4)
-        assert found["coefficients of figure 4b"].verdict == "refined"
-
-    @pytest.mark.parametrize(("phase", "verdict"), [(60.0, "confirmed"), (90.0, "refined"), (120.0, "refined")])
-    def test_another_lag_changes_a_verdict(self, examples: Paper, phase: float, verdict: str) -> None:
-        """Which way a particle slips faster depends on the lag: at 90 degrees both are equal, at 60 the paper is right."""
-        case = examples.hertz.with_load(phase_degrees=phase, mean_tangential_load=0.0, initial_loading="straight")
-        other = Paper(case, examples.rounded)
-        found, values = slip_speed(other)
-        assert found == verdict
-        assert np.sign(round(values["speeds while the point slips"], 9) - 1) == np.sign(phase - 90.0)
-        edge = one_way_slip(other)[1]
-        assert edge["edge"] == pytest.approx(edge["largest a in E-G"], abs=1e-7)
+def test_other_friction_takes_the_numbers_away() -> None:
+    """With f = 0.9 the same rows give other numbers and other verdicts: nothing in them is written down beforehand."""
+    other = Paper(paper().hertz.with_load(friction=0.9), paper().rounded.with_load(friction=0.9))
+    found = {key: STATEMENTS[key](other) for key in ("permanent stick", "one-way slip", "coefficients of figure 4b")}
+    verdict, values = found["permanent stick"]
+    assert verdict != "confirmed"
+    assert values["a(P_T)/a0"] < 0.72
+    edge = found["one-way slip"][1]
+    assert edge["edge"] == pytest.approx(edge["largest a in E-G"], abs=1e-8)
+    assert edge["edge"] != pytest.approx(0.874, abs=5e-4)
+    assert found["coefficients of figure 4b"][0] == "refined"
 
 
-class TestSweeps:
-    def test_start_at_the_sliding_limit(self, examples: Paper) -> None:
-        for sweep in examples.sweeps:
-            np.testing.assert_allclose(sweep.ratio[:, 0], sliding_limit(FRICTIONS), rtol=1e-8)
-            assert np.all(np.isfinite(sweep.work))
-            assert np.all(np.isfinite(sweep.peak))
-            assert np.all((sweep.place > 0) & (sweep.place < 1))
+@pytest.mark.parametrize(("phase", "verdict"), [(60.0, "confirmed"), (90.0, "refined"), (120.0, "refined")])
+def test_another_lag_changes_a_verdict(phase: float, verdict: str) -> None:
+    """Which way a particle slips faster depends on the lag: at 90 degrees both are equal, at 60 the paper is right."""
+    case = paper().hertz.with_load(phase_degrees=phase, mean_tangential_load=0.0, initial_loading="straight")
+    found, values = slip_speed(Paper(case, case))
+    assert found == verdict
+    assert np.sign(round(values["speeds while the point slips"], 9) - 1) == np.sign(phase - 90.0)
+    edge = one_way_slip(Paper(case, case))[1]
+    assert edge["edge"] == pytest.approx(edge["largest a in E-G"], abs=1e-7)
 
-    def test_equal_the_single_cases(self, examples: Paper) -> None:
-        """At f = 1 and P0/P1 = 3 the sweep is the example itself: interpolated on its grid, to the grid's accuracy."""
-        for case, sweep in zip((examples.hertz, examples.rounded), examples.sweeps, strict=True):
-            own = case.steady.dissipation / case.work_unit * 9
-            assert np.interp(3.0, sweep.ratio[0], sweep.work[0]) == pytest.approx(own, rel=5e-3)
 
-    def test_the_limit_is_the_engines(self, examples: Paper) -> None:
-        case = examples.hertz
-        amplitude = case.unit
-        ratio = sliding_limit(FRICTIONS) * np.array([[1 - 1e-9], [1 + 1e-9]])
-        loads = {"mean_normal_load": ratio * amplitude, "mean_tangential_load": 0.0}
-        found = dissipation(**case.batch(friction_coefficient=np.array(FRICTIONS), **loads))
-        assert np.all(found.reason[0] == Reason.SLIDING)
-        assert np.all(found.reason[1] == Reason.NONE)
+def test_sweeps_start_at_the_engines_limit_and_hold_the_examples() -> None:
+    """At f = 1 and P0/P1 = 3 the sweep is the example itself: interpolated on its grid, to the grid's accuracy."""
+    for case, sweep in zip((paper().hertz, paper().rounded), paper().sweeps, strict=True):
+        np.testing.assert_allclose(sweep.ratio[:, 0], sliding_limit(FRICTIONS), rtol=1e-8)
+        assert np.all(np.isfinite(sweep.work) & np.isfinite(sweep.peak))
+        assert np.all((sweep.place > 0) & (sweep.place < 1))
+        own = case.steady.dissipation / case.work_unit * 9
+        assert np.interp(3.0, sweep.ratio[0], sweep.work[0]) == pytest.approx(own, rel=5e-3)
+    ratio = sliding_limit(FRICTIONS) * np.array([[1 - 1e-9], [1 + 1e-9]])
+    reason = dissipation(**paper().hertz.circles(np.array(FRICTIONS), ratio)).reason
+    assert np.all(reason[0] == Reason.SLIDING)
+    assert np.all(reason[1] == Reason.NONE)
+
+
+def test_the_figures_are_about_an_ellipse_and_costly_parts_are_done_once() -> None:
+    with pytest.raises(InputError, match="an ellipse, not polygon"):
+        _ = Case(load_scene("cattaneo-mindlin")).load
+    assert paper().sweeps is paper().sweeps
+    assert paper().peaks is paper().peaks
+
+
+# ----------------------------------------------------------------------------------------------------- the folder, the page
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_every_figure_in_every_form_and_both_tables(report: PaperReport) -> None:
+    folder = report.page.parent
+    for name in FIGURES:
+        assert (folder / "figures" / f"{name}.svg").read_text(encoding="utf-8").startswith("<svg xmlns=")
+        assert (folder / "figures" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert rows(folder / "figures" / f"{name}.csv")
+    assert [row["verdict"] for row in rows(folder / "statements.csv")] == [row.verdict.value for row in report.statements]
+    assert {row["proven"] for row in rows(folder / "misprints.csv")} == {"yes", "by reading"}
+    assert report.proven
+
+
+def test_page_is_whole_small_and_alone(report: PaperReport, page: str) -> None:
+    assert report.page.stat().st_size < 7e5  # measured: 0.56 MB
+    assert not re.search(r'(src|href)="(https?:)?//', page)
+    assert not re.search(r"<(link|script|iframe|img)[^>]+(src|href)=", page)
+    assert page.count("<script>") == 1
+    assert "script-src 'sha256-" in page
+    assert all(page.count(f'<figure id="{name}"') == 1 for name in FIGURES)
+    keys = [row.key for row in report.statements] + [row.key for row in report.misprints]
+    assert all(key.replace("'", "&#39;") in page for key in keys)
+    assert "halfplane paper --out out" in page
+    found = re.findall(r'\bid="([^"]+)"', page)
+    assert len(found) == len(set(found))
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_figure(page: str, plates: dict[str, Plate], name: str) -> None:
+    """Every mark is on the page, every label in the legend, every axis has a name, no text lies over text or is cut off."""
+    plate = plates[name]
+    panels = [panel for panel in plate.panels if isinstance(panel, Panel)]
+    marks = [mark for panel in panels for mark in panel.marks]
+    figure = page[page.index(f'<figure id="{name}"') :].partition("</figure>")[0]
+    shown = figure[figure.index('<div class="panels') :]
+    assert shown.count('class="curve ') >= sum(isinstance(mark, Curve) for mark in marks)
+    assert shown.count('class="band ') == sum(isinstance(mark, Band) for mark in marks)
+    assert {mark.label for mark in marks if isinstance(mark, Curve | Band) and mark.label} <= {key.text for key in plate.keys}
+    # A click on the legend finds a curve by its look: two labels of one figure must not share it.
+    assert len({key.css for key in plate.keys}) == len(plate.keys)
+    assert all(panel.bare or (panel.x.words and panel.y.words) for panel in panels)
+    if name == "figure_02":
+        assert set("".join(mark.text for mark in marks if isinstance(mark, Note))) >= set(LETTERS) | {"O", "T", "Z"}
+    if name == "figure_03":
+        assert [panel.title[0] for panel in panels] == list(LETTERS)
+    drawn = figure_of(plate)
+    canvas = FigureCanvasAgg(drawn)
+    drawn.draw_without_rendering()
+    width, height = canvas.get_width_height()
+    boxes = [(text.get_text(), text.get_window_extent(canvas.get_renderer())) for text in texts(drawn)]
+    for number, (word, box) in enumerate(boxes):
+        assert min(box.x0, box.y0, width - box.x1, height - box.y1) >= -1, word
+        for other, beside in boxes[number + 1 :]:
+            apart = box.x1 - 1 <= beside.x0 or beside.x1 - 1 <= box.x0 or box.y1 - 1 <= beside.y0 or beside.y1 - 1 <= box.y0
+            assert apart, (word, other)
+
+
+def texts(figure: Figure) -> list[Text]:
+    """Every text that is drawn: matplotlib keeps labels of ticks beyond the axes too, and all of axes that are switched off."""
+    ticks: list[Text] = []
+    kept: list[Text] = []
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            ticks += [tick.label1 for tick in (*axis.majorTicks, *axis.minorTicks)]
+            if axes.get_visible() and axes.axison:
+                kept += [tick.label1 for tick in axis.get_major_ticks() if low - 1e-9 <= tick.get_loc() <= high + 1e-9]
+    known = {id(text) for text in ticks}
+    rest = [text for text in figure.findobj(Text) if id(text) not in known and (text.axes is None or text.axes.get_visible())]
+    return [text for text in (*rest, *kept) if text.get_text().strip() and text.get_visible()]
+
+
+def test_command(report: PaperReport, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It leaves alone what is not its own; its code is 1 where a misprint is not proven."""
+    (tmp_path / "report.html").write_text("mine")
+    assert main(["paper", "--out", str(tmp_path), "--quiet"]) == 2
+    assert "halfplane did not write it" in capsys.readouterr().err
+    assert (tmp_path / "report.html").read_text() == "mine"
+    doubted = replace(report, misprints=(replace(report.misprints[0], proven=False), *report.misprints[1:]))
+    for found, code in ((doubted, 1), (report, 0)):
+        monkeypatch.setattr(paper_page, "write", lambda *_, result=found: result)
+        assert main(["paper", "--out", str(tmp_path / "out"), "--quiet"]) == code

@@ -102,18 +102,20 @@ def _shifts(normal_load: Array, tangential_load: Array, friction: float, added: 
     square = normal_load / (1 + nu * normal_load)
     g = np.linspace(0.0, float(np.max(square)), _CELLS + 1)
     # Mean of log(1/alpha) + tau alpha^2/2 over each cell.
-    kernel = np.diff((g - xlogy(g, g)) / 2) / np.diff(g) + tau * (g[1:] + g[:-1]) / 4
+    mean = np.diff((g - xlogy(g, g)) / 2) / np.diff(g) + tau * (g[1:] + g[:-1]) / 4
+    weights = -np.diff(mean, prepend=0.0, append=0.0)  # of M at the borders instead of m in the cells
     frozen, before, shifts = np.zeros_like(g), 0.0, np.empty(len(normal_load))
     for number, (p, q, here) in enumerate(zip(normal_load, tangential_load, square, strict=True)):
-        # What friction can carry outside alpha.
-        bound = friction * (1 + nu * p) * np.clip(here - g, 0.0, None)
-        carried = frozen + tau * q * np.minimum(g, min(before, here))
+        edge = int(np.searchsorted(g, here))
+        carried = np.full_like(g, q)
+        carried[:edge] = frozen[:edge] + tau * q * np.minimum(g[:edge], before)
         if here > before:
-            start = np.interp(before, g, frozen) + tau * q * before
-            carried = np.where(g > before, start + (q - start) * np.clip((g - before) / (here - before), 0, 1), carried)
-        carried = np.where(g >= here, q, carried)
-        carried = np.minimum(np.maximum(carried, q - bound), q + bound)
-        shifts[number] = np.diff(carried) @ kernel
+            first, start = int(np.searchsorted(g, before, side="right")), float(np.interp(before, g, frozen)) + tau * q * before
+            carried[first:edge] = start + (q - start) * (g[first:edge] - before) / (here - before)
+        # What friction can carry outside alpha.
+        bound = friction * (1 + nu * p) * (here - g[:edge])
+        np.clip(carried[:edge], q - bound, q + bound, out=carried[:edge])
+        shifts[number] = carried @ weights
         frozen, before = carried - tau * q * np.minimum(g, here), float(here)
     return shifts
 

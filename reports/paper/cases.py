@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -232,8 +232,9 @@ class Paper:
         return semi_analytic.peak_dissipation(**self.hertz.batch()), semi_analytic.peak_dissipation(**self.rounded.batch())
 
 
+@lru_cache(maxsize=1)
 def paper() -> Paper:
-    """The two examples from the library.
+    """The two examples from the library; one and the same value each time, for its parts are costly.
 
     >>> round(paper().hertz.length, 12)  # a(P0) = 1 mm
     1.0
