@@ -21,7 +21,7 @@ from reports.paper import page as paper_page
 from reports.paper.cases import FRICTIONS, LETTERS, Case, Paper, paper, sliding_limit
 from reports.paper.figures import sheets
 from reports.paper.page import PaperReport, tally
-from reports.paper.statements import STATEMENTS, one_way_slip, slip_speed
+from reports.paper.statements import course, loads, one_way_slip, slip_speed
 from reports.paper.tables import APART, EXACT, judge_number, proves
 from scenes import InputError, load_scene
 from semi_analytic import Reason, dissipation
@@ -175,7 +175,7 @@ def test_judges_can_say_no() -> None:
 def test_other_friction_takes_the_numbers_away() -> None:
     """With f = 0.9 the same rows give other numbers and other verdicts: nothing in them is written down beforehand."""
     other = Paper(paper().hertz.with_load(friction=0.9), paper().rounded.with_load(friction=0.9))
-    found = {key: STATEMENTS[key](other) for key in ("permanent stick", "one-way slip", "coefficients of figure 4b")}
+    found = course(other.hertz) | loads(other)
     verdict, values = found["permanent stick"]
     assert verdict != "confirmed"
     assert values["a(P_T)/a0"] < 0.72
@@ -189,10 +189,10 @@ def test_other_friction_takes_the_numbers_away() -> None:
 def test_another_lag_changes_a_verdict(phase: float, verdict: str) -> None:
     """Which way a particle slips faster depends on the lag: at 90 degrees both are equal, at 60 the paper is right."""
     case = paper().hertz.with_load(phase_degrees=phase, mean_tangential_load=0.0, initial_loading="straight")
-    found, values = slip_speed(Paper(case, case))
+    found, values = slip_speed(case)
     assert found == verdict
     assert np.sign(round(values["speeds while the point slips"], 9) - 1) == np.sign(phase - 90.0)
-    edge = one_way_slip(Paper(case, case))[1]
+    edge = one_way_slip(case)[1]
     assert edge["edge"] == pytest.approx(edge["largest a in E-G"], abs=1e-7)
 
 

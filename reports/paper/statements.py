@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
 from itertools import groupby
 
 import numpy as np
@@ -15,9 +14,9 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.style import STATE_NAMES
-from reports.paper.cases import FRICTIONS, POINTS, Case, Paper, total
+from reports.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Paper, total
 from reports.paper.formulas import Formulas
-from reports.paper.tables import EXACT, Found, Rule, judge, judge_number, rule
+from reports.paper.tables import EXACT, Found, judge, judge_number
 from scenes import SurfaceState
 from semi_analytic.friction_work import slip_times
 
@@ -29,77 +28,66 @@ _EXPONENT_SLACK = 0.01
 _PLACES = (0.0, 0.2, 0.4, 0.55, 0.7, 0.8, 0.9, 1.0, 1.1)
 # What the text gives for its four points: S stick, F forward slip, R reverse slip, O separation.
 _HISTORIES = {0.77: "SRSF", 0.82: "SRORSF", 1.0: "OSFO", 1.13: "OFO"}
-STATEMENTS: dict[str, Rule] = {}
+
+
+def statements(paper: Paper) -> dict[str, Found]:
+    """Key of a statement -> its verdict and numbers."""
+    return tractions(paper.hertz) | course(paper.hertz) | loads(paper) | work(paper.hertz) | comparisons(paper)
 
 
 # ------------------------------------------------------------------------------------------ tractions of the first cycle
-def _error(case: Case, time: float, found: Array) -> float:
-    """Largest difference from the engine's shear traction at an instant over its largest value."""
-    shear = case.solve(time=[time], x=_PLACES, fields=("shear",)).shear[0]
-    return float(np.max(np.abs(found - shear)) / np.max(np.abs(shear)))
+def tractions(case: Case) -> dict[str, Found]:
+    """Equations (5) to (8) against the engine's shear traction, and what the transient leaves."""
+    formulas, x, f, pressure = Formulas(case), np.array(_PLACES) * case.length, case.friction, case.contact.pressure
+    a, b, c, d, e, g = (case.time(letter) for letter in "ABCDEG")
+
+    def error(time: float, found: Array) -> float:
+        """Largest difference at an instant over the largest value."""
+        shear = case.solve(time=[time], x=_PLACES, fields=("shear",)).shear[0]
+        return float(np.max(np.abs(found - shear)) / np.max(np.abs(shear)))
+
+    def load(time: float) -> float:
+        return float(formulas.loads(time)[0])
+
+    # (5) holds in full stick; beyond B, where P still grows, the edges slip.
+    stick, slip = (
+        max(error(t, formulas.stuck(x, load(t))) for t in (a, b)),
+        error((b + c) / 2, formulas.stuck(x, load((b + c) / 2))),
+    )
+    forward = {}
+    for name, t in {"B-C": (b + c) / 2, "C": c, "D": d, "E": e}.items():
+        met = formulas.initial_meeting(t)
+        q = formulas.stuck(x, met) + f * (pressure(x, load(t)) - pressure(x, met))
+        forward[f"error at {name}"] = error(t, q)
+    reverse, met = {}, formulas.initial_meeting(e)
+    for name, t in {"E-F": (e + case.time("F")) / 2, "F": case.time("F"), "G": g}.items():
+        now, turned, first = (pressure(x, p) for p in (load(t), float(formulas.front("EG", t)), met))
+        reverse[f"error at {name}"] = error(t, formulas.stuck(x, met) + f * (2 * turned - now - first))
+    worst = [max(errors.values()) for errors in (forward, reverse)]
+
+    # Slip comes to rest at E everywhere; reverse slip then starts from the edges.
+    before = 1e-6
+    found = case.solve(time=[e - before, e + before])
+    ratio = (found.stick_half_width / found.contact_half_width).tolist()
+    moved = case.solve(time=[b, e - before, e], x=[0.8, 0.85], fields=("slip",)).slip
+    slowest = float(np.max((moved[2] - moved[1]) / before / ((moved[2] - moved[0]) / (e - b))))
+    rest = {"stick before": ratio[0], "slip after": 1 - ratio[1], "speed before": slowest}
+    return {
+        "(5)": (judge(max(stick, slip) <= EXACT, nearly=stick <= EXACT), {"error in full stick": stick, "error in slip": slip}),
+        "(6)": (judge(worst[0] <= EXACT), forward | {"largest error": worst[0]}),
+        "full stick at E": (judge(ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest <= 1e-5), rest),
+        "(7)": (judge(worst[1] <= EXACT), reverse | {"largest error": worst[1]}),
+        "residual tractions": residual_tractions(case),
+    }
 
 
-def _halfway(case: Case, first: str, last: str) -> float:
-    return (case.time(first) + case.time(last)) / 2
-
-
-@rule(STATEMENTS, "(5)")
-def growing_load(paper: Paper) -> Found:
-    """Along O-A-B in full stick, and beyond B, where P still grows but the edges slip."""
-    case, formulas, x = paper.hertz, Formulas(paper.hertz), np.array(_PLACES) * paper.hertz.length
-    stick = max(_error(case, case.time(letter), formulas.stuck(x, case.events[letter].normal_load)) for letter in "AB")
-    later = _halfway(case, "B", "C")
-    slip = _error(case, later, formulas.stuck(x, float(formulas.loads(later)[0])))
-    return judge(max(stick, slip) <= EXACT, nearly=stick <= EXACT), {"error in full stick": stick, "error in slip": slip}
-
-
-@rule(STATEMENTS, "(6)")
-def forward_slip(paper: Paper) -> Found:
-    """Equation (6) from B to E."""
-    case, formulas, x = paper.hertz, Formulas(paper.hertz), np.array(_PLACES) * paper.hertz.length
-    errors = {}
-    for name, time in {"B-C": _halfway(case, "B", "C"), **{letter: case.time(letter) for letter in "CDE"}}.items():
-        load, met = float(formulas.loads(time)[0]), formulas.initial_meeting(time)
-        new = case.contact.pressure(x, load) - case.contact.pressure(x, met)
-        errors[f"error at {name}"] = _error(case, time, formulas.stuck(x, met) + case.friction * new)
-    worst = max(errors.values())
-    return judge(worst <= EXACT), errors | {"largest error": worst}
-
-
-@rule(STATEMENTS, "full stick at E")
-def at_once(paper: Paper, before: float = 1e-6) -> Found:
-    """Slip slows down to rest at E everywhere; reverse slip then starts from the edges."""
-    case, end, start = paper.hertz, paper.hertz.time("E"), paper.hertz.time("B")
-    found = case.solve(time=[end - before, end + before])
-    ratio = found.stick_half_width / found.contact_half_width
-    slip = case.solve(time=[start, end - before, end], x=[0.8, 0.85], fields=("slip",)).slip
-    slowest = float(np.max((slip[2] - slip[1]) / before / ((slip[2] - slip[0]) / (end - start))))
-    holds = ratio[0] < 1 - EXACT and 1 - ratio[1] <= EXACT and slowest <= 1e-5
-    return judge(holds), {"stick before": float(ratio[0]), "slip after": float(1 - ratio[1]), "speed before": slowest}
-
-
-@rule(STATEMENTS, "(7)")
-def reverse_slip(paper: Paper) -> Found:
-    """Equations (7) and (8) from E to G."""
-    case, formulas, x = paper.hertz, Formulas(paper.hertz), np.array(_PLACES) * paper.hertz.length
-    met, errors = formulas.initial_meeting(case.time("E")), {}
-    for name, time in {"E-F": _halfway(case, "E", "F"), "F": case.time("F"), "G": case.time("G")}.items():
-        loads = (float(formulas.loads(time)[0]), float(formulas.front("EG", time)), met)
-        now, turned, first = (case.contact.pressure(x, load) for load in loads)
-        errors[f"error at {name}"] = _error(case, time, formulas.stuck(x, met) + case.friction * (2 * turned - now - first))
-    worst = max(errors.values())
-    return judge(worst <= EXACT), errors | {"largest error": worst}
-
-
-@rule(STATEMENTS, "residual tractions")
-def residual_tractions(paper: Paper) -> Found:
+def residual_tractions(case: Case) -> Found:
     """What the slip of the transient leaves: the locked-in slip, and the tractions that the initial loading alone has not."""
-    case, formulas = paper.hertz, Formulas(paper.hertz)
+    formulas = Formulas(case)
     inner, outer = formulas.initial_meeting(case.time("E")), float(formulas.front("EG", case.time("G")))
     bounds, shares = case.width([inner, outer]), np.linspace(0.01, 0.99, 50)
     x = np.concatenate([bounds[0] * shares, bounds[0] + (bounds[1] - bounds[0]) * shares])
-    times = [case.time(letter) for letter in "BGM"]
-    slip = case.solve(time=times, x=x, fields=("slip",)).slip / (case.compliance * case.unit)
+    slip = case.solve(time=[case.time(letter) for letter in "BGM"], x=x, fields=("slip",)).slip / (case.compliance * case.unit)
     locked, later = np.abs(slip[1] - slip[0]), float(np.max(np.abs(slip[2] - slip[1])))
     within, between = float(np.max(locked[:50])), float(np.min(locked[50:]))
 
@@ -124,128 +112,87 @@ def residual_tractions(paper: Paper) -> Found:
 
 
 # ------------------------------------------------------------------------------------------ stick, slip and separation
-@rule(STATEMENTS, "stick from G to I")
-def stick_throughout(paper: Paper) -> Found:
-    """No slip from G to I, and slip right after I."""
-    case, times = paper.hertz, {letter: paper.hertz.time(letter) for letter in "GIM"}
-    zones = (case.solve(time=np.linspace(times[a], times[b], 203)[1:-1]) for a, b in ("GI", "IM"))
+def course(case: Case) -> dict[str, Found]:
+    """Stick, slip and separation through the cycle."""
+    turn, t = 2 * math.pi, {letter: case.time(letter) for letter in LETTERS}
+    zones = (case.solve(time=np.linspace(t[first], t[last], 203)[1:-1]) for first, last in ("GI", "IM"))
     held, slid = ((zone.contact_half_width - zone.stick_half_width) / case.length for zone in zones)
-    deepest, least = float(held.max()), float(slid.min())
-    share = (times["I"] - times["G"]) / (2 * math.pi)
-    numbers = {"deepest slip in G-I": deepest, "least slip in I-M": least, "share of the cycle": share}
-    return judge(deepest <= _ROUNDING < least), numbers
-
-
-@rule(STATEMENTS, "transient slip")
-def transient_slip(paper: Paper) -> Found:
-    """The stick zone of the first cycle is the smaller one."""
-    first, steady = float(paper.hertz.width(paper.hertz.events["E"].front_load)), paper.hertz.stick_edge
-    return judge(first < steady), {"first cycle": first, "steady": steady}
-
-
-@rule(STATEMENTS, "slip advances from B to E")
-def receding_stick(paper: Paper) -> Found:
-    """The stick zone shrinks from B to E although the contact grows up to C."""
-    case = paper.hertz
-    stick = case.solve(time=np.linspace(case.time("B"), case.time("E"), 201)).stick_half_width / case.length
+    stuck = {
+        "deepest slip in G-I": float(held.max()),
+        "least slip in I-M": float(slid.min()),
+        "share of the cycle": (t["I"] - t["G"]) / turn,
+    }
+    first, reverse, forward = (float(case.width(case.events[letter].front_load)) for letter in "EGM")
+    stick = case.solve(time=np.linspace(t["B"], t["E"], 201)).stick_half_width / case.length
     contact = case.width([case.events[letter].normal_load for letter in "BC"])
-    least = float(np.min(-np.diff(stick)))
     ends = {"c at B": float(stick[0]), "c at E": float(stick[-1]), "a at B": float(contact[0]), "a at C": float(contact[1])}
-    return judge(least > 0 and contact[1] > contact[0]), {"least fall of c in a step": least} | ends
-
-
-@rule(STATEMENTS, "slip as deep forward as in reverse")
-def same_penetration(paper: Paper) -> Found:
-    """The stick zone is as small at G as at M."""
-    reverse, forward = (float(paper.hertz.width(paper.hertz.events[letter].front_load)) for letter in "GM")
-    return judge(abs(forward - reverse) <= _ROUNDING), {"forward": forward, "reverse": reverse}
-
-
-@rule(STATEMENTS, "longer in forward slip")
-def time_in_slip(paper: Paper) -> Found:
-    """How long the contact slips each way."""
-    forward, reverse = ((paper.hertz.time(b) - paper.hertz.time(a)) / (2 * math.pi) for a, b in ("IM", "EG"))
-    return judge(forward > reverse), {"forward": forward, "reverse": reverse}
-
-
-@rule(STATEMENTS, "forward slip is slower")
-def slip_speed(paper: Paper, x: float = POINTS[0]) -> Found:
-    """Mean speed of a particle that is always in contact: over its own time of slip, and over that of the contact."""
-    case = paper.hertz
-    distance, duration = (np.array(pair) for pair in zip(*(_slip_at(case, x, d) for d in (1, -1)), strict=True))
-    phases = np.array([case.time("M") - case.time("I"), case.time("G") - case.time("E")])
-    own, phase = (float(np.divide(*(distance / time))) for time in (duration, phases))
-    times = duration / (2 * math.pi)
-    return judge(own < 1 - _ROUNDING, nearly=phase < 1 - _ROUNDING), {
-        "speeds while the point slips": own,
-        "speeds over the phases": phase,
-        "distance forward": float(distance[0]),
-        "distance reverse": float(distance[1]),
-        "time forward": float(times[0]),
-        "time reverse": float(times[1]),
+    fall = float(np.min(-np.diff(stick)))
+    times = {"forward": (t["M"] - t["I"]) / turn, "reverse": (t["G"] - t["E"]) / turn}
+    # From G of the first cycle on: the engine marches along it, later ones it looks up.
+    slip = case.solve(time=t["G"] + np.linspace(0.0, turn, 361), x=POINTS, fields=("slip",)).slip
+    net = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
+    return {
+        "stick from G to I": (judge(held.max() <= _ROUNDING < slid.min()), stuck),
+        "transient slip": (judge(first < case.stick_edge), {"first cycle": first, "steady": case.stick_edge}),
+        "slip advances from B to E": (judge(fall > 0 and contact[1] > contact[0]), {"least fall of c in a step": fall} | ends),
+        "slip as deep forward as in reverse": (
+            judge(abs(forward - reverse) <= _ROUNDING),
+            {"forward": forward, "reverse": reverse},
+        ),
+        "longer in forward slip": (judge(times["forward"] > times["reverse"]), times),
+        "forward slip is slower": slip_speed(case),
+        "permanent stick": (judge_number(case.stick_edge, 0.73, 2), {"a(P_T)/a0": case.stick_edge}),
+        "no net displacement": (judge(net <= _ROUNDING), {"net over largest": net}),
+        **{f"history of x = {x}": point_history(case, x) for x in POINTS},
+        "one-way slip": one_way_slip(case),
     }
 
 
-def _slip_at(case: Case, x: float, direction: int) -> tuple[float, float]:
-    """Distance over A P0/3 and duration of the slip of a point in one direction."""
-    spans = [span for part in case.slipping.values() for span in part if span.direction == direction]
+def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
+    """Mean speed of a particle that is always in contact: over its own time of slip, and over that of the contact."""
     edge_load = np.asarray(case.contact.load(np.array([x * case.length])))
-    distance = duration = 0.0
-    for span in spans:
+    distance, duration = np.zeros(2), np.zeros(2)
+    for span in (span for part in case.slipping.values() for span in part):
         begin, end = (float(time[0]) for time in slip_times(span, edge_load))
         if end > begin:
+            way = 0 if span.direction > 0 else 1
             slip = case.solve(time=[begin + span.delay, end + span.delay], x=[x], fields=("slip",)).slip[:, 0]
-            distance += abs(float(slip[1] - slip[0])) / (case.compliance * case.unit)
-            duration += end - begin
-    return distance, duration
+            distance[way] += abs(float(slip[1] - slip[0])) / (case.compliance * case.unit)
+            duration[way] += end - begin
+    phases = np.array([case.time("M") - case.time("I"), case.time("G") - case.time("E")])
+    own, phase = (float(np.divide(*(distance / time))) for time in (duration, phases))
+    speeds = {"speeds while the point slips": own, "speeds over the phases": phase}
+    ways = {"distance forward": distance[0], "distance reverse": distance[1]}
+    times = {"time forward": duration[0] / (2 * math.pi), "time reverse": duration[1] / (2 * math.pi)}
+    found = speeds | {name: float(value) for name, value in (ways | times).items()}
+    return judge(own < 1 - _ROUNDING, nearly=phase < 1 - _ROUNDING), found
 
 
-@rule(STATEMENTS, "permanent stick")
-def permanent_stick(paper: Paper) -> Found:
-    """Half-width that never slips."""
-    return judge_number(paper.hertz.stick_edge, 0.73, 2), {"a(P_T)/a0": paper.hertz.stick_edge}
-
-
-@rule(STATEMENTS, "no net displacement")
-def net_displacement(paper: Paper) -> Found:
-    """A revolution brings every point back. From G of the first cycle on: the engine marches along it, later ones it looks up."""
-    case = paper.hertz
-    slip = case.solve(time=case.time("G") + np.linspace(0.0, 2 * math.pi, 361), x=POINTS, fields=("slip",)).slip
-    net = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
-    return judge(net <= _ROUNDING), {"net over largest": net}
-
-
-def point_history(paper: Paper, x: float) -> Found:
+def point_history(case: Case, x: float) -> Found:
     """Sequence of stick, slip and separation of a point of figure 5."""
-    times = paper.hertz.round_times(1441)
-    states = paper.hertz.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
-    found = sequence(states)
-    stated = [name for name, _ in groupby(_HISTORIES[x])]
-    stated = stated[:-1] if stated[0] == stated[-1] else stated
+    times = case.round_times(1441)
+    states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
+    found = sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
+    stated = sequence(_HISTORIES[x])
     letters = [{"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}[name] for name in found]
     turns = [stated[k:] + stated[:k] for k in range(len(stated))]
-    words = ", ".join(found).replace("open", "separation")
-    share = float(np.mean(states == SurfaceState.OPEN))
-    return judge(letters in turns), {"share of separation": share, "runs": len(found), "history": words}
+    numbers = {"share of separation": float(np.mean(states == SurfaceState.OPEN)), "runs": len(found)}
+    return judge(letters in turns), numbers | {"history": ", ".join(found).replace("open", "separation")}
 
 
-def sequence(states: Sequence[int] | NDArray[np.int8]) -> list[str]:
-    """Names of the runs of a closed cycle.
+def sequence(states: Sequence[str]) -> list[str]:
+    """The runs of a closed cycle.
 
-    >>> sequence([1, 1, 2, 0, 1])
-    ['stick', 'forward slip', 'open']
+    >>> sequence("SSFOS")
+    ['S', 'F', 'O']
     """
-    names = [STATE_NAMES[SurfaceState(int(state))] for state, _ in groupby(states)]
+    names = [name for name, _ in groupby(states)]
     return names[:-1] if len(names) > 1 and names[0] == names[-1] else names
 
 
-STATEMENTS |= {f"history of x = {x}": partial(point_history, x=x) for x in POINTS}
-
-
-@rule(STATEMENTS, "one-way slip")
-def one_way_slip(paper: Paper) -> Found:
+def one_way_slip(case: Case) -> Found:
     """Beyond which half-width no reverse slip rubs."""
-    case, low, high = paper.hertz, paper.hertz.stick_edge, paper.hertz.outer_edge
+    low, high = case.stick_edge, case.outer_edge
     for _ in range(5):
         grid = np.linspace(low, high, 101)
         rubbed = np.flatnonzero(case.density(grid)["EG"] > 0)
@@ -255,26 +202,42 @@ def one_way_slip(paper: Paper) -> Found:
 
 
 # ---------------------------------------------------------------------------------------- other loads, the other profile
-@rule(STATEMENTS, "friction delays slip")
-def friction_delays(paper: Paper) -> Found:
-    """Onset of slip, and return to stick, for the coefficients of figure 4b (about Q0 = 0)."""
-    cases = [paper.hertz.about_no_shear(f) for f in sorted(FRICTIONS)]
-    times = {letter: np.array([case.time(letter) for case in cases]) for letter in "EGI"}
+def loads(paper: Paper) -> dict[str, Found]:
+    """What the zones of slip and the dissipation depend on."""
+    case, rounded, frictions = paper.hertz, paper.rounded, np.array(FRICTIONS)
+    cases = [case.about_no_shear(f) for f in sorted(FRICTIONS)]
+    times = {letter: np.array([each.time(letter) for each in cases]) for letter in "EGI"}
     later = {letter: bool(np.all(np.diff(row) > 0)) for letter, row in times.items()}
     shift = {f"shift of {letter} in degrees": math.degrees(row[-1] - row[0]) for letter, row in times.items()}
+    shift["G earlier in degrees"] = -shift["shift of G in degrees"]
     onset = later["E"] and later["I"]
-    return judge(onset and later["G"], nearly=onset), shift | {"G earlier in degrees": -shift["shift of G in degrees"]}
 
-
-@rule(STATEMENTS, "coefficients of figure 4b")
-def frictions_of_figure_4b(paper: Paper) -> Found:
-    """Whether the example's loads admit the coefficients of figure 4b at all."""
-    case, frictions, mean = paper.hertz, np.array(FRICTIONS), paper.hertz.load.mean_tangential_load
+    mean = case.load.mean_tangential_load
     arguments = case.batch(friction_coefficient=frictions, mean_tangential_load=mean * np.array([[1.0], [0.0]]))
     slides = semi_analytic.dissipation(**arguments).reason == semi_analytic.Reason.SLIDING
-    numbers = {"sliding with Q0": int(slides[0].sum()), "sliding with Q0 = 0": int(slides[1].sum()), "Q0": mean / case.unit}
-    words = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
-    return judge(not slides[0].any(), nearly=not slides[1].any()), numbers | words
+    counts = {"sliding with Q0": int(slides[0].sum()), "sliding with Q0 = 0": int(slides[1].sum()), "Q0": mean / case.unit}
+    which = {"which slide": ", ".join(f"{f:g}" for f in frictions[slides[0]])}
+
+    means = [case.with_load(mean_tangential_load=q * case.unit, initial_loading="straight") for q in (-1.0, 0.0, 0.5)]
+    polygon = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
+    ways = [case.with_load(initial_loading=way) for way in ("straight", polygon)]
+    by_mean, by_way = _changes(case, means), _changes(case, ways)
+
+    def shear(of: Case, x: Array) -> Array:
+        return of.solve(time=[of.time("M") + 2 * math.pi], x=x, fields=("shear",)).shear * case.length / case.unit
+
+    inside, outside = np.linspace(0, case.stick_edge * 0.999, 50), np.linspace(case.stick_edge * 1.001, case.outer_edge, 50)
+    within, beyond = (max(float(np.max(np.abs(shear(o, x) - shear(case, x)))) for o in ways) for x in (inside, outside))
+    forgets = max(by_way.values()) <= _ROUNDING and beyond <= _ROUNDING < within
+    flat, bands = float(rounded.width(0.0)), [each.outer_edge - each.stick_edge for each in (case, rounded)]
+    return {
+        "friction delays slip": (judge(onset and later["G"], nearly=onset), shift),
+        "coefficients of figure 4b": (judge(not slides[0].any(), nearly=not slides[1].any()), counts | which),
+        "mean shear force": (judge(max(by_mean.values()) <= _ROUNDING), by_mean),
+        "initial loading": (judge(forgets), by_way | {"change of q inside": within, "change of q outside": beyond}),
+        "slip in the radii": (judge(rounded.stick_edge > flat), {"a(P_T)/a0": rounded.stick_edge, "b/a0": flat}),
+        "narrow bands": (judge(bands[1] < bands[0]), {"hertz": bands[0], "flat and rounded": bands[1]}),
+    }
 
 
 def _changes(case: Case, others: Sequence[Case]) -> dict[str, float]:
@@ -288,201 +251,94 @@ def _changes(case: Case, others: Sequence[Case]) -> dict[str, float]:
     return {"change of c": zone, "change of W": work}
 
 
-@rule(STATEMENTS, "mean shear force")
-def mean_force(paper: Paper) -> Found:
-    """Other Q0: zones of slip and dissipation stay."""
-    case, means = paper.hertz, (-1.0, 0.0, 0.5)
-    others = [case.with_load(mean_tangential_load=mean * case.unit, initial_loading="straight") for mean in means]
-    changes = _changes(case, others)
-    return judge(max(changes.values()) <= _ROUNDING), changes
-
-
-@rule(STATEMENTS, "initial loading")
-def initial_loading(paper: Paper) -> Found:
-    """Other initial loadings: only tractions within the permanent stick zone remember them."""
-    case = paper.hertz
-    polygon = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
-    others = [case.with_load(initial_loading=way) for way in ("straight", polygon)]
-    changes = _changes(case, others)
-    outside = np.linspace(case.stick_edge * 1.001, case.outer_edge, 50)
-    inside = np.linspace(0, case.stick_edge * 0.999, 50)
-
-    def shear(of: Case, x: Array) -> Array:
-        return of.solve(time=[of.time("M") + 2 * math.pi], x=x, fields=("shear",)).shear * case.length / case.unit
-
-    within, beyond = (max(float(np.max(np.abs(shear(o, x) - shear(case, x)))) for o in others) for x in (inside, outside))
-    holds = max(changes.values()) <= _ROUNDING and beyond <= _ROUNDING < within
-    return judge(holds), changes | {"change of q inside": within, "change of q outside": beyond}
-
-
-@rule(STATEMENTS, "slip in the radii")
-def rounded_stick(paper: Paper) -> Found:
-    """Slip of the flat and rounded punch stays in the radii."""
-    stick, flat = paper.rounded.stick_edge, float(paper.rounded.width(0.0))
-    return judge(stick > flat), {"a(P_T)/a0": stick, "b/a0": flat}
-
-
-@rule(STATEMENTS, "narrow bands")
-def narrow_bands(paper: Paper) -> Found:
-    """The slip bands are narrower."""
-    hertz, rounded = (case.outer_edge - case.stick_edge for case in (paper.hertz, paper.rounded))
-    return judge(rounded < hertz), {"hertz": hertz, "flat and rounded": rounded}
-
-
 # ------------------------------------------------------------------------------------------------------ work of friction
-@rule(STATEMENTS, "most work in forward slip")
-def forward_work(paper: Paper) -> Found:
-    """Share of the phases in the work of a cycle."""
-    batch = semi_analytic.dissipation(**paper.hertz.batch())
+def work(case: Case) -> dict[str, Found]:
+    """The phases' shares of the work, and W(x) at the ends of the slip zone."""
+    batch, inner, outer = semi_analytic.dissipation(**case.batch()), case.stick_edge, case.outer_edge
     share = float(batch.forward / batch.value)
-    return judge(share > 0.75, nearly=share > 0.5), {"share of forward slip": share, "share of reverse slip": 1 - share}
+    shares = {"share of forward slip": share, "share of reverse slip": 1 - share}
+    values = total(case.density(inner + (outer - inner) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9]))).tolist()
+    stuck, last, middle = max(values[:2]), values[3], values[2]
+    ends = {"largest at the ends over mid-zone": max(stuck, last) / middle, "in the stick zone": stuck}
 
+    def exponent(origin: float, sense: float) -> float:
+        """d ln W / d ln(distance) close to an end."""
+        distance = (outer - inner) * np.array([1e-6, 1e-5])
+        return float(np.diff(np.log(total(case.density(origin + sense * distance))))[0] / np.diff(np.log(distance))[0])
 
-@rule(STATEMENTS, "no work at the ends")
-def both_ends(paper: Paper) -> Found:
-    """W(x) is zero where the contact always sticks and at the largest contact."""
-    inner, outer = paper.hertz.stick_edge, paper.hertz.outer_edge
-    values = total(paper.hertz.density(inner + (outer - inner) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])))
-    stuck, last, middle = float(max(values[:2])), float(values[3]), float(values[2])
-    largest = max(stuck, last) / middle
-    return judge(stuck == 0 and largest < 1e-6), {
-        "largest at the ends over mid-zone": largest,
-        "in the stick zone": stuck,
-        "at the outer edge over mid-zone": last / middle,
+    at_stick, at_edge = exponent(inner, 1.0), exponent(outer, -1.0)
+    return {
+        "most work in forward slip": (judge(share > 0.75, nearly=share > 0.5), shares),
+        "no work at the ends": (
+            judge(stuck == 0 and max(stuck, last) / middle < 1e-6),
+            ends | {"at the outer edge over mid-zone": last / middle},
+        ),
+        "slope at the stick edge": (judge(at_stick > 1 + _EXPONENT_SLACK), {"exponent": at_stick}),
+        "slope at the outer edge": (judge(abs(at_edge - 1) <= _EXPONENT_SLACK), {"exponent": at_edge}),
+        "root at the outer edge": (
+            judge(abs(at_edge - 0.5) <= _EXPONENT_SLACK, nearly=abs(at_edge - 0.5) <= 0.1),
+            {"exponent": at_edge},
+        ),
     }
 
 
-def _exponent(case: Case, outer: bool) -> float:
-    """d ln W / d ln(distance) close to an end of the slip zone."""
-    inner, last = case.stick_edge, case.outer_edge
-    distance = (last - inner) * np.array([1e-6, 1e-5])
-    values = total(case.density(last - distance if outer else inner + distance))
-    return float(np.diff(np.log(values))[0] / np.diff(np.log(distance))[0])
-
-
-@rule(STATEMENTS, "slope at the stick edge")
-def inner_slope(paper: Paper) -> Found:
-    """Zero slope: a power above 1."""
-    power = _exponent(paper.hertz, outer=False)
-    return judge(power > 1 + _EXPONENT_SLACK), {"exponent": power}
-
-
-@rule(STATEMENTS, "slope at the outer edge")
-def outer_slope(paper: Paper) -> Found:
-    """Finite slope: the power 1."""
-    power = _exponent(paper.hertz, outer=True)
-    return judge(abs(power - 1) <= _EXPONENT_SLACK), {"exponent": power}
-
-
-@rule(STATEMENTS, "root at the outer edge")
-def outer_root(paper: Paper) -> Found:
-    """A square root: the power 1/2."""
-    power = _exponent(paper.hertz, outer=True)
-    return judge(abs(power - 0.5) <= _EXPONENT_SLACK, nearly=abs(power - 0.5) <= 0.1), {"exponent": power}
-
-
-def peak_place(paper: Paper, number: int) -> Found:
-    """Where the peak lies between stick edge and outer edge."""
-    peak, length = paper.peaks[number], (paper.hertz, paper.rounded)[number].length
-    place = float(peak.fraction)
-    return judge(0.6 < place < 0.65, nearly=abs(place - 0.6) < 0.02), {"fraction": place, "x/a0": float(peak.place) / length}
-
-
-STATEMENTS |= {f"place of the peak, {name}": partial(peak_place, number=k) for k, name in enumerate(("Hertz", "flat and rounded"))}
-
-
-@rule(STATEMENTS, "place of the peak, all loads")
-def peak_near_sliding(paper: Paper) -> Found:
-    """The peak close to gross sliding and far from it."""
-    numbers = {
-        f"{name}, {end}": float(sweep.place[0, k])
-        for name, sweep in zip(("Hertz", "flat and rounded"), paper.sweeps, strict=True)
+def comparisons(paper: Paper) -> dict[str, Found]:
+    """Peaks, the sweeps over P0/P1 and f, and the flat and rounded contact beside Hertz at equal loads, f, material and a0."""
+    cases, (hertz, rounded), names = (paper.hertz, paper.rounded), paper.sweeps, ("Hertz", "flat and rounded")
+    found: dict[str, Found] = {}
+    for name, case, peak in zip(names, cases, paper.peaks, strict=True):
+        place = float(peak.fraction)
+        numbers = {"fraction": place, "x/a0": float(peak.place) / case.length}
+        found[f"place of the peak, {name}"] = judge(0.6 < place < 0.65, nearly=abs(place - 0.6) < 0.02), numbers
+    ends = {
+        f"{name}, {end}": float(s.place[0, k])
+        for name, s in zip(names, paper.sweeps, strict=True)
         for end, k in (("near", 0), ("far", -1))
     }
-    places = numbers.values()
-    return judge(all(0.6 < place < 0.65 for place in places), nearly=all(0.55 < place < 0.7 for place in places)), numbers
+    close = (all(low < place < high for place in ends.values()) for low, high in ((0.6, 0.65), (0.55, 0.7)))
 
-
-def most_before_sliding(paper: Paper, what: str) -> Found:
-    """Dissipation or its peak falls all the way from the sliding limit."""
-    steepest = max(float(np.max(np.diff(getattr(sweep, what), axis=1))) for sweep in paper.sweeps)
-    return judge(steepest < 0), {"largest step": steepest}
-
-
-STATEMENTS["global dissipation before sliding"] = partial(most_before_sliding, what="work")
-STATEMENTS["peak before sliding"] = partial(most_before_sliding, what="peak")
-
-
-def _slopes(paper: Paper, what: str, number: int = 0) -> Array:
-    """d ln / d ln P0 between neighbours of a sweep at constant a(P0)."""
-    sweep = paper.sweeps[number]
-    return np.asarray(np.diff(np.log(getattr(sweep, what)), axis=1) / np.diff(np.log(sweep.ratio), axis=1))
-
-
-@rule(STATEMENTS, "work falls faster than its peak")
-def work_falls_faster(paper: Paper) -> Found:
-    """Global dissipation against its peak as P0 grows, at constant a(P0) and at constant R (a then grows like sqrt(P0))."""
-    work, peak = _slopes(paper, "work"), _slopes(paper, "peak")
-    gap = float(np.min(np.minimum(peak, peak - 0.5) - work))
-    falls = {f"fall of {what}": float(np.divide(*getattr(paper.sweeps[0], what)[0, [0, -1]])) for what in ("work", "peak")}
-    return judge(gap > 0), falls | {"least gap of exponents": gap}
-
-
-@rule(STATEMENTS, "best designs close to sliding")
-def best_designs(paper: Paper) -> Found:
-    """Work over peak is largest at the sliding limit."""
-    ratios = [sweep.work / sweep.peak for sweep in paper.sweeps]
-    best = {int(place) for ratio in ratios for place in np.argmax(ratio, axis=1)}
-    return judge(best == {0}), {"near": float(ratios[0][0, 0]), "far": float(ratios[0][0, -1])}
-
-
-def _quotients(paper: Paper, what: str) -> tuple[float, dict[str, float]]:
-    """Flat and rounded over Hertz at equal loads, f, material and a0; its range over the figure."""
-    pairs = zip((paper.hertz, paper.rounded), paper.peaks, strict=True)
-    each = [
-        (float(peak.value) * case.length if what == "peak" else case.steady.dissipation) / case.work_unit for case, peak in pairs
+    # Exponents in P0 between neighbours of a sweep at constant a(P0); at constant R, a grows like sqrt(P0).
+    slopes = {
+        (what, k): np.diff(np.log(getattr(sweep, what)), axis=1) / np.diff(np.log(sweep.ratio), axis=1)
+        for k, sweep in enumerate(paper.sweeps)
+        for what in ("work", "peak")
+    }
+    steepest = {
+        what: max(float(np.max(np.diff(getattr(sweep, what), axis=1))) for sweep in paper.sweeps) for what in ("work", "peak")
+    }
+    gap = float(np.min(slopes["peak", 0] - 0.5 - slopes["work", 0]))
+    falls = {f"fall of {what}": float(np.divide(*getattr(hertz, what)[0, [0, -1]])) for what in ("work", "peak")}
+    merits = [sweep.work / sweep.peak for sweep in paper.sweeps]
+    best = {int(place) for merit in merits for place in np.argmax(merit, axis=1)}
+    whole = [case.steady.dissipation / case.work_unit for case in cases]
+    tops = [float(peak.value) * case.length / case.work_unit for case, peak in zip(cases, paper.peaks, strict=True)]
+    works, peaks = whole[1] / whole[0], tops[1] / tops[0]
+    spans = [
+        {"least": float(over.min()), "largest": float(over.max())}
+        for over in (rounded.work / hertz.work, rounded.peak / hertz.peak)
     ]
-    whole = getattr(paper.sweeps[1], what) / getattr(paper.sweeps[0], what)
-    return each[1] / each[0], {"least": float(whole.min()), "largest": float(whole.max())}
-
-
-@rule(STATEMENTS, "five times the energy")
-def five_times(paper: Paper) -> Found:
-    """Global dissipation of the two profiles."""
-    work, span = _quotients(paper, "work")
-    return judge_number(work, 5, 0, slack=0.2), {"quotient of work": work} | span
-
-
-@rule(STATEMENTS, "eight times the peak")
-def eight_times(paper: Paper) -> Found:
-    """Peaks of the two profiles."""
-    peak, span = _quotients(paper, "peak")
-    return judge_number(peak, 8, 0, slack=0.2), {"quotient of peaks": peak} | span
-
-
-@rule(STATEMENTS, "weaker dependence of the peak")
-def weaker_dependence(paper: Paper) -> Found:
-    """Spread of the peak over the figure, and its exponent in P1 at constant P0."""
-    spread = [sweep.peak[:, 0] / sweep.peak[:, -1] for sweep in paper.sweeps]
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
-    exponents = [2 - _slopes(paper, "peak", number) for number in (0, 1)]
-    share = float(np.mean(exponents[1] < exponents[0]))
-    ratio, place = paper.sweeps[1].ratio[-1], paper.sweeps[1].place[-1]
-    last = int(np.argmax(np.abs(np.diff(place))))
-    return judge(bool(np.all(spread[1] < spread[0])) and share == 1), {
+    spread, share = [s.peak[:, 0] / s.peak[:, -1] for s in paper.sweeps], float(np.mean(slopes["peak", 1] > slopes["peak", 0]))
+    ratio, place_of = rounded.ratio[-1], rounded.place[-1]
+    last = int(np.argmax(np.abs(np.diff(place_of))))
+    weaker = {
         "fall, hertz": float(spread[0][0]),
         "fall, flat and rounded": float(spread[1][0]),
         "share of smaller exponents": share,
         "last shoulder": float(ratio[last]),
         "first outer one": float(ratio[last + 1]),
-        "first place": float(place[0]),
-        "last place": float(place[last]),
-        "place of the outer one": float(place[last + 1]),
+        "first place": float(place_of[0]),
+        "last place": float(place_of[last]),
+        "place of the outer one": float(place_of[last + 1]),
     }
-
-
-@rule(STATEMENTS, "figure of merit")
-def figure_of_merit(paper: Paper) -> Found:
-    """Work over peak of the two profiles."""
-    merit = _quotients(paper, "work")[0] / _quotients(paper, "peak")[0]
-    return judge(merit < 1), {"quotient of merits": merit, "five over eight": 5 / 8}
+    return found | {
+        "place of the peak, all loads": (judge(*close), ends),
+        "global dissipation before sliding": (judge(steepest["work"] < 0), {"largest step": steepest["work"]}),
+        "peak before sliding": (judge(steepest["peak"] < 0), {"largest step": steepest["peak"]}),
+        "work falls faster than its peak": (judge(gap > 0), falls | {"least gap of exponents": gap}),
+        "best designs close to sliding": (judge(best == {0}), {"near": float(merits[0][0, 0]), "far": float(merits[0][0, -1])}),
+        "five times the energy": (judge_number(works, 5, 0, slack=0.2), {"quotient of work": works} | spans[0]),
+        "eight times the peak": (judge_number(peaks, 8, 0, slack=0.2), {"quotient of peaks": peaks} | spans[1]),
+        "weaker dependence of the peak": (judge(bool(np.all(spread[1] < spread[0])) and share == 1), weaker),
+        "figure of merit": (judge(works < peaks), {"quotient of merits": works / peaks, "five over eight": 5 / 8}),
+    }
