@@ -24,9 +24,8 @@ from reports.scoring.mapping import Mapping as ScoreMapping
 from reports.scoring.mapping import load_mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution
-from reports.sweep.index import read_index
-from reports.sweep.store import _sum, canonical
-from reports.sweep.study import load_study, study_of
+from reports.sweep.store import read_index
+from reports.sweep.study import load_study
 from scenes import InputError, load_scene, scene_text
 from score_results import exact, rows, written
 
@@ -261,9 +260,11 @@ def _found(kind: str) -> Callable[[Path], list[bytes]]:
 
 
 def _stored(_: Path) -> list[bytes]:
+    from reports.sweep.store import canonical, checksum
+
     result = {"address": "0" * 64, "status": "done", "figures": {"exact.dissipation": 1.0}, "seconds": 1.0, "reason": ""}
     body = canonical(result)
-    return [json.dumps({"format": "halfplane sweep 1", "sha256": _sum(body), "result": result}).encode()]
+    return [json.dumps({"format": "halfplane sweep 1", "sha256": checksum(body), "result": result}).encode()]
 
 
 def _plan(_: Path) -> list[bytes]:

@@ -1,79 +1,66 @@
-"""Sweeps in processes of their own, killed, starved and doubled: no point lost, none twice in the index, no wrong number."""
+"""Sweeps in processes of their own and on dask, killed, starved and doubled: no point lost, none twice in the index, none wrong."""
 
+import importlib.util
+import json
 import os
+import random
 import resource
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from reports.sweep.index import Table, read_index
-from reports.sweep.store import Store
+from reports.sweep.store import Store, read_index
 from test_cli_commands import ROOT, environment
 
-STUDY = """
-scene = "blocks"
-engines = ["fe", "exact"]
-figures = ["error.dissipation", "stick_edge"]
-share_condensations = true
-[set]
-"mesh.element_size" = 0.25
-"mesh.edge_element_size" = 0.125
-"mesh.order" = 1
-"mesh.growth" = 1.0
-"solver.steps_per_cycle" = 24
-[[axes]]
-name = "f"
-key = "friction.coefficient"
-linear = {start = 1.0, stop = 2.0, count = 12}
+pytestmark = pytest.mark.slow
+needs_dask = pytest.mark.skipif(not importlib.util.find_spec("distributed"), reason="distributed is missing: halfplane[cluster]")
+POINTS = 500
+STUDY = f"""scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation", "exact.peak_dissipation"]
+[[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {{start = 1.0, stop = 2.0, count = {POINTS}}}\n"""
+BLOCKS = """scene = "blocks"\nfigures = ["error.dissipation", "stick_edge"]
+[set]\n"mesh.element_size" = 0.25\n"mesh.edge_element_size" = 0.125\n"mesh.order" = 1\n"mesh.growth" = 1.0
+"solver.steps_per_cycle" = 24\n[[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {start = 1.0, stop = 2.0, count = 8}
 """
-EXACT = """
-scene = "hertz-paper"
-engines = ["exact"]
-figures = ["exact.dissipation", "exact.peak_dissipation"]
-[[axes]]
-name = "f"
-key = "friction.coefficient"
-linear = {start = 1.0, stop = 2.0, count = 300}
-"""
-POINTS = 12
 
 
-def start(folder: Path, *arguments: str, **options: object) -> "subprocess.Popen[str]":
+def start(home: Path, *arguments: str, **options: object) -> "subprocess.Popen[str]":
     command = [sys.executable, "-m", "reports", "sweep", *arguments]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    code = {"PYTHONPATH": str(folder / "code")}
-    return subprocess.Popen(command, cwd=folder, env=environment() | code, **(pipes | options))  # type: ignore[call-overload, no-any-return]
+    code = {"PYTHONPATH": str(home / "code")}
+    return subprocess.Popen(command, cwd=home, env=environment() | code, **(pipes | options))  # type: ignore[call-overload, no-any-return]
 
 
-def finish(client: "subprocess.Popen[str]") -> tuple[int, str, str]:
-    out, err = client.communicate(timeout=300)
-    return client.returncode, out, err
+def finish(client: "subprocess.Popen[str]", code: int = 0) -> tuple[str, str]:
+    out, err = client.communicate(timeout=400)
+    assert client.returncode == code, err
+    assert "Traceback" not in err
+    return out, err
 
 
 def children(pid: int) -> list[int]:
-    """Workers of a client: its children that run tasks."""
-    found = []
+    """Workers of a client: processes below it that were spawned."""
+    parents, workers = {}, []
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
-            parent = int(path.read_text().rsplit(")", 1)[1].split()[1])
-            words = (path.parent / "cmdline").read_bytes()
+            parents[int(path.parent.name)] = int(path.read_text().rsplit(")", 1)[1].split()[1])
+            if b"spawn_main" in (path.parent / "cmdline").read_bytes():
+                workers.append(int(path.parent.name))
         except (OSError, IndexError):
             continue
-        if parent == pid and b"spawn_main" in words:
-            found.append(int(path.parent.name))
-    return found
+    return [worker for worker in workers if parents.get(worker) == pid]
 
 
 def until(true: Callable[[], bool], client: "subprocess.Popen[str]") -> None:
-    end = time.monotonic() + 120
+    end = time.monotonic() + 200
     while not true():
-        assert client.poll() is None, finish(client)
+        assert client.poll() is None, client.communicate()
         assert time.monotonic() < end
         time.sleep(0.02)
 
@@ -82,113 +69,80 @@ def results(folder: Path) -> int:
     return len(Store(folder).addresses())
 
 
-def figures(table: Table) -> dict[float, tuple[float, ...]]:
-    """Friction -> figures; a point that is there twice fails."""
-    assert len({row["number"] for row in table.rows}) == len(table.rows)
-    return {row["f"]: tuple(row[name] for name in table.figures) for row in table.rows if row["status"] == "done"}
-
-
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the studies are, with `truth` of an undisturbed sweep of one process."""
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the studies are, with the stores `truth` and `blocks-truth` of undisturbed sweeps."""
     home = tmp_path_factory.mktemp("sweeps")
     for package in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports"):  # nobody edits these while a sweep runs
         shutil.copytree(ROOT / package, home / "code" / package, ignore=shutil.ignore_patterns("published", "__pycache__"))
-    (home / "study.toml").write_text(STUDY, encoding="utf-8")
-    (home / "exact.toml").write_text(EXACT, encoding="utf-8")
-    code, _, err = finish(start(home, "study.toml", "--out", "truth", "--workers", "1"))
-    assert code == 0, err
-    assert len(figures(read_index(home / "truth"))) == POINTS
+    for name, text in (("study", STUDY), ("blocks", BLOCKS)):
+        (home / f"{name}.toml").write_text(text, encoding="utf-8")
+    finish(start(home, "study.toml", "--out", "truth"))
+    finish(start(home, "blocks.toml", "--out", "blocks-truth", "--workers", "1"))
     return home
 
 
-def same(folder: Path, name: str) -> None:
+def same(home: Path, name: str, truth: str = "truth") -> None:
     """All points are there, once, with the figures of the undisturbed sweep, in the results and in index.csv."""
-    assert figures(read_index(folder / name)) == figures(read_index(folder / "truth"))
-    lines = (folder / name / "index.csv").read_text(encoding="utf-8").splitlines()
-    assert sorted(line.split(",")[0] for line in lines[1:]) == sorted(str(number) for number in range(POINTS))
-    assert list((folder / name / "claims").iterdir()) == []
-    assert not list((folder / name).rglob("*.part"))
+    found, wanted = ([[row[n] for n in ("number", "f", *table.figures)] for row in table.done().rows]
+                     for table in (read_index(home / name), read_index(home / truth)))  # fmt: skip
+    assert found == wanted
+    assert len(found) == (POINTS if truth == "truth" else 8)
+    lines = (home / name / "index.csv").read_text(encoding="utf-8").splitlines()
+    assert [line.split(",")[0] for line in lines[1:]] == [str(number) for number in range(len(wanted))]
+    assert Store(home / name).running() == set()
+    assert Store(home / name).damaged() == []
 
 
-@pytest.mark.slow
-def test_a_worker_killed_in_mid_point_loses_nothing(folder: Path) -> None:
-    client = start(folder, "study.toml", "--out", "worker", "--workers", "2")
-    until(lambda: results(folder / "worker") >= 1, client)
-    os.kill(children(client.pid)[0], signal.SIGKILL)
-    code, _, err = finish(client)
-    assert code == 0, err
-    assert "the worker died" in err
-    same(folder, "worker")
-
-
-@pytest.mark.slow
-def test_a_client_killed_leaves_a_store_that_the_next_goes_on_with(folder: Path) -> None:
-    client = start(folder, "study.toml", "--out", "client", "--workers", "2")
-    until(lambda: results(folder / "client") >= 1, client)
-    workers = children(client.pid)
-    client.kill()
-    finish(client)
-    kept = results(folder / "client")
-    assert kept < POINTS
-    end = time.monotonic() + 60
-    while any(Path(f"/proc/{pid}").exists() for pid in workers):  # they notice that their client is gone
-        assert time.monotonic() < end
-        time.sleep(0.1)
-    code, out, err = finish(start(folder, "study.toml", "--out", "client", "--resume"))
-    assert code == 0, err
+def test_nine_interruptions_of_500_points(home: Path) -> None:
+    """Killed, by Ctrl-C, by a batch system: workers end too, what is stored stays, and the last run ends with the truth."""
+    store, chance, kept = home / "nine", random.Random(19), 0
+    for how in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM) * 3:
+        client = start(home, "study.toml", "--out", "nine", "--workers", "2")
+        wanted = kept + chance.randrange(10, 40)
+        until(lambda wanted=wanted: results(store) >= wanted, client)  # type: ignore[misc]
+        workers = children(client.pid)
+        assert workers
+        client.send_signal(how)
+        _, err = finish(client, -how if how == signal.SIGKILL else 128 + how)
+        end = time.monotonic() + 60
+        while any(Path(f"/proc/{pid}").exists() for pid in workers):  # they notice that their client is gone
+            assert how == signal.SIGKILL
+            assert time.monotonic() < end
+            time.sleep(0.1)
+        if how != signal.SIGKILL:
+            assert f"halfplane sweep study.toml --workers 2 --out {store.name}" in err
+            assert list((store / "claims").iterdir()) == []
+        assert kept < results(store) < POINTS
+        kept = results(store)
+    out, _ = finish(start(home, "study.toml", "--out", "nine"))
     assert f"{kept} points have results already" in out
-    same(folder, "client")
+    same(home, "nine")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_ends_cleanly_and_says_how_to_go_on(folder: Path, how: signal.Signals) -> None:
-    client = start(folder, "study.toml", "--out", how.name, "--workers", "2")
-    until(lambda: results(folder / how.name) >= 1, client)
-    workers = children(client.pid)
-    client.send_signal(how)
-    code, _, err = finish(client)
-    assert code == 128 + how, err
-    assert "Traceback" not in err
-    assert f"halfplane sweep study.toml --out {how.name} --resume" in err
-    assert not any(Path(f"/proc/{pid}").exists() for pid in workers)
-    assert list((folder / how.name / "claims").iterdir()) == []
-    code, _, err = finish(start(folder, "study.toml", "--out", how.name, "--resume"))
-    assert code == 0, err
-    same(folder, how.name)
+def test_two_sweeps_at_once_on_one_store_and_one_more_that_is_killed(home: Path) -> None:
+    """None computed twice while its sweep lives; status and page are seen meanwhile."""
+    clients = [start(home, "study.toml", "--out", "two", "--workers", "1") for _ in range(3)]
+    until(lambda: results(home / "two") >= 60, clients[0])
+    found = json.loads(finish(start(home, "status", "two", "--json"))[0])["result"]["points"]
+    assert found["done"] >= 60
+    assert found["running"] > 0
+    assert found["done"] + found["running"] + found["waiting"] == found["total"] == POINTS
+    finish(start(home, "report", "two"))
+    assert "<svg" in (home / "two" / "sweep.html").read_text(encoding="utf-8")
+    clients[2].kill()
+    clients[2].communicate()
+    errors = [finish(client)[1] for client in clients[:2]]
+    assert any("done by another sweep" in err for err in errors)
+    same(home, "two")
 
 
-@pytest.mark.slow
-def test_two_clients_on_one_store_share_the_work(folder: Path) -> None:
-    clients = [start(folder, "study.toml", "--out", "two", "--workers", "1", "--resume") for _ in range(2)]
-    for client in clients:
-        code, _, err = finish(client)
-        assert code == 0, err
-    same(folder, "two")
-    hosts = [Store(folder / "two").read(address) for address in Store(folder / "two").addresses()]
-    assert len(hosts) == POINTS
-
-
-@pytest.mark.slow
-def test_the_status_of_a_sweep_is_seen_while_it_runs(folder: Path) -> None:
-    client = start(folder, "study.toml", "--out", "seen", "--workers", "2")
-    until(lambda: results(folder / "seen") >= 3, client)
-    code, out, _ = finish(start(folder, "status", "seen"))
-    assert code == 0
-    rows = {
-        words[0].strip("│ "): int(words[1].strip("│ "))
-        for line in out.splitlines()
-        if len(words := line.strip("│").split("│")) == 2
-    }
-    assert rows["done"] >= 3
-    assert rows["running"] >= 1
-    assert rows["done"] + rows["running"] + rows["waiting"] == POINTS
-    assert finish(start(folder, "report", "seen"))[0] == 0
-    assert "<svg" in (folder / "seen" / "sweep.html").read_text(encoding="utf-8")
-    code, _, err = finish(client)
-    assert code == 0, err
-    same(folder, "seen")
+def test_a_worker_killed_in_mid_point_loses_nothing(home: Path) -> None:
+    client = start(home, "blocks.toml", "--out", "worker", "--workers", "2")
+    until(lambda: results(home / "worker") >= 1, client)
+    os.kill(children(client.pid)[0], signal.SIGKILL)
+    assert "the worker died" in finish(client)[1]
+    same(home, "worker", "blocks-truth")
 
 
 @pytest.fixture
@@ -197,32 +151,141 @@ def disk_size() -> str:
     return "1200k"
 
 
-@pytest.mark.slow
-def test_a_full_disk_is_a_sentence_and_what_was_stored_stays(folder: Path, small_disk: Path) -> None:
-    code, _, err = finish(start(folder, "exact.toml", "--out", str(small_disk / "out"), "--workers", "1"))
-    assert code == 2, err
+def test_a_full_disk_is_a_sentence_and_what_was_stored_stays(home: Path, small_disk: Path) -> None:
+    _, err = finish(start(home, "study.toml", "--out", str(small_disk / "out"), "--workers", "1"), code=2)
     assert "there is no room left on the disk" in err
-    assert "--resume" in err
-    assert "Traceback" not in err
-    kept = results(small_disk / "out")
-    assert 0 < kept < 300
+    assert "resume with" in err
     store = Store(small_disk / "out")
+    kept = len(store.addresses())
+    assert 0 < kept < 300
     assert all(store.read(address) is not None for address in store.addresses())
-    shutil.copytree(small_disk / "out", folder / "moved")  # to where there is room
-    code, out, err = finish(start(folder, "exact.toml", "--out", "moved", "--resume", "--workers", "1"))
-    assert code == 0, err
-    assert f"{kept} points have results already" in out
-    assert len(figures(read_index(folder / "moved"))) == 300
+    shutil.copytree(small_disk / "out", home / "moved")  # to where there is room
+    assert f"{kept} points have results already" in finish(start(home, "study.toml", "--out", "moved"))[0]
+    same(home, "moved")
 
 
-def _small_files() -> None:
-    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+def test_a_file_that_may_not_grow_is_a_sentence_too(home: Path) -> None:
+    def small_files() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 
-
-@pytest.mark.slow
-def test_a_file_that_may_not_grow_is_a_sentence_too(folder: Path) -> None:
-    code, _, err = finish(start(folder, "exact.toml", "--out", "limited", "--workers", "1", preexec_fn=_small_files))
-    assert code == 2, err
+    _, err = finish(start(home, "study.toml", "--out", "limited", "--workers", "1", preexec_fn=small_files), code=2)
     assert "there is no room left on the disk" in err
-    assert results(folder / "limited") == 0
+    assert results(home / "limited") == 0
+
+
+class Cluster:
+    """`dask scheduler` and two `dask worker`, as a batch system would keep them; with TLS where `tls` has its options."""
+
+    def __init__(self, home: Path, tls: tuple[str, ...] = ()) -> None:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = str(probe.getsockname()[1])
+        self.home, self.tls = home, tls
+        self.address = f"{'tls' if tls else 'tcp'}://127.0.0.1:{self.port}"
+        self.scheduler = self.schedule()
+        self.workers = [self.work() for _ in range(2)]
+
+    def begin(self, program: str, *arguments: str) -> "subprocess.Popen[bytes]":
+        command = [sys.executable, "-m", f"distributed.cli.{program}", *arguments, *self.tls, "--no-dashboard"]
+        code = {"PYTHONPATH": str(self.home / "code"), "OPENBLAS_NUM_THREADS": "1"}
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        return subprocess.Popen(command, cwd=self.home, env=environment() | code, **quiet)  # type: ignore[call-overload, no-any-return]
+
+    def schedule(self) -> "subprocess.Popen[bytes]":
+        protocol = ("--protocol", "tls") if self.tls else ()
+        return self.begin("dask_scheduler", "--host", "127.0.0.1", "--port", self.port, *protocol)
+
+    def work(self) -> "subprocess.Popen[bytes]":
+        return self.begin("dask_worker", self.address, "--nthreads", "1", "--no-nanny")
+
+    def client(self, out: str, *options: str, study: str = "study.toml") -> "subprocess.Popen[str]":
+        return start(self.home, study, "--out", out, "--executor", "dask", "--scheduler", self.address, *options)
+
+    def tended(self, client: "subprocess.Popen[str]") -> tuple[str, str]:
+        """What the client prints; workers that end with their scheduler begin again meanwhile."""
+        end = time.monotonic() + 240
+        while client.poll() is None and time.monotonic() < end:
+            self.workers = [self.work() if worker.poll() is not None else worker for worker in self.workers]
+            time.sleep(0.5)
+        return finish(client)
+
+    def end(self) -> None:
+        for process in (*self.workers, self.scheduler):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def cluster(home: Path) -> Iterator[Cluster]:
+    made = Cluster(home)
+    yield made
+    made.end()
+
+
+@needs_dask
+@pytest.mark.parametrize("who", ["scheduler", "worker"])
+def test_a_scheduler_or_a_worker_of_a_cluster_killed_loses_nothing(who: str, cluster: Cluster) -> None:
+    client = cluster.client(who)
+    until(lambda: results(cluster.home / who) >= 50, client)
+    if who == "worker":
+        cluster.workers[0].kill()
+    else:
+        cluster.scheduler.kill()
+        cluster.scheduler.wait()
+        time.sleep(1)
+        cluster.scheduler = cluster.schedule()
+    _, err = cluster.tended(client)
+    assert ("the scheduler is gone" in err) is (who == "scheduler")
+    same(cluster.home, who)
+
+
+def listening(pid: int) -> set[str]:
+    """Addresses, in hexadecimal, that a process listens at."""
+    found = set()
+    inodes = set()
+    for link in Path(f"/proc/{pid}/fd").iterdir():
+        try:
+            inodes.add(os.readlink(link))
+        except OSError:
+            continue
+    for name in ("tcp", "tcp6"):
+        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]:
+            words = line.split()
+            if words[3] == "0A" and f"socket:[{words[9]}]" in inodes:
+                found.add(words[1].partition(":")[0])
+    return found
+
+
+@needs_dask
+def test_a_cluster_without_an_address_is_of_this_machine_alone_and_outlives_a_worker_and_ctrl_c(home: Path) -> None:
+    words = ("study.toml", "--out", "local", "--executor", "dask", "--workers", "2")
+    client = start(home, *words, start_new_session=True)
+    until(lambda: results(home / "local") >= 50, client)
+    workers = children(client.pid)
+    assert listening(client.pid) == {"0100007F"}  # 127.0.0.1
+    assert set().union(*map(listening, workers)) == {"0100007F"}
+    os.kill(workers[0], signal.SIGKILL)
+    until(lambda: results(home / "local") >= 150, client)
+    os.killpg(client.pid, signal.SIGINT)  # as a terminal does, to all
+    _, err = finish(client, 130)
+    assert "resume with: halfplane sweep study.toml --executor dask" in err
+    finish(start(home, *words))
+    same(home, "local")
+
+
+@needs_dask
+def test_a_scheduler_with_tls_takes_our_certificate_and_nobody_without(home: Path) -> None:
+    """And an address where nobody answers is a sentence."""
+    make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=sweep"]
+    subprocess.run([*make, "-keyout", home / "key.pem", "-out", home / "cert.pem"], check=True, capture_output=True)
+    tls = ("--tls-ca-file", str(home / "cert.pem"), "--tls-cert", str(home / "cert.pem"), "--tls-key", str(home / "key.pem"))
+    cluster = Cluster(home, tls)
+    try:
+        cluster.tended(cluster.client("tls", *tls, study="blocks.toml"))
+        same(home, "tls", "blocks-truth")
+        plain = ("--executor", "dask", "--scheduler", f"tcp://127.0.0.1:{cluster.port}")
+        for where in (plain, (*plain[:-1], "tcp://127.0.0.1:9")):
+            assert "no dask scheduler answers there" in finish(start(home, "study.toml", "--out", "none", *where), code=2)[1]
+    finally:
+        cluster.end()

@@ -15,8 +15,8 @@ from reports.cli.process import INTERRUPTED, NOT_CONVERGED, WITHIN
 from reports.console import Stages, complain, say, show_table
 
 if TYPE_CHECKING:
-    from reports.sweep.progress import State
     from reports.sweep.running import Prepared
+    from reports.sweep.store import Store
 
 _SHOWN, _NOTES = 20, 3
 
@@ -32,9 +32,12 @@ class SweepOptions(Output):
 
     out: Annotated[Path | None, Parameter(help="Folder of the store; out/<study file> if left out.")] = None
     executor: Annotated[Literal["processes", "dask"], Parameter(help="Processes of this machine, or a dask cluster.")] = "processes"
-    scheduler: Annotated[str, Parameter(help="Address of the dask scheduler, such as tcp://node1:8786.")] = ""
+    scheduler: Annotated[str, Parameter(help="Address of your dask scheduler; without one a cluster starts on this machine.")] = ""
     workers: Annotated[int | None, Parameter(help="Processes, or tasks at once; all cores if left out.")] = None
-    resume: Annotated[bool, flag("Use the results that the folder holds.")] = False
+    tls_ca_file: Annotated[Path | None, Parameter(help="Certificates trusted, of a tls:// scheduler (PEM).")] = None
+    tls_cert: Annotated[Path | None, Parameter(help="Our own certificate (PEM).")] = None
+    tls_key: Annotated[Path | None, Parameter(help="Its private key (PEM).")] = None
+    resume: Annotated[bool, flag("What every run does: the results that the folder holds are used.")] = False
 
 
 _SWEEP = SweepOptions()
@@ -44,47 +47,44 @@ _SWEEP = SweepOptions()
 def sweep(
     study: Annotated[str, Parameter(help="A study file, .toml or .json; see docs/sweeps.md.")], *, options: SweepOptions = _SWEEP
 ) -> int:
-    """Every point of a scene's axes, into a store; 3 where a point failed."""
+    """Every point of a scene's axes, into a store; run it again to resume it; 3 where a point failed."""
     code, _ = _swept(study, options, tell=True)
     return code
 
 
-def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, State | None]:
+def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, dict[str, Any] | None]:
     """Run a study, or resume it: the exit code, and how far it is. Without `tell` nothing is printed on stdout."""
     from reports.folder import claim, default_folder
-    from reports.sweep.crews import available_cores, crew_of
-    from reports.sweep.points import described
-    from reports.sweep.progress import state_of, teller
-    from reports.sweep.running import prepare, work
+    from reports.sweep.running import crew_of, prepare, work
     from reports.sweep.store import StoreError
+    from reports.sweep.study import described
 
     stages = Stages(options.quiet)
     folder = claim(options.out or default_folder(Path(source).stem))
-    executor, scheduler, workers = options.executor, options.scheduler, options.workers
-    crew_of(executor, scheduler, workers)
-    with stages.stage("checking the study") as report:
-        prepared = prepare(source, folder, resume=options.resume, report=lambda count: report(count, None, "points checked"))
+    workers = {name: getattr(options, name) for name in ("executor", "scheduler", "workers", "tls_ca_file", "tls_cert", "tls_key")}
+    crew_of(**workers)
+    with stages.stage("checking the study", "points") as report:
+        prepared = prepare(source, folder, lambda count: report(count, None, f"{count} points checked"))
     if tell and not options.json:
-        _announce(prepared, workers or available_cores(), executor)
-    again = replace(options, resume=True).command("sweep", source, folder)
+        _announce(prepared)
+    again = replace(options, resume=False).command("sweep", source, folder)
 
     def stored() -> str:
         known = prepared.store.addresses()
-        return f"{sum(p.address in known for p in prepared.plan.points)} of {len(prepared.plan.points)} points are stored"
+        return f"{sum(point.address in known for point in prepared.points)} of {len(prepared.points)} points are stored"
 
     try:
-        with stages.stage("sweep") as report:
-            told = teller(stages, report, options.quiet)
-            table = work(prepared, executor=executor, scheduler=scheduler, workers=workers, report=told)
+        with stages.stage("sweep", "points") as report:
+            table = work(prepared, report=report, **workers)
     except KeyboardInterrupt:
-        complain(f"halfplane: interrupted; {stored()}; go on with: {again}")
+        complain(f"halfplane: interrupted; {stored()}; resume with: {again}")
         return INTERRUPTED, None
     except StoreError as fault:
-        raise StoreError(f"{fault}; {stored()}; once there is room go on with: {again}") from fault
+        raise StoreError(f"{fault}; {stored()}; once there is room resume with: {again}") from fault
     failed = [row for row in table.rows if row["status"] != "done"]
-    code, state, index = NOT_CONVERGED if failed else WITHIN, state_of(prepared.store)[0], prepared.store.folder / "index.csv"
+    code, state, index = NOT_CONVERGED if failed else WITHIN, _content(prepared.store), prepared.store.folder / "index.csv"
     if tell and options.json:
-        answer("sweep", code, _content(state) | {"file": str(index)}, prepared.study.scene.name)
+        answer("sweep", code, state | {"file": str(index)}, prepared.study.scene.name)
     elif tell:
         if failed:
             rows = [
@@ -92,71 +92,51 @@ def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, Stat
             ]
             show_table(f"{len(failed)} of {len(table.rows)} points failed", ("point", "at", "reason"), rows)
         say(f"{len(table.rows) - len(failed)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws them")
-        notes = table.notes()
-        for note, count in notes[:_NOTES]:
-            say(f"note on {count} of {len(table.rows)} points: {note}")
-        if len(notes) > _NOTES:
-            say(f"... and {len(notes) - _NOTES} other notes; see index.csv")
+        for one in state["notes"][:_NOTES]:
+            say(f"note on {one['points']} of {len(table.rows)} points: {one['note']}")
+        if (more := len(state["notes"]) - _NOTES) > 0:
+            say(f"... and {more} other notes; see index.csv")
         say(str(index))
     return code, state
 
 
-def _announce(prepared: Prepared, workers: int, executor: str) -> None:
-    from reports.sweep.executing import Tally
-    from reports.sweep.progress import duration, time_left
-
-    points, plan = len(prepared.plan.points), prepared.plan
-    study = prepared.study
+def _announce(prepared: Prepared) -> None:
+    study, points, stored = prepared.study, len(prepared.points), len(prepared.points) - prepared.waiting
     say(f"{study.title or study.scene.name}: {points} points, {' and '.join(study.engines)}; {', '.join(study.figures)}")
-    if "fe" in study.engines:
-        shared = "at most " if not study.share_condensations else ""
-        cut = "cut alike in each" if study.share_condensations else "each point cut for itself"
-        groups = f"{len(plan.groups)} groups of points with bodies, materials and largest load in common"
-        say(f"{shared}{plan.condensations} condensed bodies for {groups}, {cut}")
-    if stored := points - len(prepared.waiting):
-        say(f"{stored} points have results already, {len(prepared.waiting)} are left")
+    if "fe" in study.engines and study.share_condensations and prepared.groups:
+        say(f"{len(prepared.groups)} groups of points share their condensed bodies")
+    if stored:
+        say(f"{stored} points have results already, {prepared.waiting} are left")
     if damaged := prepared.store.damaged():
-        say(f"{len(damaged)} damaged results were set aside and are computed again: {', '.join(damaged[:3])}")
-    tally = Tally(points, skipped=points - len(prepared.waiting), workers=workers)
-    left = time_left(tally, prepared.seconds_each)
-    if prepared.waiting and executor == "processes":
-        known = f"about {duration(left)}, from the stored results" if left is not None else "told once the first points are done"
-        say(f"time: {known}; {workers} process{'es' if workers > 1 else ''}")
+        say(f"{len(damaged)} damaged results were set aside and are made again: {', '.join(damaged[:3])}")
 
 
-def _content(state: State) -> dict[str, Any]:
+def _content(store: Store) -> dict[str, Any]:
     """How far a sweep is, for programs; `seconds_left` is null where no sweep is at work or no rate is known."""
-    return {
-        "title": state.title,
-        "points": {name: getattr(state, name) for name in ("done", "failed", "running", "waiting", "total")},
-        "seconds_left": state.left,
-        "damaged": state.damaged,
-        "failures": [{"point": number, "reason": reason} for number, reason in state.failures],
-        "notes": [{"note": note, "points": count} for note, count in state.notes],
-    }
+    from reports.sweep.page import state_of
+
+    return {name: value for name, value in state_of(store).items() if name != "table"}
 
 
 @sweep_app.command(help_epilogue="")
 def status(folder: Folder, /, *, json: Json = False) -> int:
     """How far a sweep is: done, failed, running, time left."""
-    from reports.sweep.progress import duration, state_of
     from reports.sweep.store import Store
 
-    state, _ = state_of(Store(folder))
+    state = _content(Store(folder))
     if json:
-        return answer("sweep status", WITHIN, _content(state))
-    counts = [(name, str(count)) for name, count in _content(state)["points"].items()]
-    show_table(state.title or str(folder), ("points", "number"), counts, right=(1,))
-    for name in state.damaged:
-        say(f"damaged and set aside: results/{name}; the next sweep computes it again")
-    for number, reason in state.failures[:_SHOWN]:
-        say(f"point {number} failed: {reason}")
-    if len(state.failures) > _SHOWN:
-        say(f"... and {len(state.failures) - _SHOWN} more failed; see index.csv")
-    if state.left is not None:
-        say(f"about {duration(state.left)} left")
-    elif state.waiting:
-        say("no sweep is at work here" if not state.running else "time left: told once two points are done")
+        return answer("sweep status", WITHIN, state)
+    show_table(state["title"] or str(folder), ("points", "number"), [(k, str(n)) for k, n in state["points"].items()], right=(1,))
+    for name in state["damaged"]:
+        say(f"damaged and set aside: results/{name}; the next sweep makes it again")
+    for one in state["failures"][:_SHOWN]:
+        say(f"point {one['point']} failed: {one['reason']}")
+    if (more := len(state["failures"]) - _SHOWN) > 0:
+        say(f"... and {more} more failed; see index.csv")
+    if state["seconds_left"] is not None:
+        say(f"about {state['seconds_left']:.0f} s left")
+    elif state["points"]["waiting"] and not state["points"]["running"]:
+        say("no sweep is at work here")
     return WITHIN
 
 
@@ -164,13 +144,11 @@ def status(folder: Folder, /, *, json: Json = False) -> int:
 def report(folder: Folder, /, *, json: Json = False) -> int:
     """The page of a sweep: its table and a figure of each quantity, also while it runs."""
     from reports.sweep.page import write_page
-    from reports.sweep.progress import state_of
     from reports.sweep.store import Store
 
-    store = Store(folder)
-    page = write_page(store)
+    page = write_page(Store(folder))
     if json:
-        return answer("sweep report", WITHIN, _content(state_of(store)[0]) | {"page": str(page)})
+        return answer("sweep report", WITHIN, _content(Store(folder)) | {"page": str(page)})
     say(str(page))
     return WITHIN
 
@@ -222,7 +200,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         replace_text(folder / f"{study}.csv", as_csv(read_index(store)))
         if code > NOT_CONVERGED or state is None:
             return code
-        states[study] = _content(state)
+        states[study] = state
     write(folder, present(folder))
     page = folder / "README.md"
     if options.json:

@@ -1,8 +1,15 @@
 """Sweeps: a scene, axes over its keys, and the figures of every point in a store that outlives whoever fills it.
 
+    study.py     the study file, its axes and arithmetic, its points with the addresses of their results
+    figures.py   what can be kept of a point
+    solving.py   what a worker does with a point; how uncertain its figures are
+    running.py   processes or a dask cluster, and the loop that hands out points and loses none
+    store.py     one file for each result, the table, claims of sweeps that run at once
+    pictures.py  a figure of each quantity; page.py  how far a sweep is, and its page
+
 from reports import sweep
 
-table = sweep.run("study.toml", "out/study")  # starts, or goes on where it was left
+table = sweep.run("study.toml", "out/study")  # starts, or resumes
 heights = table.numbers("height")
 """
 
@@ -12,22 +19,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from reports.sweep.index import Table, read_index
     from reports.sweep.running import run
+    from reports.sweep.store import Table, read_index
     from reports.sweep.study import Study, load_study
 
 __all__ = ["Study", "Table", "load_study", "read_index", "run"]
-
-_HOME = {
-    "Study": "reports.sweep.study",
-    "Table": "reports.sweep.index",
-    "load_study": "reports.sweep.study",
-    "read_index": "reports.sweep.index",
-    "run": "reports.sweep.running",
-}
+_HOME = {"Study": "study", "load_study": "study", "Table": "store", "read_index": "store", "run": "running"}
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'reports.sweep' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+    return getattr(import_module(f"reports.sweep.{_HOME[name]}"), name)

@@ -1,15 +1,15 @@
 """What a sweep can keep of a point: metrics of the comparison, quantities of either engine, and their relative errors.
 
 A name is a metric's key ("stick_edge"), or "fe.", "exact." or "error." before a quantity ("fe.peak_pressure"); "error." is that of
-the finite elements over that of half-plane theory, less 1. Quantities are those of the last cycle. Where both engines run, theory
+the finite elements over that of half-plane theory, minus 1. Quantities are those of the last cycle. Where both engines run, theory
 is evaluated on the points and instants of the finite elements, so that sampling is the same in both.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,81 +20,64 @@ from scenes import ContactSolution, EllipseLoad, Scene
 
 @dataclass(frozen=True)
 class Quantity:
-    """A figure of one solution: how it is taken, its words, and the fields of the half-plane engine that it needs."""
+    """A figure of one solution: how it is taken, its words, and the fields of the half-plane engine that it needs.
+
+    `edges` names the field of a finite-element solution that states how far its edges may be from the true ones.
+    """
 
     value: Callable[[ContactSolution], float]
     words: str
     fields: tuple[str, ...] = ()
-    edges: str = ""  # the field of a finite-element solution that says how far its edges may be from the true ones
-
-
-@dataclass(frozen=True)
-class Figures:
-    """Values by name, None where there is none, with the reason in `notes`."""
-
-    values: Mapping[str, float | None]
-    notes: Mapping[str, str] = field(default_factory=dict)
-
-
-def mean_load(solution: ContactSolution) -> float:
-    """P0 of an ellipse, else the largest load of the last cycle [force / thickness]."""
-    load = solution.scene.load
-    if isinstance(load, EllipseLoad):
-        return load.mean_normal_load
-    return float(np.max(solution.normal_load[solution.last_cycle]))
+    edges: str = ""
 
 
 def _at_mean_load(solution: ContactSolution, series: np.ndarray) -> float:
-    """A figure of the instants, at the mean load: by line between the loads of the last cycle."""
-    steps = solution.last_cycle
-    order = np.argsort(solution.normal_load[steps], kind="stable")
-    return float(np.interp(mean_load(solution), solution.normal_load[steps][order], series[steps][order]))
+    """A figure of the instants, at P0 of an ellipse, else at the largest load: linear between the loads of the last cycle."""
+    steps, load = solution.last_cycle, solution.scene.load
+    loads = solution.normal_load[steps]
+    order = np.argsort(loads, kind="stable")
+    wanted = load.mean_normal_load if isinstance(load, EllipseLoad) else float(np.max(loads))
+    return float(np.interp(wanted, loads[order], series[steps][order]))
 
 
 def _at_largest_shear(solution: ContactSolution) -> float:
     steps = solution.last_cycle
-    step = steps[int(np.argmax(np.abs(solution.tangential_load[steps])))]
-    return float(solution.stick_half_width[step])
+    return float(solution.stick_half_width[steps[int(np.argmax(np.abs(solution.tangential_load[steps])))]])
 
 
+_CONTACT, _STICK = "contact_edge_uncertainty", "stick_edge_uncertainty"
 QUANTITIES: dict[str, Quantity] = {
     "dissipation": Quantity(lambda s: s.dissipation, "dissipation of the last cycle [energy / thickness]", ("dissipation",)),
     "peak_dissipation": Quantity(
-        lambda s: float(np.max(s.dissipation_density)), "largest pointwise dissipation [energy / area]", ("dissipation_density",)
+        lambda s: np.max(s.dissipation_density), "largest pointwise dissipation [energy / area]", ("dissipation_density",)
     ),
-    "peak_pressure": Quantity(lambda s: float(np.max(s.pressure[s.last_cycle])), "largest pressure [stress]", ("pressure",)),
+    "peak_pressure": Quantity(lambda s: np.max(s.pressure[s.last_cycle]), "largest pressure [stress]", ("pressure",)),
     "p0": Quantity(
         lambda s: _at_mean_load(s, s.pressure.max(axis=1)),
-        "peak pressure at the mean load, between instants by line [stress]",
+        "peak pressure at the mean load, linear between instants [stress]",
         ("pressure",),
     ),
-    "peak_shear": Quantity(lambda s: float(np.max(np.abs(s.shear[s.last_cycle]))), "largest |q| [stress]", ("shear",)),
+    "peak_shear": Quantity(lambda s: np.max(np.abs(s.shear[s.last_cycle])), "largest |q| [stress]", ("shear",)),
     "contact_half_width": Quantity(
-        lambda s: _at_mean_load(s, s.contact_half_width), "contact half-width at the mean load, between instants by line [length]"
+        lambda s: _at_mean_load(s, s.contact_half_width),
+        "contact half-width at the mean load, linear between instants [length]",
+        edges=_CONTACT,
     ),
     "largest_half_width": Quantity(
-        lambda s: float(np.max(s.contact_half_width[s.last_cycle])), "largest contact half-width [length]"
+        lambda s: np.max(s.contact_half_width[s.last_cycle]), "largest contact half-width [length]", edges=_CONTACT
     ),
-    "stick_half_width": Quantity(_at_largest_shear, "stick half-width where |Q| is largest [length]"),
+    "stick_half_width": Quantity(_at_largest_shear, "stick half-width where |Q| is largest [length]", edges=_STICK),
     "permanent_stick_half_width": Quantity(
-        lambda s: s.permanent_stick_half_width, "half-width that sticks through the cycle [length]"
+        lambda s: s.permanent_stick_half_width, "half-width that sticks through the cycle [length]", edges=_STICK
     ),
     "stroke": Quantity(
-        lambda s: float(np.ptp(s.tangential_displacement[s.last_cycle])),
+        lambda s: np.ptp(s.tangential_displacement[s.last_cycle]),
         "range of the tangential displacement [length]",
         ("tangential_displacement",),
     ),
     "loop_work": Quantity(lambda s: s.loop_work, "closed integral of Q dU [energy / thickness]", ("dissipation",)),
 }
-_CONTACT, _STICK = "contact_edge_uncertainty", "stick_edge_uncertainty"
-for _name, _edges in (
-    ("contact_half_width", _CONTACT),
-    ("largest_half_width", _CONTACT),
-    ("stick_half_width", _STICK),
-    ("permanent_stick_half_width", _STICK),
-):
-    QUANTITIES[_name] = replace(QUANTITIES[_name], edges=_edges)
-PREFIXES = ("fe", "exact", "error")
+_ENGINES = {"fe": "the finite elements", "exact": "half-plane theory"}
 
 
 def is_metric(name: str) -> bool:
@@ -103,27 +86,21 @@ def is_metric(name: str) -> bool:
 
 
 def is_error(name: str) -> bool:
-    """Whether a figure says how far the engines are apart: it is 0 where they agree."""
-    return is_metric(name) or parts(name)[0] == "error"
-
-
-def parts(name: str) -> tuple[str, str]:
-    """("error", "dissipation") of "error.dissipation"."""
-    prefix, _, quantity = name.partition(".")
-    return prefix, quantity
+    """Whether a figure states how far the engines are apart: it is 0 where they agree."""
+    return is_metric(name) or name.startswith("error.")
 
 
 def unit_of(name: str) -> str:
     """What a figure is, with its unit or what it is a share of.
 
     >>> unit_of("error.dissipation"), unit_of("stick_edge")
-    ('dissipation of the last cycle: finite elements over half-plane theory, less 1', 'Stick edge: of a_ref')
+    ('dissipation of the last cycle: finite elements over half-plane theory, minus 1', 'Stick edge: of a_ref')
     """
     if is_metric(name):
         return f"{METRICS[name].label}: {METRICS[name].unit}"
-    prefix, quantity = parts(name)
+    prefix, _, quantity = name.partition(".")
     words = QUANTITIES[quantity].words
-    return f"{words.rpartition(' [')[0]}: finite elements over half-plane theory, less 1" if prefix == "error" else words
+    return f"{words.rpartition(' [')[0]}: finite elements over half-plane theory, minus 1" if prefix == "error" else words
 
 
 def axis_label(name: str, scene: Scene) -> str:
@@ -135,7 +112,7 @@ def axis_label(name: str, scene: Scene) -> str:
     """
     if is_metric(name):
         return f"{name}  [share {METRICS[name].unit}]"
-    prefix, quantity = parts(name)
+    prefix, _, quantity = name.partition(".")
     if prefix == "error":
         return f"{name}  [share of theory's]"
     _, length, stress = units(scene)
@@ -146,15 +123,14 @@ def axis_label(name: str, scene: Scene) -> str:
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
     """ValueError for a name that is none, is there twice, or needs what isn't run."""
     for name in figures:
-        prefix, quantity = parts(name)
-        if not is_metric(name) and (prefix not in PREFIXES or quantity not in QUANTITIES):
+        prefix, _, quantity = name.partition(".")
+        if not is_metric(name) and (prefix not in (*_ENGINES, "error") or quantity not in QUANTITIES):
             raise ValueError(
                 f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe., exact. or error. before one of "
                 f"{', '.join(QUANTITIES)}"
             )
-        needed = {"fe", "exact"} if is_error(name) else {prefix}
-        if missing := needed - set(engines):
-            raise ValueError(f"figures: {name!r} needs engines = [..., {sorted(missing)[0]!r}]")
+        if missing := ({*_ENGINES} if is_error(name) else {prefix}) - set(engines):
+            raise ValueError(f"figures: {name!r} needs engines = [..., {min(missing)!r}]")
         if uncertainty == "budget" and not is_metric(name):
             raise ValueError(f"figures: {name!r} is no metric, and an error budget is of metrics; take uncertainty = 'cheap'")
     if len(set(figures)) < len(figures):
@@ -167,53 +143,35 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
 
 def fields_needed(figures: Sequence[str]) -> tuple[str, ...]:
     """The fields of the half-plane engine that the quantities among `figures` need."""
-    wanted = {name for figure in figures if not is_metric(figure) for name in QUANTITIES[parts(figure)[1]].fields}
-    return tuple(sorted(wanted))
+    return tuple(sorted({field for name in figures if not is_metric(name) for field in QUANTITIES[name.partition(".")[2]].fields}))
 
 
-def take(figures: Sequence[str], fe: ContactSolution | None, exact: ContactSolution | None) -> Figures:
-    """The quantities among `figures`; metrics are left to the comparison."""
-    values: dict[str, float | None] = {}
-    notes: dict[str, str] = {}
-    for name in figures:
-        if is_metric(name):
-            continue
-        prefix, quantity = parts(name)
-        found = {k: QUANTITIES[quantity].value(s) for k, s in (("fe", fe), ("exact", exact)) if s is not None}
-        values[name], why = _figure(prefix, found)
-        if why:
-            notes[name] = why
-    return Figures(values, notes)
-
-
-def own_doubts(figures: Sequence[str], fe: ContactSolution, exact: ContactSolution | None) -> dict[str, float]:
-    """What the finite elements themselves say of half-widths: the larger of both edges' uncertainties, the median over the last
-    cycle; of an error, over the half-width of theory.
-    """
-    found: dict[str, float] = {}
-    for name in figures:
-        prefix, quantity = ("", "") if is_metric(name) else parts(name)
-        field_name = QUANTITIES[quantity].edges if quantity and prefix != "exact" else ""
-        if not field_name:
-            continue
-        stated = np.asarray(getattr(fe, field_name))[fe.last_cycle]
-        scale = QUANTITIES[quantity].value(exact) if prefix == "error" and exact is not None else 1.0
-        known = stated.max(axis=1)[np.isfinite(stated).all(axis=1)]
-        doubt = float(np.median(known)) / scale if len(known) and scale else math.nan
-        if math.isfinite(doubt):
-            found[name] = doubt
-    return found
-
-
-def _figure(prefix: str, found: Mapping[str, float]) -> tuple[float | None, str]:
+def take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) -> tuple[float | None, str]:
+    """A quantity of either engine or its error: the value, or None and why there is none."""
+    prefix, _, quantity = name.partition(".")
+    found = {}
+    for engine, solution in (("fe", fe), ("exact", exact)):
+        if solution is not None and prefix in (engine, "error"):
+            found[engine] = float(QUANTITIES[quantity].value(solution))
+            if not math.isfinite(found[engine]):
+                return None, f"there is none in {_ENGINES[engine]}"
     if prefix != "error":
-        value = found[prefix]
-        return (value, "") if math.isfinite(value) else (None, f"there is none in {_WORDS[prefix]}")
-    fe, exact = found["fe"], found["exact"]
-    for engine, value in (("fe", fe), ("exact", exact)):
-        if not math.isfinite(value):
-            return None, f"there is none in {_WORDS[engine]}"
-    return (fe / exact - 1, "") if exact else (None, "it is 0 in half-plane theory, so nothing is relative to it")
+        return found[prefix], ""
+    if not found["exact"]:
+        return None, "it is 0 in half-plane theory, so nothing is relative to it"
+    return found["fe"] / found["exact"] - 1, ""
 
 
-_WORDS = {"fe": "the finite elements", "exact": "half-plane theory"}
+def stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | None) -> float:
+    """What the finite elements themselves state for a half-width, 0 where they state nothing.
+
+    The larger of both edges' uncertainties, the median over the last cycle; of an error, over the half-width of theory.
+    """
+    prefix, _, quantity = name.partition(".")
+    if prefix == "exact" or not QUANTITIES[quantity].edges:
+        return 0.0
+    stated = np.asarray(getattr(fe, QUANTITIES[quantity].edges))[fe.last_cycle]
+    known = stated.max(axis=1)[np.isfinite(stated).all(axis=1)]
+    scale = QUANTITIES[quantity].value(exact) if prefix == "error" and exact is not None else 1.0
+    found = float(np.median(known)) / scale if len(known) and scale else math.nan
+    return found if math.isfinite(found) else 0.0

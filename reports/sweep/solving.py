@@ -8,18 +8,63 @@ import os
 import platform
 import tempfile
 import time
-from collections.abc import Generator, Mapping
+from collections import Counter
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import threadpool_limits
 
-from reports.sweep.batching import in_one_call
-from reports.sweep.evaluating import Asked, Question, Values, evaluate, exact_alone, finite_elements
-from reports.sweep.figures import take
-from reports.sweep.uncertainty import budget, cheap_uncertainty
-from reports.sweep.versions import code_versions, difference
-from scenes import ContactSolution, ConvergenceError, InputError, Scene
+from reports.sweep.figures import fields_needed, is_metric, stated_by_edges, take
+from scenes import ContactSolution, ConvergenceError, EllipseLoad, Friction, InputError, PolygonLoad, Scene
+from scenes.files import source_digest
+from scenes.scene import WORDS
+
+if TYPE_CHECKING:
+    from halfplane_fe import FiniteElementSolution, SolverSettings
+    from halfplane_fe.scales import Scales
+    from meshes import MeshSettings
+    from reports.comparison import Comparison
+    from reports.comparison.metrics import Metric
+
+Values = dict[str, float | None]
+# What numbers depend on: the engines and what they stand on, and what a worker imports of `reports`.
+_CODE = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports.comparison", "reports.units")
+_LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh", "pydantic")
+# Roache's index of two grids, 3/(2^p - 1) with p = 3/2: where tractions end as a root, errors fall no faster.
+_MESH = 1.64
+# A change by twice the distance leaves as much again, if the error falls by the first power of the distance; it falls faster.
+_FAR = 2.0
+
+
+@cache
+def code_versions() -> dict[str, str]:
+    """Which code and packages compute a result, as this process found them when it first asked; part of a result's address."""
+    code = source_digest(*_CODE, "reports.sweep.figures", __name__)[:16]
+    python = ".".join(platform.python_version_tuple()[:2])
+    return {"code": code, "python": python} | {name: version(name) for name in _LIBRARIES}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of every point of a task."""
+
+    engines: tuple[str, ...]
+    figures: tuple[str, ...]
+    uncertainty: str
+    share: bool
+
+
+@dataclass(frozen=True)
+class Question:
+    """One point: the scene and how it is cut and iterated."""
+
+    scene: Scene
+    mesh: MeshSettings
+    solver: SolverSettings
 
 
 def solve_task(text: str) -> str:
@@ -34,12 +79,16 @@ def solve_task(text: str) -> str:
     JSON of {"mismatch": sentence or "", "answers": one for each point}
     """
     task = json.loads(text)
-    if words := difference(task["versions"], code_versions()):
-        return json.dumps({"mismatch": f"worker {platform.node()} (process {os.getpid()}): {words}", "answers": []})
+    here, there = task.pop("versions"), code_versions()
+    names = [name for name in sorted(here.keys() | there.keys()) if here.get(name) != there.get(name)]
+    if names:
+        words = [f"{name} is {here.get(name, 'missing')} here and {there.get(name, 'missing')} there" for name in names]
+        return json.dumps({"mismatch": f"worker {platform.node()} (process {os.getpid()}): {', '.join(words)}", "answers": []})
+    jobs = task.pop("points")
     asked = Asked(tuple(task["engines"]), tuple(task["figures"]), task["uncertainty"], task["share"])
-    with threadpool_limits(limits=1), _shared_store(asked.share and len(task["points"]) > 1):
-        batch = in_one_call(asked, task["points"])
-        answers = [batch.get(number) or _answer(asked, job) for number, job in enumerate(task["points"])]
+    with threadpool_limits(limits=1), _shared_store(asked.share and len(jobs) > 1):
+        batch = in_one_call(asked, jobs)
+        answers = [batch.get(number) or _answer(asked, job) for number, job in enumerate(jobs)]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
 
 
@@ -60,62 +109,100 @@ def _shared_store(wanted: bool) -> Generator[None, None, None]:
             os.environ.pop("HALFPLANE_CACHE") if before is None else os.environ.update(HALFPLANE_CACHE=before)
 
 
+def in_one_call(asked: Asked, jobs: list[dict[str, Any]]) -> dict[int, dict[str, Any]]:
+    """Number -> answer of points that ask theory for W of an ellipse alone, in one call for each profile and material.
+
+    That takes a hundredth of the time of `solve`, and a third with the checks of the points. What has no value there is left to
+    `solve`, which states why.
+    """
+    import semi_analytic
+
+    if asked.engines != ("exact",) or asked.figures != ("exact.dissipation",):
+        return {}
+    begun = time.perf_counter()
+    kinds: dict[str, dict[int, tuple[Scene, EllipseLoad]]] = {}
+    for number, job in enumerate(jobs):
+        scene = Scene.model_validate_json(json.dumps(job["scene"]))
+        if isinstance(scene.load, EllipseLoad) and scene.friction.coefficient > 0:
+            kind = scene.profile.model_dump_json() + scene.material.model_dump_json()
+            kinds.setdefault(kind, {})[number] = scene, scene.load
+    found: dict[int, tuple[float, tuple[str, ...]]] = {}
+    for members in kinds.values():
+        scenes, loads = zip(*members.values(), strict=True)
+        batch = semi_analytic.dissipation(
+            profile=scenes[0].profile,
+            material=scenes[0].material,
+            friction_coefficient=[scene.friction.coefficient for scene in scenes],
+            mean_normal_load=[load.mean_normal_load for load in loads],
+            normal_amplitude=[load.normal_amplitude for load in loads],
+            mean_tangential_load=[load.mean_tangential_load for load in loads],
+            tangential_amplitude=[load.tangential_amplitude for load in loads],
+            phase=[load.phase for load in loads],
+        )
+        found |= {n: (float(W), batch.notes) for n, W in zip(members, batch.value, strict=True) if math.isfinite(W)}
+    seconds = (time.perf_counter() - begun) / max(1, len(found))
+    return {
+        number: _blank(jobs[number], seconds)
+        | {"figures": {"exact.dissipation": work}, "record": {"message": "a member of a batch", "notes": notes}}
+        for number, (work, notes) in found.items()
+    }
+
+
+def _blank(job: Mapping[str, Any], seconds: float) -> dict[str, Any]:
+    answer = {"address": job["address"], "status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
+    return answer | {"seconds": seconds, "host": platform.node()}
+
+
 def _answer(asked: Asked, job: Mapping[str, Any]) -> dict[str, Any]:
     """One point: its figures, or the reason why it has none."""
-    begun = time.perf_counter()
-    answer: dict[str, Any] = {"address": job["address"], "status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
-    try:
-        answer |= _solve(asked, _question(job))
-    except ConvergenceError as failure:
-        answer |= {"status": "failed", "reason": f"not converged: {failure}", "record": _record(failure.partial)}
-    except InputError as failure:
-        answer |= {"status": "failed", "reason": str(failure)}
-    except (ArithmeticError, ValueError, RuntimeError, MemoryError, LookupError) as failure:
-        # One point must not end a sweep of thousands; what went wrong stands in its row, and nothing is taken for an answer.
-        answer |= {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
-    return answer | {"seconds": time.perf_counter() - begun, "host": platform.node()}
-
-
-def _question(job: Mapping[str, Any]) -> Question:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-    scene = Scene.model_validate_json(json.dumps(job["scene"]))
-    return Question(scene, MeshSettings(**job["mesh"]), SolverSettings(**job["solver"]))
+    begun = time.perf_counter()
+    try:
+        scene = Scene.model_validate_json(json.dumps(job["scene"]))
+        found = _solve(asked, Question(scene, MeshSettings(**job["mesh"]), SolverSettings(**job["solver"])))
+    except ConvergenceError as failure:
+        found = {"status": "failed", "reason": f"not converged: {failure}", "record": _record(failure.partial)}
+    except InputError as failure:
+        found = {"status": "failed", "reason": str(failure)}
+    except (ArithmeticError, ValueError, RuntimeError, MemoryError, LookupError) as failure:
+        # One point must not end a sweep of thousands; what went wrong stands in its row, and nothing is taken for an answer.
+        found = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
+    return _blank(job, time.perf_counter() - begun) | found
 
 
 def _solve(asked: Asked, question: Question) -> dict[str, Any]:
+    """Figures, notes and record of a point; what is not finite is no value, and its note states so."""
+    notes: dict[str, str] = {}
     if "fe" not in asked.engines:
         exact = exact_alone(asked, question.scene)
-        figures = take(asked.figures, None, exact)
-        return _finished(dict(figures.values), dict(figures.notes), _record(exact))
-    fe, notes = finite_elements(asked, question)
-    found = evaluate(asked, question.scene, fe)
-    values = dict(found.values)
-    notes |= found.notes
-    if asked.uncertainty == "cheap":
-        values |= cheap_uncertainty(asked, question, fe, found, notes)
-    if asked.uncertainty == "budget":
-        values |= budget(question, fe, values, notes)
-    record = _record(fe)
-    return _finished(values, notes, record | {"notes": [*record["notes"], *found.of_theory]})
-
-
-def _finished(values: Values, notes: dict[str, str], record: dict[str, Any]) -> dict[str, Any]:
-    """Figures with no NaN among them: what is not finite is no value, and says so."""
-    clean: Values = {}
+        taken = {name: take(name, None, exact) for name in asked.figures}
+        values: Values = {name: value for name, (value, _) in taken.items()}
+        notes = {name: why for name, (_, why) in taken.items() if why}
+        record = _record(exact)
+    else:
+        fe, why = finite_elements(asked, question)
+        found = evaluate(asked, question.scene, fe)
+        values, notes = dict(found.values), why | found.notes
+        if asked.uncertainty == "cheap":
+            values |= _cheap_uncertainty(asked, question, fe, found, notes)
+        if asked.uncertainty == "budget":
+            values |= _budget(question, found, notes)
+        record = _record(fe)
+        record["notes"] += found.of_theory
     for name, value in values.items():
-        finite = value is not None and math.isfinite(value)
-        clean[name] = float(value) if finite and value is not None else None
-        if not finite and value is not None:
+        if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
+    clean = {name: None if value is None or not math.isfinite(value) else float(value) for name, value in values.items()}
     return {"figures": clean, "notes": notes, "record": record}
 
 
 def _record(solution: ContactSolution | None) -> dict[str, Any]:
-    """How an answer came about, in few words."""
+    """How an answer came about."""
     if solution is None:
         return {}
+    worst = {name: float(max(values, default=0.0)) for name, values in solution.record.certificates.items()}
     return {
         "converged": solution.record.converged,
         "message": solution.record.message,
@@ -126,10 +213,158 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
         "steady_from": solution.steady_from,
         "counts": {name: int(count) for name, count in solution.work.counts.items()},
         "seconds": {name: float(seconds) for name, seconds in solution.work.seconds.items()},
-        "worst": {name: _largest(values) for name, values in solution.record.certificates.items()},
+        "worst": {name: value if math.isfinite(value) else None for name, value in worst.items()},
     }
 
 
-def _largest(values: Any) -> float | None:
-    found = float(max(values, default=0.0))
-    return found if math.isfinite(found) else None
+def exact_alone(asked: Asked, scene: Scene) -> ContactSolution:
+    """Half-plane theory on its own points and instants of the steady cycle, no field more than the figures need."""
+    import semi_analytic
+
+    return semi_analytic.solve(scene, cycles="steady", fields=fields_needed(asked.figures))
+
+
+def finite_elements(asked: Asked, question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
+    """The solution, on the bodies that its whole group shares if wanted; where these don't hold the contact, on its own."""
+    import halfplane_fe
+
+    scene, mesh, solver = question.scene, question.mesh, question.solver
+    if not asked.share:
+        return halfplane_fe.solve(scene, mesh, solver), {}
+    try:
+        return halfplane_fe.solve(scene, mesh, solver, scales=_shared_scales(scene)), {}
+    except ConvergenceError as failure:
+        if "reached the end of the meshed side" not in str(failure):
+            raise
+    why = {"": "the contact left the side that its group shares; solved on bodies of its own"}
+    return halfplane_fe.solve(scene, mesh, solver), why
+
+
+def _shared_scales(scene: Scene) -> Scales:
+    """Those of the same bodies under the largest load alone, without friction: one for a group, whichever points it has."""
+    from halfplane_fe.scales import largest_load
+
+    # Words move no number, and would keep points of one group apart.
+    words = {name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS}
+    load = PolygonLoad(initial_loading=((largest_load(scene), 0.0),))
+    return _scales_of(scene.vary(**(words | {"friction": Friction(coefficient=0.0), "load": load, "cycles": 1})).model_dump_json())
+
+
+@lru_cache(maxsize=256)
+def _scales_of(scene: str) -> Scales:
+    from halfplane_fe.scales import find_scales
+
+    return replace(find_scales(Scene.model_validate_json(scene), Counter()), inner=0.0)
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """Figures by name, why some have no value, how uncertain the solution itself states some to be; the notes of theory."""
+
+    values: Values
+    notes: dict[str, str]
+    stated: dict[str, float]
+    of_theory: tuple[str, ...]
+    comparison: Comparison | None
+
+
+def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool = False) -> Evaluated:
+    """Every figure that is asked for; against theory on the polygon of the steps if wanted."""
+    import semi_analytic
+
+    metrics = [name for name in asked.figures if is_metric(name)]
+    exact = comparison = None
+    if "exact" in asked.engines:
+        fields = semi_analytic.FIELDS if metrics else fields_needed(asked.figures)
+        exact = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
+    if metrics and exact is not None:
+        from reports.comparison import compare
+
+        straight = None
+        if not polygon and (asked.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & set(metrics)):
+            straight = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=not fe.thinned)
+        comparison = compare(exact, fe, polygon_reference=straight)
+    values: Values = {}
+    notes: dict[str, str] = {}
+    stated: dict[str, float] = {}
+    for name in asked.figures:
+        if is_metric(name) and comparison is not None:
+            metric = comparison.metric(name)
+            values[name], why = metric.value, metric.note or "there is nothing to compare"
+            stated[name] = _stated(metric, fe, comparison.scales.half_width)
+        else:
+            values[name], why = take(name, fe, exact)
+            stated[name] = stated_by_edges(name, fe, exact)
+        if values[name] is None:
+            notes[name] = why
+    of_theory = tuple(f"half-plane theory: {note}" for note in exact.record.notes) if exact is not None else ()
+    return Evaluated(values, notes, stated, of_theory, comparison)
+
+
+def _stated(metric: Metric, fe: ContactSolution, half_width: float) -> float:
+    """What the result states for a metric's uncertainty: the metric's own, or that of the edges at its instant over a_ref; or 0."""
+    found = [0.0, metric.uncertainty or 0.0]
+    edges = getattr(fe, f"{metric.key}_uncertainty", None)
+    if edges is not None and metric.time is not None:
+        found.append(float(max(edges[int(abs(fe.time - metric.time).argmin())])) / half_width)
+    return max(value for value in found if math.isfinite(value))
+
+
+def _cheap_uncertainty(
+    asked: Asked, question: Question, fe: FiniteElementSolution, found: Evaluated, notes: dict[str, str]
+) -> Values:
+    """What a coarser mesh, theory on the polygon of the steps and a farther far field change each figure by, added up.
+
+    The mesh is made twice as coarse at the surface and in the bulk, and its share taken as `_MESH` times the change, or as what the
+    solution itself states for its edges where that is more; the far field's as `_FAR` times the change.
+    """
+    import halfplane_fe
+    from reports.comparison.budget import coarser
+
+    scene = question.scene
+    mesh, solver = coarser(question.mesh, question.solver, 2.0)
+
+    def solved(cut: MeshSettings) -> Values:
+        return evaluate(asked, scene, halfplane_fe.solve(scene, cut, solver, scales=fe.scales)).values
+
+    shares = [(_MESH, found.values, solved(replace(mesh, growth=min(1.0, 2 * mesh.growth))))]
+    if "exact" in asked.engines:
+        shares.append((1.0, found.values, evaluate(asked, scene, fe, polygon=True).values))
+    if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind) and question.mesh.far_radius <= 500:
+        # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
+        shares.append((_FAR, solved(mesh), solved(replace(mesh, far_radius=2 * mesh.far_radius))))
+    total: Values = {}
+    for name in asked.figures:
+        if name.startswith("exact."):
+            continue
+        changes = [(factor, one[name], other[name]) for factor, one, other in shares]
+        known = [factor * abs(one - other) for factor, one, other in changes if one is not None and other is not None]
+        if len(known) == len(shares):
+            total[f"{name}.uncertainty"] = max(known[0], found.stated[name]) + sum(known[1:])
+        else:
+            total[f"{name}.uncertainty"] = None
+            notes[f"{name}.uncertainty"] = "one of the runs that it is taken from has no such value"
+    return total
+
+
+def _budget(question: Question, found: Evaluated, notes: dict[str, str]) -> Values:
+    """The rest of each metric that no numerical error accounts for, and how uncertain it is."""
+    from reports.comparison.budget import climb, error_budget
+
+    assert found.comparison is not None
+    refined = climb(found.comparison, question.mesh, question.solver, _silent)
+    budgets = {budget.metric.key: budget for budget in error_budget(found.comparison, refined, 1.0).budgets}
+    more: Values = {}
+    for name in found.values:
+        budget = budgets.get(name)
+        more[f"{name}.idealisation"] = None if budget is None else budget.rest
+        more[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
+        if budget is None or budget.uncertainty is None:
+            why = "; ".join(f"{term.name}: {term.how}" for term in (budget.terms if budget else ()) if not term.measured)
+            notes[f"{name}.uncertainty"] = why or "the budget has no such metric"
+    return more
+
+
+@contextmanager
+def _silent(_name: str) -> Generator[Callable[[int, int | None, str], None], None, None]:
+    yield lambda _done, _total, _text: None

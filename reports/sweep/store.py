@@ -1,34 +1,42 @@
-"""The store of a sweep: one file for each result, under the address of its question. No pickle, no lock, never half a file.
+"""The store of a sweep: one file for each result, under the address of its question; its table; who is at work on which point.
 
 DIR/sweep.json           the study as it was asked, the address and coordinates of every point
 DIR/results/<address>.json
 DIR/results/<address>.bad-<n>   results whose checksum is wrong, set aside
-DIR/claims/<address>     who is at work on a point
-DIR/index.csv            one row for each point that has a result; made anew from the above
+DIR/claims/<address>     who is at work on a point: a link to a folder that a living sweep keeps locked
+DIR/index.csv            one row for each point that has a result; made again from the above
+
+No pickle, never half a file, and right whoever writes: two writers of one address write the same.
 """
 
 from __future__ import annotations
 
 import errno
 import hashlib
+import io
 import json
+import math
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reports.staging import remove_left_behind, replace_file
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.charts.table import table_text
+from reports.staging import CannotLock, hidden_folder, lock, remove, remove_left_behind, replace_file
 from scenes import InputError
 from scenes.errors import shown
 from scenes.files import parsed_json
 
 _FORMAT = "halfplane sweep 1"
 _ADDRESS = re.compile("[0-9a-f]{64}")
-_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-_NO_ROOM_WORDS = "there is no room left on the disk"
+STATUS = ("status", "seconds", "reason", "notes", "address")
 
 
 class StoreError(InputError):
@@ -37,7 +45,7 @@ class StoreError(InputError):
 
 @dataclass(frozen=True)
 class Planned:
-    """What a store says of a point: number, address, coordinates."""
+    """What a store holds of a point: number, address of its result, coordinates."""
 
     number: int
     address: str
@@ -45,8 +53,42 @@ class Planned:
 
 
 @dataclass(frozen=True)
+class Table:
+    """The results as rows.
+
+    Attributes
+    ----------
+    columns : names: number, the axes, the figures and their uncertainties, then status, seconds, reason, notes, address
+    axes : names of the columns that are coordinates
+    figures : names of the columns that are figures
+    rows : one mapping for each point with a result, in the order of the study; None where there is no value
+    waiting : points without a result
+    """
+
+    columns: tuple[str, ...]
+    axes: tuple[str, ...]
+    figures: tuple[str, ...]
+    rows: tuple[Mapping[str, Any], ...]
+    waiting: int = 0
+
+    def done(self) -> Table:
+        """The rows with figures alone."""
+        return replace(self, rows=tuple(row for row in self.rows if row["status"] == "done"))
+
+    def notes(self) -> list[tuple[str, int]]:
+        """What is noted on points, and on how many of them; the most frequent first."""
+        return Counter(row["notes"] for row in self.rows if row["notes"]).most_common()
+
+    def numbers(self, column: str) -> NDArray[np.float64]:
+        """A column (n_rows,), NaN where there is no value; KeyError for an unknown one, ValueError for one of words."""
+        if column not in self.columns:
+            raise KeyError(f"{column!r} is none of {', '.join(self.columns)}")
+        return np.array([np.nan if row[column] is None else float(row[column]) for row in self.rows])
+
+
+@dataclass(frozen=True)
 class Store:
-    """A folder of results; what is set aside is reported through `damaged`."""
+    """A folder of results."""
 
     folder: Path
 
@@ -66,15 +108,19 @@ class Store:
 
     def addresses(self) -> set[str]:
         """Of all results, whole or not."""
-        return {name.removesuffix(".json") for name in names(self.results) if name.endswith(".json") and len(name) == 69}
+        return {name[:64] for name in _names(self.results) if name.endswith(".json") and len(name) == 69}
 
     def damaged(self) -> list[str]:
         """Names of the results that were set aside."""
-        return sorted(name for name in names(self.results) if ".bad-" in name)
+        return sorted(name for name in _names(self.results) if ".bad-" in name)
+
+    def running(self) -> set[str]:
+        """Addresses of the points that some sweep is at work on."""
+        return {name for name in _names(self.claims) if _ADDRESS.fullmatch(name) and at_work(self.claims / name)}
 
     def prepare(self) -> None:
         """Make the folders, and remove what killed sweeps left in them half-written; StoreError where that can't be."""
-        with _writing(self.folder):
+        with self._writing():
             for folder in (self.results, self.claims):
                 folder.mkdir(parents=True, exist_ok=True)
                 remove_left_behind(folder)
@@ -82,24 +128,22 @@ class Store:
     def write(self, result: Mapping[str, Any]) -> None:
         """Store a result under its address; the last of two writers wins, and both wrote the same."""
         body = canonical(result)
-        text = json.dumps({"format": _FORMAT, "sha256": _sum(body), "result": json.loads(body)}, indent=1) + "\n"
+        text = json.dumps({"format": _FORMAT, "sha256": checksum(body), "result": json.loads(body)}, indent=1) + "\n"
         self.write_text(self.path(str(result["address"])), text)
 
     def write_text(self, path: Path, text: str) -> None:
-        """Write a file of text in one go, as `write_bytes` does."""
-        self.write_bytes(path, text.encode())
+        """Write a file of text in one go; StoreError where that can't be."""
+        with self._writing():
+            replace_file(path, text.encode())
 
-    def write_bytes(self, path: Path, content: bytes) -> None:
-        """Write a file in one go; StoreError where that can't be."""
-        with _writing(self.folder):
-            replace_file(path, content)
-
-    def stored_at(self, address: str) -> float | None:
-        """When a result was stored, in seconds of the epoch; None where there is none any more."""
+    @contextmanager
+    def _writing(self) -> Generator[None, None, None]:
         try:
-            return self.path(address).stat().st_mtime
-        except FileNotFoundError:
-            return None
+            yield
+        except OSError as reason:
+            full = reason.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+            why = "there is no room left on the disk" if full else reason.strerror or str(reason)
+            raise StoreError(f"{self.folder}: results can't be stored: {why}; what was stored before stays") from reason
 
     def read(self, address: str) -> dict[str, Any] | None:
         """The result of an address; None where there is none. A file that is damaged is set aside, and there is none.
@@ -113,26 +157,20 @@ class Store:
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
             result = stored["result"]
-            whole = stored["format"] == _FORMAT and stored["sha256"] == _sum(canonical(result)) and result["address"] == address
+            found = (stored["format"], stored["sha256"], result["address"])
+            if found == (_FORMAT, checksum(canonical(result)), address):
+                return dict(result)
         except FileNotFoundError:
             return None
         except OSError as reason:
             why = reason.strerror or reason
             raise StoreError(f"{path}: this result can't be read: {why}; mend that, or name another --out") from reason
-        except (ValueError, KeyError, TypeError, UnicodeDecodeError):
-            whole = False
-        if whole:
-            return dict(result)
-        self._set_aside(path)
+        except (ValueError, KeyError, TypeError):
+            pass
+        number = sum(name.startswith(f"{address}.bad-") for name in _names(self.results))
+        with self._writing(), suppress(FileNotFoundError):  # another sweep was faster
+            os.replace(path, path.with_suffix(f".bad-{number}"))
         return None
-
-    def _set_aside(self, path: Path) -> None:
-        number = sum(name.startswith(f"{path.stem}.bad-") for name in names(self.results))
-        with _writing(self.folder):
-            try:
-                os.replace(path, path.with_suffix(f".bad-{number}"))
-            except FileNotFoundError:
-                return  # another sweep was faster
 
     def write_plan(self, study: Mapping[str, Any], points: Sequence[Planned]) -> None:
         """Store what is asked: the study and its points."""
@@ -150,27 +188,123 @@ class Store:
         path = self.folder / "sweep.json"
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
-            points = tuple(Planned(int(p["number"]), _address(p["address"]), dict(p["coordinates"])) for p in stored["points"])
-            return dict(stored["study"]), points
+            points = []
+            for point in stored["points"]:
+                address = point["address"]  # it becomes the name of a file
+                if not isinstance(address, str) or not _ADDRESS.fullmatch(address):
+                    raise ValueError(f"{shown(address)} is no address of a result")
+                points.append(Planned(int(point["number"]), address, dict(point["coordinates"])))
+            return dict(stored["study"]), tuple(points)
         except FileNotFoundError:
-            raise InputError(
-                f"{self.folder}: no sweep is stored here; `halfplane sweep STUDY.toml --out {self.folder}` starts one"
-            ) from None
+            start = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"
+            raise InputError(f"{self.folder}: no sweep is stored here; {start}") from None
         except (OSError, ValueError, KeyError, TypeError) as reason:
-            raise InputError(f"{path}: can't be read ({reason}); start the sweep again with --resume: results are kept") from reason
+            raise InputError(f"{path}: can't be read ({reason}); start the sweep again: results are kept") from reason
+
+    def table(self, points: Sequence[Planned]) -> Table:
+        """The table of `points`, made from their results."""
+        read = [(point, self.read(point.address)) for point in points]
+        found = [(point, result) for point, result in read if result is not None]
+        figures = tuple(dict.fromkeys(name for _, result in found for name in result["figures"]))
+        axes = tuple(points[0].coordinates) if points else ()
+        rows = tuple(_row(point, result, figures) for point, result in found)
+        return Table(("number", *axes, *figures, *STATUS), axes, figures, rows, len(points) - len(rows))
+
+    def write_table(self, table: Table) -> None:
+        """index.csv, and index.parquet where pyarrow is installed, each in one go."""
+        columns = {name: [row[name] for row in table.rows] for name in table.columns}
+        blanks = {name: [math.nan if value is None else value for value in column] for name, column in columns.items()}
+        self.write_text(self.folder / "index.csv", table_text(blanks))
+        try:
+            import pyarrow
+            from pyarrow import parquet
+        except ImportError:
+            return
+        content = io.BytesIO()
+        parquet.write_table(pyarrow.table(columns), content)
+        with self._writing():
+            replace_file(self.folder / "index.parquet", content.getvalue())
 
 
-def _address(text: Any) -> str:
-    """An address out of a file: 64 hexadecimal digits, for it becomes the name of one."""
-    if not isinstance(text, str) or not _ADDRESS.fullmatch(text):
-        raise ValueError(f"{shown(text)} is no address of a result")
-    return text
+def _row(point: Planned, result: Mapping[str, Any], figures: tuple[str, ...]) -> dict[str, Any]:
+    record, notes = result.get("record", {}), result.get("notes", {})  # the first stores have neither
+    on_figures = [f"{name}: {note}" if name else note for name, note in notes.items()]  # without a name on all of them
+    return {
+        "number": point.number,
+        **point.coordinates,
+        **{name: result["figures"].get(name) for name in figures},
+        **{name: result[name] for name in ("status", "seconds", "reason")},
+        "notes": "; ".join([*record.get("notes", ()), *on_figures]),
+        "address": point.address,
+    }
 
 
-def unwritable(folder: Path, reason: OSError) -> StoreError:
-    """The sentence of an OSError."""
-    why = _NO_ROOM_WORDS if reason.errno in _NO_ROOM else reason.strerror or str(reason)
-    return StoreError(f"{folder}: results can't be stored: {why}; what was stored before stays")
+def read_index(folder: str | Path) -> Table:
+    """The table of the sweep stored in `folder`, made from its results: right whether index.csv is there or not.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds no sweep.
+    """
+    store = Store(Path(folder))
+    return store.table(store.read_plan()[1])
+
+
+class Claims:
+    """The points of a store that one sweep is at work on, so that two sweeps don't compute the same.
+
+    A claim is a link to a folder that its sweep keeps locked, and the system lets go of a lock when its process ends. Claims only
+    save time. Where the disk has neither links nor locks there are none, and two sweeps write the same twice.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._folder, self._held = store.claims, set[str]()
+        with store._writing():
+            self._own, self._lock = hidden_folder(store.claims, store.claims)
+            self._own.chmod(0o755)  # another user's sweep looks whether it is locked
+
+    def take(self, address: str) -> bool:
+        """Whether the point is ours from now on; not where a sweep that lives has it."""
+        path = self._folder / address
+        for _ in range(2 if self._lock is not None and address not in self._held else 0):
+            try:
+                path.symlink_to(self._own.name)
+                self._held.add(address)
+                break
+            except FileExistsError:
+                if at_work(path):
+                    return False
+                with suppress(OSError):
+                    path.unlink()
+            except OSError:
+                break
+        return True
+
+    def drop(self, address: str) -> None:
+        """Let go of a point."""
+        self._held.discard(address)
+        with suppress(OSError):  # the store is gone, or not ours any more: a claim counts for nothing once we end
+            if os.readlink(self._folder / address) == self._own.name:
+                (self._folder / address).unlink()
+
+    def drop_all(self) -> None:
+        """Let go of everything."""
+        for address in [*self._held]:
+            self.drop(address)
+        with suppress(OSError):
+            remove(self._own, self._lock)
+
+
+def at_work(claim: Path) -> bool:
+    """Whether the sweep lives that a claim is of."""
+    try:
+        held = lock(claim)
+    except (CannotLock, OSError):
+        return False
+    if held is not None:
+        os.close(held)
+    return held is None
 
 
 def canonical(value: Any) -> str:
@@ -178,25 +312,13 @@ def canonical(value: Any) -> str:
     return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
 
-def _sum(text: str) -> str:
+def checksum(text: str) -> str:
+    """SHA-256 of a text."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def names(folder: Path) -> Iterator[str]:
+def _names(folder: Path) -> list[str]:
     """Of the files in a folder of the store; of none where it is gone."""
-    with suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
-        yield from [entry.name for entry in entries]
-
-
-class _writing:
-    """Turns an OSError into the sentence of a StoreError."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, _kind: object, reason: BaseException | None, _trace: object) -> None:
-        if isinstance(reason, OSError):
-            raise unwritable(self._folder, reason) from reason
+    with suppress(FileNotFoundError, NotADirectoryError):
+        return os.listdir(folder)
+    return []

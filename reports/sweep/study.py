@@ -1,23 +1,206 @@
-"""A study file: a scene, axes over its keys, the engines to run and the figures to keep. Read and checked whole."""
+"""A study: a scene, axes over its keys, engines to run, figures to keep; and its points, all checked before anything is solved."""
 
 from __future__ import annotations
 
+import ast
+import hashlib
+import itertools
 import json
+import math
+import operator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from reports.sweep.axes import Axis, Value
+from reports.checking import require_admissible
 from reports.sweep.figures import check_figures
+from reports.sweep.solving import code_versions
+from reports.sweep.store import Planned
 from scenes import InputError, Scene, load_scene
 from scenes.errors import present_name
 from scenes.files import keys_of
-from scenes.frozen import Frozen, refusal
+from scenes.frozen import Frozen, neglected, refusal
+from scenes.scene import WORDS
 
-Engine = Literal["fe", "exact"]
-Preset = Literal["default", "coarse", "fine"]
-Uncertainty = Literal["none", "cheap", "budget"]
+if TYPE_CHECKING:
+    from halfplane_fe import SolverSettings
+    from meshes import MeshSettings
+
+Value = bool | int | float | str
+Coordinates = dict[str, Value]
+_MOST_POINTS, _LONGEST_EXPRESSION = 1_000_000, 500
+_WAYS = ("values", "linear", "logarithmic", "latin_hypercube", "pairs")
+
+
+class Steps(Frozen):
+    """`count` values from `start` to `stop`, both included."""
+
+    start: float
+    stop: float
+    count: int = Field(ge=1, le=100_000)
+
+
+class Span(Frozen):
+    """Where a Latin hypercube draws from."""
+
+    start: float
+    stop: float
+    logarithmic: bool = False
+
+
+class Axis(Frozen):
+    """One axis: a name for the table, the keys that its values go to, and the values in one of five ways.
+
+    >>> Axis(name="height", linear=Steps(start=2, stop=6, count=3)).settings()
+    [{'height': 2.0}, {'height': 4.0}, {'height': 6.0}]
+    """
+
+    name: str = Field("", pattern=r"^([A-Za-z_]\w*)?$", description="column of the table, and the name in [derived]")
+    names: tuple[str, ...] = Field((), description="of rows of values: one column for each")
+    label: str = Field("", description="for figures; the name where it is left out")
+    unit: str = ""
+    key: str = Field("", description="dotted key of the scene, or mesh.* or solver.*")
+    keys: tuple[str, ...] = Field((), description="several keys that take the same value; of rows of values: one key for each")
+    values: tuple[Value, ...] = ()
+    linear: Steps | None = None
+    logarithmic: Steps | None = None
+    latin_hypercube: Span | None = None
+    pairs: tuple[tuple[Value, ...], ...] = Field((), description="rows of values that go together")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        ways = [name for name in _WAYS if getattr(self, name)]
+        if len(ways) != 1:
+            found = " and ".join(ways) or "none"
+            raise ValueError(f"an axis has its values in exactly one of {', '.join(_WAYS)}; this one has {found}")
+        if self.key and self.keys:
+            raise ValueError("key and keys: give one of the two")
+        if self.pairs:
+            if {len(row) for row in self.pairs} != {len(self.names)} or (self.keys and len(self.keys) != len(self.names)):
+                raise ValueError("pairs: each row has one value for each of names, and keys (if given) are as many")
+        elif not self.name or self.names:
+            raise ValueError("an axis has a name; names go with pairs")
+        ends = self.logarithmic or self.latin_hypercube
+        if ends and self.by_factors and not (ends.start > 0 and ends.stop > 0):
+            raise ValueError("a logarithmic axis needs start > 0 and stop > 0")
+        return self
+
+    @property
+    def by_factors(self) -> bool:
+        """Whether its values go by factors."""
+        return bool(self.logarithmic or (self.latin_hypercube and self.latin_hypercube.logarithmic))
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of its columns."""
+        return self.names or (self.name,)
+
+    @property
+    def targets(self) -> list[tuple[str, str]]:
+        """(key, column) of every key that it sets."""
+        keys = self.keys or ((self.key,) if self.key else ())
+        return list(zip(keys, self.names if self.pairs else [self.name] * len(keys), strict=False))
+
+    def settings(self) -> list[Coordinates]:
+        """What it sets its columns to, value by value; not for a Latin hypercube."""
+        if self.pairs:
+            return [dict(zip(self.names, row, strict=True)) for row in self.pairs]
+        found: Sequence[Value] = self.values
+        if self.linear:
+            found = np.linspace(self.linear.start, self.linear.stop, self.linear.count).tolist()
+        if self.logarithmic:
+            found = np.geomspace(self.logarithmic.start, self.logarithmic.stop, self.logarithmic.count).tolist()
+        return [{self.name: value} for value in found]
+
+
+def grid(axes: Sequence[Axis], samples: int, seed: int) -> Iterator[Coordinates]:
+    """Every point: each setting of each axis with each other, and with each sample of the Latin hypercube; the last axis first."""
+    whole = [axis.settings() for axis in axes if not axis.latin_hypercube]
+    drawn = hypercube([axis for axis in axes if axis.latin_hypercube], samples, seed)
+    for parts in itertools.product(*whole, *([drawn] if drawn else [])):
+        found = {column: value for part in parts for column, value in part.items()}
+        yield {column: found[column] for axis in axes for column in axis.columns}
+
+
+def hypercube(axes: Sequence[Axis], samples: int, seed: int) -> list[Coordinates]:
+    """Latin hypercube samples: on each axis one in each of `samples` equal parts, their order drawn by `seed`.
+
+    >>> drawn = hypercube([Axis(name="f", latin_hypercube=Span(start=0, stop=4))], 4, seed=1)
+    >>> sorted(int(point["f"]) for point in drawn)
+    [0, 1, 2, 3]
+    """
+    columns: dict[str, list[float]] = {}
+    for number, axis in enumerate(axes):
+        assert axis.latin_hypercube is not None
+        start, stop = axis.latin_hypercube.start, axis.latin_hypercube.stop
+        random = np.random.default_rng([seed, number])
+        place = (random.permutation(samples) + random.random(samples)) / samples
+        found = start * (stop / start) ** place if axis.by_factors else start + (stop - start) * place
+        columns[axis.name] = found.tolist()
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+_BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+_OF_MATH = ("sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "radians", "degrees")
+_FUNCTIONS: dict[str, Callable[..., float]] = {name: getattr(math, name) for name in _OF_MATH} | {
+    "abs": abs,
+    "min": min,
+    "max": max,
+}
+
+
+def evaluate(text: str, names: Mapping[str, Any]) -> float:
+    """The value of arithmetic in `names`, a finite number: + - * / **, and the functions of a pocket calculator.
+
+    Raises
+    ------
+    InputError
+        For anything but arithmetic, an unknown name, or a value that is no finite number.
+
+    >>> evaluate("pi*(h/2)**2 + max(1, w)", {"h": 2.0, "w": 3.0})
+    6.14159...
+    """
+    if len(text) > _LONGEST_EXPRESSION:
+        raise InputError(
+            f"{text[:30]!r}... is longer than {_LONGEST_EXPRESSION} characters; give a name of its own to a part of it"
+        )
+    try:
+        number = float(_value(ast.parse(text, mode="eval").body, {"pi": math.pi, **names}))
+    except (SyntaxError, ArithmeticError, ValueError, TypeError, RecursionError, MemoryError) as reason:
+        raise InputError(f"{text!r} can't be evaluated: {reason}") from reason
+    if not math.isfinite(number):
+        raise InputError(f"{text!r} is {number}: a finite number is needed")
+    return number
+
+
+def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
+    match node:
+        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+            return float(value)
+        case ast.Name(id=name) if name not in names:
+            raise InputError(f"{name!r} is not known: it is neither an axis nor derived above; known: {', '.join(names)}")
+        case ast.Name(id=name):
+            value = names[name]
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise InputError(f"{name!r} is {value!r}: arithmetic needs a number")
+            return float(value)
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=operand):
+            return _value(operand, names) * (-1.0 if isinstance(sign, ast.USub) else 1.0)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
+            return _BINARY[type(op)](_value(left, names), _value(right, names))
+        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in _FUNCTIONS:
+            return _FUNCTIONS[name](*(_value(arg, names) for arg in args))
+    raise InputError(f"{ast.unparse(node)!r} is refused: numbers, names, + - * / **, and {', '.join(_FUNCTIONS)} are what there is")
 
 
 class Study(Frozen):
@@ -28,7 +211,7 @@ class Study(Frozen):
     scene : the scene that all points start from
     set : dotted key -> value, the same at every point
     derived : name or dotted key -> arithmetic in the names of axes and of what is derived above
-    figures : names of `figures.FIGURES`, metric keys among them
+    figures : names of quantities with "fe.", "exact." or "error." before them, and metric keys
     uncertainty : "none"; "cheap": one coarser mesh, theory on the polygon of the steps, a farther far field; "budget": the whole
         error budget of `halfplane run --budget`, for metrics
     share_condensations : cut all points alike that have bodies, materials, profile and largest load in common: fine elements
@@ -44,13 +227,13 @@ class Study(Frozen):
     set: dict[str, Value] = Field({})
     axes: tuple[Axis, ...] = Field(min_length=1)
     derived: dict[str, str | float] = Field({})
-    engines: tuple[Engine, ...] = Field(("fe", "exact"), min_length=1)
+    engines: tuple[Literal["fe", "exact"], ...] = Field(("fe", "exact"), min_length=1)
     figures: tuple[str, ...] = Field(("error.dissipation", "error.peak_pressure"), min_length=1)
-    uncertainty: Uncertainty = "none"
+    uncertainty: Literal["none", "cheap", "budget"] = "none"
     share_condensations: bool = True
     samples: int = Field(0, ge=0, le=1_000_000)
     seed: int = Field(0, ge=0)
-    preset: Preset = "default"
+    preset: Literal["default", "coarse", "fine"] = "default"
 
     @field_validator("preset", mode="before")
     @classmethod
@@ -66,13 +249,12 @@ class Study(Frozen):
                 raise ValueError(f"{what} {twice!r} is given twice")
         if (self.samples > 0) != any(axis.latin_hypercube for axis in self.axes):
             raise ValueError("samples goes with axes that have a latin_hypercube, and these need it")
-        if idle := next((a.columns[0] for a in self.axes if not a.targets and not self._uses(a)), None):
-            raise ValueError(f"the axis {idle!r} moves nothing: give it a key, or use its name in [derived]")
+        arithmetic = " ".join(map(str, self.derived.values()))
+        for axis in self.axes:
+            if not axis.targets and not any(column in arithmetic for column in axis.columns):
+                raise ValueError(f"the axis {axis.columns[0]!r} moves nothing: give it a key, or use its name in [derived]")
         check_figures(self.figures, self.engines, self.uncertainty)
         return self
-
-    def _uses(self, axis: Axis) -> bool:
-        return any(column in str(text) for column in axis.columns for text in self.derived.values())
 
 
 def load_study(source: str | Path) -> Study:
@@ -101,3 +283,149 @@ def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
         raise InputError(f"{where}: {refusal(faults, data, Study)}") from faults
     except RecursionError as reason:  # JSON with brackets by the hundred
         raise InputError(f"{where}: its tables are nested too deeply") from reason
+
+
+@dataclass(frozen=True, eq=False)
+class Point(Planned):
+    """A point of a study: number (from 0, the last axis first), address, coordinates, and what is solved there.
+
+    The address is of its result: sha256 of the question, the settings, the figures asked for, and the code.
+    """
+
+    scene: Scene
+    mesh: MeshSettings
+    solver: SolverSettings
+
+    def job(self) -> dict[str, Any]:
+        """The point as it travels to a worker: JSON, and nothing else."""
+        settings = {"mesh": asdict(self.mesh), "solver": asdict(self.solver)}
+        return {"address": self.address, "scene": self.scene.model_dump(mode="json"), **settings}
+
+    @property
+    def shared_bodies(self) -> str:
+        """Everything that condensed bodies depend on that are cut for all points of a group; the same for all of them."""
+        from halfplane_fe.scales import largest_load
+
+        parts = {name: getattr(self.scene, name).model_dump(mode="json") for name in ("bodies", "material", "profile")}
+        return json.dumps(parts | {"mesh": asdict(self.mesh), "load": largest_load(self.scene)}, sort_keys=True)
+
+
+def expand(study: Study, report: Callable[[int], None] = lambda _count: None) -> tuple[Point, ...]:
+    """All points of a study, checked; `report` is called with the number of points so far.
+
+    Raises
+    ------
+    InputError
+        Naming the point, its coordinates and the rule, for the first that is no scene, slides or separates, or is there twice.
+    """
+    from halfplane_fe.pair import check_supports
+    from halfplane_fe.scales import sheared
+
+    points: list[Point] = []
+    seen: dict[str, int] = {}
+    raw = study.scene.model_dump_json()
+    for number, coordinates in enumerate(grid(study.axes, study.samples, study.seed)):
+        if number == _MOST_POINTS:
+            raise InputError(f"the study has more than {_MOST_POINTS} points; take fewer values on its axes")
+        where = f"point {number} ({described(coordinates)})"
+        try:
+            point = _point(study, json.loads(raw), number, coordinates)
+            require_admissible(point.scene, where)
+            if "fe" in study.engines:
+                check_supports(point.scene, sheared(point.scene))
+        except InputError as fault:
+            raise InputError(str(fault) if str(fault).startswith(where) else f"{where}: {fault}") from fault
+        if point.address in seen:
+            raise InputError(f"{where} asks the same as point {seen[point.address]}: an axis has a value twice, or moves nothing")
+        seen[point.address] = number
+        points.append(point)
+        report(number + 1)
+    return tuple(points)
+
+
+def described(coordinates: Mapping[str, Any]) -> str:
+    """The coordinates in words.
+
+    >>> described({"height": 4.0, "base": "fixed"})
+    'height = 4, base = fixed'
+    """
+    numbers = {name: f"{value:.6g}" if isinstance(value, float) else value for name, value in coordinates.items()}
+    return ", ".join(f"{name} = {value}" for name, value in numbers.items())
+
+
+def _point(study: Study, data: dict[str, Any], number: int, coordinates: Coordinates) -> Point:
+    """A point of `study`, whose scene `data` holds as JSON."""
+    values: dict[str, Value] = dict(study.set)
+    names: dict[str, Value] = dict(coordinates)
+    for axis in study.axes:
+        values |= {key: coordinates[column] for key, column in axis.targets}
+    for name, text in study.derived.items():
+        (values if "." in name else names)[name] = evaluate(text, names) if isinstance(text, str) else float(text)
+    settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
+    for key, value in values.items():
+        head, _, rest = key.partition(".")
+        if head in settings:
+            settings[head][rest] = value
+        else:
+            _place(data, key, value)
+    try:
+        scene = Scene.model_validate_json(json.dumps(data), strict=True)
+    except ValidationError as faults:
+        raise InputError(refusal(faults, data, Scene)) from faults
+    mesh, solver = _settings(study.preset, settings)
+    # Points that differ in words alone have one result.
+    question: dict[str, Any] = {
+        "scene": {key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS},
+        "engines": sorted(study.engines),
+        "figures": sorted(study.figures),
+        "versions": code_versions(),
+    }
+    if "fe" in study.engines:
+        question |= {"mesh": asdict(mesh), "solver": asdict(solver)}
+        question |= {"uncertainty": study.uncertainty, "share_condensations": study.share_condensations}
+    address = hashlib.sha256(json.dumps(question, sort_keys=True).encode()).hexdigest()
+    return Point(number, address, coordinates, scene, mesh, solver)
+
+
+def _place(data: dict[str, Any], key: str, value: Value) -> None:
+    """Set a dotted key; the parts before the last must be there, the last is judged by the scene."""
+    *path, last = key.split(".")
+    level: Any = data
+    for depth, part in enumerate(path):
+        if isinstance(level, list) and part.isdigit() and int(part) < len(level):
+            level = level[int(part)]
+        elif isinstance(level, dict) and part in level:
+            level = level[part]
+        else:
+            numbers = f"numbers up to {len(level) - 1}" if isinstance(level, list) else "none"
+            known = ", ".join(level) if isinstance(level, dict) else numbers
+            why = neglected(part) or f" known there: {known}"
+            raise InputError(f"{key}: the scene has no {'.'.join(path[: depth + 1])};{why}")
+    if isinstance(level, list) and last.isdigit() and int(last) < len(level):
+        level[int(last)] = value
+    elif isinstance(level, dict):
+        level[last] = value
+        if last == "file":  # the rows that are there are those of another file
+            for rows in ("rows", "points"):
+                level.pop(rows, None)
+    else:
+        raise InputError(f"{key}: {'.'.join(path)} is no table of keys")
+
+
+def _settings(preset: str, given: Mapping[str, Mapping[str, Any]]) -> tuple[MeshSettings, SolverSettings]:
+    """Settings of mesh and solver: the preset, with what is given under "mesh" and "solver"."""
+    from halfplane_fe import SolverSettings
+    from meshes import MeshSettings
+
+    start = {"default": MeshSettings, "coarse": MeshSettings.coarse, "fine": MeshSettings.fine}[preset]()
+    kinds = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
+    made: list[Any] = []
+    for name, base in (("mesh", start), ("solver", SolverSettings())):
+        for key, value in given[name].items():
+            if key not in asdict(base):
+                raise InputError(f"{name}.{key}: there is no such setting; known: {', '.join(asdict(base))}")
+            wanted = type(getattr(base, key))
+            if not (type(value) is wanted or (wanted is float and type(value) is int)):
+                raise InputError(f"{name}.{key} = {value!r} is refused: it is {kinds[wanted]}")
+        made.append(replace(base, **given[name]))
+    return made[0], made[1]

@@ -1,0 +1,668 @@
+"""Sweeps in this process: studies refused in sentences, points that are what a study says, figures those of the engines, losses."""
+
+import errno
+import json
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable, Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, Future
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from markupsafe import escape
+
+import semi_analytic
+from halfplane_fe import SolverSettings
+from halfplane_fe import solve as solve_fe
+from meshes import MeshSettings
+from reports.charts.plate import stacks
+from reports.cli import main
+from reports.comparison import compare
+from reports.sweep import running, solving
+from reports.sweep.page import state_of, write_page
+from reports.sweep.pictures import draw
+from reports.sweep.running import SCHEDULER_GONE, WORKER_DIED, Crew, Processes, crew_of, prepare, run
+from reports.sweep.solving import code_versions, solve_task
+from reports.sweep.store import STATUS, Claims, Planned, Store, StoreError, Table, at_work, read_index
+from reports.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
+from scenes import ConvergenceError, InputError, load_scene
+from scenes.files import source_digest
+
+ROOT = Path(__file__).parents[1]
+F = {"name": "f", "key": "friction.coefficient"}
+PAPER = {"scene": "hertz-paper", "engines": ["exact"], "figures": ["exact.dissipation"], "axes": [F | {"values": [1.0, 2.0]}]}
+COARSE = {"mesh.element_size": 0.25, "mesh.edge_element_size": 0.125, "mesh.order": 1, "mesh.growth": 1.0}
+BLOCKS = {"scene": "blocks", "engines": ["fe", "exact"], "set": COARSE | {"solver.steps_per_cycle": 24}}
+BLOCKS_FE = {"scene": "blocks", "engines": ["fe"], "figures": ["fe.dissipation"]}
+STRAIGHT = {"load.initial_loading": "straight", "load.mean_tangential_load": 0.0}
+SEVEN = {"axes": [F | {"linear": {"start": 1, "stop": 2, "count": 7}}]}
+
+
+def study(**changes: Any) -> Study:
+    """Half-plane theory on hertz-paper over two frictions, changed."""
+    return study_of(PAPER | changes, "study.toml")
+
+
+def blocks(**changes: Any) -> Study:
+    return study(**BLOCKS | changes)
+
+
+# ---------------------------------------------------------------------------------------------------------------- studies
+
+
+def axis(**keys: Any) -> Axis:
+    return Axis.model_validate_json(json.dumps({"name": "a"} | keys))
+
+
+def test_values_of_axes() -> None:
+    steps = [point["a"] for point in axis(logarithmic={"start": 2, "stop": 32, "count": 5}).settings()]
+    assert steps == pytest.approx([2, 4, 8, 16, 32], rel=1e-15)
+    product = grid([axis(values=[1, 2]), axis(name="b", values=["x", "y"])], 0, 0)
+    assert [tuple(point.values()) for point in product] == [(1, "x"), (1, "y"), (2, "x"), (2, "y")]
+    pairs = axis(name="", names=["base", "sides"], pairs=[["fixed", "free"], ["rollers", "guided"]])
+    assert list(grid([pairs], 0, 0)) == [{"base": "fixed", "sides": "free"}, {"base": "rollers", "sides": "guided"}]
+    drawn = [
+        axis(latin_hypercube={"start": 0, "stop": 1}),
+        axis(name="b", latin_hypercube={"start": 1, "stop": 100, "logarithmic": True}),
+    ]
+    found = list(grid(drawn, 50, 7))
+    assert (
+        sorted(int(50 * float(p["a"])) for p in found)
+        == sorted(int(25 * np.log10(float(p["b"]))) for p in found)
+        == list(range(50))
+    )
+    assert found == list(grid(drawn, 50, 7)) != list(grid(drawn, 50, 8))
+    assert len(list(grid([*drawn, axis(name="c", values=[1, 2, 3])], 4, 0))) == 12
+
+
+REFUSED_ARITHMETIC = (
+    *("__import__('os')", "a.real", "[1]", "1 if a else 2", "b", "1/0", "10**400", "sqrt(-1)", "lambda: 1", "a if", "'x'"),
+    *("9**9**9**9", "a" * 501, "c", "True", "(-1)**0.5"),
+)
+
+
+@pytest.mark.parametrize("text", REFUSED_ARITHMETIC)
+def test_arithmetic_and_nothing_else(text: str) -> None:
+    assert evaluate("-2**2 + sqrt(a)*max(1, b)/4", {"a": 16.0, "b": 3}) == pytest.approx(-1.0)
+    with pytest.raises(InputError):
+        evaluate(text, {"a": 1.0, "c": "word"})
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"axess": []}, "unknown key axess"),
+        ({"engine": ["fe"]}, r"unknown key engine = .*; did you mean engines\?"),  # `engine` is a key of the scene's tables
+        ({"axes": [F]}, "exactly one of"),
+        ({"axes": [{"name": "f", "values": [1.0]}]}, "moves nothing"),
+        ({"axes": [{"names": ["f", "n"], "keys": ["cycles"], "pairs": [[1, 2]]}]}, "pairs: each row"),
+        ({"figures": ["error.dissipation"]}, "needs engines"),
+        ({"figures": ["exact.nothing"]}, "is none"),
+        ({"figures": ["exact.dissipation", "exact.dissipation"]}, "twice"),
+        ({"uncertainty": "cheap"}, "exact to rounding"),
+        (BLOCKS | {"uncertainty": "budget", "figures": ["error.p0"]}, "is no metric"),
+        ({"samples": 3}, "latin_hypercube"),
+        ({"scene": "hertz-papr"}, "hertz-papr"),
+        ({"set": {"friction.coefficient": 1.0}}, "given twice"),
+        ({"axes": [F | {"logarithmic": {"start": 0, "stop": 1, "count": 2}}]}, "start > 0"),
+        # Every point is checked before anything starts.
+        ({"axes": [F | {"values": [1.0, 0.1]}]}, r"point 1 \(f = 0.1\).*gross sliding"),
+        ({"axes": [F | {"values": [1.0, -1.0]}]}, r"point 1 \(f = -1\).*friction.coefficient"),
+        ({"axes": [F | {"key": "friktion.coefficient", "values": [1.0]}]}, "the scene has no friktion; known there:.*friction"),
+        ({"axes": [F | {"key": "friction.coeff", "values": [1.0]}]}, r"friction.coeff = 1.0; did you mean coefficient\?"),
+        ({"axes": [F | {"key": "profile.radius", "values": ["x"]}]}, "profile.radius = 'x' is refused: should be a valid number"),
+        ({"axes": [F | {"key": "mesh.size", "values": [1.0]}]}, "mesh.size: there is no such setting"),
+        ({"axes": [F | {"key": "mesh.element_size", "values": [7.0]}]}, "element_size = 7.0 is refused"),
+        ({"axes": [F | {"key": "solver.steps_per_cycle", "values": [7.5]}]}, "it is a whole number"),
+        ({"axes": [F | {"values": [1.0, 1]}]}, "point 1 .* asks the same as point 0"),
+        (BLOCKS_FE | {"axes": [F | {"key": "bodies.lower.base", "values": ["fixed", "rollers"]}]}, "nothing holds the block"),
+    ],
+)
+def test_a_wrong_study_is_refused_in_a_sentence(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        expand(study(**changes))
+
+
+def test_a_study_file_finds_its_scene_beside_it_and_comes_back_from_its_own_json(tmp_path: Path) -> None:
+    (tmp_path / "own.json").write_text(load_scene("hertz-paper").model_dump_json(), encoding="utf-8")
+    pairs = {"names": ["f", "n"], "keys": ["friction.coefficient", "cycles"], "pairs": [[1.0, 3], [2.0, 4]]}
+    (tmp_path / "study.json").write_text(json.dumps(PAPER | {"scene": "own.json", "axes": [pairs]}), encoding="utf-8")
+    asked = load_study(tmp_path / "study.json")
+    assert asked.scene.profile == load_scene("hertz-paper").profile
+    assert study_of(json.loads(asked.model_dump_json()), "again") == asked
+
+
+def test_the_study_of_the_docs_is_one() -> None:
+    page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    [text] = re.findall(r"^```toml\n(.*?)^```", page, flags=re.DOTALL | re.MULTILINE)
+    points = expand(study_of(tomllib.loads(text), "docs/sweeps.md"))
+    assert len(points) == 8
+    assert math.isclose(points[-1].scene.load.model_dump()["tangential_amplitude"], 25 + 16 / 10)
+
+
+def test_axes_set_and_derived_reach_the_scene_and_the_settings() -> None:
+    axes = [{"name": "r", "values": [500.0]}, {"name": "n", "key": "solver.steps_per_cycle", "values": [48]}]
+    derived = {"k": "1000/r", "profile.radius": "r", "load.mean_normal_load": "90*k"}
+    given = {"mesh.element_size": 0.1, "load.initial_loading": "straight"}
+    [point] = expand(study(**BLOCKS_FE | {"scene": "hertz-paper"}, axes=axes, set=given, derived=derived, preset="coarse"))
+    assert point.scene.profile == load_scene("hertz-paper").profile.vary(radius=500.0)
+    load = point.scene.load.model_dump()
+    assert (load["mean_normal_load"], load["initial_loading"]) == (180.0, "straight")
+    assert (point.mesh.element_size, point.mesh.growth, point.solver.steps_per_cycle) == (0.1, 0.5, 48)
+
+
+def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    def address(**changes: Any) -> str:
+        return expand(study(**changes))[0].address
+
+    plain, both = address(), partial(address, engines=["exact", "fe"])
+    assert plain == address(title="other", set={"title": "other", "tolerances.shear": 1.0})
+    assert plain == address(set={"mesh.element_size": 0.1})  # theory alone has no mesh
+    others = [address(figures=["exact.peak_pressure"]), address(set={"load.mean_tangential_load": 1.0}), both()]
+    others += [both(set={"mesh.element_size": 0.1}), both(share_condensations=False)]
+    monkeypatch.setattr("reports.sweep.study.code_versions", lambda: {"code": "other"})
+    assert len({plain, *others, address()}) == 7
+
+
+def test_any_other_line_that_numbers_depend_on_is_another_address(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the engines, and of what a process loads of `reports` that works as a worker does."""
+    words = "import sys, reports.sweep.solving, reports.comparison.budget\nprint(*(m.__file__ for n, m in sys.modules.items() if "
+    words += "n.startswith('reports.') and n != 'reports.sweep'), sep='\\n')"
+    found = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    engines = ("scenes", "semi_analytic", "meshes", "halfplane_fe")
+    counted = [*(path for name in engines for path in sorted((ROOT / name).rglob("*.py"))), *map(Path, found.split())]
+    assert {"metrics.py", "cycles.py", "budget.py", "laws.py", "solving.py", "figures.py"} <= {path.name for path in counted}
+    read, edited = Path.read_bytes, Path()
+    texts = {path: read(path) for path in (ROOT / "reports").rglob("*.py")} | {path: read(path) for path in counted}
+    monkeypatch.setattr(Path, "read_bytes", lambda path: texts[path] + (b"# one line more" if path == edited else b""))
+    codes = set()
+    try:
+        for edited in [Path(), *counted]:  # noqa: B007 (the reader looks at it)
+            source_digest.cache_clear()
+            codes.add(code_versions.__wrapped__()["code"])
+    finally:
+        source_digest.cache_clear()
+    assert len(codes) == len(counted) + 1
+
+
+@pytest.mark.parametrize("name", ["reports.gone", "gone", "reports.sweep.gone"])
+def test_a_module_that_is_missing_has_no_digest(name: str) -> None:
+    with pytest.raises(InputError, match=f"^{name}: this installation lacks the module's source file"):
+        source_digest(name)
+
+
+# ------------------------------------------------------------------------------------------------------ figures of a point
+
+
+def task(asked: Study, **changes: Any) -> str:
+    names = ("engines", "figures", "uncertainty")
+    points = [point.job() for point in expand(asked)]
+    content = {name: getattr(asked, name) for name in names} | {"share": asked.share_condensations, "points": points}
+    return json.dumps(content | {"versions": code_versions()} | changes)
+
+
+def answers(asked: Study) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads(solve_task(task(asked)))["answers"]
+    return found
+
+
+def test_the_figures_are_those_of_the_engines() -> None:
+    """Also what theory neglects of unlike bodies is noted beside them."""
+    names = ["error.dissipation", "fe.peak_pressure", "exact.permanent_stick_half_width", "stick_edge"]
+    unlike = F | {"key": "material.lower.young_modulus", "values": [7e4]}
+    [answer] = answers(blocks(axes=[unlike], figures=names, share_condensations=False))
+    scene = load_scene("blocks")
+    scene = scene.vary(material=scene.material.vary(lower=scene.material.lower.vary(young_modulus=7e4)))
+    mesh = MeshSettings(element_size=0.25, edge_element_size=0.125, order=1, growth=1.0)
+    fe = solve_fe(scene, mesh, SolverSettings(steps_per_cycle=24))
+    exact = semi_analytic.solve(scene, x=fe.x, time=fe.time)
+    assert answer["figures"] == {
+        "error.dissipation": fe.dissipation / exact.dissipation - 1,
+        "fe.peak_pressure": float(fe.pressure[fe.last_cycle].max()),
+        "exact.permanent_stick_half_width": exact.permanent_stick_half_width,
+        "stick_edge": compare(exact, fe).metric("stick_edge").value,
+    }
+    assert answer["record"]["converged"]
+    assert [note for note in answer["record"]["notes"] if note.startswith("half-plane theory: Dundurs' beta = -0.14")]
+
+
+def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone() -> None:
+    asked = partial(blocks, figures=["fe.dissipation", "error.permanent_stick_half_width"])
+    solving._scales_of.cache_clear()
+    together = answers(asked(axes=[F | {"values": [0.9, 1.5, 3.0]}]))
+    assert solving._scales_of.cache_info().misses == 1  # and one coarse run for all
+    assert [answer["record"]["counts"]["condensations"] for answer in together] == [1, 0, 0]
+    [alone] = answers(asked(axes=[F | {"values": [1.5]}]))
+    assert (together[1]["figures"], together[1]["address"]) == (alone["figures"], alone["address"])
+    [own] = answers(asked(axes=[F | {"values": [1.5]}], share_condensations=False))
+    # Another mesh of the same size: coarse, so a few per cent.
+    assert alone["figures"]["fe.dissipation"] == pytest.approx(own["figures"]["fe.dissipation"], rel=0.03)
+
+
+def test_a_cheap_uncertainty_covers_the_error_of_half_planes() -> None:
+    """Between half-planes the error is that of the mesh, the steps and the far field: known, for theory has none."""
+    names = ["error.dissipation", "error.p0", "error.contact_half_width", "exact.dissipation"]
+    given = {"uncertainty": "cheap", "preset": "coarse", "set": {"solver.steps_per_cycle": 48}}
+    for answer in answers(study(engines=["fe", "exact"], figures=names, **given)):
+        assert "exact.dissipation.uncertainty" not in answer["figures"]
+        for name in names[:3]:
+            assert 0 < abs(answer["figures"][name]) <= answer["figures"][f"{name}.uncertainty"], name
+
+
+def test_one_call_gives_what_solving_one_by_one_gives() -> None:
+    axes = [
+        F | {"linear": {"start": 0.9, "stop": 2, "count": 3}},
+        {"name": "phase", "key": "load.phase_degrees", "values": [-120.0, 45.0]},
+    ]
+    at_once = answers(study(axes=axes, set=STRAIGHT))
+    singly = answers(study(axes=axes, set=STRAIGHT, figures=["exact.dissipation", "exact.loop_work"]))
+    assert {answer["record"]["message"] for answer in at_once} == {"a member of a batch"}
+    for one, other in zip(at_once, singly, strict=True):
+        assert one["figures"]["exact.dissipation"] == pytest.approx(other["figures"]["exact.dissipation"], rel=1e-9)
+
+
+def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    # |Q| = f P at the ends of the cycle: the stick zone has just closed.
+    scene = load_scene("cattaneo-mindlin")
+    load, shear = next(corner for corner in scene.load.model_dump()["cycle"] if corner[1])
+    just = F | {"values": [abs(shear) / load]}
+    [answer] = answers(study(figures=["exact.permanent_stick_half_width"], axes=[just], scene="cattaneo-mindlin"))
+    assert answer["figures"] == {"exact.permanent_stick_half_width": None}
+    assert "there is none" in answer["notes"]["exact.permanent_stick_half_width"]
+    partial_solution = semi_analytic.solve(scene)
+
+    def fails(*_: object) -> None:
+        raise ConvergenceError("residual 0.3 after 100 iterations", partial_solution)
+
+    monkeypatch.setattr(solving, "finite_elements", fails)
+    [answer] = answers(blocks(axes=[F | {"values": [1.0]}], figures=["fe.dissipation"]))
+    assert (answer["status"], answer["figures"]) == ("failed", {})
+    assert answer["reason"] == "not converged: residual 0.3 after 100 iterations"
+    assert answer["record"]["steps"] == len(partial_solution.time)
+
+
+def test_other_code_is_noticed_before_anything_is_solved() -> None:
+    found = json.loads(solve_task(task(study(), versions=code_versions() | {"numpy": "0.1"})))
+    assert re.search(r"numpy is 0\.1 here and .* there", found["mismatch"])
+    assert found["answers"] == []
+
+
+# ------------------------------------------------------------------------------------------------- the loop and its losses
+
+
+class Bench(Crew):
+    """A crew that works at once, in this process; `fault` sees the frictions of a task and may let its worker die."""
+
+    shared_fate, width = True, 2
+
+    def __init__(self, fault: Callable[[list[float]], BaseException | None] = lambda _frictions: None) -> None:
+        self.fault, self.started, self.handed = fault, 0, list[list[float]]()
+
+    def start(self) -> None:
+        self.started += 1
+
+    def stop(self, *, at_once: bool) -> None:
+        pass
+
+    def submit(self, text: str) -> "Future[str]":
+        frictions = [point["scene"]["friction"]["coefficient"] for point in json.loads(text)["points"]]
+        self.handed.append(frictions)
+        future: Future[str] = Future()
+        fault = self.fault(frictions)
+        if fault is None:
+            future.set_result(solve_task(text))
+        else:
+            future.set_exception(fault)
+        return future
+
+    def blame(self, fault: BaseException) -> str:
+        return SCHEDULER_GONE if isinstance(fault, CancelledError) else WORKER_DIED if isinstance(fault, BrokenExecutor) else ""
+
+
+Sweep = Callable[..., Table]
+
+
+@pytest.fixture
+def sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
+    """Runs seven points into `out`, by a crew."""
+
+    def go(crew: Crew | None = None, folder: str = "out", **changes: Any) -> Table:
+        monkeypatch.setattr(running, "crew_of", lambda **_: crew or Bench())
+        return run(study(**SEVEN | changes), tmp_path / folder)
+
+    return go
+
+
+def values(folder: Path) -> dict[float, float]:
+    """Friction -> dissipation of every row; a point that is there twice fails."""
+    table = read_index(folder).done()
+    assert len({row["address"] for row in table.rows}) == len(table.rows)
+    return dict(zip(table.numbers("f").tolist(), table.numbers("exact.dissipation").tolist(), strict=True))
+
+
+@pytest.fixture
+def truth(tmp_path: Path, sweep: Sweep) -> dict[float, float]:
+    """An undisturbed sweep."""
+    sweep(folder="truth")
+    found = values(tmp_path / "truth")
+    assert len(found) == 7
+    return found
+
+
+def dying(at: float, times: int, fault: type[BaseException] = BrokenExecutor) -> Bench:
+    deaths = iter([True] * times)
+    return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None)
+
+
+@pytest.mark.parametrize(("fault", "times"), [(BrokenExecutor, 1), (CancelledError, 2)], ids=["worker", "scheduler"])
+def test_what_dies_costs_nothing(
+    fault: type[BaseException], times: int, tmp_path: Path, truth: dict[float, float], sweep: Sweep
+) -> None:
+    crew = dying(1.5, times, fault)
+    sweep(crew)
+    assert values(tmp_path / "out") == truth
+    assert crew.started == 1 + times
+    assert list((tmp_path / "out" / "claims").iterdir()) == []
+
+
+def test_a_point_that_kills_its_worker_fails_alone(tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
+    crew = dying(1.5, 99)
+    table = sweep(crew)
+    assert values(tmp_path / "out") == {f: w for f, w in truth.items() if f != 1.5}
+    [failed] = [row for row in table.rows if row["status"] == "failed"]
+    assert (failed["f"], failed["exact.dissipation"]) == (1.5, None)
+    assert "died twice" in failed["reason"]
+    assert [1.5] in crew.handed  # the second time alone
+    sweep()  # and the next sweep tries it again
+    assert values(tmp_path / "out") == truth
+
+
+def test_what_can_not_go_on_ends_in_a_sentence(tmp_path: Path, sweep: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InputError, match="scheduler was lost 6 times"):
+        sweep(dying(1.0, 99, CancelledError))
+    monkeypatch.setattr(solving, "code_versions", lambda: {"code": "other"})
+    with pytest.raises(InputError, match=r"code is .* here and other there"):
+        sweep(folder="mixed")
+    assert Store(tmp_path / "mixed").addresses() == set()
+
+
+def test_a_rerun_resumes(tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
+    """After an interrupt, and with more values on an axis."""
+    with pytest.raises(KeyboardInterrupt):
+        sweep(dying(2.0, 1, KeyboardInterrupt))
+    assert list((tmp_path / "out" / "claims").iterdir()) == []
+    assert (tmp_path / "out" / "index.csv").exists()
+    kept = values(tmp_path / "out")
+    assert 0 < len(kept) < 7
+    crew, idle, wider = Bench(), Bench(), Bench()
+    sweep(crew)
+    assert sum(map(len, crew.handed)) == 7 - len(kept)
+    sweep(idle)
+    assert idle.handed == []
+    assert values(tmp_path / "out") == truth
+    sweep(wider, axes=[F | {"linear": {"start": 1, "stop": 2, "count": 13}}])
+    assert sum(map(len, wider.handed)) == 6
+    assert truth.items() <= values(tmp_path / "out").items()
+
+
+def test_a_failed_point_is_a_row_with_its_reason(sweep: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+    original = solving.exact_alone
+
+    def solve(asked: Any, scene: Any) -> Any:
+        if scene.friction.coefficient == 1.5:
+            raise ArithmeticError("no root")
+        return original(asked, scene)
+
+    monkeypatch.setattr(solving, "exact_alone", solve)
+    monkeypatch.setattr(solving, "in_one_call", lambda *_: {})
+    table = sweep()
+    assert [row["reason"] for row in table.rows if row["status"] == "failed"] == ["ArithmeticError: no root"]
+    assert len(table.done().rows) == 6
+
+
+def test_points_that_differ_in_friction_alone_share_their_bodies_and_tasks_hold_each_point_once(tmp_path: Path) -> None:
+    heights = {"name": "h", "keys": ["bodies.lower.height", "bodies.upper.height"], "values": [5.0, 10.0]}
+    prepared = prepare(study(**BLOCKS_FE | {"axes": [heights, F | {"values": [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6]}]}), tmp_path)
+    assert [[p.coordinates["h"] for p in group] for group in prepared.groups] == [[5.0] * 7, [10.0] * 7]
+    prepared.store.prepare()
+    handed = running._Sweep(prepared, Bench(), Claims(prepared.store), lambda *_: None, ()).pending
+    assert sorted(point.number for part in handed for point in part) == list(range(14))
+    assert all(len({point.coordinates["h"] for point in part}) == 1 for part in handed)
+    assert len(handed) >= 2 * 4
+
+
+@pytest.mark.parametrize("how", ["digit", "cut", "empty", "binary", "swapped"])
+def test_a_damaged_result_is_set_aside_and_made_again(how: str, tmp_path: Path, truth: dict[float, float], sweep: Sweep) -> None:
+    store = Store(tmp_path / "truth")
+    one, other = (store.path(address) for address in sorted(store.addresses())[:2])
+    text = one.read_bytes()
+    spoilt = {
+        "digit": text.replace(b'"exact.dissipation": 0.002', b'"exact.dissipation": 0.003'),
+        "cut": text[:200],
+        "empty": b"",
+        "binary": b"\xff\x00\xfe" * 50,
+        "swapped": other.read_bytes(),
+    }[how]
+    assert spoilt != text
+    one.write_bytes(spoilt)
+    assert len(values(tmp_path / "truth")) == 6
+    assert len(store.damaged()) == 1
+    crew = Bench()
+    sweep(crew, folder="truth")
+    assert values(tmp_path / "truth") == truth
+    assert sum(map(len, crew.handed)) == 1
+
+
+@pytest.mark.usefixtures("truth")
+def test_a_result_that_can_not_be_read_is_a_sentence_and_stays(tmp_path: Path) -> None:
+    """What is no damage is not made again over it: no right to read, a folder in its place."""
+    store = Store(tmp_path / "truth")
+    path = store.path(min(store.addresses()))
+    path.unlink()
+    path.mkdir()
+    with pytest.raises(StoreError, match="this result can't be read: Is a directory; mend that, or name another"):
+        store.read(path.stem)
+    assert path.is_dir()
+
+
+def test_a_full_disk_is_a_sentence_and_loses_nothing(
+    tmp_path: Path, truth: dict[float, float], sweep: Sweep, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, room = os.fsync, iter(range(4))  # the plan, then three results
+
+    def fsync(handle: int) -> None:
+        if next(room, None) is None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        real(handle)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    with pytest.raises(StoreError, match=r"no room left on the disk.*stays"):
+        sweep()
+    monkeypatch.setattr(os, "fsync", real)
+    assert len(values(tmp_path / "out")) == 3
+    assert not list((tmp_path / "out").rglob(".halfplane-*"))
+    sweep()
+    assert values(tmp_path / "out") == truth
+
+
+# ------------------------------------------------------------------------------------------------------------------ claims
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """Three points done."""
+    made = Store(tmp_path / "out")
+    made.prepare()
+    made.write_plan({"title": "t"}, [Planned(number, f"{number:064x}", {"f": number}) for number in range(3)])
+    for number in range(3):
+        made.write({"address": f"{number:064x}", "status": "done", "figures": {"W": 1.0}, "seconds": 1.0, "reason": ""})
+    return made
+
+
+def test_a_point_of_a_living_sweep_is_left_to_it_and_one_of_a_dead_sweep_is_taken(store: Store) -> None:
+    words = "import sys, time\nfrom pathlib import Path\nfrom reports.sweep.store import Claims, Store\n"
+    words += f"claims = Claims(Store(Path(sys.argv[1])))\nprint(claims.take('{3:064x}'), flush=True)\ntime.sleep(60)"
+    owner = subprocess.Popen([sys.executable, "-c", words, store.folder], stdout=subprocess.PIPE, text=True, cwd=ROOT)
+    ours, other = Claims(store), Claims(store)
+    try:
+        assert owner.stdout is not None
+        assert owner.stdout.readline() == "True\n"
+        assert not ours.take(f"{3:064x}")
+        assert ours.take(f"{4:064x}")
+        assert ours.take(f"{4:064x}")
+        assert not other.take(f"{4:064x}")
+        assert store.running() == {f"{3:064x}", f"{4:064x}"}
+    finally:
+        owner.kill()
+        owner.communicate()
+    assert ours.take(f"{3:064x}")
+    other.drop_all()
+    assert store.running() == {f"{3:064x}", f"{4:064x}"}
+    ours.drop_all()
+    store.prepare()  # what the dead sweep left
+    assert list(store.claims.iterdir()) == []
+
+
+@pytest.mark.parametrize("instead", ["nothing", "a file"])
+def test_a_claim_is_let_go_of_though_the_store_is_gone(instead: str, store: Store) -> None:
+    """Else this fault hides the one that ended the sweep, with what it says of resuming."""
+    claims = Claims(store)
+    assert claims.take(f"{0:064x}")
+    shutil.rmtree(store.folder)
+    if instead == "a file":
+        store.folder.write_text("mine")
+    claims.drop_all()
+    assert store.running() == set()
+    assert not at_work(store.claims / f"{0:064x}")
+
+
+@pytest.mark.parametrize("lacks", ["locks", "links"])
+def test_without_locks_or_links_claims_hold_nobody_up(lacks: str, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(errno.EOPNOTSUPP, "Operation not supported")
+
+    if lacks == "locks":
+        monkeypatch.setattr("reports.staging.fcntl", None)
+    else:
+        monkeypatch.setattr(Path, "symlink_to", refuse)
+    one, other = Claims(store), Claims(store)
+    assert one.take(f"{0:064x}")
+    assert other.take(f"{0:064x}")
+    assert store.running() == set()
+
+
+def test_the_state_is_told_though_a_result_goes_meanwhile(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between the table and the times of its results: set aside by another process, or removed."""
+    monkeypatch.setattr(Store, "running", lambda asked: asked.path(f"{1:064x}").unlink() or set())
+    assert state_of(store)["points"] == {"done": 3, "failed": 0, "running": 0, "waiting": 0, "total": 3}
+
+
+# -------------------------------------------------------------------------------------------------------- crews and Ctrl-C
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"scheduler": "tcp://node1:8786"}, "goes with --executor dask"),
+        ({"workers": 0}, "--workers 0: at least 1"),
+        ({"executor": "dask", "scheduler": "tls://n:1"}, "needs all of --tls-ca-file"),
+        ({"executor": "dask", "tls_ca_file": Path(__file__)}, "--scheduler is left out: a tls:// address"),
+        ({"executor": "dask", "scheduler": "tls://n:1", "tls_key": Path("gone.pem")}, "gone.pem: there is no such file"),
+    ],
+)
+def test_options_that_do_not_fit_are_a_sentence(options: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        crew_of(**options)
+
+
+def test_workers_hear_no_ctrl_c_from_birth() -> None:
+    """A terminal sends it to them too: one that came while they were born ended in their tracebacks."""
+    crew = Processes(1)
+    crew.start()
+    try:
+        assert signal.SIGINT in crew.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result(60)
+    finally:
+        crew.stop(at_once=True)
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(tmp_path: Path, sweep: Sweep) -> None:
+    """Raised amid the locks of a pool, it left one locked now and then: the program never ended."""
+    stopped, rounds = [], []
+
+    class Busy(Bench):
+        def start(self) -> None:
+            os.kill(os.getpid(), signal.SIGINT)  # while the workers are born
+            rounds.append("born")
+
+        def submit(self, text: str) -> "Future[str]":
+            rounds.append("handed out")
+            return Future()
+
+        def stop(self, *, at_once: bool) -> None:
+            os.kill(os.getpid(), signal.SIGINT)
+            stopped.append(at_once)
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(Busy())
+    assert (rounds, stopped) == (["born"], [True])
+    assert list((tmp_path / "out" / "claims").iterdir()) == []
+
+
+# ------------------------------------------------------------------------------------------------- pages, pictures, notes
+
+
+@pytest.mark.parametrize("figures", [["exact.dissipation"], ["exact.dissipation", "exact.p0"]], ids=["in one call", "one by one"])
+def test_neglected_coupling_is_noted_in_store_table_and_page(
+    figures: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(running, "crew_of", lambda **_: Bench())
+    axes = [F | {"key": "material.lower.young_modulus", "values": [7e4, 210e3]}]
+    (tmp_path / "study.json").write_text(json.dumps(PAPER | {"axes": axes, "figures": figures}), encoding="utf-8")
+    note = "Dundurs' beta = -0.142857: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
+    out = str(tmp_path / "out")
+    assert main(["sweep", str(tmp_path / "study.json"), "--out", out, "--quiet"]) == 0
+    assert f"note on 1 of 2 points: {note}" in " ".join(capsys.readouterr().out.split())
+    assert [row["notes"] for row in read_index(out).rows] == [note, ""]
+    assert f'"{note}"' in (tmp_path / "out" / "index.csv").read_text(encoding="utf-8")
+    assert str(escape(note)) in write_page(Store(Path(out))).read_text(encoding="utf-8")
+    assert main(["sweep", "status", out, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["result"]["notes"] == [{"note": note, "points": 1}]
+
+
+def picture(x: Sequence[float], y: Sequence[float] = (), **keys: Any) -> str:
+    """The SVG of the first panel of a figure over `x`, or over the product of `x` and `y`."""
+    names = ("x", "y")[: 1 + bool(y)]
+    points = [dict(zip(names, (a, b), strict=False)) for a in x for b in y or [0.0]]
+    rows = tuple({"number": n, "error.p0": 1.0 + n, "status": "done"} | point for n, point in enumerate(points))
+    table = Table(("number", *names, "error.p0", *STATUS), names, ("error.p0",), rows)
+    axes = [axis(name="x", **keys or {"values": list(x)}), axis(name="y", values=[1.0])]
+    [drawn] = draw(table, axes, load_scene("hertz-paper"))
+    return stacks(drawn)[0][0].__html__()
+
+
+def ticks(svg: str, name: str) -> list[str]:
+    """Labels of the ticks along x (`across`) or y (`upright`)."""
+    return re.findall(rf'<text[^>]*class="tick {name}"[^>]*>([^<]+)</text>', svg)
+
+
+def test_a_map_has_a_coloured_cell_for_each_value_and_ticks_at_the_values_of_the_study() -> None:
+    svg = picture([0.4, 0.6, 0.8], [0.3, 0.6, 0.9])
+    assert len(re.findall(r'<rect[^>]*fill="#[0-9a-f]{6}"[^>]*data-label="error.p0 = ', svg)) == 9
+    assert (ticks(svg, "across"), ticks(svg, "upright")) == (["0.4", "0.6", "0.8"], ["0.3", "0.6", "0.9"])
+    factors = picture([1.0, 4.0, 16.0, 64.0], logarithmic={"start": 1.0, "stop": 64.0, "count": 4})
+    assert ticks(factors, "across") == ["1", "4", "16", "64"]
+    for values in ([0.1, 0.11, 1.0, 5.0], [float(n) for n in range(1, 20)]):  # too near, too many
+        shown = [float(tick) for tick in ticks(picture(values, [1.0, 2.0]), "across")]
+        assert len(shown) > 2
+        assert max(abs(b - a - shown[1] + shown[0]) for a, b in pairwise(shown)) < 1e-9
