@@ -44,7 +44,6 @@ import semi_analytic_histories
 import semi_analytic_precision
 import stress
 import sweep
-import sweep_coverage
 from claim import ROOT, Row, commit, table
 from regress_truth import DIGITS
 
@@ -114,7 +113,7 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Maps of the idealisation": map_laws.rows,
         "The report": page.rows,
         "Sweeps": sweep.rows,
-        "Sweeps: cheap uncertainty": sweep_coverage.rows,
+        "Sweeps: cheap uncertainty": sweep.coverage,
         "Time": engines.times,
     }
 
