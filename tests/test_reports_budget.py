@@ -1,4 +1,4 @@
-"""Where errors come from: terms add up, what was not measured is never zero, half-planes test the stated uncertainty."""
+"""Where errors come from: mesh ladders with known answers, terms that add up, uncertainties that cover, three verdicts."""
 
 from __future__ import annotations
 
@@ -7,22 +7,123 @@ from contextlib import contextmanager
 from dataclasses import replace
 from html import unescape
 
+import numpy as np
 import pytest
 
 import halfplane_fe
 import semi_analytic
+from command_line import halfplane
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.cli import main
 from reports.cli.solving import exit_code, show_verdict
 from reports.comparison import Comparison, Report, compare
 from reports.comparison.budget import Budget, Ladders, Rung, Term, climb, coarser, error_budget, mesh_ratio, with_budget
 from reports.comparison.content import as_json
+from reports.comparison.convergence import Ladder, extrapolate, grid_convergence, kind_of, observed_order
 from reports.comparison.metrics import are_half_planes
 from reports.comparison.words import how_judged, lead, share, verdict
 from reports.page.content import render
 from scenes import load_scene
 
+DOUBLING = (1.0, 2.0, 4.0, 8.0)
+
+
+# --------------------------------------------------------------------------------------------------------------- ladders
+def ladder(of, sizes=DOUBLING, **more) -> Ladder:
+    return Ladder(sizes, tuple(float(of(h)) for h in sizes), **more)
+
+
+def test_example_of_nasa_to_every_digit():
+    """Examining Spatial (Grid) Convergence, NPARC Alliance: values, ratio 2, safety factor 1.25."""
+    nasa = Ladder((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178))
+    found, index = extrapolate(nasa), grid_convergence(nasa)
+    numbers = (found.order, found.value, index.fine, index.coarse, index.ratio)
+    assert [f"{number:.6f}" for number in numbers] == ["1.786170", "0.971300", "0.001031", "0.003562", "0.997980"]
+    assert (found.kind, found.rungs) == ("monotone", 3)
+    assert found.uncertainty == pytest.approx(index.fine * 0.97050, rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [0.7, 1.0, 1.5, 2.0])
+@pytest.mark.parametrize("sizes", [(1.0, 2.0, 4.0), DOUBLING, (1.0, 1.3, 2.1, 4.0, 5.0)])
+def test_powers_are_found_whatever_the_ratios(order, sizes):
+    """On such a curve the uncertainty is a quarter more than the error of the finest rung, and falls with it."""
+    for finer in (1.0, 0.5):
+        found = extrapolate(ladder(lambda h, k=finer: 3 - 0.02 * (k * h) ** order, sizes))
+        assert found.kind == "monotone"
+        assert (found.order, found.value) == pytest.approx((order, 3), abs=1e-6)
+        assert found.uncertainty == pytest.approx(1.25 * 0.02 * finer**order, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("values", "kind"),
+    [
+        ((1.0, 1.1, 1.3), "monotone"),
+        ((1.0, 1.3, 1.4), "diverging"),
+        ((1.0, 1.1, 0.7), "oscillating"),
+        ((1.0, 1.4, 1.3), "diverging"),
+        ((1.0, 1.0, 1.0), "exact"),
+        ((1.0, 1.2), "too few"),
+        ((1.0,), "too few"),
+        ((1.0, 1.1, 1.3, 1.7), "monotone"),
+        ((1.0, 0.9, 1.3, 0.5), "oscillating"),
+        ((1.0, 1.8, 2.2, 2.4), "diverging"),
+        ((1.0, 0.2, 0.5, 0.4), "diverging"),
+    ],
+)
+def test_kinds(values, kind):
+    assert kind_of(Ladder(DOUBLING[: len(values)], values)) == kind
+
+
+def test_rules_for_what_is_no_clean_power():
+    """Which rule, which value, which uncertainty."""
+    two = extrapolate(Ladder((1.0, 2.0), (1.1, 1.2)))
+    assert two.kind == "too few"
+    assert abs(two.value - 1.0) <= two.uncertainty
+    nowhere = extrapolate(Ladder((1.0, 2.0, 4.0), (1.0, 1.4, 1.3)))
+    assert (nowhere.value, nowhere.uncertainty) == (1.0, pytest.approx(1.2))  # three times the spread
+    steep = extrapolate(ladder(lambda h: 1 + 0.01 * h**4))
+    assert steep.order == pytest.approx(4, abs=1e-3)
+    assert "taken for granted" in steep.rule
+    assert abs(steep.value - 1) <= steep.uncertainty
+    assert "Roache" in extrapolate(ladder(lambda h: 1 + 0.01 * h**4, formal_order=4.0)).rule
+    exact = extrapolate(Ladder(DOUBLING, (1.0, 1.0 + 1e-13, 1.0, 1.0), rounding=1e-12))
+    assert (exact.kind, exact.value, exact.uncertainty) == ("exact", 1.0, 1e-12)
+    scattered = extrapolate(Ladder(DOUBLING, (1.011, 1.018, 1.042, 1.079)))
+    assert ("least squares" in scattered.rule, scattered.kind) == (True, "monotone")
+    assert scattered.value == pytest.approx(1.0, abs=2e-3)
+    # Mixed orders: the lowest decides.
+    turned = ladder(lambda h: 1 + 0.01 * h**2 + 0.01 * h - 4e-5 * h**4)
+    orders = [observed_order(turned.sizes[i : i + 3], turned.values[i : i + 3]) for i in (0, 1)]
+    assert orders[0] > orders[1]
+    found = extrapolate(turned)
+    assert ("Roache" in found.rule, found.order) == (True, orders[0])
+    assert found.uncertainty == pytest.approx(1.25 * (turned.values[1] - turned.values[0]) / (2 ** orders[1] - 1), rel=1e-12)
+
+
+@pytest.mark.parametrize(("noise", "least"), [(1e-4, 1.0), (3e-3, 0.9), (3e-2, 0.9), (1.0, 0.95)])
+@pytest.mark.parametrize("order", [1.0, 2.0])
+def test_scattered_ladders_cover_the_truth(order, noise, least):
+    """Four rungs, the noise from far below to far above the trend of 0.01; of 400 draws 94 % to 100 % are covered."""
+    rng = np.random.default_rng(20)
+    found = [extrapolate(ladder(lambda h: 1 + 0.01 * h**order + noise * rng.uniform(-1, 1))) for _ in range(100)]
+    assert np.mean([abs(one.value - 1) <= one.uncertainty for one in found]) >= least
+
+
+def test_ladders_that_are_none():
+    assert observed_order((1.0, 2.0, 4.0), (1.0, 1.3, 1.4)) is None
+    assert observed_order((1.0, 2.0, 4.0), (1.0, 1.0, 1.4)) is None
+    with pytest.raises(ValueError, match="no order"):
+        grid_convergence(Ladder((1.0, 2.0, 4.0), (1.0, 1.4, 1.3)))
+    for sizes, values, words in (
+        ((1.0, 2.0), (1.0,), "2 sizes"),
+        ((2.0, 1.0), (1.0, 2.0), "finest comes first"),
+        ((1.0, 2.0), (1.0, float("nan")), "not finite"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            Ladder(sizes, values)
+
+
+# ---------------------------------------------------------------------------------------------------------------- budget
 MESH = MeshSettings(element_size=1 / 12, edge_element_size=1 / 40, growth=0.4)
 STEPS = SolverSettings(steps_per_cycle=24, step_tolerance=float("inf"))
 
@@ -48,52 +149,41 @@ def paper():
     return comparison, climb(comparison, MESH, STEPS, silent)
 
 
-def invented(comparison: Comparison, slope: float, limit: float, order: float = 1.0) -> Ladders:
-    """Ladders on which every metric is `limit` + `slope` h^order, and nothing comes of the far field."""
-    values = [{m.key: limit + slope * h**order for m in comparison.metrics} for h in (1.0, 2.0, 4.0, 8.0)]
-    mesh = tuple(Rung(f"{h:g}h", h, v) for h, v in zip((1.0, 2.0, 4.0, 8.0), values, strict=True))
+def invented(comparison: Comparison, slope: float, limit: float) -> Ladders:
+    """Ladders on which every metric is `limit` + `slope` h, and nothing comes of the far field."""
+    mesh = tuple(Rung(f"{h:g}h", h, {m.key: limit + slope * h for m in comparison.metrics}) for h in DOUBLING)
     return Ladders(mesh, tuple(replace(mesh[2], size=s) for s in (0.5, 1.0, 2.0)), (), "4h", {}, 1.0)
 
 
 def test_terms_and_rest_add_up_to_the_metric(paper):
-    budget = error_budget(*paper, plain_seconds=1.0)
-    assert {"dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"} <= {
-        b.metric.key for b in budget.budgets
-    }
+    """And the uncertainty covers the known error; the step of W is theory on the polygon − theory on the smooth path."""
+    comparison, ladders = paper
+    budget = error_budget(comparison, ladders, plain_seconds=1.0)
+    wanted = {"dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"}
+    assert wanted <= {one.metric.key for one in budget.budgets}
     for one in budget.budgets:
         assert one.rest + sum(term.value or 0.0 for term in one.terms) == pytest.approx(one.total, abs=1e-14)
         assert [term.name for term in one.terms] == ["mesh", "penalty", "step", "far field", "solver", "half-plane theory"]
-
-
-def test_stated_uncertainty_covers_the_known_error(paper):
-    headlines = [b for b in error_budget(*paper, plain_seconds=1.0).budgets if b.metric.definition.headline]
-    assert sum(b.honest for b in headlines) >= 0.9 * len(headlines)
-
-
-def test_step_of_the_dissipation_is_theory_on_the_polygon_less_theory_on_the_smooth_path(paper):
-    comparison, ladders = paper
-    step = next(t for t in error_budget(comparison, ladders, 1.0).budget("dissipation").terms if t.name == "step")
+    headlines = [one for one in budget.budgets if one.metric.definition.headline]
+    assert sum(one.honest for one in headlines) >= 0.9 * len(headlines)
     exact = comparison.polygon_reference.dissipation / comparison.reference.dissipation - 1
     assert abs(exact) > 1e-4
-    assert step.value == pytest.approx(exact, rel=2e-2)
+    assert budget.budget("dissipation").terms[2].value == pytest.approx(exact, rel=2e-2)
 
 
 def test_an_idealisation_error_stands_out_and_vanishes(paper):
     """Planted: 1 % that no mesh cures, beside a mesh error of 0.1 % of first order."""
     comparison, _ = paper
-    ladders = invented(comparison, 1e-3, 1e-2)
     metric = replace(comparison.metric("dissipation"), value=1.1e-2)
-    found = error_budget(replace(comparison, metrics=(metric,)), ladders, 1.0).budget("dissipation")
+    found = error_budget(replace(comparison, metrics=(metric,)), invented(comparison, 1e-3, 1e-2), 1.0).budget("dissipation")
     assert found.rest == pytest.approx(1e-2, rel=1e-6)
     assert found.uncertainty == pytest.approx(1.25e-3, rel=1e-3)
-    assert found.resolved is True
-    assert found.honest is False
-    assert replace(found, half_planes=False).honest is None
+    assert (found.resolved, found.honest, replace(found, half_planes=False).honest) == (True, False, None)
     nothing = error_budget(replace(comparison, metrics=(replace(metric, value=1e-3),)), invented(comparison, 1e-3, 0.0), 1.0)
     assert nothing.budget("dissipation").resolved is False
 
 
-def test_what_was_not_measured_is_not_zero(paper):
+def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):
     comparison, ladders = paper
     fallen = tuple(replace(rung, values={}, failure=f"{rung.label} did not converge") for rung in ladders.mesh[1:])
     found = error_budget(comparison, replace(ladders, mesh=(ladders.mesh[0], *fallen)), 1.0).budget("dissipation")
@@ -101,60 +191,45 @@ def test_what_was_not_measured_is_not_zero(paper):
     assert (mesh.value, mesh.uncertainty, mesh.measured) == (None, None, False)
     assert mesh.how.startswith("not measured: 2h did not converge")
     assert (found.uncertainty, found.resolved, found.honest) == (None, None, None)
-
-
-def test_bounds_add_and_scatter_adds_by_squares(paper):
-    metric = paper[0].metric("dissipation")
+    metric = comparison.metric("dissipation")
     terms = tuple(Term(str(u), None, u, "", bound) for u, bound in ((3.0, False), (4.0, False), (0.5, True), (0.25, True)))
     assert Budget(metric, terms, True).uncertainty == pytest.approx(5.75)
+    cells = [share(Term("", *numbers, ""), metric) for numbers in ((None, None), (None, 0.0), (None, 2e-3), (-1e-3, 5e-4))]
+    assert cells == ["not measured", "none", "± 0.2 %", "−0.1 % ± 0.05 %"]
 
 
-def test_honesty_is_written_into_the_comparison(paper):
+def test_honesty_is_written_into_the_comparison_page_and_file(paper):
     comparison, ladders = paper
-    budget = error_budget(comparison, ladders, 2 * ladders.seconds)
-    told = with_budget(comparison, budget)
-    assert told.budget is budget
-    assert told.honest.startswith(f"{sum(b.honest for b in budget.budgets)} of {len(budget.budgets)} metrics")
-    assert budget.cost == pytest.approx(1.5)
+    budget = error_budget(comparison, ladders, ladders.seconds)
+    found = with_budget(comparison, budget)
+    assert found.budget is budget
+    assert found.honest.startswith(f"{sum(b.honest for b in budget.budgets)} of {len(budget.budgets)} metrics")
+    assert budget.cost == pytest.approx(2.0)
     assert Report(comparison).honest == "not assessed: the run was made without a budget"
-
-
-def test_page_and_file_show_every_term(paper):
-    comparison, ladders = paper
-    told = with_budget(comparison, error_budget(comparison, ladders, ladders.seconds))
-    page = render(told, (), "", {})
+    page = render(found, (), "", {})
     assert all(f">{name}</th>" in page for name in ("mesh", "step", "far field", "unexplained"))
     assert "Run and budget took 2.00 times" in page
     assert "Where the discrepancy comes from" not in render(comparison, (), "", {})
-    found = json.loads(as_json(told))
-    shares = found["budget"]["metrics"]["dissipation"]
+    stored = json.loads(as_json(found))
+    shares = stored["budget"]["metrics"]["dissipation"]
     values = [term["value"] or 0.0 for term in shares["terms"].values()]
     assert sum(values) + shares["unexplained"] == pytest.approx(shares["E"], abs=1e-14)
-    assert found["metrics"]["dissipation"]["honest"] is shares["honest"]
+    assert stored["metrics"]["dissipation"]["honest"] is shares["honest"]
     assert json.loads(as_json(comparison))["budget"] is None
 
 
-def test_cells_tell_none_from_not_measured(paper):
-    metric = paper[0].metric("dissipation")
-    words = [share(Term("", *numbers, ""), metric) for numbers in ((None, None), (None, 0.0), (None, 2e-3), (-1e-3, 5e-4))]
-    assert words == ["not measured", "none", "± 0.2 %", "−0.1 % ± 0.05 %"]
-
-
-def test_rungs_need_no_coarse_run_of_their_own_and_answer_the_same():
+def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper):
+    whole = paper[0].result
     scene = load_scene("cattaneo-mindlin")
-    whole = halfplane_fe.solve(scene, MESH, STEPS)
-    spared = halfplane_fe.solve(scene, MESH, STEPS, scales=whole.scales)
-    assert spared.dissipation == whole.dissipation
+    coarse = MeshSettings(element_size=0.25, edge_element_size=0.1, order=1)
+    first = halfplane_fe.solve(scene, coarse, STEPS)
+    spared = halfplane_fe.solve(scene, coarse, STEPS, scales=first.scales)
+    assert spared.dissipation == first.dissipation
     assert not any(count for name, count in spared.work.counts.items() if name.startswith("coarse"))
-
-
-def test_meshes_that_leave_no_room_for_a_ladder():
+    assert any(count for name, count in whole.work.counts.items() if name.startswith("coarse"))
     assert mesh_ratio(MeshSettings.coarse()) == 2.0
     assert mesh_ratio(MeshSettings(element_size=0.1, edge_element_size=0.1)) == pytest.approx(2.5 ** (1 / 3))
-    assert mesh_ratio(MeshSettings(element_size=0.25, edge_element_size=0.25)) is None
-
-
-def test_a_coarser_mesh_keeps_the_same_penalty_layer():
+    assert mesh_ratio(MeshSettings(element_size=0.25, edge_element_size=0.25)) is None  # no room for a ladder
     soft = SolverSettings(method="penalty", normal_stiffness=50.0, tangential_stiffness=20.0)
     mesh, settings = coarser(MESH, soft, 4.0)
     assert (settings.normal_stiffness, settings.tangential_stiffness) == (200.0, 80.0)
@@ -177,105 +252,99 @@ def test_penalty_is_a_term_of_its_own():
 def test_real_bodies_have_an_idealisation_error_and_no_far_field():
     comparison = compared("blocks", MeshSettings(), SolverSettings())
     found = error_budget(comparison, climb(comparison, MeshSettings(), SolverSettings(), silent), 1.0).budget("peak_pressure")
-    assert found.resolved is True
-    assert found.honest is None
+    assert (found.resolved, found.honest) == (True, None)
     assert found.terms[3].how == "none: the bodies have a size of their own"
 
 
-@pytest.mark.parametrize(
-    ("name", "expected"), [("hertz-paper", True), ("unlike-beta-tenth", False), ("unlike-beta-fifth", False), ("blocks", False)]
-)
-def test_coupling_of_unlike_materials_is_an_idealisation_too(name: str, expected: bool) -> None:
+def test_coupling_of_unlike_materials_is_an_idealisation_too() -> None:
     """Of such half-planes theory is not the truth: their discrepancy is no error that an uncertainty of the numbers must cover."""
-    assert are_half_planes(load_scene(name)) is expected
+    for name, expected in (("hertz-paper", True), ("unlike-beta-tenth", False), ("unlike-beta-fifth", False), ("blocks", False)):
+        assert are_half_planes(load_scene(name)) is expected
 
 
-class TestThreeStates:
-    """Every verdict follows from the error, its uncertainty and the tolerance, and all doors say the same."""
+# ----------------------------------------------------------------------------------------------------------- three states
+# Error and uncertainty over the tolerance, and what follows; the second is the stick edge of `blocks`.
+CASES = (
+    *((0.9, 0.05, "within"), (-0.32, 15.0, "undecided"), (0.9, 0.2, "undecided"), (-1.1, 0.05, "outside")),
+    *((1.1, 0.2, "undecided"), (-3.0, 1.5, "outside"), (0.9, None, "within"), (-1.1, None, "outside")),
+    *((0.9, float("inf"), "undecided"), (float("nan"), 0.1, "outside"), (float("nan"), None, "outside")),
+    *((-1.0, 0.0, "within"), (0.75, 0.25, "within"), (1.25, 0.25, "undecided")),
+)
 
-    # Error and uncertainty over the tolerance, and what follows; the second is the stick edge of `blocks`.
-    CASES = (
-        *((0.9, 0.05, "within"), (-0.32, 15.0, "undecided"), (0.9, 0.2, "undecided"), (-1.1, 0.05, "outside")),
-        *((1.1, 0.2, "undecided"), (-3.0, 1.5, "outside"), (0.9, None, "within"), (-1.1, None, "outside")),
-        *((0.9, float("inf"), "undecided"), (float("nan"), 0.1, "outside"), (float("nan"), None, "outside")),
-        *((-1.0, 0.0, "within"), (0.75, 0.25, "within"), (1.25, 0.25, "undecided")),
-    )
 
-    @staticmethod
-    def planted(paper, error: float, doubt: float | None) -> Report:
-        """The report with this dissipation, in tolerances, and a budget of one term; all else that is judged is 0."""
-        comparison, ladders = paper
-        size = comparison.metric("dissipation").tolerance
-        values = {m.key: m.value if m.tolerance is None else 0.0 for m in comparison.metrics} | {"dissipation": error * size}
-        metrics = tuple(replace(metric, value=values[metric.key]) for metric in comparison.metrics)
-        whole = error_budget(replace(comparison, metrics=metrics), ladders, 1.0)
-        doubts = {"dissipation": None if doubt is None else doubt * size}
-        budgets = (replace(one, terms=(Term("mesh", 0.0, doubts.get(one.metric.key, 0.0), ""),)) for one in whole.budgets)
-        return with_budget(replace(comparison, metrics=metrics), replace(whole, budgets=tuple(budgets)))
+def planted(paper, error: float, doubt: float | None) -> Report:
+    """The report with this dissipation, in tolerances, and a budget of one term; all else that is judged is 0."""
+    comparison, ladders = paper
+    size = comparison.metric("dissipation").tolerance
+    values = {m.key: m.value if m.tolerance is None else 0.0 for m in comparison.metrics} | {"dissipation": error * size}
+    metrics = tuple(replace(metric, value=values[metric.key]) for metric in comparison.metrics)
+    whole = error_budget(replace(comparison, metrics=metrics), ladders, 1.0)
+    doubts = {"dissipation": None if doubt is None else doubt * size}
+    budgets = (replace(one, terms=(Term("mesh", 0.0, doubts.get(one.metric.key, 0.0), ""),)) for one in whole.budgets)
+    return with_budget(replace(comparison, metrics=metrics), replace(whole, budgets=tuple(budgets)))
 
-    @pytest.mark.parametrize(("error", "doubt", "state"), CASES)
-    def test_every_door_says_the_same(self, paper, error: float, doubt: float | None, state: str, capsys):
-        found = self.planted(paper, error, doubt)
-        metric = found.metric("dissipation")
-        assert metric.verdict == found.comparison.verdict == state
-        assert metric.accurate is found.passed is (state == "within")
-        stored = json.loads(as_json(found))
-        assert stored["metrics"]["dissipation"]["verdict"] == stored["verdict"]["verdict"] == state
-        assert stored["verdict"]["passed"] is stored["metrics"]["dissipation"]["accurate"] is (state == "within")
-        page = render(found, (), "", {})
-        css = {"within": "good", "outside": "bad", "undecided": "open"}
-        assert f'<p class="verdict {css[state]}">' in page
-        table = page[page.index("<tbody>") : page.index("</tbody>")]
-        assert table.count(f'<td class="{state}">{state}</td>') == (3 if state == "within" else 1)
-        assert (lead(found) == "Undecided.") is (state == "undecided")
-        assert ("undecided counts as outside" in verdict(found)) is (state == "undecided")
-        show_verdict(found)
-        assert exit_code(found.comparison) == (0 if state == "within" else 1)
-        shown = capsys.readouterr()
-        assert f"│ {state}" in shown.out
-        last = "halfplane: hertz-paper: undecided: dissipation; this counts as outside: exit code 1"
-        assert shown.err.splitlines() == ([last] if state == "undecided" else [])
 
-    def test_what_no_uncertainty_is_known_for_is_said(self, paper):
-        """Without a budget, and where a term was not measured; nothing is said to be unknown where all is known."""
-        comparison = Report(paper[0])
-        assert "No uncertainty was requested" in how_judged(comparison)
-        unknown = self.planted(paper, 0.9, None)
-        assert how_judged(unknown).startswith("No uncertainty is known for dissipation: ")
-        known = self.planted(paper, 0.9, 0.05)
-        assert "No uncertainty" not in how_judged(known)
-        for one in (comparison, unknown, known):
-            assert how_judged(one) in unescape(render(one, (), "", {}))
-            assert json.loads(as_json(one))["verdict"]["judged"] == how_judged(one)
-        assert json.loads(as_json(comparison))["metrics"]["dissipation"]["uncertainty"] is None
+@pytest.mark.parametrize(("error", "doubt", "state"), CASES)
+def test_every_door_says_the_same_of_a_verdict(paper, error: float, doubt: float | None, state: str, capsys):
+    """It follows from the error, its uncertainty and the tolerance."""
+    found = planted(paper, error, doubt)
+    metric = found.metric("dissipation")
+    assert metric.verdict == found.comparison.verdict == state
+    assert metric.accurate is found.passed is (state == "within")
+    stored = json.loads(as_json(found))
+    assert stored["metrics"]["dissipation"]["verdict"] == stored["verdict"]["verdict"] == state
+    assert stored["verdict"]["passed"] is stored["metrics"]["dissipation"]["accurate"] is (state == "within")
+    page = render(found, (), "", {})
+    css = {"within": "good", "outside": "bad", "undecided": "open"}
+    assert f'<p class="verdict {css[state]}">' in page
+    table = page[page.index("<tbody>") : page.index("</tbody>")]
+    assert table.count(f'<td class="{state}">{state}</td>') == (3 if state == "within" else 1)
+    assert (lead(found) == "Undecided.") is (state == "undecided")
+    assert ("undecided counts as outside" in verdict(found)) is (state == "undecided")
+    show_verdict(found)
+    assert exit_code(found.comparison) == (0 if state == "within" else 1)
+    shown = capsys.readouterr()
+    assert f"│ {state}" in shown.out
+    last = "halfplane: hertz-paper: undecided: dissipation; this counts as outside: exit code 1"
+    assert shown.err.splitlines() == ([last] if state == "undecided" else [])
 
-    def test_outside_and_undecided_stand_side_by_side(self, paper):
-        """One metric outside decides; the sentence names the other as undecided."""
-        found = self.planted(paper, 0.9, 0.2)
-        worse = tuple(replace(m, value=1.0) if m.key == "shear" else m for m in found.comparison.metrics)
-        both = replace(found, comparison=replace(found.comparison, metrics=worse))
-        assert both.comparison.verdict == "outside"
-        assert "more than the tolerance in shear traction, L2 (" in verdict(both)
-        assert "reaches across the tolerance in dissipation (" in verdict(both)
 
-    def test_a_violated_law_is_not_undecided(self, paper, capsys):
-        found = self.planted(paper, 0.9, 0.2)
-        law = replace(found.comparison.result_certificates[0], value=9.0)
-        violated = replace(found, comparison=replace(found.comparison, result_certificates=(law,)))
-        assert lead(violated) == "Not within tolerance."
-        assert exit_code(violated.comparison) == 1
-        assert capsys.readouterr().err == ""
+def test_what_no_uncertainty_is_known_for_is_said(paper):
+    """Without a budget, and where a term was not measured; nothing is said to be unknown where all is known."""
+    comparison = Report(paper[0])
+    assert "No uncertainty was requested" in how_judged(comparison)
+    unknown, known = planted(paper, 0.9, None), planted(paper, 0.9, 0.05)
+    assert how_judged(unknown).startswith("No uncertainty is known for dissipation: ")
+    assert "No uncertainty" not in how_judged(known)
+    for one in (comparison, unknown, known):
+        assert how_judged(one) in unescape(render(one, (), "", {}))
+        assert json.loads(as_json(one))["verdict"]["judged"] == how_judged(one)
+    assert json.loads(as_json(comparison))["metrics"]["dissipation"]["uncertainty"] is None
 
-    def test_run_with_a_budget_ends_with_1_and_says_why_on_its_last_line(self, tmp_path, capsys):
-        """Blocks on a mesh so coarse that the budget leaves every tolerance open."""
-        coarse = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.1", "--steps-per-cycle", "8")
-        assert main(["run", "blocks", "--budget", "--out", str(tmp_path / "out"), "--quiet", *coarse]) == 1
-        shown = capsys.readouterr()
-        last = shown.err.splitlines()[-1]
-        assert last.startswith("halfplane: blocks: undecided: ")
-        assert "stick_edge" in last
-        assert last.endswith("this counts as outside: exit code 1")
-        stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
-        edge = stored["metrics"]["stick_edge"]
-        assert edge["uncertainty"] == stored["budget"]["metrics"]["stick_edge"]["u"] > edge["tolerance"]
-        assert (edge["verdict"], edge["accurate"], stored["verdict"]["passed"]) == ("undecided", False, False)
+
+def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):
+    found = planted(paper, 0.9, 0.2)
+    worse = tuple(replace(m, value=1.0) if m.key == "shear" else m for m in found.comparison.metrics)
+    both = replace(found, comparison=replace(found.comparison, metrics=worse))
+    assert both.comparison.verdict == "outside"
+    assert "more than the tolerance in shear traction, L2 (" in verdict(both)
+    assert "reaches across the tolerance in dissipation (" in verdict(both)
+    law = replace(found.comparison.result_certificates[0], value=9.0)
+    violated = replace(found, comparison=replace(found.comparison, result_certificates=(law,)))
+    assert (lead(violated), exit_code(violated.comparison)) == ("Not within tolerance.", 1)
+    assert capsys.readouterr().err == ""
+
+
+def test_run_with_a_budget_ends_with_1_and_says_why_on_its_last_line(tmp_path):
+    """Blocks on a mesh so coarse that the budget leaves every tolerance open."""
+    coarse = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.1", "--steps-per-cycle", "8")
+    done = halfplane(tmp_path, "run", "blocks", "--budget", "--out", "out", "--quiet", *coarse)
+    assert done.returncode == 1
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("halfplane: blocks: undecided: ")
+    assert "stick_edge" in last
+    assert last.endswith("this counts as outside: exit code 1")
+    stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
+    edge = stored["metrics"]["stick_edge"]
+    assert edge["uncertainty"] == stored["budget"]["metrics"]["stick_edge"]["u"] > edge["tolerance"]
+    assert (edge["verdict"], edge["accurate"], stored["verdict"]["passed"]) == ("undecided", False, False)

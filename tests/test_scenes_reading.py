@@ -55,7 +55,7 @@ cycle = [[2.0, 0.5], [2.0, -0.5]]
 POLYGON = PLAIN[PLAIN.index('kind = "polygon"') :]
 PAPER = scene_text("hertz-paper").split("[[expected]]")[0]
 BLOCK = '{kind = "block", width = 20.0, height = 3.0}'
-PAD = '{kind = "pad", width = 8.0, height = 5.0}'
+PAD, WIDE = '{kind = "pad", width = 8.0, height = 5.0}', '{kind = "pad", width = 28.0, height = 5.0}'
 
 
 def bodies(**shapes: str) -> tuple[str, str]:
@@ -99,11 +99,9 @@ REFUSED = {
     "material a number": ("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", "material = 3", "material = 3|a table of keys"),
     "two faults": (HERTZ + "\n\n[friction]\ncoefficient = 0.5", 'kind = "hertz"\nradius = -1\n[friction]\ncoefficient = -1',
                    "profile.radius = -1|(also at fault: friction.coefficient)"),
-    "a pad wider than its block": (*bodies(upper='{kind = "pad", width = 28.0, height = 5.0}', lower=BLOCK),
-                                   "bodies is refused: the upper body, a pad of width 28, is wider than the block that it faces, "
-                                   "of width 20: make the pad narrower or the block wider"),
-    "the same upside down": (*bodies(lower='{kind = "pad", width = 28.0, height = 5.0}', upper=BLOCK),
-                             "the lower body, a pad of width 28, is wider"),
+    "a pad wider than its block": (*bodies(upper=WIDE, lower=BLOCK), "bodies is refused: the upper body, a pad of width 28, is wider "
+                                   "than the block that it faces, of width 20: make the pad narrower or the block wider"),
+    "the same upside down": (*bodies(lower=WIDE, upper=BLOCK), "the lower body, a pad of width 28, is wider"),
     "a pad past its arcs": (*bodies(upper='{kind = "pad", width = 4.0, height = 9.0}'),
                             "bodies.upper.width = 4 goes past the end of the pad's arcs, at 4: make it less"),
     "two pads": (*bodies(lower=PAD, upper=PAD), "bodies is refused: a pad on a pad: a pad faces a half_plane or a block"),

@@ -146,7 +146,7 @@ def extrapolate(ladder: Ladder) -> Extrapolation:
     curve: Roache, safety factor 1.25, the uncertainty by the lowest of these orders. Monotone otherwise: least squares, not less
     than the spread of the three finest. Oscillating or diverging: the finest value, give or take no less than the spread of all.
     These floors are ours: of noise about as large as the trend, the published rules on four rungs cover four truths of five only,
-    with the floors 94 of 100 (tests/test_reports_convergence.py).
+    with the floors 94 of 100 (tests/test_reports_budget.py).
 
     >>> found = extrapolate(Ladder((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)))
     >>> found.kind, round(found.value, 6), round(found.uncertainty / 0.97050, 6)
