@@ -34,8 +34,8 @@ _LOADED = 0.3
 _SHARP = 1.25
 # Dissipation over A f^2 P^2 (h/a)^2 of a mesh on which nothing should slip.
 _FLOOR = 0.04
-# Elements below which the dissipation of a slip zone has an error of per cents: Cattaneo and Mindlin's cycle has 0.4 % at 3.4
-# elements, 3 % at 1.6, 34 % at 0.7, and is seven times too large or nothing at 0.2.
+# Elements below which the dissipation of a slip zone has an error of per cents: Cattaneo-Mindlin's cycle has 0.4 % at 3.4 elements,
+# 3 % at 1.6, 34 % at 0.7, and is seven times too large or nothing at 0.2.
 _FEW = 2.0
 
 
