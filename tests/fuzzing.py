@@ -25,7 +25,7 @@ from reports.scoring.mapping import load_mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution
 from reports.sweep.store import read_index
-from reports.sweep.study import load_study
+from reports.sweep.study import load_study, study_of
 from scenes import InputError, load_scene, scene_text
 from score_results import exact, rows, written
 

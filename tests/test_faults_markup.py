@@ -33,7 +33,8 @@ from reports.sweep.page import write_page
 from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
 from reports.sweep.study import expand, study_of
-from scenes import InputError, Scene, load_scene
+from reports.third.dialects import _header
+from scenes import InputError, load_scene
 from test_reports_synthetic import cattaneo_mindlin
 
 ROOT = Path(__file__).parents[1]

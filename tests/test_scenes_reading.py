@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 
 import semi_analytic
 from meshes import MeshSettings
-from reports.sweep.points import expand
-from reports.sweep.study import load_study, study_of
+from reports.sweep.study import expand, load_study, study_of
 from scenes import (
     Block,
     Bodies,
@@ -99,8 +98,8 @@ REFUSED = {
     "material a number": ("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", "material = 3", "material = 3|a table of keys"),
     "two faults": (HERTZ + "\n\n[friction]\ncoefficient = 0.5", 'kind = "hertz"\nradius = -1\n[friction]\ncoefficient = -1',
                    "profile.radius = -1|(also at fault: friction.coefficient)"),
-    "a pad wider than its block": (*bodies(upper=WIDE, lower=BLOCK), "bodies is refused: the upper body, a pad of width 28, is wider "
-                                   "than the block that it faces, of width 20: make the pad narrower or the block wider"),
+    "a pad wider than its block": (*bodies(upper=WIDE, lower=BLOCK), "bodies is refused: the upper body, a pad of width 28, is "
+                                   "wider than the block that it faces, of width 20: make the pad narrower or the block wider"),
     "the same upside down": (*bodies(lower=WIDE, upper=BLOCK), "the lower body, a pad of width 28, is wider"),
     "a pad past its arcs": (*bodies(upper='{kind = "pad", width = 4.0, height = 9.0}'),
                             "bodies.upper.width = 4 goes past the end of the pad's arcs, at 4: make it less"),

@@ -27,7 +27,7 @@ from reports.maps.atlas import Chart
 from scenes import InputError
 
 if TYPE_CHECKING:
-    from reports.sweep.index import Table
+    from reports.sweep.store import Table
 
 Array = NDArray[np.float64]
 FEWEST = 5  # points of a fit: three unknowns and two degrees of freedom

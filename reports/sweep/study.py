@@ -318,7 +318,7 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
     InputError
         Naming the point, its coordinates and the rule, for the first that is no scene, slides or separates, or is there twice.
     """
-    from halfplane_fe.pair import check_supports
+    from halfplane_fe.interface import check_supports
     from halfplane_fe.scales import sheared
 
     points: list[Point] = []
