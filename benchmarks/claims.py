@@ -21,7 +21,6 @@ from typing import Any
 
 import blame
 import budget
-import diagnosis
 import engines
 import far_field
 import faults
@@ -36,8 +35,7 @@ import must_fail
 import page
 import penalty
 import real_bodies
-import score_examples
-import score_rules
+import scoring
 import semi_analytic_batch
 import semi_analytic_extremes
 import semi_analytic_histories
@@ -107,9 +105,9 @@ def sections() -> dict[str, Callable[[], Iterator[Row]]]:
         "Faults and bad input": faults.rows,
         "Error budget": budget.rows,
         "Error budget: planted faults": blame.rows,
-        "Other people's results: diagnosis of planted faults": diagnosis.rows,
-        "Other people's results: the examples": score_examples.rows,
-        "Other people's results: rules and readers": score_rules.rows,
+        "Other people's results: diagnosis of planted faults": scoring.confusion,
+        "Other people's results: the examples": scoring.example_rows,
+        "Other people's results: rules and readers": scoring.rule_rows,
         "Maps of the idealisation": map_laws.rows,
         "The report": page.rows,
         "Sweeps": sweep.rows,

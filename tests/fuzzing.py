@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import halfplane_fe.store
 from field_files import mesh, pressure_at, shear_at
-from meshes import SurfaceGrading, half_disc
+
+import halfplane_fe.store
 from reports.checking import require_admissible
 from reports.cli import findings
 from reports.comparison.content import solution_content, strict

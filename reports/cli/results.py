@@ -70,7 +70,7 @@ def score(
     try:
         with stages.stage("loading"):
             from reports.scoring.against import diagnosed, score_file
-            from reports.scoring.study_files import score_folder
+            from reports.scoring.study import score_folder
         if path.is_dir():
             report = score_folder(path, mapping, scene, stages, against=against, tolerances=tolerances)
         else:

@@ -1,8 +1,8 @@
 """What a wrong result most likely suffers from, from the pattern of its discrepancy.
 
-Each fault of a closed set is a hypothesis that predicts tractions (`diagnosis_discrepancy` says how they are weighed against each
-other). The one that leaves least unexplained is named first; it is then mended, and the rest looked at again, so that two faults
-at once are both found.
+Each fault of a closed set is a hypothesis that predicts tractions (`hypotheses` says how they are weighed against each other). The
+one that leaves least unexplained is named first; it is then mended, and the rest looked at again, so that two faults at once are
+both found.
 """
 
 from __future__ import annotations
@@ -10,14 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from reports.comparison import Comparison
-from reports.scoring.diagnosis_arrays import array_faults
-from reports.scoring.diagnosis_discrepancy import Discrepancy, discrepancy
-from reports.scoring.diagnosis_edges import coarse_edge
-from reports.scoring.diagnosis_flaws import flaw_faults
-from reports.scoring.diagnosis_hypothesis import Hypothesis
-from reports.scoring.diagnosis_theory import theory_faults
-from reports.scoring.diagnosis_words import FAULTS, evidence_of, sentence_of
+from reports.scoring.flaws import model_faults
+from reports.scoring.hypotheses import Discrepancy, Hypothesis, coarse_edge, discrepancy, file_faults, question_faults
 
 # A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
 LEAST_EXPLAINED = 0.5
@@ -36,6 +33,55 @@ COST = 0.01
 FITTED = {"coarse_edge": 10, "small_body": 3, "soft_normal": 2, "coupling": 2} | dict.fromkeys(
     ("traction_factor", "pressure_factor", "offset", "stiffness", "loads", "friction", "other_times", "elastic_slip"), 1
 )
+FAULTS = {
+    "shear_sign": "The shear has the wrong sign: give it as it acts on the lower body along +x, or turn it in the mapping.",
+    "pressure_sign": "The pressure has the wrong sign: it is positive in compression here.",
+    "swapped": "Pressure and shear are swapped: exchange the two columns.",
+    "frictionless": "There is no shear: the contact has no friction, or the tangential load was not applied.",
+    "units": "The tractions are {factor:g} times what they should be, on the right widths: a factor of units.",
+    "traction_factor": "The tractions are {factor:.4g} times what they should be, on the right widths: a thickness, a unit or a "
+    "share of the surface counted twice; no elastic contact carries other loads on the same width.",
+    "pressure_factor": "The pressure alone is {factor:.4g} times what it should be, on the right widths with the right shear: a "
+    "unit or an area of that one column; another load or modulus would change widths and shear with it.",
+    "offset": "The contact is {distance:.3g} a_ref off along x: the origin of x is not the centre of the profile.",
+    "stiffness": "The bodies are {factor:.3g} times as stiff for their curvature as the scene's: check E, nu, plane strain against"
+    " plane stress, and the radius ({likely}).",
+    "loads": "Loads {factor:.3g} times those of the scene: check thickness, amplitudes and what a load was shared out over.",
+    "half_model": "Loads {factor:.3g} times those of the scene: half of a symmetric model carries half of the loads, and the other "
+    "half was forgotten or counted twice.",
+    "friction": "The coefficient of friction is {factor:.3g} times the scene's.",
+    "full_stick": "Friction is not active: the faces are bonded, or rough; nothing slips, and shear exceeds f p at the edges.",
+    "memoryless": "The history is dropped: each instant is that of a first loading, without the slip locked in before; keep the "
+    "state of friction from step to step.",
+    "not_steady": "The cycle is not steady yet: this is the first revolution, and it was compared with the steady one; run more of "
+    "them and compare the last, or, if the first is meant, state its times on the scene's path (times of a mapping).",
+    "steps": "The steps are too long: {steps:.0f} a cycle cut the corners of the load path; take more, and let some end on the"
+    " turning points.",
+    "other_times": "The tractions are those of other instants, {delay:.3g} of a period late: check the times or the phases of the "
+    "loads.",
+    "elastic_slip": "Elastic slip of a soft tangential penalty: faces that should stick creep by q/k, "
+    "k = {stiffness:.3g} E*/a_ref; "
+    "make the tangential stiffness larger (the slip tolerance smaller), or use Lagrange multipliers.",
+    "soft_normal": "A soft normal penalty: the faces sink into each other by p/k, k = {stiffness:.3g} E*/a_ref, so the contact is "
+    "too wide and its peak too low; make the normal stiffness larger, or use Lagrange multipliers.",
+    "small_body": "The bodies are too small, or held too near: their far field bends the faces like curvatures of {normal:.2g} P/E*"
+    " and shears them by {shear:.2g} Q/E* over a_ref^2; make them larger, or compare with finite bodies.",
+    "coupling": "Pressure moves the faces along x as {beta:.2g} of Dundurs' beta would: the bodies are not alike, in material "
+    "(then not the scene's) or in shape (a narrow pad on a wide block); half-plane theory of like bodies has none of it.",
+    "coarse_edge": "The mesh is too coarse at the edges of contact and stick: the discrepancy stays within two elements of them; "
+    "make the elements there smaller than {spacing:.2g} a_ref.",
+}
+
+_NO_COUPLING = 1e-9
+_OWN_COUPLING = (
+    "Pressure moves the faces along x as {beta:.2g} of Dundurs' beta would, and the scene's own materials have {own:.2g}, which "
+    "half-plane theory leaves out: as far as these agree it is the idealisation and no fault of the result; --against fe has it in."
+)
+# Quotients of E*/R that have a likely cause: (factor, within, cause).
+LIKELY = (
+    (0.5, 0.03, "one half: two deformable bodies where one is rigid, or a diameter given for a radius"),
+    (2.0, 0.03, "two: one of the bodies rigid, or a radius halved"),
+)
 
 
 @dataclass(frozen=True)
@@ -44,7 +90,7 @@ class Diagnosis:
 
     Attributes
     ----------
-    fault : its key, of `diagnosis_words.FAULTS`, or "unknown"
+    fault : its key, of `FAULTS`, or "unknown"
     sentence : what the result most likely suffers from, and what to do
     evidence : measured figures, in words
     strength : 0 to 1: share of the squared discrepancy that the fault explains, less where a rival explains it better
@@ -72,56 +118,78 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     rest = whole
     for number in range(ROUNDS):
         ranked = _ranked(rest, untried)
-        if not ranked or ranked[0][0] < LEAST_EXPLAINED:
+        best, winner = ranked[0]
+        if best < LEAST_EXPLAINED:
             break
         taken = {one.fault for one in found}
-        found += [one for one in _named(rest, ranked, number) if one.fault not in taken]
-        rest = ranked[0][1].mended(rest)
+        for explained, one in ranked if number == 0 else ranked[:1]:  # rivals are weaker by what the two leave unexplained
+            rival = 1.0 if one is winner else min((1 - best) / max(1 - explained, 1e-12), 1.0)
+            strength = max(explained, 0.0) * rival * 0.9**number
+            if explained >= LEAST_EXPLAINED and strength >= LEAST_STRENGTH and one.fault not in taken:
+                found.append(Diagnosis(one.fault, sentence_of(one, rest), tuple(_evidence(rest, one, explained, number)), strength))
+        rest = winner.mended(rest)
         if rest.within(REST):
             break
-    first, *others = sorted(found, key=lambda one: -one.strength) or [_unknown(whole)]
-    return (_with_untried(first, untried), *others)
-
-
-def _with_untried(one: Diagnosis, untried: set[str]) -> Diagnosis:
-    if not untried:
-        return one
-    names = ", ".join(sorted(untried)).replace("_", " ")
-    return replace(one, evidence=(*one.evidence, f"not all was tried: a model with this fault does not settle ({names})"))
+    pressure, shear = whole.errors()
+    size = f"pressure is off by {pressure:.2g} of its norm and shear by {shear:.2g} of f times that at the worst instant"
+    unknown = "The discrepancy fits no known pattern: look at where and when it is largest."
+    first, *others = sorted(found, key=lambda one: -one.strength) or [Diagnosis(UNKNOWN, unknown, (size,), 0.0)]
+    if untried:
+        names = ", ".join(sorted(untried)).replace("_", " ")
+        words = f"not all was tried: a model with this fault does not settle ({names})"
+        first = replace(first, evidence=(*first.evidence, words))
+    return (first, *others)
 
 
 def _ranked(what: Discrepancy, untried: set[str]) -> list[tuple[float, Hypothesis]]:
-    """The best hypothesis of every fault with the share it explains, the best first."""
+    """The best hypothesis of every fault with the share it explains, the best first.
+
+    Faults of the model are looked for only where nothing plainer explains it all, for no fit of them is as good.
+    """
+    tried = [*file_faults(what), *question_faults(what), coarse_edge(what)]
+    if max(what.explained(one.predicted) for one in tried) < CLEAR:
+        by_fault = {one.fault: one for one in tried}
+        tried += model_faults(what, by_fault.get("stiffness"), by_fault.get("offset"), untried)
     best: dict[str, tuple[float, Hypothesis]] = {}
-    for one in _hypotheses(what, untried):
+    for one in tried:
         explained = what.explained(one.predicted) - COST * FITTED.get(one.fault, 0)
         if one.fault not in best or explained > best[one.fault][0]:
             best[one.fault] = explained, one
     return sorted(best.values(), key=lambda pair: -pair[0])
 
 
-def _hypotheses(what: Discrepancy, untried: set[str]) -> Iterator[Hypothesis]:
-    """Every hypothesis; flaws of the model only where nothing plainer explains it all, for no fit of them is as good."""
-    theory = list(theory_faults(what))
-    plain = [*array_faults(what), *theory, *coarse_edge(what)]
-    yield from plain
-    if max(what.explained(one.predicted) for one in plain) < CLEAR:
-        by_fault = {one.fault: one for one in theory}
-        yield from flaw_faults(what, by_fault.get("stiffness"), by_fault.get("offset"), untried)
+def sentence_of(one: Hypothesis, what: Discrepancy) -> str:
+    """What the result most likely suffers from, and what to do."""
+    from halfplane_fe.dundurs import dundurs
+
+    material, figures = what.comparison.scene.material, dict(one.figures)
+    if one.fault == "coupling" and abs(own := dundurs(material).beta) > _NO_COUPLING:
+        return _OWN_COUPLING.format(own=own, **figures)
+    likely = ""
+    if one.fault == "stiffness":
+        factor, nu = figures["factor"], material.upper.poisson_ratio
+        causes = [cause for value, within, cause in LIKELY if abs(factor / value - 1) < within]
+        if material.alike and abs(factor / (1 - nu**2) - 1) < 0.2 * nu**2:
+            causes = [f"it is near 1 - nu^2 = {1 - nu**2:.3g}: plane stress"]
+        likely = (*causes, "contact widths go as the square root of its inverse for a Hertz contact")[0]
+    return FAULTS[one.fault].format(likely=likely, **figures)
 
 
-def _named(what: Discrepancy, ranked: list[tuple[float, Hypothesis]], number: int) -> Iterator[Diagnosis]:
-    """The winner of a round and, in the first, its rivals: weaker by the quotient of what the two leave unexplained."""
-    best = ranked[0][0]
-    for explained, one in ranked if number == 0 else ranked[:1]:
-        rival = 1.0 if one is ranked[0][1] else (1 - best) / max(1 - explained, 1e-12)
-        strength = max(explained, 0.0) * min(rival, 1.0) * 0.9**number
-        if explained >= LEAST_EXPLAINED and strength >= LEAST_STRENGTH:
-            sentence, evidence = (
-                sentence_of(one, _poisson_ratio(what), _own_beta(what)),
-                tuple(evidence_of(what, one, explained, number)),
-            )
-            yield Diagnosis(one.fault, sentence, evidence, strength)
+def _evidence(what: Discrepancy, one: Hypothesis, explained: float, number: int) -> Iterator[str]:
+    """The measured figures that speak for a fault."""
+    behind = "what the faults above leave of the discrepancy" if number else "the discrepancy"
+    yield f"a result with just this fault explains {explained:.1%} of the square of {behind} in p/p_ref and q/(f p_ref)"
+    (before, after), (p_before, q_before) = one.mended(what).errors(), what.errors()
+    yield f"pressure is off by {p_before:.2g} of its norm, shear by {q_before:.2g} of f times that at the worst instant"
+    yield f"with the fault taken out, by {before:.2g} and {after:.2g}"
+    if one.fault in ("full_stick", "frictionless", "friction", "elastic_slip", "swapped"):
+        scales = what.comparison.scales
+        (p, q), (p_found, q_found) = what.expected, what.found
+        inside = (p > 1e-3 * scales.pressure) & (np.abs(q) > 0.999 * scales.friction * p) & (p_found > 0)
+        ratio = np.median(np.abs(q_found[inside]) / (scales.friction * p_found[inside])) if inside.any() else np.nan
+        yield f"median of |q|/(f p) found where the reference slips: {ratio:.3g}; there it should be 1"
+    if what.missing:
+        yield f"{what.missing:.1%} of the tractions are no numbers and were left out"
 
 
 def _by_work(comparison: Comparison) -> Iterator[Diagnosis]:
@@ -131,12 +199,8 @@ def _by_work(comparison: Comparison) -> Iterator[Diagnosis]:
     """
     values = {one.key: one.value for one in comparison.metrics}
     off, less = values.get("dissipation"), values.get("dissipation_polygon")
-    if (
-        off is None
-        or less is None
-        or not abs(off) > (comparison.scene.tolerances.limit("dissipation") or 0.0)
-        or not abs(less) < abs(off) / 2
-    ):
+    limit = comparison.scene.tolerances.limit("dissipation") or 0.0
+    if off is None or less is None or not abs(off) > limit or not abs(less) < abs(off) / 2:
         return
     steps = len(comparison.found.time) - 1
     evidence = (
@@ -144,26 +208,3 @@ def _by_work(comparison: Comparison) -> Iterator[Diagnosis]:
         "the tractions are within their tolerances",
     )
     yield Diagnosis("steps", FAULTS["steps"].format(steps=steps), evidence, 1 - abs(less / off))
-
-
-def _own_beta(what: Discrepancy) -> float:
-    """Dundurs' beta of the scene's own materials."""
-    from halfplane_fe.dundurs import dundurs
-
-    return dundurs(what.comparison.scene.material).beta
-
-
-def _poisson_ratio(what: Discrepancy) -> float | None:
-    """nu where both bodies have the same."""
-    material = what.comparison.scene.material
-    return material.upper.poisson_ratio if material.alike else None
-
-
-def _unknown(what: Discrepancy) -> Diagnosis:
-    pressure, shear = what.errors()
-    return Diagnosis(
-        UNKNOWN,
-        "The discrepancy fits no known pattern: look at where and when it is largest.",
-        (f"pressure is off by {pressure:.2g} of its norm and shear by {shear:.2g} of f times that at the worst instant",),
-        0.0,
-    )

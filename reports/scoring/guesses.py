@@ -67,7 +67,7 @@ def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> 
         ("stress", ("pressure", "shear"), "pressure and shear", float(result.pressure.max()), pressure, "the largest pressure is"),
         ("load", ("normal_load", "tangential_load"), "P and Q", largest, load, "the largest P is"),
     ):
-        known: dict[str, Any] = {name: values for name in fields if (values := getattr(result, name)) is not None}
+        known = {name: values for name in fields if (values := getattr(result, name)) is not None}
         factor = next((one for one in (1.0, *FACTORS) if LEAST <= own / expected * one <= MOST), 1.0)
         if getattr(mapping.factors, key) is not None or not known or not own or factor == 1.0:
             continue

@@ -295,7 +295,7 @@ def by_same_rule(reference: ContactSolution, result: ContactSolution, length: fl
         known |= {"dissipation": work, "dissipation_density": freeze(density), "cycle_dissipation": freeze([work])}
         share = 100 * (work / reference.dissipation - 1) if reference.dissipation else 0.0
         words.append(
-            f"Dissipation is compared by one rule, the sum of q ds over {len(steps)} instants and {len(reference.x)} points of "
-            f"both; of the reference that rule gives {share:+.2g} % more than its own."
+            f"Dissipation is compared by one rule, the sum of q ds over {len(steps)} instants and {len(reference.x)} points; "
+            f"of the reference that rule gives {share:+.2g} % more than its own."
         )
     return replace(reference, **known), tuple(words)

@@ -1,4 +1,4 @@
-"""A mesh study of somebody else's: one result on several meshes, the order at which each discrepancy falls, what no mesh removes.
+"""`halfplane score FOLDER`: one result on several meshes, the order at which each discrepancy falls, what no mesh removes.
 
 # notation: h element size at the contact, E discrepancy of the finest mesh, E_0 extrapolated to h = 0; E - E_0 is the mesh's part
 """
@@ -9,18 +9,24 @@ import itertools
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from reports.comparison import Comparison
+from meshes import collected_files
+from reports.comparison import Comparison, Report
 from reports.comparison.convergence import Extrapolation, Ladder, extrapolate
 from reports.comparison.metrics import Metric
+from reports.console import Stages
+from reports.scoring.against import OWN, Against, diagnosed, score_file
 from reports.scoring.mapping import Mapping
-from scenes import InputError
+from reports.scoring.reading import READERS
+from scenes import InputError, Scene
 
+_WORDS = re.compile(r"[^\s,;]+")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?|[-+]?(?:nan|inf)", re.IGNORECASE)
 # "h=0.05", "h0.05", "mesh_0.025mm", "size-0.1": a figure after such a word in the name of a file.
 _SIZE = re.compile(r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
 # Sizes closer than this are one mesh twice.
@@ -139,20 +145,18 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
 
 
 def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
-    values = [_value(metric, level.comparison, levels[0].comparison) for level in levels]
-    if any(value is None or not math.isfinite(value) for value in values):
-        return None
-    known = tuple(float(value) for value in values if value is not None)
-    return StudyRow(metric, known, extrapolate(Ladder(tuple(level.size for level in levels), known, rounding=ROUNDING)))
-
-
-def _value(metric: Metric, comparison: Comparison, finest: Comparison) -> float | None:
-    """The metric at the instant at which the finest mesh is worst, where the instants are the same; else its own worst."""
-    own = comparison.metric(metric.key)
-    same = len(comparison.found.time) == len(finest.found.time) and np.allclose(comparison.found.time, finest.found.time)
-    if own.series is None or metric.time is None or not same:
-        return own.value
-    return float(own.series[int(np.argmin(np.abs(finest.found.time - metric.time)))])
+    """At the instant at which the finest mesh is worst, where the instants are the same; else each mesh at its own worst."""
+    values, finest = [], levels[0].comparison.found.time
+    for level in levels:
+        own, time = level.comparison.metric(metric.key), level.comparison.found.time
+        same = len(time) == len(finest) and np.allclose(time, finest)
+        at_worst = own.series is not None and metric.time is not None and same
+        value = own.series[int(np.argmin(np.abs(finest - metric.time)))] if at_worst else own.value  # type: ignore[index, operator]
+        if value is None or not math.isfinite(value):
+            return None
+        values.append(float(value))
+    ladder = Ladder(tuple(level.size for level in levels), tuple(values), rounding=ROUNDING)
+    return StudyRow(metric, tuple(values), extrapolate(ladder))
 
 
 def _words(line: StudyRow) -> tuple[str, ...]:
@@ -183,3 +187,58 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
     if len(inside) < 2:
         raise InputError(f"{path}: fewer than two points touch: state its element size under [element_sizes] of a mapping")
     return float(np.median(np.diff(inside))), "median spacing of the points in contact"
+
+
+def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+    """The files that a reader takes, one for each stem (the first suffix in the order of the readers); what was left out, in words.
+
+    What a collection names is read through it, and a .txt without a table is no result.
+
+    Raises
+    ------
+    InputError
+        Where there is none, or a collection can't be read.
+    """
+    known = [*READERS, OWN]
+    files = sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    parts = {part.resolve() for path in files for part in collected_files(path)}
+    alone = [path for path in files if path.resolve() not in parts]
+
+    def has_table(path: Path) -> bool:
+        """Whether some line of a text holds three numbers and nothing else: a place and two tractions."""
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        return any(len(words) > 2 and all(map(_NUMBER.fullmatch, words)) for words in map(_WORDS.findall, lines))
+
+    results = [path for path in alone if path.suffix.lower() in known and (path.suffix.lower() != ".txt" or has_table(path))]
+    taken: dict[str, Path] = {}
+    for path in sorted(results, key=lambda p: known.index(p.suffix.lower())):
+        taken.setdefault(path.stem, path)
+    left = [path.name for path in alone if path not in taken.values()]
+    if not taken:
+        raise InputError(f"{folder}: no result is in this folder; a result ends in {', '.join(known)}")
+    notes = [f"Left out of the folder: {', '.join(left)}."] if left else []
+    if len(alone) < len(files):
+        notes.append(f"Read through the collections that name them: {len(files) - len(alone)} files.")
+    return tuple(sorted(taken.values())), tuple(notes)
+
+
+def score_folder(
+    folder: Path,
+    mapping: Mapping,
+    scene: Scene,
+    stages: Stages,
+    *,
+    against: Against = "exact",
+    tolerances: dict[str, float] | None = None,
+) -> Report:
+    """The report of the finest mesh, with the study over all of them."""
+    (files, notes), levels, reports = results_in(folder), [], []
+    for path in files:
+        with stages.stage(path.name):
+            report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
+            reports.append(report)
+            levels.append(Level(path.name, *element_size(path, mapping, report.comparison), report.comparison))
+    known = study(levels, notes)
+    with stages.stage("diagnosis"):
+        finest = next(report for report in reports if report.comparison is known.levels[0].comparison)
+        return diagnosed(replace(finest, study=known))

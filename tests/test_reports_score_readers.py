@@ -1,0 +1,935 @@
+"""Readers of foreign results: every form gives the same fields with our signs, every spoilt file one sentence that says where."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshes import foreign, read_frames, write_pvd
+from meshes.files import PvdEntry
+from reports.scoring import calculix_files
+from reports.scoring.calculix import CalculixMesh
+from reports.scoring.calculix_files import read_dat, read_frd
+from reports.scoring.guesses import oddities
+from reports.scoring.mapping import Mapping, load_mapping
+from reports.scoring.surface import free_face, inside_out, tension, unbalanced
+from scenes import InputError, load_scene
+from score_results import (
+    DATA,
+    HALF,
+    bodies,
+    check,
+    edited,
+    exact,
+    fields,
+    mesh,
+    pressure_at,
+    result,
+    rows,
+    shear_at,
+    tractions,
+    written,
+)
+
+
+def refused(path: Path, words: str, **mapping: Any) -> None:
+    """One sentence that names the file."""
+    with pytest.raises(InputError, match=words) as caught:
+        result(path, **mapping)
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith(str(path))
+
+
+# ---------------------------------------------------------------------------------------------------------------- tables
+LONG = rows(exact())
+NAMES = {"time": "Step Time", "x": "COORD1 [mm]", "pressure": "CPRESS", "shear": "CSHEAR1", "slip": "CSLIP1"}
+LAYOUTS = {
+    "long": LONG,
+    "shuffled": LONG.sample(frac=1, random_state=1),
+    "renamed": LONG.rename(columns=NAMES),
+    "framed": LONG.drop(columns=["time"]).assign(Frame=np.repeat(np.arange(25), 105)),
+    "by loads": LONG.drop(columns=["time"]),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_every_layout_of_rows_gives_the_same_fields(layout: str, tmp_path: Path) -> None:
+    found = result(written(LAYOUTS[layout], tmp_path / "result.csv"))
+    for name in ("x", "pressure", "shear", "slip", "normal_load", *(["time"] if "time" in LAYOUTS[layout] else [])):
+        np.testing.assert_array_equal(getattr(found, name), getattr(exact(), name), err_msg=name)
+    assert any("sorted" in note for note in found.notes) == (layout == "shuffled")
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", "   ", "decimal comma"])
+def test_separators(separator: str, tmp_path: Path) -> None:
+    comma = separator == "decimal comma"
+    lines = [(";" if comma else separator).join(map(str, line)) for line in [list(LONG.columns), *LONG.to_numpy().tolist()]]
+    text = "\n".join(line.replace(".", ",") if comma else line for line in lines)
+    (tmp_path / "result.txt").write_text(f"# from somewhere\n\n{text}\n", encoding="utf-8")
+    np.testing.assert_array_equal(result(tmp_path / "result.txt").shear, exact().shear)
+
+
+@pytest.mark.parametrize("tag", ["", " Frame {k}", "_{k}", " t={time!r}", " (Step Time = {time!r})", "own places"])
+def test_frames_beside_each_other(tag: str, tmp_path: Path) -> None:
+    columns = [] if tag == "own places" else [("X", exact().x)]
+    for k, time in enumerate(exact().time):
+        end = "" if tag == "own places" else tag.format(k=k, time=float(time))
+        columns += [("X", exact().x)] if tag == "own places" else []
+        columns += [(f"CPRESS{end}", exact().pressure[k]), (f"CSHEAR1{end}", exact().shear[k])]
+    lines = [",".join(name for name, _ in columns)]
+    lines += [",".join(repr(float(values[i])) for _, values in columns) for i in range(len(exact().x))]
+    path = tmp_path / "paths.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    found = result(path)
+    for name in ("x", "pressure", "shear", *(["time"] if "time" in tag else [])):
+        np.testing.assert_array_equal(getattr(found, name), getattr(exact(), name), err_msg=name)
+    assert any("25 frames" in note for note in found.notes)
+    assert (found.time is None) == ("time" not in tag)
+    np.testing.assert_array_equal(result(path, times=exact().time.tolist()).time, exact().time)
+    refused(path, "states 2 times and the file has 25 frames", times=[0.0, 1.0])
+
+
+def test_places_that_move_a_little_are_averaged_and_named(tmp_path: Path) -> None:
+    table = LONG.assign(x=LONG["x"] + np.repeat(1e-3 * np.sin(np.arange(25)), 105))
+    found = result(written(table, tmp_path / "r.csv"))
+    assert any("its mean was taken" in note for note in found.notes)
+    np.testing.assert_allclose(found.x, exact().x, atol=1e-3)
+
+
+def _set(row: int, name: str, value: object) -> Callable[[Any], Any]:
+    return lambda table: table.assign(**{name: [value if k == row else old for k, old in enumerate(table[name])]})
+
+
+TABLES: dict[str, tuple[Callable[[Any], Any] | str, str]] = {
+    "missing shear": (lambda t: t.drop(columns="shear"), "no column for shear (looked for shear, q, CSHEAR1"),
+    "missing x": (lambda t: t.drop(columns="x"), "no column for x"),
+    "word in a cell": (_set(7, "pressure", "n/a"), "line 9: pressure = 'n/a' is not a finite number"),
+    "NaN": (_set(7, "shear", "nan"), "line 9: shear = 'nan' is not a finite number"),
+    "a point twice": (_set(8, "x", float(exact().x[7])), "stands there twice in one instant"),
+    "a ragged instant": (lambda t: t.drop(index=3), "every instant needs the same points"),
+    "P within an instant": (_set(5, "P", 1.0), "normal_load goes from"),
+    "places of another mesh": (_set(5, "x", -1.19), "the points are not the same at every instant"),
+    "two shears": (
+        lambda t: t.rename(columns={"shear": "cshear"}).assign(CSHEAR=0.0),
+        "could each be shear; say which by columns.shear",
+    ),
+    "empty": ("", "the file is empty"),
+    "a remark": ("# only a remark\n", "the file is empty"),
+    "no row": ("x,pressure,shear\n", "no row of numbers"),
+    "no names": ("0,1,2\n1,2,3\n", "line 1: the first line must name the columns"),
+    "a short row": ("x,pressure,shear\n0,1\n", "line 2: 3 numbers (x, pressure, shear) are needed"),
+    "two points": ("x,pressure,shear\n0,1,0\n1,1,0\n", "2 points are no surface"),
+    "two pressures": ("x,pressure,CPRESS,shear\n0,1,1,0\n", "frame 1 has no shear, or no pressure"),
+    "half a frame": ("x,p_1,q_1,p_2\n0,1,0,1\n1,1,0,1\n2,1,0,1\n", "frame 2 has no shear, or no pressure"),
+}
+
+
+@pytest.mark.parametrize("fault", TABLES)
+def test_each_fault_of_a_table_is_one_sentence(fault: str, tmp_path: Path) -> None:
+    change, words = TABLES[fault]
+    path = tmp_path / "result.csv"
+    if isinstance(change, str):
+        path.write_text(change, encoding="utf-8")
+    else:
+        written(change(LONG.astype(object)), path)
+    refused(path, re.escape(words))
+
+
+def test_files_that_no_reader_takes(tmp_path: Path) -> None:
+    (tmp_path / "a.odb").write_text("x", encoding="utf-8")
+    refused(tmp_path / "a.odb", r"no reader for '\.odb'; it reads \.csv")
+    refused(tmp_path / "b.csv", "there is no such file")
+
+
+# --------------------------------------------------------------------------------------------------------------- mapping
+def _mapping(folder: Path, text: str) -> Mapping:
+    (folder / "mapping.toml").write_text(text, encoding="utf-8")
+    return load_mapping(folder / "mapping.toml")
+
+
+def test_the_mapping_scales_turns_and_shifts(tmp_path: Path) -> None:
+    factors = {"pressure": -1e6, "shear": -1e6, "slip": -1e-3, "P": 25.0, "Q": 25.0}
+    table = LONG.assign(x=(LONG["x"] + 7) / 1e3, **{name: factor * LONG[name] for name, factor in factors.items()})
+    text = (
+        'code = "mine 1"\nx_offset = 7.0\nthickness = 25.0\n[factors]\nlength = 1000\nstress = 1e-6\n[signs]\n'
+        'pressure = "compression negative"\nshear = "on upper"\nslip = "lower over upper"\n'
+    )
+    found = result(written(table, tmp_path / "r.csv"), **_mapping(tmp_path, text).model_dump(exclude_unset=True))
+    for name in ("x", "pressure", "shear", "slip", "normal_load"):
+        np.testing.assert_allclose(getattr(found, name), getattr(exact(), name), rtol=1e-13, atol=1e-13, err_msg=name)
+    assert found.code == "mine 1"
+
+
+def test_the_example_mapping_is_one_and_changes_nothing(tmp_path: Path) -> None:
+    from importlib import resources
+
+    text = (resources.files("reports") / "templates" / "mapping.toml").read_text("utf-8")
+    assert _mapping(tmp_path, text) == Mapping()
+    every = re.sub(r"(?m)^# ([\w\"].*=.*|\[element_sizes\])$", r"\1", text)
+    assert _mapping(tmp_path, every).columns.pressure == "CPRESS"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("colums = 1\n", "unknown key colums = 1; did you mean columns?"),
+        ('[signs]\npressure = "up"\n', "signs.pressure = 'up' is refused"),
+        ("thickness = -1\n", "thickness = -1 is refused"),
+        ("x = [\n", "not valid TOML"),
+    ],
+)
+def test_faults_of_a_mapping(text: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=re.escape(words)):
+        _mapping(tmp_path, text)
+    with pytest.raises(InputError, match="the mapping file can't be read"):
+        load_mapping(tmp_path / "none.toml")
+    path = written(LONG, tmp_path / "r.csv")
+    words = "columns.pressure = 'presure', which is not there; did you mean 'pressure'?"
+    refused(path, re.escape(words), columns={"pressure": "presure"})
+
+
+# ----------------------------------------------------------------------------------------------------- fields of one instant
+@pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".xdmf"])
+@pytest.mark.parametrize("deep", [0.0, 0.25])
+def test_scalars_at_the_lower_face_of_every_form_and_an_element_inside_out(tmp_path: Path, suffix: str, deep: float) -> None:
+    path, whole = tmp_path / f"result{suffix}", mesh(deep)
+    whole.write(path)
+    found = result(path)
+    check(found)
+    np.testing.assert_allclose(found.slip[0], 1e-3 * found.x, atol=1e-15)
+    assert found.time is None
+    notes = " ".join(found.notes)
+    assert "the surface is the lower body's face, found at y = 0" in notes
+    assert ("the model is 0.25 thick" in notes) == (deep > 0)
+    assert "inside out" not in notes
+    whole.cells[0].data[7] = np.roll(whole.cells[0].data[7], 4) if deep else whole.cells[0].data[7][::-1]
+    whole.write(path)
+    (said,) = [note for note in result(path).notes if "inside out" in note]
+    assert said.startswith("1 element is")
+    content = path.read_bytes()
+    for end in np.linspace(0, len(content) - 30, 8).astype(int) if not deep else ():  # broken off anywhere
+        path.write_bytes(content[:end])
+        with pytest.raises(InputError):
+            result(path)
+
+
+@pytest.mark.parametrize(
+    ("count", "yy", "xy", "said"),
+    [
+        (6, 1, [3], "xx, yy, zz, xy, yz, xz"),
+        (9, 4, [1, 3], "rows of 3 x 3"),
+        (3, 1, [2], "xx, yy, xy"),
+        (4, 1, [3], "xx, yy, zz, xy"),
+        (4, 3, [1, 2], "rows of 2 x 2"),
+    ],
+)
+def test_stress_in_each_order_of_components(tmp_path: Path, count: int, yy: int, xy: list[int], said: str) -> None:
+    def stress(points: np.ndarray) -> np.ndarray:
+        p, q = fields(points)
+        values = np.full((len(points), count), 7.0)
+        values[:, yy], values[:, xy] = -p, q[:, None]
+        return values
+
+    mesh(stress=stress).write(tmp_path / "result.vtu")
+    found = result(tmp_path / "result.vtu")
+    check(found)
+    assert any("p = -sigma_yy and q = sigma_xy of the lower body" in note and said in note for note in found.notes)
+    check(result(tmp_path / "result.vtu", factors={"stress": 1e-6}), 1e-6)
+
+
+def traction(points: np.ndarray) -> np.ndarray:
+    """On the lower body."""
+    p, q = fields(points)
+    return np.column_stack([q, -p, 0 * p])
+
+
+def test_a_vector_acts_on_the_body_whose_face_it_is_at_and_its_components_have_names(tmp_path: Path) -> None:
+    path = tmp_path / "result.vtu"
+    mesh(contact_traction=traction).write(path)
+    check(result(path))
+    check(result(path, signs={"shear": "on upper"}), -1.0)
+    points, cells = bodies()
+    meshio.Mesh(points, [("quad", cells[0][1][40:])], {"contact_traction": -traction(points)}).write(path)
+    check(result(path))
+    assert any("taken to act on the upper body" in note for note in result(path).notes)
+    check(result(path, signs={"shear": "on lower"}), -1.0)
+    mesh(force=traction).write(path)
+    named = {"columns": {"pressure": "force:1", "shear": "force:0"}, "signs": {"pressure": "compression negative"}}
+    check(result(path, **named))
+    refused(path, "neither contact pressure, nor contact traction, nor stress at points among 'force'")
+
+
+def test_a_path_or_a_curved_face_is_taken_whole_and_fields_of_cells_stand_at_the_middles(tmp_path: Path) -> None:
+    path, x = tmp_path / "path.vtu", np.linspace(-HALF, HALF, 41)
+    line = [("line", np.column_stack([np.arange(40), np.arange(1, 41)]))]
+    curved = np.column_stack([x, 0.3 * x**2, 0 * x])
+    face = np.concatenate([curved, curved + np.array([0, 0, 0.5])])
+    quads = [("quad", np.array([(k, k + 1, k + 42, k + 41) for k in range(40)]))]
+    for points, cells in ((curved, line), (face, quads)):
+        meshio.Mesh(points, cells, {"pressure": pressure_at(points[:, 0]), "shear": shear_at(points[:, 0])}).write(path)
+        check(result(path))
+    middles = (x[1:] + x[:-1]) / 2
+    own = {"CPRESS": [pressure_at(middles)], "CSHEAR1": [shear_at(middles)], "CSLIP": [middles]}
+    meshio.Mesh(curved * [1, 0, 1], line, cell_data=own).write(path)
+    found = result(path)
+    for values, expected in zip(
+        (found.x, found.pressure[0], found.shear[0], found.slip[0]),
+        (middles, pressure_at(middles), shear_at(middles), middles),
+        strict=True,
+    ):
+        np.testing.assert_allclose(values, expected, atol=1e-12)
+    assert "of cells, at their middles" in found.notes[0]
+    points, cells = bodies()
+    meshio.Mesh(points, cells, cell_data={"CPRESS": [np.ones(80)], "CSHEAR1": [np.ones(80)]}).write(path)
+    refused(path, "no cell lies in the surface; average it to points")
+
+
+def test_what_the_mapping_marks_is_the_surface(tmp_path: Path) -> None:
+    path = tmp_path / "result.vtu"
+    points, cells = bodies()
+    face = np.flatnonzero((points[:, 1] == 0) & np.isin(np.arange(len(points)), cells[0][1][:40]))
+    face = face[np.argsort(points[face, 0])]
+    lines = ("line", np.column_stack([face[:-1], face[1:]]))
+    outside = np.where(np.isin(np.arange(len(points)), face), 0.0, -1.0)  # as meshio writes a set of points
+    both = (points[:, 1] == 0).astype(float)
+    data = tractions(points) | {"face": outside, "both": both}
+    meshio.Mesh(points, [*cells, lines], data, {"tag": [np.full(80, 3), np.full(40, 12)]}).write(path)
+    for surface in ("tag=12", "face", "both"):
+        found = result(path, surface=surface, y_offset=99.0)
+        check(found)
+        assert any(f"the surface is what {surface} marks" in note for note in found.notes)
+    assert any("points of both bodies: those of the lower one were taken" in note for note in found.notes)
+    for surface, said in (("tag=5", "marks nothing"), ("tag=x", "'x' is no number"), ("top", "names no field of it")):
+        refused(path, said, surface=surface)
+
+
+def test_the_face_lies_where_the_mapping_says(tmp_path: Path) -> None:
+    path, whole = tmp_path / "result.vtu", mesh()
+    whole.points[:, 1] += 5.0
+    whole.write(path)
+    refused(path, r"no point of a face at y = 0 \(y goes from 4.5 to 5.5\); say where it lies by y_offset")
+    assert len(result(path, y_offset=5.0).x) == 41
+    found = result(path, y_offset=5000.0, x_offset=500.0, factors={"length": 1e3})
+    np.testing.assert_allclose(found.x, 1e3 * np.linspace(-HALF, HALF, 41) - 500.0)
+
+
+# ------------------------------------------------------------------------------------------------------- collections, series
+def collection(folder: Path, kind: str = "pvd", times: tuple[float, ...] = (0.0, 0.5, 2.0)) -> Path:
+    """Instants scaled by 1, 2, 3, the last first in the file; in a PVD the two bodies in files of their own."""
+    points, cells = bodies()
+    entries = []
+    for k, time in reversed(list(enumerate(times))):
+        for part in (0, 1) if kind == "pvd" else (0,):
+            own = cells[0][1] if kind == "series" else cells[0][1][40 * part : 40 * part + 40]
+            name = f"body{part}_{k}.vtu"
+            meshio.Mesh(points, [("quad", own)], tractions(points, k + 1)).write(folder / name)
+            entries.append(PvdEntry(time, part, f"body {part}", name))
+    if kind == "pvd":
+        write_pvd(folder / "result.pvd", entries)
+        return folder / "result.pvd"
+    listed = ",".join(f'{{"name": "body0_{k}.vtu", "time": {time}}}' for k, time in enumerate(times))
+    path = folder / "result.vtu.series"
+    path.write_text(f'{{"file-series-version": "1.0", "files": [{listed}]}}')
+    return path
+
+
+@pytest.mark.parametrize("kind", ["pvd", "series"])
+def test_a_collection_is_read_in_the_order_of_time(tmp_path: Path, kind: str) -> None:
+    path = collection(tmp_path, kind)
+    found = result(path)
+    np.testing.assert_array_equal(found.time, [0.0, 0.5, 2.0])
+    check(found, 3.0)
+    np.testing.assert_allclose(found.pressure[0] * 2, found.pressure[1])
+    np.testing.assert_array_equal(result(path, times=[1, 2, 3]).time, [1.0, 2.0, 3.0])
+    for name, change, said in (
+        ("body0_1.vtu", lambda m: m.point_data.pop("CSHEAR1"), "instant 2 has no field 'CSHEAR1'"),
+        ("body0_2.vtu", lambda m: m.points.__setitem__((0, 0), 9.0), "the points of instant 3 are not those of the first"),
+    ):
+        spoilt = meshio.read(tmp_path / name)
+        change(spoilt)
+        spoilt.write(tmp_path / name)
+        refused(path, said)
+    (tmp_path / "body0_2.vtu").unlink()
+    refused(path, r"it names body0_2\.vtu, which is not there")
+
+
+def test_an_xdmf_series(tmp_path: Path) -> None:
+    points, cells = bodies()
+    with meshio.xdmf.TimeSeriesWriter(tmp_path / "result.xdmf", data_format="XML") as writer:
+        writer.write_points_cells(points, cells)
+        for k, time in enumerate((0.5, 1.5)):
+            writer.write_data(time, point_data=tractions(points, k + 1))
+    found = result(tmp_path / "result.xdmf", factors={"time": 2.0})
+    np.testing.assert_array_equal(found.time, [1.0, 3.0])
+    check(found, 2.0)
+
+
+def parts_of(folder: Path, *made: dict[str, np.ndarray]) -> Path:
+    """The two bodies of one instant in files of their own, each with its fields."""
+    points, cells = bodies()
+    for part, own in enumerate(made):
+        meshio.Mesh(points, [("quad", cells[0][1][40 * part : 40 * part + 40])], own).write(folder / f"body{part}.vtu")
+    write_pvd(folder / "result.pvd", [PvdEntry(1.0, part, f"body {part}", f"body{part}.vtu") for part in (0, 1)])
+    return folder / "result.pvd"
+
+
+def test_parts_with_fields_of_their_own(tmp_path: Path) -> None:
+    """What is taken is read where it is, the rest named; what no part has whole is refused."""
+    points, cells = bodies()
+    full = tractions(points)
+    bare = {name: full[name] for name in ("CPRESS", "CSHEAR1")}
+    for part in (0, 1):
+        path = parts_of(tmp_path, *(full if k == part else {} for k in (0, 1)))
+        found = result(path)
+        check(found)
+        assert f"body{1 - part}.vtu has no 'CPRESS', 'CSHEAR1': left out" in found.notes
+        assert any(f"the surface is the {('lower', 'upper')[part]} body's face" in note for note in found.notes)
+    path = parts_of(tmp_path, bare, full)  # slip of one body alone
+    assert result(path).slip is None
+    assert "CSLIP1 is not in all of the files that hold CPRESS and CSHEAR1, and was left out" in result(path).notes
+    asked = result(path, columns={"slip": "CSLIP1", "pressure": "CPRESS", "shear": "CSHEAR1"})
+    np.testing.assert_allclose(asked.slip[0], 1e-3 * asked.x, atol=1e-15)
+    assert "body0.vtu has no 'CSLIP1': left out" in asked.notes
+    lower = np.isin(np.arange(len(points)), cells[0][1][:40]) & (points[:, 1] == 0)
+    marked = result(parts_of(tmp_path, full | {"face": 1.0 * lower}, full), surface="face")
+    check(marked)
+    assert "body1.vtu has no 'face': left out" in marked.notes
+    path = parts_of(tmp_path, *({name: full[name]} for name in bare))
+    refused(path, r"body0\.vtu has no 'CSHEAR1'; body1\.vtu has no 'CPRESS'")
+    path = parts_of(tmp_path, full, full | {"CPRESS": points})
+    with pytest.raises(InputError, match=r"body0\.vtu: CPRESS has another number of components than in body1\.vtu"):
+        result(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("a.pvd", "<VTKFile type='Collection'><Collection/></VTKFile>", "the collection is empty"),
+        ("a.pvd", "<VTKFile type='UnstructuredGrid'/>", "type Collection is expected"),
+        ("a.pvd", "<VTKFile type='Collection'><DataSet file='a.pvd'/></VTKFile>", "has no time"),
+        ("a.pvd", "<VTKFile type='Collection'><DataSet timestep='1' file='a.pvd'/></VTKFile>", "no reader for '.pvd' within"),
+        ("a.pvd", "<VTKFile", "can't be read as a .pvd file: it is broken off"),
+        ("a.series", '{"files": 3', "can't be read as a .series file"),
+        ("a.vtu", "", "can't be read as a .vtu file"),
+        ("a.vtk", "no\nvtk\nat all\n", "can't be read as a .vtk file"),
+        ("a.xdmf", "<Xdmf Version='3.0'></Xdmf>", "can't be read as a .xdmf file"),
+    ],
+)
+def test_a_file_that_is_none_is_refused(tmp_path: Path, name: str, text: str, said: str) -> None:
+    (tmp_path / name).write_text(text)
+    refused(tmp_path / name, re.escape(said))
+
+
+def test_cells_of_points_that_are_not_there_and_a_file_too_large(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.vtk"
+    mesh().write(path, file_format="vtk42", binary=False)
+    text = path.read_text()
+    cells = text.index("CELLS")
+    path.write_text(text[:cells] + text[cells:].replace("\n4 ", "\n4 9", 1).replace("\n4\n", "\n4\n9", 1))
+    refused(path, "names a point that is not there")
+    monkeypatch.setattr(foreign, "LARGEST", 100)
+    with pytest.raises(InputError, match="write the contact surface alone"):
+        read_frames(path)
+
+
+# ----------------------------------------------------------------------------------------------------- elements inside out
+RING = [[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]
+SQUARE = [(0.0, 0), (1, 0), (1, 1), (0, 1)]
+
+
+def stack(corners: list[tuple[float, int]]) -> tuple[np.ndarray, np.ndarray]:
+    """Three layers of a prism over the corners: points, and the element of each layer."""
+    n = len(corners)
+    return np.array([[x, y, z] for z in range(4) for x, y in corners]), np.arange(2 * n) + n * np.arange(3)[:, None]
+
+
+AROUND = np.array([[0, k, k + 1] for k in (1, 2, 3)])
+SHAPES = {
+    "triangle": (np.array([[0.0, 0, 0], *RING]), AROUND),
+    "quad": (np.array([[x, y, 0.0] for y in (0, 1) for x in range(4)]), np.array([[k, k + 1, k + 5, k + 4] for k in range(3)])),
+    "tetra": (np.array([[0.0, 0, 0], *RING, [0, 0, 1]]), np.column_stack([AROUND, [5, 5, 5]])),
+    "wedge": stack(SQUARE[:3]),
+    "hexahedron": stack(SQUARE),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_an_element_with_its_corners_counted_the_other_way_is_seen_in_every_shape(shape: str) -> None:
+    points, own = SHAPES[shape]
+    turned = own.copy()
+    turned[1] = np.roll(own[1], len(own[1]) // 2) if shape in {"wedge", "hexahedron"} else own[1][[1, 0, *range(2, own.shape[1])]]
+    for places in (points, points * (-1.0, 1, 1)):  # all of a body the other way round is a convention
+        assert inside_out(places, [(shape, own)]) == []
+        (said,) = inside_out(places, [(shape, turned)])
+        assert said.startswith(
+            "1 element is turned inside out, of 3 (a corner with a negative Jacobian; the first lies around x = "
+        )
+
+
+def test_corners_pushed_through_flat_ones_and_the_faces_of_a_thick_body() -> None:
+    points, own = SHAPES["quad"][0].copy(), SHAPES["quad"][1]
+    points[5, :2] = 0.5, 0.5  # the two elements beside it have a straight corner there, or a wide one
+    assert inside_out(points, [("quad8", np.hstack([own, own]))]) == []
+    points[5, :2] = 0.4, 0.4
+    (said,) = inside_out(points, [("quad8", np.hstack([own, own]))])
+    assert "x = 0.35, y = 0.35" in said
+    points, own = SHAPES["hexahedron"]
+    faces = np.array([[0, 1, 2, 3], [12, 13, 14, 15], [3, 2, 1, 0]])
+    assert inside_out(points, [("hexahedron", own), ("quad", faces), ("line", own[:, :2]), ("vertex", own[:, :1])]) == []
+
+
+# ------------------------------------------------------------------------------------- what CalculiX 2.20 really wrote
+P, Q, FRICTION = 400.0, 60.0, 0.3
+# What trapezia over the file's values lose or gain of P, measured, and twice that: edges fall within an element of 0.1 a/0.66.
+ADDS_UP = {
+    "node-to-surface.frd": 1e-3,  # 5.2e-4
+    "node-to-surface.dat": 2e-3,  # 7.7e-4
+    "mortar.frd": 1e-3,  # 4.8e-4
+    "surface-to-surface.frd": 0.05,  # 0.021: nodal values of the linear face are extrapolated from its integration points
+    "surface-to-surface.dat": 0.02,  # 0.010
+}
+
+
+@pytest.mark.parametrize("name", ADDS_UP)
+def test_equilibrium_holds_every_sign_of_calculix(name: str) -> None:
+    found = result(name)
+    normal, tangential = (np.trapezoid(field, found.x, axis=1) for field in (found.pressure, found.shear))
+    np.testing.assert_allclose(normal, [P, P], rtol=ADDS_UP[name])
+    # Shear is loaded to half of sliding: the same edges, on a part of the pressure.
+    np.testing.assert_allclose(tangential, [0.0, Q], atol=ADDS_UP[name] * P * FRICTION * 1.5)
+    np.testing.assert_array_equal(found.time, [1.0, 2.0])
+    assert np.all(np.diff(found.x) > 0)
+    # Friction holds the Coulomb limit (1e-5 of the peak: six digits in the file); the upper body slips along the pull.
+    assert np.all(np.abs(found.shear) <= FRICTION * np.abs(found.pressure) + 1e-5 * found.pressure.max())
+    slides = (np.abs(found.shear[1]) > 0.999 * FRICTION * found.pressure[1]) & (found.pressure[1] > 1.0)
+    assert np.count_nonzero(slides) >= 2
+    assert np.all((found.slip[1] - found.slip[0])[slides] > 0)
+    assert np.all(found.shear[1][slides] > 0)
+    assert not [note for note in found.notes if "inside out" in note]
+    if name.startswith("surface"):
+        np.testing.assert_allclose(found.normal_load, [P, P], rtol=1e-4)
+        np.testing.assert_allclose(found.tangential_load, [0.0, Q], atol=1e-4 * Q)
+        words = "resultants of the contact pair in surface-to-surface.dat, divided by the mapping's thickness, 1"
+        assert any(words in note for note in found.notes)
+    said = [note for note in found.notes if "add up to 1.021 of the contact pair's resultant" in note]
+    assert bool(said) == (name == "surface-to-surface.frd")
+
+
+def test_either_body_as_slave_gives_the_same_tractions_those_of_hertz() -> None:
+    lower, upper, flat = (result(f"{name}.frd") for name in ("node-to-surface", "mortar", "surface-to-surface"))
+    inside = np.abs(lower.x) < 0.45
+    for of in ("pressure", "shear"):
+        other = np.array([np.interp(lower.x, upper.x, row) for row in getattr(upper, of)])
+        # Measured 4.2 % of the peak for p, at x = 0 where node-to-surface dips; 2.0 % for q, stick edge between nodes.
+        np.testing.assert_allclose(getattr(lower, of)[:, inside], other[:, inside], atol=0.06 * lower.pressure.max())
+    for found, words in (
+        (lower, "the lower body"),
+        (upper, "the upper body"),
+        (lower, "the model is 1 thick: the tractions are those of its plane z = -0.5, one of 2"),
+        (upper, "the slave face is curved"),
+    ):
+        assert words in " ".join(found.notes)
+    half_width = np.sqrt(4 * P * 100.0 / (np.pi * 210000 / (1 - 0.3**2) / 2))
+    hertz = 2 * P / (np.pi * half_width**2) * np.sqrt(np.maximum(half_width**2 - upper.x**2, 0.0))
+    # Measured 0.045 of the peak: six elements a half-width, bodies of 3 mm. A wrong thickness is far off.
+    assert np.max(np.abs(upper.pressure[0] - hertz)[np.abs(upper.x) < 0.8 * half_width]) < 0.07 * hertz.max()
+    # A flat slave face is read whole.
+    assert (flat.x[0], flat.x[-1]) == (-4.0, 4.0)
+    assert not np.any(flat.pressure[:, np.abs(flat.x) > 1.0])
+
+
+def beside(folder: Path, force: list[tuple[float, float]], normal: tuple[float, ...]) -> Path:
+    """The mortar run (0.5 thick) with resultants printed beside it, as CalculiX would."""
+    text = ""
+    for time, own in ((1.0, force[0]), (2.0, force[1])):
+        table = [(*own, 0, 0, 0, 0), (0, 0, 0, *normal)]
+        heads = ("total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)", "center of gravity and mean normal")
+        text += f" statistics for slave set SUPPER, master set SLOWER and time  {time:.7E}\n\n"
+        for head, row in zip(heads, table, strict=True):
+            text += f"   {head}\n\n" + "".join(f"{v:14.6E}" for v in row) + "\n\n"
+    path = folder / "mortar.frd"
+    path.write_bytes((DATA / "mortar.frd").read_bytes())
+    path.with_suffix(".dat").write_text(text)
+    return path
+
+
+def test_resultants_beside_the_file_are_turned_divided_named_and_checked(tmp_path: Path) -> None:
+    path = beside(tmp_path, [(0.0, 200.0), (-30.0, 200.0)], (0.0, -1.0, 0.0))
+    found = result(path)
+    np.testing.assert_allclose([found.normal_load, found.tangential_load], [[P, P], [0.0, Q]])
+    assert any("the mesh's thickness, 0.5" in note for note in found.notes)
+    np.testing.assert_allclose(result(path, thickness=1.0).normal_load, [200.0, 200.0])
+    refused(path, "times and the file has 2 instants", times=[1.0])
+    text = path.with_suffix(".dat").read_text()
+    path.with_suffix(".dat").write_text(text + text.replace("SUPPER", "OTHER").replace("2.000000E+02", "9.000000E+02"))
+    with pytest.raises(InputError, match=r"several contact pairs \(slave faces OTHER, SUPPER\)"):
+        result(path)
+    np.testing.assert_allclose(result(path, surface="SUPPER").normal_load, [P, P])
+    found = result(beside(tmp_path, [(0.0, 0.0), (0.0, 0.0)], (np.nan,) * 3))
+    assert found.normal_load is None
+    assert any("states the pair's resultant at 0 of 2 times" in note for note in found.notes)
+
+
+def test_units_times_offset_and_stated_signs_of_calculix() -> None:
+    plain = result("mortar.frd")
+    signs = {"shear": "on upper", "slip": "lower over upper"}
+    factors = {"length": 1e-3, "stress": 1e6, "time": 2.0}
+    turned = result("mortar.frd", factors=factors, x_offset=1e-4, signs=signs, code="mine")
+    # With the upper body as slave CSHEAR1 counts as we do; the mapping says it does not.
+    for name, expected in (
+        ("x", plain.x * 1e-3 - 1e-4),
+        ("pressure", plain.pressure * 1e6),
+        ("shear", -plain.shear * 1e6),
+        ("slip", -plain.slip * 1e-3),
+        ("time", [2.0, 4.0]),
+    ):
+        np.testing.assert_allclose(getattr(turned, name), expected, err_msg=name)
+    np.testing.assert_array_equal(result("mortar.frd", times=[0.25, 0.5]).time, [0.25, 0.5])
+    assert (plain.code, turned.code) == ("CalculiX Version 2.20", "mine")
+    # A stated sign replaces that of the slave face.
+    derived = result("node-to-surface.frd")
+    np.testing.assert_array_equal(result("node-to-surface.frd", signs={"shear": "on upper"}).shear, derived.shear)
+    np.testing.assert_array_equal(result("node-to-surface.frd", signs={"shear": "on lower"}).shear, -derived.shear)
+
+
+def test_a_pull_is_named_once_and_resultants_within_two_per_cent_need_no_word() -> None:
+    """By the guesses, which know its place; the reader's note is for pulls too small for them."""
+    found = result("node-to-surface.frd")
+    said = [*found.notes, *oddities(found, np.zeros(2), load_scene("hertz-paper"))]
+    assert len([sentence for sentence in said if "pulls" in sentence or "tension" in sentence]) == 1
+    assert len(tension(np.array([[1000.0, -0.5]]))) == 1
+    assert tension(np.array([[1000.0, -1.5]])) == []
+    x, flat = np.linspace(-1.0, 1.0, 41), np.ones((1, 41))
+    assert unbalanced(x, flat, np.array([2.0 / 1.019])) == unbalanced(x, flat, None) == []
+    assert "add up to 1.021 of" in unbalanced(x, flat, np.array([2.0 / 1.021]))[0]
+    assert free_face(x, flat, flat) == free_face(x, flat, 0 * flat) == []
+
+
+def test_stress_stands_in_for_contact_values_in_either_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = edited(tmp_path, "surface-to-surface.frd", (" -4  CONTACT ", " -4  CONTAXT "))
+    found = result(path)
+    file = read_frd(path, ("STRESS",))
+    own, block = CalculixMesh(file), file.blocks[-1]
+    values = np.zeros((len(own.numbers), 6))
+    values[own.rows(block.nodes)] = block.values
+    meshio.Mesh(own.points, [("quad", own.cells[0][1])], {"stress": values}).write(tmp_path / "result.vtu")
+    for one in (found, result(tmp_path / "result.vtu")):
+        # Extrapolated nodal stress of linear elements: 7 % of P, 2 % of Q measured.
+        np.testing.assert_allclose(np.trapezoid(one.pressure[-1], one.x), P, rtol=0.12)
+        np.testing.assert_allclose(np.trapezoid(one.shear[-1], one.x), Q, rtol=0.12)
+        assert one.slip is None
+    opened, plainly = [], Path.open
+    monkeypatch.setattr(Path, "open", lambda path, *how, **more: opened.append(path) or plainly(path, *how, **more))
+    result(path)
+    assert opened == [path]  # read once, although it has no contact values
+    assert "p = -SYY and q = SXY of the lower body" in found.notes[0]
+    # Resultants still come from the .dat file, whichever body was the slave.
+    path.with_suffix(".dat").write_bytes((DATA / "surface-to-surface.dat").read_bytes())
+    np.testing.assert_allclose(result(path).tangential_load, [0.0, Q], atol=1e-4 * Q)
+    np.testing.assert_allclose(result(path, factors={"stress": 2.0}).shear, 2 * found.shear)
+    refused(path, r"no node of a lower body's face at y = 0\.5; .*y_offset", y_offset=0.5)
+
+
+def test_an_element_of_calculix_counted_backwards_is_named(tmp_path: Path) -> None:
+    """In contact values, stress and printed values alike."""
+    lines = (DATA / "surface-to-surface.frd").read_text().splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith(" -2"))
+    turned = "".join(f"{int(node):10d}" for node in lines[at].split()[:0:-1])
+    change = (f"{lines[at - 1]}\n{lines[at]}\n", f"{lines[at - 1]}\n -2{turned}\n")
+    path = edited(tmp_path, "surface-to-surface.frd", change)
+    path.with_suffix(".dat").write_bytes((DATA / "surface-to-surface.dat").read_bytes())
+    found = [result(path), result(path.with_suffix(".dat"))]
+    found.append(result(edited(tmp_path, "surface-to-surface.frd", change, (" -4  CONTACT ", " -4  CONTAXT "))))
+    for one in found:
+        (said,) = [note for note in one.notes if "inside out" in note]
+        assert said.startswith("1 element is")
+
+
+# ------------------------------------------------------------------------------------------------ CalculiX files at fault
+MORTAR = (DATA / "mortar.frd").read_text()
+SURFACE = (DATA / "surface-to-surface.frd").read_text()
+BLOCK = read_frd(DATA / "mortar.frd").blocks[0]
+
+
+def _last(text: str, old: str, new: str) -> str:
+    at = text.rindex(old)
+    return text[:at] + new + text[at + len(old) :]
+
+
+def _contact(text: str, old: str, new: str) -> str:
+    """Replaced in the contact blocks alone."""
+    at = text.index(" -4  CONTACT ")
+    return text[:at] + text[at:].replace(old, new)
+
+
+def _touched_on_the_other_face() -> str:
+    """One slave node of the upper body gets the number of a node of the block's face."""
+    file = read_frd(DATA / "mortar.frd")
+    touched = BLOCK.nodes[BLOCK.column("CPRESS") > 0][0]
+    on_face = file.nodes[(file.points[:, 1] == 0) & (np.abs(file.points[:, 0] - 1.0) < 0.5)][0]
+    return _contact(MORTAR, f" -1{touched:10d}", f" -1{on_face:10d}")
+
+
+NODE = BLOCK.nodes[0]
+FIRST = next(line for line in MORTAR.splitlines()[BLOCK.line :] if line.startswith(" -1"))
+OPEN = re.sub(r"(?m)^( -1 {7}.{3})(?:.{12}){6}$", r"\1" + 6 * " 0.00000E+00", MORTAR[MORTAR.index(" -4  CONTACT") :])
+STRESS = SURFACE.replace(" -4  CONTACT ", " -4  CONTAXT ")
+SPOILT = {
+    "neither contact nor stress": (
+        MORTAR.replace(" -4  CONTACT ", " -4  CONTAXT "),
+        "no block CONTACT and none STRESS; it has DISP",
+    ),
+    "a node without coordinates": (_contact(MORTAR, f" -1{NODE:10d}", f" -1{NODE + 90000:10d}"), "has a result.*OUTPUT=3D"),
+    "no contact": (MORTAR[: MORTAR.index(" -4  CONTACT")] + OPEN, "the bodies do not touch"),
+    "NaN": (
+        MORTAR.replace(FIRST, FIRST[:13] + "         NaN" + FIRST[25:]),
+        f"line {BLOCK.line}: block CONTACT holds numbers that are not",
+    ),
+    "no shear": (MORTAR.replace(" -5  CSHEAR1 ", " -5  CSHEARX "), "block CONTACT has no CSHEAR1"),
+    "both faces": (_touched_on_the_other_face(), "nodes of both bodies"),
+}
+SHORT = {
+    "stopped": (MORTAR[: [m.start() for m in re.finditer("    1PSTEP", MORTAR)][2]], "the file has no end (9999)"),
+    "no last contact": (
+        _last(MORTAR, " -4  CONTACT ", " -4  CONTAXT "),
+        "left out: 1 frames without contact values (first at time 2)",
+    ),
+    "no last stress": (_last(STRESS, " -4  STRESS ", " -4  STRESX "), "left out: 1 frames without stress (first at time 2)"),
+    "one time twice": (
+        STRESS.replace("  102 2.000000000", "  102 1.000000000"),
+        "1 blocks of stress share a time with a later one",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", SPOILT)
+def test_a_calculix_file_at_fault_is_refused(tmp_path: Path, fault: str) -> None:
+    text, said = SPOILT[fault]
+    (tmp_path / "run.frd").write_text(text)
+    refused(tmp_path / "run.frd", said)
+
+
+@pytest.mark.parametrize("fault", SHORT)
+def test_a_calculix_file_that_lacks_an_instant_is_read_and_says_so(tmp_path: Path, fault: str) -> None:
+    text, said = SHORT[fault]
+    (tmp_path / "run.frd").write_text(text)
+    found = result(tmp_path / "run.frd")
+    np.testing.assert_array_equal(found.time, [1.0])
+    assert any(said in note for note in found.notes)
+
+
+def test_a_dat_file_takes_its_places_from_the_frd_file_beside_it(tmp_path: Path) -> None:
+    path = tmp_path / "alone.dat"
+    path.write_bytes((DATA / "node-to-surface.dat").read_bytes())
+    refused(path, r"no alone\.frd beside it")
+    path.with_suffix(".frd").write_text(SURFACE)
+    text = (DATA / "surface-to-surface.dat").read_text()
+    row = next(line for line in text.splitlines() if line.strip().startswith("1") and len(line.split()) == 5)
+    element, face = row.split()[:2]
+    for own, said in (
+        (f"{90000:10d} {face:>10}", "element 90000 is not in it"),
+        (f"{element:>10} {1:10d}", "of kind 9 has no face 1"),
+    ):
+        path.write_text(text.replace(row[:21], own))
+        with pytest.raises(InputError, match=said):
+            result(path)
+    refused(
+        edited(tmp_path, "node-to-surface.dat", (" contact stress (", " contact strain (")), "no contact stress is printed in it"
+    )
+
+
+# ------------------------------------------------------------------------------------------------- the forms .frd and .dat
+NODES = ((1, 0.0, 0.0, 0.0), (2, 1.0, 0.0, 0.0), (3, 1.0, 1.0, 0.0), (40, 0.0, 1.0, 0.0))
+CONTACT = ("COPEN", "CSLIP1", "CSLIP2", "CPRESS", "CSHEAR1", "CSHEAR2")
+
+
+def number(value: float) -> str:
+    """Twelve characters, as CalculiX prints a float: %12.5E."""
+    return f"{value:12.5E}"
+
+
+def record(node: int, values: tuple[float, ...], label: int = 10, key: str = "-1") -> str:
+    return f" {key}{node:{label}d}" + "".join(map(number, values)) + "\n"
+
+
+def frd(table: list[Any], name: str = "CONTACT", components: tuple[str, ...] = CONTACT, form: int = 1, time: float = 0.5) -> str:
+    """A file of four nodes, one quadrangle and one result block."""
+    label = {0: 5, 1: 10}[form]
+    text = "    1C\n    1UPGM               CalculiX\n    1UVERSION           Version 2.20\n"
+    text += f"    2C{'':18}{len(NODES):12d}{'':37}{form}\n" + "".join(record(n, place, label) for n, *place in NODES) + " -3\n"
+    text += f"    3C{'':18}{1:12d}{'':37}{form}\n -1{1:{label}d}{9:5d}{0:5d}{1:5d}\n -2"
+    text += "".join(f"{n:{label}d}" for n, *_ in NODES) + "\n -3\n"
+    text += f"    1PSTEP{1:26d}{1:12d}{1:12d}\n  100CL  101{number(time)}{len(table):12d}{'':20}{0:2d}{1:5d}{'':10}{form:2d}\n"
+    text += f" -4  {name:8}{len(components):5d}{1:5d}\n"
+    text += "".join(f" -5  {component:8}{1:5d}{4:5d}{k + 1:5d}{0:5d}\n" for k, component in enumerate(components))
+    for node, *values in table:
+        text += record(node, values[:6], label)
+        for k in range(6, len(values), 6):
+            text += record(node, values[k : k + 6], label, "-2").replace(f"{node:{label}d}", " " * label)
+    return text + " -3\n 9999\n"
+
+
+def frd_of(folder: Path, text: str, **how: Any) -> calculix_files.FrdFile:
+    (folder / "case.frd").write_text(text, **how)
+    return read_frd(folder / "case.frd", ("CONTACT", "DISP"))
+
+
+# Six digits and two of the exponent is all that twelve characters hold.
+SIX_DIGITS = st.builds(lambda m, e: float(f"{m:.5f}E{e}"), st.floats(-9.99999, 9.99999), st.integers(-90, 90))
+
+
+@settings(max_examples=40)
+@given(columns=st.integers(1, 20), count=st.integers(1, 4), data=st.data(), form=st.sampled_from([0, 1]))
+def test_numbers_of_fixed_width_come_back_exactly(
+    tmp_path_factory: pytest.TempPathFactory, columns: int, count: int, data: st.DataObject, form: int
+) -> None:
+    """Over several lines where there are more than six."""
+    values = data.draw(st.lists(st.lists(SIX_DIGITS, min_size=columns, max_size=columns), min_size=count, max_size=count))
+    names = tuple(f"C{k}" for k in range(columns))
+    text = frd([(k + 1, *row) for k, row in enumerate(values)], components=names, form=form, time=0.25)
+    (block,) = frd_of(tmp_path_factory.mktemp("frd"), text).blocks
+    np.testing.assert_array_equal(block.values, values)
+    np.testing.assert_array_equal(block.nodes, np.arange(count) + 1)
+    np.testing.assert_array_equal(block.column(names[-1]), block.values[:, -1])
+    assert (block.time, block.components) == (0.25, names)
+
+
+def test_what_else_is_in_a_frd_file(tmp_path: Path) -> None:
+    found = frd_of(tmp_path, frd([(1, *range(6))]))
+    assert (found.version, found.names, found.times) == ("CalculiX Version 2.20", ("CONTACT",), (0.5,))
+    np.testing.assert_array_equal(found.nodes, [1, 2, 3, 40])
+    np.testing.assert_array_equal(found.points, [row[1:] for row in NODES])
+    assert [(e.number, e.kind, e.nodes) for e in found.elements] == [(1, 9, (1, 2, 3, 40))]
+    with pytest.raises(KeyError):
+        found.blocks[0].column("CPRES")
+    other = frd_of(tmp_path, frd([(1, 1.0)], "PEEQ", ("PE",)))  # not asked for: passed over
+    assert (other.blocks, other.names, other.times) == ((), ("PEEQ",), (0.5,))
+    text = frd([(1, 1.0, 2.0, 3.0)], "DISP", ("D1", "D2", "D3", "ALL"))  # ALL, which viewers work out, is not in the file
+    text = text.replace(f" -5  ALL     {1:5d}{4:5d}{4:5d}{0:5d}", f" -5  ALL     {1:5d}{2:5d}{0:5d}{0:5d}{1:5d}ALL")
+    assert frd_of(tmp_path, text).blocks[0].components == ("D1", "D2", "D3")
+    text = frd([(1, 1.5, 2, 3, 4, 5, 6)]).replace(number(1.5), " 1.46685-100")  # an exponent of three digits
+    assert frd_of(tmp_path, text, newline="\r\n").blocks[0].values[0, 0] == 1.46685e-100
+
+
+ROWS: list[Any] = [(1, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5), (40, 0, 0, 0, 0, 0, 0)]
+GOOD = frd(ROWS)
+LINE = {line: k for k, line in enumerate(GOOD.splitlines(), start=1)}  # the last of equal lines
+ROW = record(1, ROWS[0][1:]).rstrip("\n")
+HEAD = next(line for line in LINE if line.startswith("  100C"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "said"),
+    [
+        (number(2.5), "  2.5OOOE+00", LINE[ROW], "a number, found"),
+        (ROW, ROW[:-3], LINE[ROW], r"6 numbers of 12 characters, 85 in all, found 82"),
+        (ROW, ROW + "E-100", LINE[ROW], "85 in all, found 90"),
+        (f" -1{40:10d}{number(0)}{number(0)}", f" -1{'4O':>10}{number(0)}{number(0)}", LINE[ROW] + 1, "a node's number"),
+        (" -4  CONTACT", " -5  CONTACT", LINE[HEAD] + 1, "the name of a result block"),
+        (" -5  CSHEAR2", " -1  CSHEAR2", LINE[HEAD] + 7, "the name of a component"),
+        (HEAD, HEAD[:12] + "      second" + HEAD[24:], LINE[HEAD], "the time of a frame"),
+        (HEAD, HEAD[:24] + f"{7:12d}" + HEAD[36:], LINE[HEAD], "7 records of block CONTACT as announced here, found 2"),
+        (HEAD, HEAD[:24] + "            " + HEAD[36:], LINE[HEAD], "the count of records"),
+        (f"{4:12d}{'':37}1\n", f"{5:12d}{'':37}1\n", 4, "5 nodes as announced here, found 4"),
+        (f"{1:12d}{'':37}1\n", f"{2:12d}{'':37}1\n", 10, "2 elements as announced here, found 1"),
+        (f" -1{40:10d}{number(0)}{number(1)}", f" -1{3:10d}{number(0)}{number(1)}", 5, "every node once"),
+        (f" -1{40:10d}{number(0)}{number(1)}", f" -1{40:10d}{number(np.nan)}{number(1)}", 5, "finite coordinates"),
+        (f" -2{1:10d}{2:10d}", f" -2{1:10d}{'':10}", 12, "a node's number"),
+        (f" -1{1:10d}{9:5d}", f" -2{1:10d}{9:5d}", 11, "the head of an element"),
+        (f" -2{1:10d}{2:10d}{3:10d}{40:10d}\n", "", 10, "nodes .-2. of every element, found none of element 1"),
+        (GOOD[GOOD.rindex(" -3") :], "", 28, "the file breaks off, 2 lines into the block"),
+        (f"{4:12d}{'':37}1\n", f"{4:12d}{'':37}3\n", 4, r"the file is binary \(form 3\).*\*NODE FILE"),
+        (GOOD, "x,p,q\n0,1,2\n", 0, "no block of nodes"),
+    ],
+)
+def test_a_fault_in_a_frd_file_is_refused_with_its_line(tmp_path: Path, old: str, new: str, line: int, said: str) -> None:
+    assert old in GOOD
+    with pytest.raises(InputError, match=said) as caught:
+        frd_of(tmp_path, GOOD.replace(old, new, 1))
+    assert "expected" not in str(caught.value) or "breaks off" in said or f"case.frd: line {line}: expected" in str(caught.value)
+
+
+def test_a_frd_file_that_breaks_off_anywhere_is_refused_or_read_short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that is still going on: whole blocks may be missing at the end, but no block is read in part."""
+    whole, path = MORTAR.encode(), tmp_path / "cut.frd"
+    blocks = {b.line: b for b in read_frd(DATA / "mortar.frd").blocks}
+    for end in np.linspace(0, len(whole) - 10, 30).astype(int):
+        path.write_bytes(whole[:end])
+        try:
+            found = read_frd(path)
+        except InputError:
+            continue
+        for block in found.blocks:
+            np.testing.assert_array_equal(block.values, blocks[block.line].values)
+        assert not found.ended
+    monkeypatch.setattr(calculix_files, "LARGEST", 100)
+    for reader in (read_frd, read_dat):
+        with pytest.raises(InputError, match="at most 100 bytes are read"):
+            reader(path)
+
+
+TABLE = """
+ forces (fx,fy,fz) for set ALL and time  0.5000000E+00
+
+         1  1.000000E+00 -2.000000E+00  3.000000E+00
+         7  0.000000E+00  0.000000E+00  0.000000E+00
+
+ contact stress (slave node,press,tang1,tang2) for all contact elements and time 0.5000000E+00
+
+        12  1.000000E+00  2.000000E+00  3.000000E+00
+ statistics for slave set A, master set B and time  0.5000000E+00
+
+   total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)
+
+    1.0 2.0 3.0 0.0 0.0 0.0
+
+   center of gravity and mean normal
+
+    0.0 0.0 0.0 0.0 1.0 0.0
+"""
+
+
+def test_tables_of_a_printed_file(tmp_path: Path) -> None:
+    found = read_dat(DATA / "surface-to-surface.dat")
+    whats = [(table.what, table.scope, table.time) for table in found.tables]
+    assert whats[0] == ("total force", "set BOTTOM", 1.0)
+    assert ("contact stress", "all contact elements", 2.0) in whats
+    # The support carries what the pad brings.
+    np.testing.assert_allclose(found.tables[0].values[0, :2], [0.0, P], atol=1e-3)
+    pair = found.pairs[-1]
+    assert (pair.slave, pair.master, pair.time) == ("SLOWER", "SUPPER", 2.0)
+    np.testing.assert_allclose([*pair.force[:2], pair.normal[1]], [Q, -P, 1.0], rtol=1e-4)
+    (tmp_path / "case.dat").write_text(TABLE)
+    found = read_dat(tmp_path / "case.dat")
+    np.testing.assert_array_equal(found.tables[0].ids, [[1], [7]])
+    np.testing.assert_array_equal(found.tables[0].values[0], [1.0, -2.0, 3.0])
+    np.testing.assert_array_equal(found.tables[1].ids, [[12]])
+    np.testing.assert_array_equal(found.pairs[0].force, [1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("-2.000000E+00  3", "************* 3", r"line 4: expected a number"),
+        (" 0.000000E+00\n", "\n", r"line 5: expected 4 numbers \(fx,fy,fz\), found 3"),
+        ("        12 ", "       1.2 ", "line 9: expected the number of a node"),
+        ("        12 ", "", "line 9: expected 4 numbers"),
+        ("    1.0 2.0 3.0 0.0", "    1.0 2.0 0.0", "line 14: expected 6 numbers"),
+        ("   center of gravity", "   centre of gravity", "line 10: expected 'center of gravity and mean normal' below"),
+        (TABLE[TABLE.index("   center") :], "", "line 10: expected 'center of gravity and mean normal' below.*breaks off"),
+        (TABLE, "nothing\n", "no table of CalculiX in it"),
+    ],
+)
+def test_a_fault_in_a_printed_file_is_refused_with_its_line(tmp_path: Path, old: str, new: str, said: str) -> None:
+    assert old in TABLE
+    (tmp_path / "case.dat").write_text(TABLE.replace(old, new, 1))
+    with pytest.raises(InputError, match=said):
+        read_dat(tmp_path / "case.dat")
