@@ -12,10 +12,10 @@ from reports.charts.table import table_text
 from reports.charts.templating import script, template
 from reports.console import Stages
 from reports.folder import filled
-from reports.paper import statements as rules
 from reports.paper.cases import Paper, paper
 from reports.paper.figures import sheets
 from reports.paper.misprints import MISPRINTS
+from reports.paper.statements import judged
 from reports.paper.tables import WORDS, Misprint, Statement, Verdict, as_columns, misprint, proven_in_words, statement
 
 SOURCE = (
@@ -40,7 +40,7 @@ class PaperReport:
 
 def statements(examples: Paper) -> tuple[Statement, ...]:
     """Every statement of the paper, with verdicts."""
-    found = rules.statements(examples)
+    found = judged(examples)
     return tuple(statement(words, found[words["key"]]) for words in WORDS["statement"])
 
 

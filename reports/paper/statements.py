@@ -30,7 +30,7 @@ _PLACES = (0.0, 0.2, 0.4, 0.55, 0.7, 0.8, 0.9, 1.0, 1.1)
 _HISTORIES = {0.77: "SRSF", 0.82: "SRORSF", 1.0: "OSFO", 1.13: "OFO"}
 
 
-def statements(paper: Paper) -> dict[str, Found]:
+def judged(paper: Paper) -> dict[str, Found]:
     """Key of a statement -> its verdict and numbers."""
     return tractions(paper.hertz) | course(paper.hertz) | loads(paper) | work(paper.hertz) | comparisons(paper)
 
