@@ -14,7 +14,7 @@ from reports.console import Stages
 from reports.folder import filled
 from reports.paper.cases import Paper, paper
 from reports.paper.figures import sheets
-from reports.paper.misprints import MISPRINTS
+from reports.paper.misprints import proofs
 from reports.paper.statements import judged
 from reports.paper.tables import WORDS, Misprint, Statement, Verdict, as_columns, misprint, proven_in_words, statement
 
@@ -46,7 +46,8 @@ def statements(examples: Paper) -> tuple[Statement, ...]:
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
     """Every misprint of the paper, with proofs."""
-    return tuple(misprint(words, MISPRINTS[words["key"]](examples)) for words in WORDS["misprint"])
+    found = proofs(examples)
+    return tuple(misprint(words, found[words["key"]]) for words in WORDS["misprint"])
 
 
 def tally(rows: Sequence[Statement]) -> dict[str, int]:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from pathlib import Path
 from string import Formatter
 from typing import Any
-
-from reports.paper.cases import Paper
 
 EXACT, APART = 1e-9, 1e-3
 """A mended formula agrees with the engine to EXACT; a misprint is off by more than APART: both shares of the right value."""
@@ -66,12 +64,6 @@ class Misprint:
 
 # What a rule finds: the verdict, or whether the misprint is proven, and what the words of its row name.
 Found = tuple[Any, dict[str, Any]]
-Rule = Callable[[Paper], Found]
-
-
-def rule(rules: dict[str, Rule], key: str) -> Callable[[Rule], Rule]:
-    """Makes a function the rule of the row `key`."""
-    return lambda function: rules.setdefault(key, function)
 
 
 class _Words(Formatter):
