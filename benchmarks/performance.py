@@ -3,71 +3,751 @@
     make bench              (python benchmarks/performance.py [SECTION ...] [--pages], a quarter of an hour)
 
 Each section measures, writes what it found to docs/performance/SECTION.json with machine and versions, draws its figures, and has
-its part of the page. With names of sections only those are measured anew; with --pages none is, and the page is written from the
+its part of the page. With names of sections only those are measured again; with --pages none is, and the page is written from the
 files. The machine may be busy: ratios are of one run, times are CPU times unless they say otherwise.
 """
 
 from __future__ import annotations
 
+import contextlib
+import cProfile
 import datetime
 import json
 import os
 import platform
+import pstats
+import statistics
+import subprocess
 import sys
+import tempfile
 import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple
+from unittest import mock
 
-import performance_growth
-import performance_half_plane
-import performance_peers
-import performance_precision
-import performance_skipping
-import performance_start
+import finite_elements as fe
+import half_plane
+import numpy as np
+import performance_peers as peers
+from claim import ROOT, kept_json, markdown, memory, seconds, slope, with_children, write_json
+from finite_elements import COARSE, DEFAULT, FINE, FREE, Measured, Setting
+from half_plane import random_ellipses, random_rows
+from threadpoolctl import threadpool_limits
 
-ROOT = Path(__file__).parent.parent
+import halfplane_fe
+import semi_analytic
+from halfplane_fe import SolverSettings
+from halfplane_fe.nested import NestedFactor
+from halfplane_fe.systems import Systems
+from meshes import MeshSettings
+from reports.charts.publication import canvas, label_axes
+from scenes import (
+    ContactSolution,
+    ConvergenceError,
+    Hertz,
+    InadmissibleLoadError,
+    InputError,
+    Scene,
+    TimeSeriesLoad,
+    load_scene,
+    scene_names,
+)
+
 PAGE, FOLDER = ROOT / "docs" / "performance.md", ROOT / "docs" / "performance"
 PACKAGES = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh")
+COLOURS = ("#111111", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8a8a8a")
+MARKS = "*os^PDvX"
+Panel = tuple[str, str, str, dict[str, list[tuple[float, float]]]]  # title, labels of x and y, points of each series
 
 
-class Section(Protocol):
-    """What the modules of the sections have."""
-
-    TITLE: str
-
-    def measure(self) -> dict[str, Any]:
-        """What was found, for JSON."""
-
-    def draw(self, found: dict[str, Any], folder: Path) -> None:
-        """Figures into the folder."""
-
-    def page(self, found: dict[str, Any]) -> list[str]:
-        """Lines of Markdown."""
+# --------------------------------------------------------------------------------------- error against time: finite elements
+# Better by more than MARGIN in one of time and error, in the other no worse than by SAME: CPU times vary by some ten per cent.
+MARGIN, SAME = 0.25, 0.05
+REFERENCE = Setting(
+    "reference",
+    MeshSettings(element_size=1 / 48, edge_element_size=1 / 320),
+    SolverSettings(steps_per_cycle=192, step_tolerance=5e-5),
+)
+SCENES = ("hertz-paper", "flat-rounded-paper", "cattaneo-mindlin", "blocks")
+WHAT = {"seconds": "time", "work": "error of W", "shear": "error of q", "loop": "error of the loop"}
 
 
-SECTIONS: dict[str, Section] = {
-    "precision": performance_precision,
-    "half-plane": performance_half_plane,
-    "peers": performance_peers,
-    "growth": performance_growth,
-    "start": performance_start,
-    "skipping": performance_skipping,
+def cut(order: int, counts: Sequence[int], coarser: int | None) -> list[Setting]:
+    """Meshes of a/n at the edges; of a/`coarser` in the middle, or as fine there as at the edges."""
+    found = []
+    for n in counts:
+        middle = 1 / n if coarser is None else max(1 / coarser, 1 / n)
+        found.append(Setting(f"a/{n}", MeshSettings(element_size=middle, edge_element_size=1 / n, order=order)))
+    return found
+
+
+def series(whole: bool) -> dict[str, list[Setting]]:
+    """What is varied, one thing at a time about the default; the dearest points only for the `whole` of it."""
+
+    def turns(count: int, **more: Any) -> Setting:
+        return Setting(f"{count} a turn", solver=SolverSettings(steps_per_cycle=count, **more))
+
+    def soft(k: float) -> Setting:
+        return Setting(f"{k:g} E*/h", solver=SolverSettings(method="penalty", normal_stiffness=k, tangential_stiffness=k))
+
+    return {
+        "named settings": [COARSE, DEFAULT, *([FINE] if whole else [])],
+        "quadratic, graded": cut(2, (10, 20, 40, 80, 160, 320) if whole else (10, 20, 40, 80, 240), 24),
+        "quadratic, uniform": cut(2, (10, 20, 40, 80) if whole else (10, 20, 40), None),
+        "linear, graded": cut(1, (20, 40, 80, 160), 24),
+        "growth of the bulk": [Setting(f"growth {g:g}", replace(MeshSettings(), growth=g)) for g in (0.1, 0.4)],
+        "regular increments": [turns(n) for n in (24, 48, 192)],
+        "increments, no tolerance": [turns(n, step_tolerance=FREE) for n in ((8, 24, 96, 384) if whole else (8, 24, 96))],
+        "penalty, a/160": [soft(k) for k in (10.0, 1e2, 1e3)],
+    }
+
+
+def point(text: str, found: Measured, exact_law: Measured) -> dict[str, Any]:
+    """Sizes of the parts added, for their signed sum may vanish by chance; what a penalty layer adds is a part too."""
+    work = abs(exact_law.mesh_part) + abs(found.mesh_part - exact_law.mesh_part) + abs(found.increment_part)
+    layer = abs(found.loop_mesh_part - exact_law.loop_mesh_part)
+    loop = abs(exact_law.loop_mesh_part) + layer + abs(found.loop_corners)
+    return {"text": text, "seconds": found.seconds, "work": work, "shear": found.shear, "loop": loop}
+
+
+def precision_of(name: str) -> dict[str, Any]:
+    """Every series on a scene; on blocks the truth is the model itself, finer in everything."""
+    reference = halfplane_fe.solve(load_scene(name), REFERENCE.mesh, REFERENCE.solver).dissipation if name == "blocks" else None
+    fe.measure.cache_clear()
+    exact_law, found = fe.measure(name, DEFAULT, reference), {}
+    for title, settings in series(name == "hertz-paper").items():
+        runs = [(one, fe.measure(name, one, reference)) for one in settings]
+        found[title] = [point(one.text, m, exact_law if one.solver.method == "penalty" else m) for one, m in runs]
+    print(f"    {name}: {sum(map(len, found.values()))} runs", flush=True)
+    return {"series": found, "reference": reference}
+
+
+def precision() -> dict[str, Any]:
+    fe.measure("hertz-paper", COARSE)  # the first run of a process also reads what the later ones find
+    return {name: precision_of(name) for name in SCENES}
+
+
+def precision_panels(scenes: dict[str, Any]) -> dict[str, list[Panel]]:
+    wanted = [(name, "work", "error of W") for name in scenes]
+    wanted += [(name, "shear", "L2 of q over f ||p||, rms") for name in scenes if name != "blocks"]
+    return {
+        "precision_fe": [
+            (
+                f"{name}: {'dissipation' if key == 'work' else 'shear'}",
+                "CPU time [s]",
+                what,
+                {title: [(p["seconds"], p[key]) for p in points] for title, points in scenes[name]["series"].items()},
+            )
+            for name, key, what in wanted
+        ]
+    }
+
+
+def better(found: dict[str, Any], default: dict[str, Any], measures: Sequence[str]) -> list[str]:
+    """Settings that are neither slower nor less exact than the default in any of `measures`, and in time or one of them better."""
+    rivals = []
+    for name, one in ((name, one) for name, points in found["series"].items() for one in points if one is not default):
+        ratios = {key: one[key] / default[key] for key in ("seconds", *measures) if one[key] is not None}
+        if max(ratios.values()) <= 1 + SAME and min(ratios.values()) < 1 - MARGIN:
+            words = ", ".join(f"{ratio:.2f} of the {WHAT[key]}" for key, ratio in ratios.items())
+            rivals.append(f"{name}, {one['text']} ({words})")
+    return rivals
+
+
+ALTERNATIVES = (
+    ("a/160 at the edges", "quadratic, graded", ("a/80",)),
+    ("a/160 at the edges", "quadratic, graded", ("a/240", "a/320")),
+    ("graded, a/24 in the middle", "quadratic, uniform", ("a/40",)),
+    ("quadratic elements", "linear, graded", ("a/160",)),
+    ("growth 0.2 of the bulk", "growth of the bulk", ("growth 0.1",)),
+    ("growth 0.2 of the bulk", "growth of the bulk", ("growth 0.4",)),
+    ("96 increments a revolution", "regular increments", ("48 a turn",)),
+    ("96 increments a revolution", "regular increments", ("192 a turn",)),
+    ("increments halved to a tolerance", "increments, no tolerance", ("96 a turn",)),
+    ("the exact law", "penalty, a/160", ("1000 E*/h",)),
+)
+
+
+def precision_page(found: dict[str, Any]) -> list[str]:
+    """Whether the defaults lie on the front, and what each costs and buys."""
+    lines = [
+        "Error of W on half-planes: the mesh's part (against the exact answer to the polygon of its own increments) and the "
+        "increments' part (that polygon against the path), their sizes added, for the signed sum may vanish by chance; with the "
+        "penalty method what its layer adds to the exact law on the same mesh is a part as well. So is that of the loop: the "
+        "mesh's part against theory at the same instants, and the corners that straight lines between these cut. On blocks theory "
+        "has no exact answer: the error is that against the same model at a/320 (a/48 in the middle) with twice the increments "
+        "and a tenth of the step tolerance.",
+        "",
+        f"A setting is better than the default where it is neither slower nor less exact in W, in q or in the hysteresis loop "
+        f"(by {SAME:.0%}), and in time or one of them better by {MARGIN:.0%}. What would be better if one of them alone counted is "
+        "named as well.",
+        "",
+    ]
+    defaults = {name: next(p for p in scene["series"]["named settings"] if p["text"] == "default") for name, scene in found.items()}
+    for name, scene in found.items():
+        default = defaults[name]
+        measures = [key for key in ("work", "shear", "loop") if default[key] is not None]
+        rivals = better(scene, default, measures)
+        errors = ", ".join(f"{WHAT[key]} {default[key]:.1e}" for key in measures)
+        words = f"**not on the front**: better is {'; '.join(rivals)}" if rivals else "on the front"
+        lines.append(f"- {name}: default {default['seconds']:.1f} s; {errors}; {words}.")
+        for key in measures:
+            alone = [rival for rival in better(scene, default, [key]) if rival not in rivals]
+            lines += [f"  - were the {WHAT[key]} all that counts: {'; '.join(alone)}."] if alone else []
+    cells = []
+    for what, group, texts in ALTERNATIVES:
+        others = {name: next(p for p in scene["series"][group] if p["text"] in texts) for name, scene in found.items()}
+        ratios = ["; ".join(f"{defaults[n][key] / o[key]:.2g}" for key in WHAT if o[key] is not None) for n, o in others.items()]
+        cells.append((what, f"{group}: {' or '.join(texts)}", *ratios))
+    lines += ["", "What each default costs and buys, default over alternative (time; error of W; of q; of the loop):", ""]
+    return [*lines, *markdown(f"default | instead | {' | '.join(found)}", cells)]
+
+
+# ----------------------------------------------------------------------------------- error against time: half-plane theory
+CASES = {name: name for name in half_plane.CASES if not name.startswith("P1/P0")}
+CASES["flat face, the paper's loads"] = "flat and rounded, b/a = 0.7"
+METHODS = {
+    "plain Gauss": "Gauss, 4 to 32 nodes a phase",
+    "the engine's rule": "the engine's rule (default)",
+    "straight steps": "memory curve, 50 to 3200 straight steps",
+    "discretised": "naive discretised half-plane, 20 to 160 elements",
 }
 
 
-def processor() -> str:
-    """Its name, where the system tells it."""
-    file = Path("/proc/cpuinfo")
-    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
-    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
+def theory_precision() -> dict[str, Any]:
+    studies = {title: half_plane.study(name) for name, title in CASES.items()}
+    return {title: {key: [p._asdict() for p in points] for key, points in found.items()} for title, found in studies.items()}
+
+
+def theory_panels(cases: dict[str, Any]) -> dict[str, list[Panel]]:
+    order = ("the engine's rule", "plain Gauss", "straight steps", "discretised")
+    return {
+        "precision_half_plane": [
+            (
+                title,
+                "CPU time of one W [s]",
+                "error of W",
+                {METHODS[key]: [(p["seconds"], p["error"]) for p in methods[key]] for key in order},
+            )
+            for title, methods in cases.items()
+        ]
+    }
+
+
+def theory_page(cases: dict[str, Any]) -> list[str]:
+    cells = []
+    for title, methods in cases.items():
+        row = [title]
+        for method in ("the engine's rule", "plain Gauss", "straight steps", "discretised"):
+            best = min(methods[method], key=lambda one: one["error"], default=None)
+            row += [f"{best['error']:.1e}", f"{1e3 * best['seconds']:.2g}"] if best else ["no answer", ""]
+        cells.append(row)
+    best = "best of Gauss | time [ms] | best of straight steps | time [ms] | best of the naive peer | time [ms]"
+    return [
+        "One W of a steady cycle at a time, one thread, against 30 digits. The engine's rule has no setting: it takes the nodes "
+        "that it needs. Plain Gauss is faster to few digits where nothing is extreme, and does not arrive near gross "
+        "sliding or with tiny slip. The naive discretised half-plane is `benchmarks/unlike_half_planes.py`.",
+        "",
+        *markdown(f"case | engine: error | time [ms] | {best}", cells),
+    ]
+
+
+# ------------------------------------------------------------------------------------------------------------------- growth
+MOST = 2.2  # the steepest exponent that is promised
+
+
+def history_of(rows: int) -> tuple[float, float, int]:
+    scene = load_scene("hertz-paper")
+    scene = scene.vary(load=TimeSeriesLoad(rows=random_rows(scene, rows)))
+    return rows, seconds(lambda: semi_analytic.solve(scene, fields=("dissipation",))), 1
+
+
+def batch_of(members: int) -> tuple[float, float, int]:
+    ellipses = random_ellipses(members)
+    return members, seconds(lambda: semi_analytic.dissipation(profile=Hertz(radius=1.0), **ellipses)), 1
+
+
+def sweep_of(points: int, engines: list[str]) -> tuple[float, float, int]:
+    """A study of a scene: friction by theory; by finite elements blocks of several heights, coarse meshes. One process."""
+    import sweep
+
+    from reports.sweep.running import prepare, work
+    from reports.sweep.study import study_of
+
+    heights = {"name": "height", "keys": ["bodies.lower.height", "bodies.upper.height"]}
+    if engines == ["exact"]:
+        axis = {"name": "f", "key": "friction.coefficient", "linear": {"start": 0.9, "stop": 2, "count": points}}
+        asked = sweep.EXACT | {"axes": [axis]}
+    else:
+        asked = sweep.FE | {"axes": [heights | {"logarithmic": {"start": 4, "stop": 32, "count": points}}]}
+    study = study_of(asked, "benchmark")
+    with tempfile.TemporaryDirectory() as folder:
+        spent, _ = with_children(lambda: work(prepare(study, Path(folder) / "out"), workers=1))
+    return points, spent, 1
+
+
+def steps_of(count: int) -> tuple[float, float, int]:
+    _, spent, steps = fe.path_cost(40, count)
+    return steps, spent, 1
+
+
+def condensation_of(edge: int) -> tuple[float, float, int]:
+    return *fe.condensation_cost(edge)[:2], 1
+
+
+def bulk_of(inverse: int) -> tuple[float, float, int]:
+    _, spent, dof = fe.condensation_cost(80, 1 / inverse)
+    return dof, spent, 1
+
+
+class Kind(NamedTuple):
+    """A cost: how it is measured (size as counted, CPU seconds, how many times the thing was done), and at which sizes."""
+
+    task: Callable[[int], tuple[float, float, int]]
+    sizes: tuple[int, ...]
+    unit: str
+    what: str
+
+
+KINDS = {
+    "path": Kind(fe.path_cost, (40, 80, 160, 320), "contact nodes", "two revolutions, every touch met"),
+    "steps": Kind(steps_of, (200, 400, 800, 1600), "increments", "two revolutions on a/40"),
+    "condensation": Kind(condensation_of, (40, 80, 160, 320), "contact nodes", "condensation of a body"),
+    "bulk": Kind(bulk_of, (5, 10, 20, 33), "bulk degrees of freedom", "condensation of a body"),
+    "history": Kind(history_of, (1_000, 10_000, 100_000, 1_000_000), "rows of a history", "theory, W of every step"),
+    "batch": Kind(batch_of, (1_000, 10_000, 100_000, 1_000_000), "members of a batch", "theory, W of each"),
+    "theory points": Kind(partial(sweep_of, engines=["exact"]), (25, 50, 100), "points of a sweep", "theory, one by one"),
+    "FE points": Kind(partial(sweep_of, engines=["fe"]), (2, 4, 8), "points of a sweep", "finite elements, coarse"),
+}
+
+
+def one_cost(kind: str, size: int) -> dict[str, float]:
+    """Cost of a point in this process, and its peak of memory [MB] beyond what the imports take."""
+    imported = memory()
+    with threadpool_limits(limits=1, user_api="blas"):
+        counted, spent, times = KINDS[kind].task(size)
+    cost = {"size": counted, "seconds": spent, "most seconds": spent, "each": spent / times}
+    return cost | {"memory": memory() - imported, "imports": imported}
+
+
+def exponent(points: list[dict[str, float]], key: str = "seconds") -> float:
+    return slope([p["size"] for p in points], [max(p[key], 1e-9) for p in points])
+
+
+def profile(work: Callable[[], Any], count: int = 8) -> dict[str, Any]:
+    """Shares of the time in functions themselves, calls below them left out; the profiler's own cost falls on many small ones."""
+    profiler = cProfile.Profile()
+    profiler.runcall(work)
+    stats: dict[Any, Any] = pstats.Stats(profiler).stats  # type: ignore[attr-defined]
+    total = sum(entry[2] for entry in stats.values())
+
+    def place(file: str, _line: int, name: str) -> str:
+        own = [
+            top for top in ("site-packages", "halfplane_fe", "semi_analytic", "meshes", "scenes", "reports") if f"/{top}/" in file
+        ]
+        short = file.rsplit(f"/{own[0]}/", maxsplit=1)[-1] if own else Path(file).name
+        return name if file == "~" else f"{name} ({short if not own or own[0] == 'site-packages' else f'{own[0]}/{short}'})"
+
+    rows = sorted(stats.items(), key=lambda item: -item[1][2])[:count]
+    return {"seconds": total, "functions": [(place(*where), calls, own / total) for where, (_, calls, own, _, _) in rows]}
+
+
+def growth() -> dict[str, Any]:
+    """All kinds, each point in a process of its own; what dominates in the jobs that people wait for; wall seconds by stage."""
+    found: dict[str, list[dict[str, float]]] = {}
+    for name, kind in KINDS.items():
+        commands = [[sys.executable, __file__, "--one", name, str(size)] for size in kind.sizes]
+        found[name] = [json.loads(subprocess.run(c, check=True, capture_output=True, text=True).stdout) for c in commands]
+        print(f"    {name}: exponent {exponent(found[name]):.2f}", flush=True)
+    paper, blocks = load_scene("hertz-paper"), load_scene("blocks")
+    rows = paper.vary(load=TimeSeriesLoad(rows=random_rows(paper, 100_000)))
+    jobs = {
+        "hertz-paper, finite elements, default": lambda: halfplane_fe.solve(paper),
+        "blocks, finite elements, coarse": lambda: halfplane_fe.solve(blocks, MeshSettings.coarse()),
+        "hertz-paper, theory": lambda: semi_analytic.solve(paper),
+        "10^5 rows, theory, W of every step": lambda: semi_analytic.solve(rows, fields=("dissipation",)),
+    }
+    scenes = ("hertz-paper", "blocks", "cattaneo-mindlin")
+    stages = {name: dict(halfplane_fe.solve(load_scene(name)).work.seconds) for name in scenes}
+    return {"growth": found, "profiles": {name: profile(job) for name, job in jobs.items()}, "stages": stages}
+
+
+def growth_panels(found: dict[str, Any]) -> dict[str, list[Panel]]:
+    def lines(key: str) -> dict[str, list[tuple[float, float]]]:
+        labels = {name: f"{KINDS[name].what}, by {KINDS[name].unit}" for name in found["growth"]}
+        return {labels[name]: [(p["size"], max(p[key], 1e-4)) for p in points] for name, points in found["growth"].items()}
+
+    x = "size, in its own unit"
+    memory_label = "peak memory beyond imports [MB]"
+    return {"growth": [("CPU time", x, "CPU time [s]", lines("seconds")), ("Peak memory", x, memory_label, lines("memory"))]}
+
+
+def growth_page(found: dict[str, Any]) -> list[str]:
+    def exponents(points: list[dict[str, float]], key: str = "seconds") -> str:
+        return f"{exponent(points, key):.2f}; {exponent(points[-2:], key):.2f}"
+
+    cells, steep = [], []
+    for name, points in found["growth"].items():
+        kind = KINDS[name]
+        sizes, spent = (", ".join(f"{p[key]:{form}}" for p in points) for key, form in (("size", ",.0f"), ("seconds", ".3g")))
+        cells.append((kind.what, kind.unit, sizes, spent, exponents(points), ", ".join(f"{p['memory']:.0f}" for p in points)))
+        if name == "path":
+            each = ", ".join(f"{1e3 * p['each']:.2f} ms" for p in points)
+            cells.append(("one increment of them", kind.unit, sizes, each, exponents(points, "each"), ""))
+        steep += [name] if max(exponent(points), exponent(points[-2:])) > MOST else []
+    names = list(next(iter(found["stages"].values())))
+    stages = [(scene, *(f"{spent[name]:.2f}" for name in names)) for scene, spent in found["stages"].items()]
+    lines = [
+        "Each point in a process of its own, one run. The exponent is the slope of log(time) over log(size), over "
+        "all sizes, small ones with what a process does once, and between the two largest; "
+        "memory is the peak of the process beyond what its imports take. hertz-paper but where another scene is named.",
+        "",
+        *markdown("cost of | by | sizes | CPU time [s] | exponent: all; last two | peak memory [MB]", cells),
+        "",
+        f"No exponent is above {MOST:g}." if not steep else f"Steeper than {MOST:g}, as is promised: {', '.join(steep)}.",
+        "The large case (1,000 contact nodes a side, 400 steps) has its time and memory on the page of numbers.",
+        "",
+        "### What dominates",
+        "",
+        "Wall seconds by stage, default mesh, nothing from the store:",
+        "",
+        *markdown(f"scene | {' | '.join(names)}", stages),
+    ]
+    for name, one in found["profiles"].items():
+        shares = [(f"`{place}`", f"{calls:,}", f"{share:.0%}") for place, calls, share in one["functions"]]
+        lines += ["", f"{name}: {one['seconds']:.2f} s under cProfile, shares of functions themselves:", ""]
+        lines += markdown("function | calls | share", shares)
+    return lines
+
+
+# ----------------------------------------------------------------------------------------------------------------- start-up
+COMMANDS = {
+    "a bare interpreter": ["-c", "pass"],
+    "`halfplane --help`": ["-m", "reports", "--help"],
+    "`import semi_analytic`": ["-c", "import semi_analytic"],
+    "`import halfplane_fe`": ["-c", "import halfplane_fe"],
+}
+
+
+def start() -> dict[str, Any]:
+    """CPU times in turn, after one to warm up; size of the wheel and of the environment in bytes."""
+
+    def child(arguments: list[str], **more: Any) -> float:
+        command = [sys.executable, *arguments]
+        return with_children(lambda: subprocess.run(command, check=True, capture_output=True, cwd=ROOT, **more))[0]
+
+    def size(folder: Path) -> int:
+        return sum(512 * file.lstat().st_blocks for file in folder.rglob("*") if file.is_file() and not file.is_symlink())
+
+    times = {name: [child(words) for words in [arguments] * 6][1:] for name, arguments in COMMANDS.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        child(["-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", folder, "."])
+        wheel = next(Path(folder).glob("*.whl")).stat().st_size
+    packages = Path(sys.prefix) / "lib" / f"python3.{sys.version_info.minor}" / "site-packages"
+    largest = sorted(((size(one), one.name) for one in packages.iterdir() if one.is_dir()), reverse=True)[:8]
+    environment = {"environment": size(Path(sys.prefix)), "largest": {name: count for count, name in largest}}
+    return {"seconds": times, "wheel": wheel} | environment
+
+
+def start_page(found: dict[str, Any]) -> list[str]:
+    cells = [(name, *(f"{pick(t):.2f}" for pick in (min, statistics.median, max))) for name, t in found["seconds"].items()]
+    largest = ", ".join(f"{name} {size / 1e6:.0f}" for name, size in found["largest"].items())
+    return [
+        "CPU time of a process from its start to its end, 5 runs after one to warm up:",
+        "",
+        *markdown("process | least [s] | median [s] | most [s]", cells),
+        "",
+        f"The wheel has {found['wheel'] / 1e6:.2f} MB. The environment that `make` sets up, tests, linters, browser and pages "
+        f"included, has {found['environment'] / 1e9:.2f} GB on disk; the largest of it [MB]: {largest}.",
+    ]
+
+
+# ----------------------------------------------------------------------------------------------------------- what is skipped
+Switch = Callable[[], contextlib.AbstractContextManager[Any]]
+plain: Switch = contextlib.nullcontext
+
+
+def module(name: str) -> Any:
+    """A module of the FE model by name: the package's `solve` is its function."""
+    return import_module(f"halfplane_fe.{name}")
+
+
+def _no(*_: Any) -> bool:  # plain functions: a mock's own bookkeeping would count in the times
+    return False
+
+
+def _yes(*_: Any) -> bool:
+    return True
+
+
+def whole_faces() -> contextlib.AbstractContextManager[Any]:
+    """Both halves of mirror-symmetric faces are solved."""
+    return mock.patch.object(module("solve"), "mirrored", _no)
+
+
+def factors_anew() -> contextlib.AbstractContextManager[Any]:
+    """A new Cholesky factor for each set of equations."""
+
+    def nested(self: Systems, name: str) -> NestedFactor:
+        return NestedFactor(getattr(self, name), self.interface.x, self.interface.normals[1], Counter())
+
+    return mock.patch.object(Systems, "_nested", nested)
+
+
+def every_revolution() -> contextlib.AbstractContextManager[Any]:
+    """No revolution counts as a repetition of the one before."""
+    return mock.patch.object(module("run"), "REPEATS", -1.0)
+
+
+def both_bodies() -> contextlib.AbstractContextManager[Any]:
+    """Like bodies are meshed and condensed one by one."""
+    own = module("pair").build
+
+    def twice(scene: Scene, mesh: MeshSettings, grading: Callable[[float], Any]) -> tuple[Any, ...]:
+        bodies = (("lower", scene.bodies.lower), ("upper", scene.bodies.upper))
+        return tuple(own(name, body, scene.profile, grading(1.0), mesh) for name, body in bodies)
+
+    return mock.patch.object(module("solve"), "meshed_pair", twice)
+
+
+@contextlib.contextmanager
+def kept_bodies() -> Iterator[None]:
+    """A store of condensed bodies that has those of the scene already."""
+    with tempfile.TemporaryDirectory() as folder, mock.patch.dict(os.environ, HALFPLANE_CACHE=folder):
+        halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings.coarse())
+        yield
+
+
+def all_shear() -> contextlib.AbstractContextManager[Any]:
+    return mock.patch.object(module("solve"), "needs_shear", _yes)
+
+
+def every_point() -> contextlib.AbstractContextManager[Any]:
+    """Half-plane theory evaluates x and -x one by one."""
+
+    def apart(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        order = np.argsort(np.abs(x), kind="stable")
+        return np.abs(x)[order], np.argsort(order)
+
+    return mock.patch.object(import_module("semi_analytic.solution"), "folded", apart)
+
+
+def every_cycle() -> contextlib.AbstractContextManager[Any]:
+    """Half-plane theory takes no cycle for a repetition of the one before."""
+    return mock.patch.object(import_module("semi_analytic.history"), "same", _no)
+
+
+def difference(one: ContactSolution, other: ContactSolution) -> dict[str, float]:
+    """Dissipation, relative; p and q over the largest p and f times that, where both have the same points and instants."""
+    found = {"dissipation": abs(other.dissipation / one.dissipation - 1) if one.dissipation else abs(other.dissipation)}
+    if one.pressure.shape == other.pressure.shape and np.isfinite(one.pressure).all() and np.isfinite(other.pressure).all():
+        largest, friction = float(np.max(one.pressure)), one.scene.friction.coefficient
+        found["pressure"] = float(np.abs(other.pressure - one.pressure).max()) / largest
+        found["shear"] = float(np.abs(other.shear - one.shear).max()) / (friction * largest) if friction else 0.0
+    return found
+
+
+def compared(what: str, scene: str, *ways: tuple[Switch, Callable[[], ContactSolution]]) -> dict[str, Any]:
+    """Two ways to one answer in turn, twice, with and without skipping: least CPU times, ratios of the pairs, difference."""
+    times, answers = [], []
+    for context, solve in ways * 2:
+        with context():
+            begun = time.process_time()
+            answers.append(solve())
+            times.append(time.process_time() - begun)
+    ratios = [other / one for one, other in zip(times[::2], times[1::2], strict=True)]
+    print(f"    {what}: {min(ratios):.2f} to {max(ratios):.2f}", flush=True)
+    least = {"with": min(times[::2]), "without": min(times[1::2])}
+    return {"what": what, "scene": scene, **least, "ratios": ratios, "difference": difference(*answers[-2:])}
+
+
+def switches() -> Iterator[dict[str, Any]]:
+    """Every kind of work that can be done all the same, in a scene where there is much of it."""
+    name, coarse = "hertz-paper", MeshSettings.coarse()
+    scene, frictionless = load_scene(name), load_scene("hertz-normal")
+    scales = halfplane_fe.solve(scene, coarse).scales
+    model, known = partial(halfplane_fe.solve, scene, coarse), partial(halfplane_fe.solve, scene, coarse, scales=scales)
+    normal, theory = partial(halfplane_fe.solve, frictionless, coarse), partial(semi_analytic.solve, scene)
+    work_alone = partial(semi_analytic.solve, scene, fields=("dissipation",))
+    yield compared("one half of mirror-symmetric faces", name, (plain, model), (whole_faces, model))
+    yield compared("Cholesky factors kept for all sets of nodes", name, (plain, model), (factors_anew, model))
+    yield compared("one of two like bodies meshed and condensed", name, (plain, model), (both_bodies, model))
+    yield compared("condensed bodies read from the store", name, (kept_bodies, model), (plain, model))
+    yield compared("coarse run, its scales given", name, (plain, known), (plain, model))
+    yield compared("revolutions after the steady one", name, (plain, model), (every_revolution, model))
+    yield compared("tangential problem where nothing can shear", "hertz-normal", (plain, normal), (all_shear, normal))
+    yield compared("theory: fields not asked for (W alone)", name, (plain, work_alone), (plain, theory))
+    yield compared("theory: points at -x copied from x", name, (plain, theory), (every_point, theory))
+    yield compared("theory: cycles after the steady one", name, (plain, theory), (every_cycle, theory))
+
+
+def scene_work(name: str) -> dict[str, Any]:
+    """Work done and skipped by both engines on a scene of the library, coarse mesh."""
+    scene, found = load_scene(name), {"scene": name}
+    engines = {"fe": partial(halfplane_fe.solve, scene, MeshSettings.coarse()), "theory": partial(semi_analytic.solve, scene)}
+    for engine, solve in engines.items():
+        begun = time.process_time()
+        try:
+            work = solve().work
+        except (InputError, InadmissibleLoadError, ConvergenceError) as refusal:
+            found[engine] = {"refused": str(refusal)}
+            continue
+        skipped = {key: [int(count), why] for key, (count, why) in work.skipped.items()}
+        counts = {key: int(count) for key, count in work.counts.items()}
+        found[engine] = {"counts": counts, "skipped": skipped, "seconds": time.process_time() - begun}
+    return found
+
+
+def skipping() -> dict[str, Any]:
+    return {"switches": list(switches()), "scenes": [scene_work(name) for name in scene_names()]}
+
+
+# Work that is avoided with no way to do it all the same.
+ALWAYS = (
+    "Increments at the instants at which a node touches or lets go: the path is stepped from touch to touch, not in small equal "
+    "steps, and there is no stepping without events. What equal steps alone would need is in the "
+    "series of increments of the diagrams above.",
+    "The bulk: both bodies are condensed to the nodes of the contact once; the increments never see the bulk. "
+    "`python benchmarks/finite_elements.py growth` reckons what it would cost otherwise.",
+    "Slip iterations of increments in which no node left stick, and quadratures of phases in full stick: there is nothing to do.",
+)
+COUNTS = {
+    "fe": {
+        "condensations": "bodies condensed",
+        "contact nodes": "nodes",
+        "steps solved": "increments",
+        "contact iterations": "contact iterations",
+        "factorisations": "factorisations",
+        "linear solves": "solves",
+    },
+    "theory": {
+        "cycles_solved": "cycles solved",
+        "spans": "spans",
+        "instants": "instants",
+        "points": "points",
+        "points_evaluated": "of them evaluated",
+        "slip_quadratures": "quadratures",
+    },
+}
+
+
+def skipping_page(found: dict[str, Any]) -> list[str]:
+    """What skipping saves, what can't be switched off, and the scenes."""
+    cells = []
+    for row in found["switches"]:
+        apart = [
+            f"{row['difference'][key]:.1e}" if key in row["difference"] else "" for key in ("dissipation", "pressure", "shear")
+        ]
+        times = f"{min(row['ratios']):.2f} to {max(row['ratios']):.2f}"
+        cells.append((row["what"], row["scene"], f"{row['with']:.3g}", f"{row['without']:.3g}", times, *apart))
+    off = {row["what"]: worst for row in found["switches"] if (worst := max(row["difference"].values())) > 1e-9}
+    agree = "All answers with and without agree within round-off error, 1e-9."
+    if off:
+        names = "; ".join(f"“{what}” ({worst:.1e})" for what, worst in off.items())
+        agree = (
+            f"All answers agree within round-off error, 1e-9, but for: {names}. A revolution of the finite elements counts as "
+            "steady when no nodal force changed by more than 5e-4 of the largest: the rim of the permanent stick zone creeps on for ever, "
+            "each time a tenth as far, and that is what is left out."
+        )
+    lines = [
+        "With and without, coarse mesh, 2 pairs in turn in one run; the least time of each, the ratio of each pair (least to "
+        "most), and how far the two answers are apart: W relative, p over the largest p, q over f times that. Where no setting "
+        "switches the skipping off, the benchmark replaces the function that decides on it.",
+        "",
+        *markdown("skipped | scene | with [s] | without [s] | times faster | W | p | q", cells),
+        *("", agree, "", "Can't be switched off:", "", *(f"- {words}" for words in ALWAYS)),
+    ]
+    titles = {
+        "fe": "Work done and avoided scene by scene, finite elements on the coarse mesh (counts and reasons as every solution "
+        "carries them in `work.counts` and `work.skipped`):",
+        "theory": "Half-plane theory, its own points and instants:",
+    }
+    for engine, words in titles.items():
+        cells = []
+        for one in found["scenes"]:
+            work = one[engine]
+            if "refused" in work:
+                cells.append((one["scene"], *[""] * (len(COUNTS[engine]) + 1), f"refused: {work['refused']}"))
+                continue
+            skipped = "; ".join(f"{key}: {count}" for key, (count, _) in work["skipped"].items()) or "nothing"
+            counts = [work["counts"].get(key, "") for key in COUNTS[engine]]
+            cells.append((one["scene"], f"{work['seconds']:.3f}", *counts, skipped))
+        lines += ["", words, "", *markdown(f"scene | CPU s | {' | '.join(COUNTS[engine].values())} | skipped", cells)]
+    return lines
+
+
+# ------------------------------------------------------------------------------------------------------------------- the page
+@dataclass(frozen=True)
+class Section:
+    """Its heading, what measures it (for JSON), its figures and its part of the page."""
+
+    title: str
+    measure: Callable[[], dict[str, Any]]
+    page: Callable[[dict[str, Any]], list[str]]
+    panels: Callable[[dict[str, Any]], dict[str, list[Panel]]] = lambda found: {}
+    alt: str = ""
+
+
+SECTIONS = {
+    "precision": Section(
+        "Error against time: finite elements",
+        precision,
+        precision_page,
+        precision_panels,
+        "Error of the finite elements over CPU time, four scenes",
+    ),
+    "half-plane": Section(
+        "Error against time: half-plane theory",
+        theory_precision,
+        theory_page,
+        theory_panels,
+        "Error of W over CPU time, theory and the naive peer, five cases",
+    ),
+    "peers": Section(peers.TITLE, peers.measure, peers.page, peers.panels, "Error of the codes over CPU time"),
+    "growth": Section("Growth of the cost", growth, growth_page, growth_panels, "CPU time and peak memory over size"),
+    "start": Section("Start-up and size", start, start_page),
+    "skipping": Section("What is skipped", skipping, skipping_page),
+}
+# Series whose points differ in several ways at once, or whose errors change sign: no line through them.
+POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance")
+
+
+def draw(name: str, panels: Sequence[Panel]) -> None:
+    """Panels of points over log-log axes, one legend below all."""
+    columns = min(len(panels), 4) if len(panels) != 5 else 5
+    rows = -(-len(panels) // columns)
+    with canvas(max(9.6, 2.6 * columns), 3.2 * rows + 0.9) as figure:
+        axes = figure.subplots(rows, columns, squeeze=False)
+        labels: dict[str, Any] = {}
+        for one, (title, x, y, lines) in zip(axes.flat, panels, strict=False):
+            for label, points in lines.items():
+                number = list(labels).index(label) if label in labels else len(labels)
+                style = "none" if label in POINTS_ONLY or len(points) < 2 else "-"
+                look = {"ls": style, "marker": MARKS[number % 8], "color": COLOURS[number % 8], "ms": 5 if number else 9, "lw": 1.2}
+                handle = one.loglog([p[0] for p in points], [p[1] for p in points], **look)
+                labels.setdefault(label, handle[0])
+            label_axes(one, x, y, title)
+        for one in axes.flat[len(panels) :]:
+            one.axis("off")
+        figure.legend(
+            labels.values(), labels.keys(), loc="lower center", ncols=2 if len(panels) == 2 else 4, frameon=False, fontsize=8
+        )
+        figure.tight_layout(rect=(0, 0.9 / (3.2 * rows + 0.9), 1, 1))
+        figure.savefig(FOLDER / f"{name}.svg", metadata={"Date": None})
 
 
 def circumstances() -> dict[str, Any]:
     """Machine, versions, and how busy the machine is."""
+    cpu = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines() if Path("/proc/cpuinfo").exists() else []
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
-        "processor": processor(),
+        "processor": next((line.split(":", 1)[1].strip() for line in cpu if line.startswith("model name")), platform.machine()),
         "cores": os.cpu_count(),
         "load before": round(os.getloadavg()[0], 1),
         "versions": {"python": platform.python_version()} | {name: version(name) for name in PACKAGES},
@@ -75,24 +755,14 @@ def circumstances() -> dict[str, Any]:
 
 
 def measure(name: str) -> None:
-    """Measure a section, draw, and keep what it found."""
+    """Measure a section, and keep what it found."""
     print(f"==> {name}", flush=True)
     about, begun, spent = circumstances(), time.perf_counter(), time.process_time()
     found = SECTIONS[name].measure()
     about["load after"] = round(os.getloadavg()[0], 1)
     about["seconds"] = {"wall": round(time.perf_counter() - begun), "process": round(time.process_time() - spent)}
-    text = json.dumps({"made": about, "found": found}, indent=1)
-    (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+    write_json(FOLDER / f"{name}.json", {"made": about, "found": found})
     print(f"    {about['seconds']['wall']} s", flush=True)
-
-
-def words(made: dict[str, Any]) -> str:
-    """The circumstances as a sentence."""
-    versions = ", ".join(f"{name} {number}" for name, number in made["versions"].items())
-    return (
-        f"*Measured {made['date']} on {made['cores']} cores, {made['processor']}; load {made['load before']} before and "
-        f"{made['load after']} after, {made['seconds']['wall']} s in all; {versions}.*"
-    )
 
 
 def page_text() -> str:
@@ -106,34 +776,34 @@ def page_text() -> str:
         "read from the store. They vary by some ten per cent, on a busy machine by more: ratios within one run count.",
     ]
     for name, section in SECTIONS.items():
-        file = FOLDER / f"{name}.json"
-        if not file.exists():
-            continue
-        kept = json.loads(file.read_text(encoding="utf-8"))
-        lines += ["", f"## {section.TITLE}", "", words(kept["made"]), "", *section.page(kept["found"])]
+        kept = kept_json(FOLDER / f"{name}.json")
+        made, found = kept["made"], kept["found"]
+        versions = ", ".join(f"{package} {number}" for package, number in made["versions"].items())
+        words = (
+            f"*Measured {made['date']} on {made['cores']} cores, {made['processor']}; load {made['load before']} before and "
+            f"{made['load after']} after, {made['seconds']['wall']} s in all; {versions}.*"
+        )
+        figures = [line for figure in section.panels(found) for line in ("", f"![{section.alt}](performance/{figure}.svg)")]
+        lines += ["", f"## {section.title}", "", words, *figures, "", *section.page(found)]
     return "\n".join(lines) + "\n"
 
 
-def write_page() -> None:
-    """The page and its figures, from the files of the sections."""
+def main(words: list[str]) -> None:
+    asked = [name for name in words if name != "--pages"]
+    if words[:1] == ["--one"]:
+        print(json.dumps(one_cost(words[1], int(words[2]))))
+        return
+    if unknown := [name for name in asked if name not in SECTIONS]:
+        sys.exit(f"no section {', '.join(unknown)}: there are {', '.join(SECTIONS)}")
+    if "--pages" not in words:
+        for name in asked or SECTIONS:
+            measure(name)
     for name, section in SECTIONS.items():
-        if (file := FOLDER / f"{name}.json").exists():
-            section.draw(json.loads(file.read_text(encoding="utf-8"))["found"], FOLDER)
+        for figure, panels in section.panels(kept_json(FOLDER / f"{name}.json")["found"]).items():
+            draw(figure, panels)
     PAGE.write_text(page_text(), encoding="utf-8")
     print(PAGE.relative_to(ROOT))
 
 
-def main() -> None:
-    os.environ["HALFPLANE_CACHE"] = "off"  # every run condenses its bodies itself
-    FOLDER.mkdir(exist_ok=True)
-    asked = [name for name in sys.argv[1:] if name != "--pages"]
-    if unknown := [name for name in asked if name not in SECTIONS]:
-        sys.exit(f"no section {', '.join(unknown)}: there are {', '.join(SECTIONS)}")
-    if "--pages" not in sys.argv:
-        for name in asked or SECTIONS:
-            measure(name)
-    write_page()
-
-
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

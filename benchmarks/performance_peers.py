@@ -1,50 +1,207 @@
 """Other people's codes beside ours on the same scene in the same run: normal Hertz contact, and Cattaneo and Mindlin's at 0.6 f P.
 
-A code that is not installed is left out, and the page says so; `make peers` installs them. Finite element codes get the nodes,
+A code that is not installed is left out, and the page states it; `make peers` installs them. Finite element codes get the nodes,
 elements and loads of the deck that `halfplane export` writes. Times are CPU times with all set-up and without imports.
 """
 
 from __future__ import annotations
 
+import os
+import shutil
 import statistics
 import subprocess
+import tempfile
+import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import fe_peers
 import numpy as np
+import unlike_half_planes as naive
+from claim import ROOT, kept_json, markdown, with_children
+from finite_elements import FEW_STEPS, cattaneo_mindlin
 from numpy.typing import NDArray
-from performance_codes import (
-    EDGES,
-    PER_HALF_WIDTH,
-    PERIOD,
-    Answer,
-    calculix,
-    cut,
-    getfem,
-    has,
-    hertz,
-    kratos,
-    lines_by_hand,
-    naive_hertz,
-    our_model,
-    our_theory,
-    periodic,
-    versions,
-)
 
+import halfplane_fe
+import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.charts.publication import canvas, label_axes
-from reports.charts.style import COLOURS
 from scenes import Scene, load_scene
 
 Array = NDArray[np.float64]
 TITLE = "Beside other codes"
 RUNS = 3
+HERE = Path(__file__).parent
+# Where `make peers` puts other people's Python packages; Debian's own interpreter has Debian's.
+PEERS = Path(os.environ.get("HALFPLANE_PEERS", ROOT / ".peers")) / "bin" / "python"
+DEBIAN = Path("/usr/bin/python3")
+KRATOS = ROOT / "docs" / "examples" / "score" / "kratos" / "make.py"
+PERIOD, PER_HALF_WIDTH, EDGES = 64.0, (20, 40, 80, 160), (40, 80, 160)
+# Growth of the bulk's elements in the peers' decks: coarser ones leave errors that no finer contact takes away.
+GROWTH = {40: 0.4, 80: 0.2, 160: 0.1}
+OURS, THEORY = "halfplane, finite elements", "halfplane, theory"
 
 
+@dataclass(frozen=True)
+class Answer:
+    """Tractions of a code at points, and the CPU seconds that they took."""
+
+    x: Array
+    p: Array
+    q: Array | None
+    seconds: float
+
+
+# -------------------------------------------------------------------------------------------------------------------- codes
+def hertz() -> tuple[float, float, float]:
+    """E*, R and P of the library's hertz-normal, of which a = 1."""
+    scene = load_scene("hertz-normal")
+    steel = scene.material.lower
+    modulus = steel.young_modulus / (1 - steel.poisson_ratio**2) / 2
+    return modulus, scene.profile.radius, np.pi * modulus / (4 * scene.profile.radius)
+
+
+def interpreted(python: Path, code: str, **question: Any) -> dict[str, Any]:
+    """The answer of peer_codes.py in another interpreter."""
+    with tempfile.TemporaryDirectory() as folder:
+        asked, answer = Path(folder) / "question.npz", Path(folder) / "answer.npz"
+        np.savez(asked, **question)
+        command = [str(python), str(HERE / "peer_codes.py"), code, str(asked), str(answer)]
+        subprocess.run(command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
+        with np.load(answer) as found:
+            return {name: found[name] for name in found.files}
+
+
+def periodic(code: str, per_half_width: int) -> Answer:
+    """Hertz by a code for periodic half-spaces."""
+    modulus, radius, load = hertz()
+    asked = {"modulus": modulus, "radius": radius, "load": load, "period": PERIOD, "points": int(PERIOD * per_half_width)}
+    found = interpreted(PEERS, code, **asked)
+    return Answer(found["x"], found["p"], None, float(found["seconds"]))
+
+
+def naive_hertz(per_half_width: int) -> Answer:
+    modulus, radius, load = hertz()
+    begun = time.process_time()
+    on = naive.grid(1.1, round(2.2 * per_half_width), modulus)
+    return Answer(on.x, naive.press(on, on.x**2 / (2 * radius), load), None, time.process_time() - begun)
+
+
+def our_theory(scene: Scene, at: float) -> Answer:
+    begun = time.process_time()
+    answer = semi_analytic.solve(scene, x=np.linspace(-1.05, 1.05, 200), time=[at], fields=("pressure", "shear"))
+    return Answer(answer.x, answer.pressure[0], answer.shear[0], time.process_time() - begun)
+
+
+def our_model(scene: Scene, mesh: MeshSettings, solver: SolverSettings) -> Answer:
+    begun = time.process_time()
+    answer = halfplane_fe.solve(scene, mesh, solver)
+    return Answer(answer.x, answer.pressure[-1], answer.shear[-1], time.process_time() - begun)
+
+
+def deck_of(scene: Scene, edge: int) -> tuple[Any, str, float]:
+    """The bodies as CalculiX gets them, with few increments, on which the answer does not depend; its text; CPU seconds."""
+    from reports.third.calculix import calculix_deck
+    from reports.third.deck import build_deck
+    from reports.third.settings import DeckSettings
+
+    begun = time.process_time()
+    sizes = {"edge_element_size": 1 / edge, "element_size": min(1 / 20, 2 / edge), "growth": GROWTH[edge]}
+    deck = build_deck(scene, DeckSettings(steps_per_cycle=4, **sizes))
+    return deck, calculix_deck(deck), time.process_time() - begun
+
+
+def getfem(scene: Scene, edge: int) -> Answer:
+    """By GetFEM: augmented Lagrangian, both bodies of the deck, P in one step and Q in another."""
+    deck, _, meshed = deck_of(scene, edge)
+    asked: dict[str, Any] = {"normal": deck.normal_load[[-1, -1]], "tangential": np.array([0.0, deck.tangential_load[-1]])}
+    for name, body in (("lower", deck.lower), ("upper", deck.upper)):
+        asked[f"{name}_nodes"], asked[f"{name}_elements"] = body.nodes, body.elements - body.first_node
+        asked[f"{name}_contact"] = body.nodes[body.contact_nodes - body.first_node]
+        asked[f"{name}_held"] = body.nodes[body.held[1] - body.first_node]
+    steel = scene.material.lower
+    asked["numbers"] = [steel.young_modulus, steel.poisson_ratio, scene.friction.coefficient, 4 * deck.touch_approach]
+    found = interpreted(DEBIAN, "getfem", **asked)
+    order = np.argsort(found["x"])
+    return Answer(found["x"][order], found["p"][order], found["q"][order], float(found["seconds"]) + meshed)
+
+
+def kratos(scene: Scene, edge: int) -> Answer:
+    """By Kratos: dual mortar, augmented Lagrangian, on the deck as written."""
+    _, text, meshed = deck_of(scene, edge)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "deck.inp").write_text(text, encoding="utf-8")
+        command = [str(PEERS), str(KRATOS), str(folder / "deck.inp"), str(folder / "result.csv")]
+        subprocess.run(command, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"}, cwd=folder)
+        rows = np.loadtxt(folder / "result.csv", delimiter=",", skiprows=1)
+        spent = kept_json(folder / "made.json")["seconds"]
+    last = rows[rows[:, 0] == rows[-1, 0]]
+    return Answer(last[:, 3], last[:, 4], last[:, 5], spent + meshed)
+
+
+def calculix(scene: Scene, edge: int) -> Answer:
+    """By CalculiX: penalty, on the deck as written; its own process and ours that writes the deck."""
+    from reports.console import Stages
+    from reports.third.opinion import judged
+    from reports.third.running import find_calculix, run_calculix
+
+    deck, text, meshed = deck_of(scene, edge)
+    with tempfile.TemporaryDirectory() as name, Stages(quiet=True).stage("CalculiX") as report:
+        folder = Path(name)
+        (folder / "third.inp").write_text(text, encoding="utf-8")
+        run = (find_calculix(), folder, "third", float(deck.deck_time[-1]), 600.0, report)
+        spent, _ = with_children(lambda: run_calculix(*run))
+        found = judged(folder / "third.frd", deck, "CalculiX").result
+    return Answer(found.x, found.pressure[-1], found.shear[-1], spent + meshed)
+
+
+def has(code: str) -> bool:
+    """Whether a code is there."""
+    if code == "ccx":
+        return shutil.which("ccx") is not None
+    python = DEBIAN if code == "getfem" else PEERS
+    find = f"import importlib.util as u, sys; sys.exit(u.find_spec({code!r}) is None)"
+    return python.exists() and subprocess.run([str(python), "-c", find], check=False, capture_output=True).returncode == 0
+
+
+def lines_by_hand() -> dict[str, int]:
+    """Lines of code that a user writes for the scene, blank ones and comments left out."""
+
+    def count(lines: list[str]) -> int:
+        return sum(bool(line.strip()) and not line.strip().startswith("#") for line in lines)
+
+    def of(file: Path) -> list[str]:
+        return file.read_text(encoding="utf-8").splitlines()
+
+    codes, found = [line.strip() for line in of(HERE / "peer_codes.py")], {}
+    for name in ("tamaas", "contactmechanics", "getfem"):
+        after = codes[codes.index(f"# by hand: {name}") :]
+        found[name] = count(after[: after.index("# so far")])
+    # The scene file is what is written for ours, without what it expects of itself.
+    scene = (ROOT / "scenes" / "library" / "cattaneo-mindlin.toml").read_text(encoding="utf-8").split("[[expected]]")[0]
+    written = sum(bool(line.strip()) for line in scene.splitlines())
+    return found | {"kratos": count(of(KRATOS)), "naive": count(of(Path(naive.__file__))), "ours": written, "calculix": written}
+
+
+def versions() -> dict[str, str]:
+    """Of the codes that are there."""
+    commands = {
+        "CalculiX": ("ccx", ["ccx", "-v"]),
+        "GetFEM": ("getfem", ["dpkg-query", "-W", "-f", "${Version}", "python3-getfem"]),
+    }
+    for name in ("tamaas", "ContactMechanics", "KratosMultiphysics"):
+        commands[name] = (name, [str(PEERS), "-c", f"from importlib.metadata import version; print(version({name!r}))"])
+    told = {
+        name: subprocess.run(command, check=False, capture_output=True, text=True).stdout.split()
+        for name, (code, command) in commands.items()
+        if has(code)
+    }
+    return {name: words[-1] if words else "unknown" for name, words in told.items()}
+
+
+# ----------------------------------------------------------------------------------------------------------------- measuring
 def closed_form(scene: Scene, x: Array) -> tuple[Array, Array]:
     """p of Hertz (1882) and q of Cattaneo (1938) at the end of the path; shares nothing with either engine."""
     modulus, radius, _ = hertz()
@@ -52,18 +209,16 @@ def closed_form(scene: Scene, x: Array) -> tuple[Array, Array]:
     a, f = float(np.sqrt(4 * load * radius / (np.pi * modulus))), scene.friction.coefficient
 
     def ellipse(half_width: float) -> Array:
-        return np.sqrt(np.maximum(half_width**2 - x**2, 0.0))
+        return 2 * load / (np.pi * a**2) * np.sqrt(np.maximum(half_width**2 - x**2, 0.0))
 
-    slope = 2 * load / (np.pi * a**2)
-    return slope * ellipse(a), f * slope * (ellipse(a) - ellipse(a * float(np.sqrt(1 - shear / (f * load))))) if shear else 0 * x
+    return ellipse(a), f * (ellipse(a) - ellipse(a * float(np.sqrt(1 - shear / (f * load))))) if shear else 0 * x
 
 
 def judged_answer(answer: Answer, scene: Scene) -> dict[str, float | None]:
     """L2 errors over those of the closed form at the code's own points, weighted by their spacing; peak pressure."""
     near = np.abs(answer.x) < 1.5
     x = answer.x[near]
-    p, q = closed_form(scene, x)
-    weight = np.gradient(x)
+    (p, q), weight = closed_form(scene, x), np.gradient(x)
 
     def norm(values: Array) -> float:
         return float(np.sqrt(weight @ values**2))
@@ -76,28 +231,29 @@ def judged_answer(answer: Answer, scene: Scene) -> dict[str, float | None]:
 Entry = tuple[str, str, str, Callable[[], Answer]]  # code, size, key of its lines by hand, how
 
 
+def ours(scene: Scene, solver: SolverSettings) -> list[Entry]:
+    cut = {f"a/{edge}": MeshSettings(element_size=1 / 24, edge_element_size=1 / edge) for edge in EDGES}
+    return [(OURS, size, "ours", lambda mesh=mesh: our_model(scene, mesh, solver)) for size, mesh in cut.items()]
+
+
 def normal_entries() -> Iterator[Entry]:
     """Hertz, normal load alone."""
     scene = load_scene("hertz-normal")
-    few = SolverSettings(steps_per_cycle=8)
-    yield "halfplane, theory", "200 points", "ours", lambda: our_theory(scene, 1.0)
-    for edge in EDGES:
-        yield "halfplane, finite elements", f"a/{edge}", "ours", lambda edge=edge: our_model(scene, cut(edge), few)
+    yield THEORY, "200 points", "ours", lambda: our_theory(scene, 1.0)
+    yield from ours(scene, SolverSettings(steps_per_cycle=8))
     for n in PER_HALF_WIDTH:
         yield "naive discretised half-plane", f"a/{n}", "naive", lambda n=n: naive_hertz(n)
-        if has("tamaas"):
-            yield "tamaas", f"a/{n}", "tamaas", lambda n=n: periodic("performance_peer_tamaas.py", n)
-        if has("ContactMechanics") and n in (40, 160):
-            yield "ContactMechanics", f"a/{n}", "contactmechanics", lambda n=n: periodic("performance_peer_contactmechanics.py", n)
+        for code in ("tamaas", "ContactMechanics"):
+            if has(code) and (code == "tamaas" or n in (40, 160)):
+                yield code, f"a/{n}", code.lower(), lambda n=n, code=code: periodic(code.lower(), n)
 
 
 def shear_entries() -> Iterator[Entry]:
     """Cattaneo and Mindlin, first loading up to Q = 0.6 f P."""
-    scene = fe_peers.cattaneo_mindlin((0.6,))
-    yield "halfplane, theory", "200 points", "ours", lambda: our_theory(scene, 2.0)
-    yield "halfplane, finite elements", "coarse", "ours", lambda: our_model(scene, MeshSettings.coarse(), fe_peers.FEW_STEPS)
-    for edge in EDGES:
-        yield "halfplane, finite elements", f"a/{edge}", "ours", lambda edge=edge: our_model(scene, cut(edge), fe_peers.FEW_STEPS)
+    scene = cattaneo_mindlin()
+    yield THEORY, "200 points", "ours", lambda: our_theory(scene, 2.0)
+    yield OURS, "coarse", "ours", lambda: our_model(scene, MeshSettings.coarse(), FEW_STEPS)
+    yield from ours(scene, FEW_STEPS)
     for edge in EDGES:
         if has("getfem"):
             yield "GetFEM", f"a/{edge}", "getfem", lambda edge=edge: getfem(scene, edge)
@@ -107,87 +263,91 @@ def shear_entries() -> Iterator[Entry]:
         yield "CalculiX", "a/40", "calculix", lambda: calculix(scene, 40)
 
 
-def table(entries: Iterator[Entry], scene: Scene) -> list[dict[str, Any]]:
-    """Each entry once to warm up, where it is quick, then all of them in turn: least, median and most CPU seconds."""
-    known = list(entries)
-    times: dict[int, list[float]] = {place: [] for place in range(len(known))}
-    errors: dict[int, dict[str, Any]] = {}
+def measured(entries: Iterator[Entry], scene: Scene) -> list[dict[str, Any]]:
+    """All entries in turn, those slower than 2 s twice: CPU seconds, errors against the closed form, or why there is no answer."""
+    found = [({"code": code, "size": size, "lines": key, "seconds": []}, work) for code, size, key, work in entries]
     for turn in range(RUNS):
-        for place, (code, size, _, work) in enumerate(known):
-            if turn and min(times[place], default=0.0) > 2.0 and turn > 1:
-                continue  # twice is enough of the slow ones
+        for row, work in found:
+            if turn > 1 and min(row["seconds"], default=0.0) > 2.0:
+                continue
             try:
                 answer = work()
             except (subprocess.CalledProcessError, RuntimeError, ValueError) as failure:
                 said = getattr(failure, "stderr", b"") or str(failure).encode()
-                errors[place] = {"failure": said.decode(errors="replace").strip().splitlines()[-1][:300]}
-                print(f"    {code} {size}: {errors[place]['failure']}", flush=True)
-                times[place].append(float("nan"))
-                continue
-            times[place].append(answer.seconds)
-            errors[place] = judged_answer(answer, scene)
-    return [
-        {"code": code, "size": size, "lines": key, "seconds": times[place], **errors[place]}
-        for place, (code, size, key, _) in enumerate(known)
-    ]
+                row["failure"] = said.decode(errors="replace").strip().splitlines()[-1][:300]
+                row["seconds"].append(float("nan"))
+                print(f"    {row['code']} {row['size']}: {row['failure']}", flush=True)
+            else:
+                row["seconds"].append(answer.seconds)
+                row.update(judged_answer(answer, scene))
+    return [row for row, _ in found]
 
 
 def measure() -> dict[str, Any]:
     """Both scenes."""
     needed = ("tamaas", "ContactMechanics", "getfem", "KratosMultiphysics", "ccx")
     return {
-        "normal": table(normal_entries(), load_scene("hertz-normal")),
-        "shear": table(shear_entries(), fe_peers.cattaneo_mindlin((0.6,))),
+        "normal": measured(normal_entries(), load_scene("hertz-normal")),
+        "shear": measured(shear_entries(), cattaneo_mindlin()),
         "lines": lines_by_hand(),
         "versions": versions(),
         "missing": [name for name in needed if not has(name)],
     }
 
 
-def _drawn(found: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    yield "normal", "p", "Hertz, normal load: pressure"
-    yield "shear", "q", "Cattaneo-Mindlin, Q = 0.6 f P: shear"
+# ---------------------------------------------------------------------------------------------------------------------- page
+SHOWN = (("normal", "p", "Hertz, normal load: pressure"), ("shear", "q", "Cattaneo-Mindlin, Q = 0.6 f P: shear"))
 
 
-def draw(found: dict[str, Any], folder: Path) -> None:
+def panels(found: dict[str, Any]) -> dict[str, list[tuple]]:
     """Error over time, a panel a scene."""
-    with canvas(9.6, 4.2) as figure:
-        axes = figure.subplots(1, 2)
-        codes = list(dict.fromkeys(row["code"] for name in ("normal", "shear") for row in found[name]))
-        for one, (name, key, title) in zip(axes, _drawn(found), strict=True):
-            for number, code in enumerate(codes):
-                rows = [row for row in found[name] if row["code"] == code and row.get(key) is not None]
-                if not rows:
-                    continue
-                one.loglog(
-                    [statistics.median(row["seconds"]) for row in rows],
-                    [max(row[key], 1e-16) for row in rows],
-                    marker="*osv^DPX"[number],
-                    color=("#111111", *COLOURS)[number],
-                    ms=10 if number == 0 else 5,
-                    ls="-" if len(rows) > 1 else "none",
-                    label=code,
-                )
-            label_axes(one, "CPU time, set-up included [s]", f"relative L2 error of {key}", title)
-            one.set_ylim(5e-17, 0.5)
-        handles = {text: mark for one in axes for mark, text in zip(*one.get_legend_handles_labels(), strict=True)}
-        figure.legend(handles.values(), handles.keys(), loc="lower center", ncols=4, frameon=False)
-        figure.tight_layout(rect=(0, 0.12, 1, 1))
-        figure.savefig(folder / "peers.svg", metadata={"Date": None})
+    drawn = []
+    for name, key, title in SHOWN:
+        lines: dict[str, list[tuple[float, float]]] = {}
+        for row in found[name]:
+            if row.get(key) is not None:
+                lines.setdefault(row["code"], []).append((statistics.median(row["seconds"]), max(row[key], 1e-16)))
+        drawn.append((title, "CPU time, set-up included [s]", f"relative L2 error of {key}", lines))
+    return {"peers": drawn}
+
+
+def rival(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> dict[str, Any] | None:
+    """Our quickest setting that is at least as exact as another code's row; None for our own rows or where there is none."""
+    if row["code"].startswith("halfplane") or row.get(key) is None:
+        return None
+    own = [other for other in rows if other["code"] == OURS and other[key] <= row[key]]
+    return min(own, key=lambda other: statistics.median(other["seconds"]), default=None)
+
+
+def _spread(values: list[float], form: str) -> str:
+    return ", ".join(f"{value:{form}}" for value in (min(values), statistics.median(values), max(values)))
+
+
+def _table(found: dict[str, Any], name: str, key: str) -> list[str]:
+    head = "code | h | p, L2 | peak p | q, L2 | CPU time: least, median, most [s] | over our finite elements at no larger error"
+    head += " | lines by hand"
+    cells = []
+    for row in found[name]:
+        lines, best = found["lines"][row["lines"]], rival(row, found[name], key)
+        if "failure" in row:
+            cells.append((row["code"], row["size"], "", "", "", f"no answer: {row['failure']}", "", lines))
+            continue
+        ratio = "" if row["code"].startswith("halfplane") else "ours is nowhere as exact"
+        if best:
+            ratio = f"{_spread([one / other for one in row['seconds'] for other in best['seconds']], '.2g')} ({best['size']})"
+        q = "" if row["q"] is None else f"{row['q']:.1e}"
+        spent = _spread(row["seconds"], ".3g")
+        cells.append((row["code"], row["size"], f"{row['p']:.1e}", f"{row['peak']:+.1e}", q, spent, ratio, lines))
+    return markdown(head, cells)
 
 
 def page(found: dict[str, Any]) -> list[str]:
     """Two tables, the ratios, what is missing."""
     names = ", ".join(f"{name} {number}" for name, number in found["versions"].items())
-    lines = [
-        "![Error of the codes over CPU time](performance/peers.svg)",
-        "",
-        f"{names}. {RUNS} runs of each in turn, one thread; those slower than 2 s twice.",
-    ]
-    if found["missing"]:
-        lines += ["", f"Not installed, so not measured: {', '.join(found['missing'])} (`make peers`)."]
+    missing = f" Not installed, so not measured: {', '.join(found['missing'])} (`make peers`)." if found["missing"] else ""
     share = (np.pi / PERIOD) ** 2 / 12
-    lines += [
+    lines = [
+        f"{names}. {RUNS} runs of each in turn, one thread; those slower than 2 s twice.{missing}",
         "",
         "### Hertz, normal load",
         "",
@@ -195,38 +355,29 @@ def page(found: dict[str, Any]) -> list[str]:
         f"kernel that makes the peak pressure (π a/L)²/12 = {share:.1e} too high and the contact as much too narrow. "
         "What is above that is the grid.",
         "",
-        *_table(found, "normal"),
+        *_table(found, "normal", "p"),
         "",
         "### Cattaneo-Mindlin, Q = 0.6 f P, first loading",
         "",
         "The finite element codes have the bodies of the same deck, half-discs of 50 a cut into linear quadrilaterals, ours its "
         "own half-planes and quadratic triangles. Set-up is meshing (ours, in every row), reading, and all increments.",
         "",
-        *_table(found, "shear"),
+        *_table(found, "shear", "q"),
         "",
         "CalculiX on the whole cycles of the paper is on the page [A third opinion](third.md), with its times, which are too "
         "long for `make bench`. Peak p of theory is that of the 200 points, of which none is the middle.",
         "",
         "### Where ours loses",
         "",
-        *_defeats(found),
     ]
-    return lines
-
-
-def _defeats(found: dict[str, Any]) -> list[str]:
-    """Codes that are faster than our finite elements at no smaller error of theirs, and by how much at best."""
-    lines = []
-    for name, key, title in _drawn(found):
-        faster: dict[str, tuple[float, dict[str, Any]]] = {}
+    for name, key, title in SHOWN:
+        faster: dict[str, tuple[float, str]] = {}
         for row in found[name]:
-            best = _rival(row, found[name], key)
-            if best is None:
-                continue
-            times = statistics.median(best["seconds"]) / statistics.median(row["seconds"])
-            if times > max(1.0, faster.get(row["code"], (0.0, row))[0]):
-                faster[row["code"]] = times, row
-        words = [f"{code} up to {times:.0f} times (at {row['size']})" for code, (times, row) in faster.items()]
+            if best := rival(row, found[name], key):
+                times = statistics.median(best["seconds"]) / statistics.median(row["seconds"])
+                if times > max(1.0, faster.get(row["code"], (0.0, ""))[0]):
+                    faster[row["code"]] = times, row["size"]
+        words = [f"{code} up to {times:.0f} times (at {size})" for code, (times, size) in faster.items()]
         said = (
             f"faster than our finite elements at their own error are {', '.join(words)}"
             if words
@@ -237,49 +388,6 @@ def _defeats(found: dict[str, Any]) -> list[str]:
         *lines,
         "",
         "Half-space codes need no bulk: where the bodies are half-planes and the load is normal, they are the tool, or theory, "
-        "which is ours too and whose error is rounding at the time of the first row. tamaas and ContactMechanics also take "
+        "which is ours too and whose error is round-off at the time of the first row. tamaas and ContactMechanics also take "
         "fewer lines by hand than our scene file has.",
     ]
-
-
-def _table(found: dict[str, Any], name: str) -> list[str]:
-    rows = found[name]
-    lines = [
-        "| code | h | p, L2 | peak p | q, L2 | CPU time: least, median, most [s] | over our finite elements at no larger error | "
-        "lines by hand |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    key = "p" if name == "normal" else "q"
-    for row in rows:
-        if "failure" in row:
-            lines.append(
-                f"| {row['code']} | {row['size']} | | | | no answer: {row['failure']} | | {found['lines'][row['lines']]} |"
-            )
-            continue
-        times = row["seconds"]
-        spread = (
-            f"{min(times):.3g}, {statistics.median(times):.3g}, {max(times):.3g}" if len(times) > 1 else f"{times[0]:.3g} (once)"
-        )
-        q = "" if row["q"] is None else f"{row['q']:.1e}"
-        lines.append(
-            f"| {row['code']} | {row['size']} | {row['p']:.1e} | {row['peak']:+.1e} | {q} | {spread} | {_ratio(row, rows, key)} | "
-            f"{found['lines'][row['lines']]} |"
-        )
-    return lines
-
-
-def _rival(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> dict[str, Any] | None:
-    """Our quickest setting that is at least as exact as another code's row; None for our own rows or where there is none."""
-    if row["code"].startswith("halfplane") or row.get(key) is None:
-        return None
-    own = [other for other in rows if other["code"] == "halfplane, finite elements" and other[key] <= row[key]]
-    return min(own, key=lambda other: statistics.median(other["seconds"]), default=None)
-
-
-def _ratio(row: dict[str, Any], rows: list[dict[str, Any]], key: str) -> str:
-    """Time over that of our rival: least, median, most, of the runs of both."""
-    best = _rival(row, rows, key)
-    if best is None:
-        return "" if row["code"].startswith("halfplane") else "ours is nowhere as exact"
-    ratios = [one / other for one in row["seconds"] for other in best["seconds"]]
-    return f"{min(ratios):.2g}, {statistics.median(ratios):.2g}, {max(ratios):.2g} ({best['size']})"

@@ -2,15 +2,16 @@
 
     make regress                             (python benchmarks/regress.py)
     make regress ACCEPT="hertz-paper ..."    take the new values of the named scenes for frozen ones
-    make regress REFERENCES=1                evaluate the 30-digit references anew (some minutes)
+    make regress REFERENCES=1                evaluate the 30-digit references again (some minutes)
 
 Dissipation has a reference in every scene, W(x) at three places of the slip zone in the Hertz scenes POINTWISE. At one time of the
-last cycle, which is no event, all fields are frozen: the tangential displacement U, the edge of stick, the shear at three
-points and the slip at one. They have references in Hertz scenes with friction, but for rows.
+last cycle, which is no event, the tangential displacement U, the stick edge, the shear at three points and the slip at one are
+frozen; they have references in Hertz scenes with friction, but for rows. The root-mean-square of p, q, s and U over ten instants of
+the last cycle and nine points is frozen as well: it moves with an error of any part of a field, an arc of the memory curve too.
 
-Two columns, kept apart: *accurate* is the difference from a closed form or a stored 30-digit value, of somebody else's making;
-*frozen* is the difference from our own value of last time. A change of either is shown as old, new and difference, and is accepted
-by name only. Exit code 1 where something changed or is not accurate.
+Two columns, kept apart: *accurate* is the difference from a closed form or a stored 30-digit value, of another making; *frozen* is
+the difference from our own value of last time. A change of either is shown as old, new and difference, and is accepted by name
+only. Exit code 1 where something changed or is not accurate.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import mpmath as mp
 import numpy as np
@@ -31,12 +32,17 @@ import semi_analytic
 from scenes import Scene, load_scene, scene_names
 
 FILE = Path(__file__).with_suffix(".json")
-# Relative; the frozen values were made by this very code, so only rounding may differ (another order of sums, another library).
+# Relative; the frozen values were made by this very code, so only round-off may differ (another order of sums, another library).
 ACCURATE, SAME = 1e-12, 1e-13
 DENSE = 1e-11  # of the largest of W(x), of f times the largest pressure, of a slip
 POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series", "tiny-slip")
 _TIMES, _PART = 20, 0.37  # equal parts of the last cycle, and where in each: at no event
-QUANTITIES = ("dissipation", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "stroke")
+_PLACES = np.array([-0.83, -0.31, 0.0, 0.17, 0.42, 0.61, 0.78, 0.89, 0.97])  # over the largest half-width
+MEANS = {"pressure": "pressure", "shear": "shear", "slip": "slip", "displacement": "tangential_displacement"}
+QUANTITIES = (
+    *("dissipation", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "stroke"),
+    *(f"rms {name}" for name in MEANS),
+)
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,9 @@ class Line:
         return None if self.reference is None else self._off(mp.mpf(self.reference))
 
     def _off(self, other: float | mp.mpf) -> float:
-        return float(abs(self.value - other)) / self.scale if self.scale else _apart(self.value, other)
+        if self.value == other or (math.isnan(self.value) and mp.isnan(other)):
+            return 0.0
+        return float(abs(self.value - other) / (self.scale or max(abs(self.value), abs(other))))
 
     @property
     def good(self) -> bool:
@@ -72,52 +80,45 @@ class Line:
         return (self.error is None or self.error <= limit) and self.drift is not None and self.drift <= SAME
 
 
-def _apart(value: float, other: float | mp.mpf) -> float:
-    if math.isnan(value) and mp.isnan(other):
-        return 0.0
-    return float(abs(value - other) / max(abs(value), abs(other))) if value != other else 0.0
+def times_of(scene: Scene) -> np.ndarray:
+    """Twenty times of the last cycle, at no event."""
+    full = semi_analytic.solve(scene, x=[0.0], fields=())
+    first, last = full.time[full.last_cycle[[0, -1]]].tolist()
+    return np.array([first + (k + _PART) / _TIMES * (last - first) for k in range(_TIMES)])
 
 
 def measure(scene: Scene) -> dict[str, float]:
     """The quantities of a scene by the engine."""
     answer = semi_analytic.solve(scene, x=[0.0, 1e-3, 1.0])
     full = semi_analytic.solve(scene)
-    return {
+    largest = float(full.contact_half_width.max())
+    some = semi_analytic.solve(
+        scene, x=largest * _PLACES, time=times_of(scene)[::2], fields=("pressure", "shear", "slip", "tangential_displacement")
+    )
+    found = {
         "dissipation": answer.dissipation,
         "permanent_stick_half_width": answer.permanent_stick_half_width,
-        "largest_half_width": float(full.contact_half_width.max()),
+        "largest_half_width": largest,
         "largest_pressure": float(answer.pressure.max()),
         "stroke": float(full.tangential_displacement.max() - full.tangential_displacement.min()),
     }
+    return found | {f"rms {name}": float(np.sqrt(np.mean(np.square(getattr(some, field))))) for name, field in MEANS.items()}
 
 
-def instant_of(scene: Scene) -> dict[str, list[float] | float]:
-    """The time out of `_TIMES` in the last cycle at which c is least, and three points: one that always sticks, two that slip."""
-    full = semi_analytic.solve(scene, x=[0.0], fields=())
-    first, last = full.time[full.last_cycle[[0, -1]]].tolist()
-    times = [first + (k + _PART) / _TIMES * (last - first) for k in range(_TIMES)]
+def instant_of(scene: Scene) -> dict[str, Any]:
+    """The time of twenty at which c is least, and three points: one that always sticks, two that slip."""
+    times = times_of(scene)
     edges = semi_analytic.solve(scene, x=[0.0], time=times, fields=())
     which = int(np.argmin(np.nan_to_num(edges.stick_half_width, nan=math.inf)))
     outer, inner = float(edges.contact_half_width[which]), float(edges.stick_half_width[which])
     inner = inner if inner < 0.99999 * outer else 0.8 * outer
+    full = semi_analytic.solve(scene, x=[0.0], fields=())
     always = 0.3 * min(np.nan_to_num(full.permanent_stick_half_width, nan=inner), inner)
-    return {"time": times[which], "at": [float(always), inner + 0.4 * (outer - inner), inner + 0.9 * (outer - inner)]}
+    at = [float(always), inner + 0.4 * (outer - inner), inner + 0.9 * (outer - inner)]
+    return {"time": float(times[which]), "at": at}
 
 
-def fields_of(scene: Scene, time: float, at: Sequence[float]) -> dict[str, tuple[float, float | None]]:
-    """The `FIELDS` there by the engine, and what their errors are relative to: None for themselves."""
-    answer = semi_analytic.solve(scene, x=at, time=[time])
-    top = scene.friction.coefficient * float(answer.pressure.max())
-    values = [
-        answer.tangential_displacement.item(),
-        answer.stick_half_width.item(),
-        *answer.shear[0].tolist(),
-        float(answer.slip[0, -1]),
-    ]
-    return dict(zip(FIELDS, zip(values, [None, None, top, top, top, None], strict=True), strict=True))
-
-
-def references(names: Sequence[str], stored: dict[str, dict]) -> None:
+def references(names: list[str], stored: dict[str, dict]) -> None:
     """Evaluate the 30-digit references of the named scenes and store each."""
     mp.mp.dps = DIGITS + 10
     for name in names:
@@ -143,23 +144,23 @@ def lines(stored: dict[str, dict]) -> list[Line]:
     found = []
     for name in scene_names():
         scene, kept = load_scene(name), stored.get(name, {})
-        values, frozen = measure(scene), kept.get("frozen", {})
-        for quantity in QUANTITIES:
-            reference = kept.get("reference") if quantity == "dissipation" else None
-            found.append(Line(name, quantity, values[quantity], frozen.get(quantity), reference))
+        rows = [(quantity, value, None, None) for quantity, value in measure(scene).items()]
+        rows[0] = (*rows[0][:2], kept.get("reference"), None)
         if "fields" in kept:
             fields = kept["fields"]
-            known = fields.get("references", [None] * len(FIELDS))
-            for (quantity, (value, scale)), reference in zip(
-                fields_of(scene, fields["time"], fields["at"]).items(), known, strict=True
-            ):
-                found.append(Line(name, quantity, value, frozen.get(quantity), reference, scale))
+            answer = semi_analytic.solve(scene, x=fields["at"], time=[fields["time"]])
+            top = scene.friction.coefficient * float(answer.pressure.max())
+            values = [answer.tangential_displacement.item(), answer.stick_half_width.item(), *answer.shear[0], answer.slip[0, -1]]
+            known, scales = fields.get("references", [None] * len(FIELDS)), [None, None, top, top, top, None]
+            rows += list(zip(FIELDS, map(float, values), known, scales, strict=True))
         if "x" in kept:
-            density = semi_analytic.solve(scene, x=kept["x"], fields=("dissipation_density",)).dissipation_density.tolist()
-            largest = max(float(value) for value in kept["density"])
-            for part, value, reference in zip(PLACES, density, kept["density"], strict=True):
-                quantity = f"density at {part}"
-                found.append(Line(name, quantity, value, frozen.get(quantity), reference, largest))
+            density = semi_analytic.solve(scene, x=kept["x"], fields=("dissipation_density",)).dissipation_density
+            names = [f"density at {part}" for part in PLACES]
+            rows += list(
+                zip(names, density.tolist(), kept["density"], [max(map(float, kept["density"]))] * len(names), strict=True)
+            )
+        frozen = kept.get("frozen", {})
+        found += [Line(name, quantity, value, frozen.get(quantity), *more) for quantity, value, *more in rows]
     return found
 
 
@@ -175,12 +176,12 @@ def show(found: list[Line]) -> None:
 
 
 def main() -> int:
-    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument(
         "--accept", nargs="*", default=[], metavar="SCENE", help="scenes whose new values become the frozen ones"
     )
     arguments.add_argument(
-        "--references", nargs="*", metavar="SCENE", help="evaluate the 30-digit references anew, of all scenes or of those named"
+        "--references", nargs="*", metavar="SCENE", help="evaluate the 30-digit references again, of all or of these"
     )
     asked = arguments.parse_args()
     if unknown := {*asked.accept, *(asked.references or ())} - set(scene_names()):
@@ -188,7 +189,7 @@ def main() -> int:
         return 2
     stored = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
     if asked.references is not None:
-        references(asked.references or scene_names(), stored)
+        references(asked.references or list(scene_names()), stored)
     mp.mp.dps = DIGITS + 10
     found = lines(stored)
     for name in asked.accept:

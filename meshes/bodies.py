@@ -65,7 +65,7 @@ class MeshSettings:
 
     @classmethod
     def coarse(cls) -> MeshSettings:
-        """For a first look: a fifth of a second; shear of partial slip to about 1 % in L2 (benchmarks/fe_peers.py)."""
+        """For a first look: a fifth of a second; shear of partial slip to about 1 % in L2 (benchmarks/finite_elements.py)."""
         return cls(element_size=1 / 8, edge_element_size=1 / 32, far_radius=6.0, growth=0.5)
 
     @classmethod
@@ -76,7 +76,7 @@ class MeshSettings:
 
     @classmethod
     def fine(cls) -> MeshSettings:
-        """For a figure to rely on: some twenty seconds; dissipation of the paper's cycle to 1e-4 (benchmarks/fe_precision.py)."""
+        """For a figure to rely on: some twenty seconds; dissipation of the paper's cycle to 1e-4 (benchmarks/finite_elements.py)."""
         return cls(edge_element_size=1 / 640, growth=0.12)
 
 

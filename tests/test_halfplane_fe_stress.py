@@ -19,7 +19,7 @@ from semi_analytic_cases import ellipse, make_scene, polygon
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
-stress_fe, stress_slivers = importlib.import_module("stress_fe"), importlib.import_module("stress_slivers")
+stress = importlib.import_module("stress")
 sys.path.remove(str(BENCHMARKS))
 
 COARSE = MeshSettings.coarse()
@@ -138,16 +138,16 @@ def test_a_block_like_a_needle_is_refused_in_a_sentence(height):
 
 
 def test_slivers_of_a_hundredth_of_a_degree_do_no_harm():
-    found = stress_slivers.with_slivers(1e-4)
+    found = stress.with_slivers(1e-4)
     assert found.shown["aspect"] > 1e4
     assert max(found.errors.values()) < 0.05  # p 6.5e-3, q 3.3e-2, W 1.0e-3; without slivers 6.0e-3, 2.0e-2, 6.8e-4
 
 
 def test_slivers_whose_stiffness_is_rounding_are_refused():
     with pytest.raises(ConvergenceError, match="rounding leaves a compliance"):
-        stress_slivers.with_slivers(1e-10)
+        stress.with_slivers(1e-10)
 
 
 def test_more_increments_move_nothing_where_slip_goes_one_way():
     """600 on three lines against 16 each; benchmarks/stress.py takes 112,500."""
-    assert max(stress_fe.many_steps(2, 200).errors.values()) < 1e-9
+    assert max(stress.many_steps(2, 200).errors.values()) < 1e-9
