@@ -652,8 +652,8 @@ def skipping_page(found: dict[str, Any]) -> list[str]:
         names = "; ".join(f"“{what}” ({worst:.1e})" for what, worst in off.items())
         agree = (
             f"All answers agree within round-off error, 1e-9, but for: {names}. A revolution of the finite elements counts as "
-            "steady when no nodal force changed by more than 5e-4 of the largest: the rim of the permanent stick zone creeps on for ever, "
-            "each time a tenth as far, and that is what is left out."
+            "steady when no nodal force changed by more than 5e-4 of the largest: the rim of the permanent stick zone creeps on "
+            "for ever, each time a tenth as far, and that is what is left out."
         )
     lines = [
         "With and without, coarse mesh, 2 pairs in turn in one run; the least time of each, the ratio of each pair (least to "
@@ -733,12 +733,17 @@ def draw(name: str, panels: Sequence[Panel]) -> None:
                 handle = one.loglog([p[0] for p in points], [p[1] for p in points], **look)
                 labels.setdefault(label, handle[0])
             label_axes(one, x, y, title)
+            low, high = one.get_xlim()
+            if high < 100 * low:  # few powers of ten: plain numbers
+                ticks = [base * 10.0**k for k in range(-4, 4) for base in (1, 2, 5) if low <= base * 10.0**k <= high]
+                one.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+                one.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
         for one in axes.flat[len(panels) :]:
             one.axis("off")
         figure.legend(
             labels.values(), labels.keys(), loc="lower center", ncols=2 if len(panels) == 2 else 4, frameon=False, fontsize=8
         )
-        figure.tight_layout(rect=(0, 0.9 / (3.2 * rows + 0.9), 1, 1))
+        figure.tight_layout(rect=(0, 0.8 / (3.2 * rows + 0.9), 1, 1))
         figure.savefig(FOLDER / f"{name}.svg", metadata={"Date": None})
 
 
