@@ -400,14 +400,14 @@ def _table(heads: Sequence[str], rows: Iterator[tuple[str, ...]] | Sequence[tupl
 
 def publish(names: Sequence[str]) -> int:
     """Compute, write, and say what moved; returns how many scenes did."""
-    from reports.publishing_figures import picture
+    from reports.page.figures import published
 
     before, moved = values()["scenes"], 0
     kept = {name: stored for name, stored in before.items() if name in scene_names()}
     for name in names:
         comparison = compute(name)
         kept[name] = json.loads(json.dumps(stored_content(comparison), allow_nan=False))
-        replace_text(FOLDER / f"{name}.svg", picture(comparison))
+        replace_text(FOLDER / f"{name}.svg", published(comparison))
         moved += _say_what_moved(name, before.get(name), kept[name])
     kept = dict(sorted(kept.items()))
     content = {"written by": "make publish", "settings": "both engines' defaults", "scenes": kept}

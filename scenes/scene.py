@@ -258,7 +258,7 @@ class Scene(Frozen):
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        return str(import_module("reports.notebook").scene_html(self))  # words and pictures are those of the reports
+        return str(import_module("reports.page.notebook").scene_html(self))  # words and pictures are those of the reports
 
     def save(self, path: str | Path) -> None:
         """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; rows of a CSV file stand in it.

@@ -233,18 +233,18 @@ class ContactSolution:
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        return str(import_module("reports.notebook").solution_html(self))  # words and pictures are those of the reports
+        return str(import_module("reports.page.notebook").solution_html(self))  # words and pictures are those of the reports
 
     def plot(self, time: float | None = None) -> Any:
         """A matplotlib Figure of p, q and the states: at the stored instant next to `time`, and through the last cycle.
 
         Without `time` the instant is that of the largest |Q| of the last cycle.
         """
-        return import_module("reports.notebook").solution_figure(self, time)
+        return import_module("reports.page.notebook").solution_figure(self, time)
 
     def plot_loop(self) -> Any:
         """A matplotlib Figure of Q over the relative tangential displacement U through the last cycle."""
-        return import_module("reports.notebook").loop_figure(self)
+        return import_module("reports.page.notebook").loop_figure(self)
 
     @property
     def rigid_shift(self) -> Array:

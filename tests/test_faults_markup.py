@@ -27,8 +27,7 @@ from reports.charts.table import harmless, table_text
 from reports.comparison import Report
 from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled
-from reports.notebook import scene_html, solution_html
-from reports.staging import replace_text
+from reports.page.notebook import scene_html, solution_html
 from reports.sweep.page import write_page
 from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
@@ -213,11 +212,24 @@ def test_an_address_in_a_plan_is_no_path(tmp_path: Path) -> None:
     assert victim.exists()
 
 
-# ------------------------------------------------------------------------------------------- sources that run what they read
-# Modules that make objects, and so run code, out of bytes.
-MODULES = {"pickle", "_pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "yaml", "jsonpickle"}
-CALLS = {"eval", "exec", "compile", "__import__", "os.system"}
-METHODS = {"read_pickle", "to_pickle", "mktemp", "popen"}
+def test_a_name_can_not_bring_a_card_into_a_deck() -> None:
+    from reports.third.dialects import _header
+
+    scene = load_scene("hertz-paper").vary(name="x\n*INCLUDE, INPUT=/etc/passwd", title="a\n*STEP")
+
+    class Deck:
+        reference, time = 3, (0.0, 1.0)
+
+        class settings:
+            edge_element_size, far_radius = 0.01, 10.0
+
+        class scales:
+            half_width, load = 1.0, 1.0
+
+    deck = Deck()
+    deck.scene = scene
+    lines = "\n".join(_header(deck, "calculix", "", {"halfplane": "1"})).splitlines()
+    assert [line for line in lines if line.startswith("*") and not line.startswith("**")] == ["*HEADING"]
 
 
 def dangers(tree: ast.AST) -> Iterator[str]:

@@ -3,6 +3,7 @@
 import json
 import re
 import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from reports.cli import main
 from reports.cli.solving import summary_rows
 from reports.comparison.metrics import normal_work
 from reports.comparison.words import beyond_theory, bodies_in_words, idealisation, lead, question, unlike_materials
-from reports.figures_bodies import outline, sketch
+from reports.page.bodies import outline, sketch
 from reports.units import minus
 from scenes import Block, Bodies, ContactSolution, Cylinder, Pad, Scene, load_scene, scene_text
 from scenes.scene import OWN_TOLERANCES
@@ -26,6 +27,7 @@ from test_reports_fields import TOML
 
 A_BLOCK = {"kind": "block", "width": 20.0, "height": 12.0}
 A_PAD = {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"}
+UNCOUPLED = {part: {"young_modulus": e, "poisson_ratio": 0.4999999999999} for part, e in (("upper", 2.0), ("lower", 1.0))}
 UNLIKE = {part: {"young_modulus": e, "poisson_ratio": 0.3} for part, e in (("upper", 210e3), ("lower", 70e3))}
 
 
@@ -39,45 +41,54 @@ def approach_work(solution: ContactSolution) -> float:
     return float(np.trapezoid(solution.normal_load[steps], solution.normal_approach[steps]))
 
 
-class TestWords:
-    def test_half_planes_have_no_idealisation_error(self) -> None:
-        assert bodies_in_words(scene()) == "Both bodies are half-planes, and the profile is the gap between their flat faces."
-        assert idealisation(scene()) == ""
-        assert unlike_materials(scene()) == ""
+HALF_PLANES = "Both bodies are half-planes, and the profile is the gap between their flat faces."
+# What is said of bodies, words that must be there, words that must not.
+WORDS = [
+    (bodies_in_words, {}, [HALF_PLANES], []),
+    (idealisation, {}, [], [" "]),
+    (unlike_materials, {}, [], [" "]),
+    (
+        bodies_in_words,
+        {"bodies": {"lower": A_BLOCK, "upper": A_PAD}},
+        [
+            "The lower body is a block 20 mm wide and 12 mm high, its base fixed to a rigid plane, its sides free",
+            "the upper body is a pad 10 mm wide and 8 mm high whose face is the true profile",
+            "does not tilt",
+            "faces as they are made",
+        ],
+        ["half-plane"],
+    ),
+    (
+        bodies_in_words,
+        {"profile": {"kind": "hertz", "radius": 50.0}, "bodies": {"lower": {"kind": "cylinder", "radius": 50.0}}},
+        ["half of a solid cylinder of radius 50 mm", "the upper body is a half-plane"],
+        ["tilt"],
+    ),
+    (
+        idealisation,
+        {"bodies": {"lower": A_BLOCK, "upper": A_PAD}},
+        ["the true shape of their faces", "a finding about the idealisation, not a fault of the engines"],
+        [],
+    ),
+    (
+        idealisation,
+        {"bodies": {"lower": A_BLOCK, "upper": A_BLOCK}},
+        ["a finding about the idealisation, not a fault of the engines"],
+        ["the true shape of their faces"],
+    ),
+    # alpha = (1/210 - 1/70)/(1/210 + 1/70), beta = (1 - 2 nu)/(2 (1 - nu)) = 2/7 of it
+    (unlike_materials, {"material": UNLIKE}, ["α = −0.5 ", "β = −0.1429", "neglects the coupling"], []),
+    (unlike_materials, {"material": UNCOUPLED}, ["not coupled"], []),
+    (question, {}, ["a parabolic profile"], []),
+    (question, {"bodies": {"upper": A_PAD}}, ["a circular profile"], []),
+]
 
-    def test_block_and_pad(self) -> None:
-        words = bodies_in_words(scene(bodies={"lower": A_BLOCK, "upper": A_PAD}))
-        assert "The lower body is a block 20 mm wide and 12 mm high, its base fixed to a rigid plane, its sides free" in words
-        assert "the upper body is a pad 10 mm wide and 8 mm high whose face is the true profile" in words
-        assert "does not tilt" in words
-        assert "faces as they are made" in words
-        assert "half-plane" not in words
 
-    def test_half_plane_carried_by_a_cylinder_is_loaded_without_a_plane(self) -> None:
-        profile = {"kind": "hertz", "radius": 50.0}
-        words = bodies_in_words(scene(profile=profile, bodies={"lower": {"kind": "cylinder", "radius": 50.0}}))
-        assert "half of a solid cylinder of radius 50 mm" in words
-        assert "the upper body is a half-plane" in words
-        assert "tilt" not in words
-
-    def test_a_tolerance_missed_is_a_finding(self) -> None:
-        true_faces, flat_faces = (idealisation(scene(bodies={"lower": A_BLOCK, "upper": upper})) for upper in (A_PAD, A_BLOCK))
-        assert "the true shape of their faces" in true_faces
-        assert "the true shape of their faces" not in flat_faces
-        for words in (true_faces, flat_faces):
-            assert "a finding about the idealisation, not a fault of the engines" in words
-
-    def test_unlike_materials_name_dundurs_parameters(self) -> None:
-        words = unlike_materials(scene(material=UNLIKE))
-        assert "α = −0.5 " in words  # (1/210 - 1/70)/(1/210 + 1/70)
-        assert "β = −0.1429" in words  # (1 - 2 nu)/(2 (1 - nu)) = 2/7 of it
-        assert "neglects the coupling" in words
-        uncoupled = {part: {"young_modulus": e, "poisson_ratio": 0.4999999999999} for part, e in (("upper", 2.0), ("lower", 1.0))}
-        assert "not coupled" in unlike_materials(scene(material=uncoupled))
-
-    def test_question_says_which_curve_the_face_is(self) -> None:
-        assert "a parabolic profile" in question(scene())
-        assert "a circular profile" in question(scene(bodies={"upper": A_PAD}))
+@pytest.mark.parametrize(("of", "changed", "there", "absent"), WORDS)
+def test_words(of: Callable[[Scene], str], changed: dict[str, Any], there: list[str], absent: list[str]) -> None:
+    words = of(scene(**changed))
+    assert all(each in words for each in there)
+    assert not any(each in words for each in absent)
 
 
 class TestSketch:
@@ -119,28 +130,30 @@ def found() -> Comparison:
     return compare(semi_analytic.solve(both, x=fe.x, time=fe.time), fe, tolerances=OWN_TOLERANCES)
 
 
+@pytest.fixture(scope="module")
+def folder(found: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(found, tmp_path_factory.mktemp("bodies") / "out").parent
+
+
 class TestPage:
-    def test_first_screen_has_bodies_sketch_and_finding(self, found: Comparison, tmp_path: Path) -> None:
-        page = write(found, tmp_path / "out").read_text(encoding="utf-8")
+    def test_first_screen_has_bodies_sketch_and_finding(self, found: Comparison, folder: Path) -> None:
+        page = (folder / "report.html").read_text(encoding="utf-8")
         head = page[: page.index("</header>")]
         for words in ("a block 20 mm wide", "Dundurs&#39; parameters", "not a fault of the engines", 'id="bodies"'):
             assert words in head
         assert "<b>Outside tolerance: a finding about the idealisation.</b>" in page
         assert "counted from their supports" in page
-        stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
+        stored = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
         assert stored["bodies"] == bodies_in_words(found.scene)
         assert stored["result"]["settings"]["dundurs"]["alpha"] == pytest.approx(-0.5)
         assert stored["result"]["mesh_quality"]["upper"]["least_angle"] > 15
         assert stored["reference"]["mesh_quality"] == {}
 
-    def test_figures_in_tables_have_minus_signs_that_are_ones(self, found: Comparison, tmp_path: Path) -> None:
-        page = write(found, tmp_path / "out").read_text(encoding="utf-8")
+    def test_tables_have_a_row_for_each_body_and_minus_signs_that_are_ones(self, found: Comparison, folder: Path) -> None:
+        page = (folder / "report.html").read_text(encoding="utf-8")
         cells = re.findall(r"<td class=\"n\">([^<]*)</td>", page)
         assert any("−" in cell for cell in cells)
         assert not [cell for cell in cells if re.search(r"-\d", cell)]
-
-    def test_mesh_table_has_a_row_for_each_body(self, found: Comparison, tmp_path: Path) -> None:
-        page = write(found, tmp_path / "out").read_text(encoding="utf-8")
         table = page[page.index('id="meshes"') :]
         for body, name in zip(getattr(found.result, "bodies", ()), ("lower", "upper"), strict=True):
             row = table[table.index(f"<td>{name}</td>") :]

@@ -15,33 +15,24 @@ ROWS = [
 ]
 
 
-def shown(capsys: pytest.CaptureFixture[str]) -> list[str]:
-    return capsys.readouterr().out.splitlines()
+def shown(capsys: pytest.CaptureFixture[str], columns: int, heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", str(columns))
+        show_table("Where the discrepancy comes from", heads, rows)
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines[1:])) <= columns
+    return lines
 
 
-def test_a_budget_fits_80_columns_with_its_words_whole(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_budget_fits_80_columns_with_its_words_whole(capsys: pytest.CaptureFixture[str]) -> None:
     """It was "penal|ty", "ideal|isati|on", "Dissip|ation"."""
-    monkeypatch.setenv("COLUMNS", "80")
     heads, rows = narrow(HEADS, ROWS)
-    assert "penalty" not in heads  # none everywhere
-    assert "accurate" not in heads  # in the table above it
+    assert not {"penalty", "accurate"} & set(heads)  # none everywhere; in the table above it
     assert all(len(row) == len(heads) for row in rows)
-    show_table("Where the discrepancy comes from", heads, rows)
-    lines = shown(capsys)
-    assert max(map(len, lines)) <= 80
-    pieces = {word for line in lines for word in re.split(r"[\s│┃]+", line)}
+    pieces = {word for line in shown(capsys, 80, heads, rows) for word in re.split(r"[\s│┃]+", line)}
     assert {word for row in (heads, *rows) for cell in row for word in cell.split()} <= pieces
 
 
-def test_a_word_longer_than_the_terminal_is_folded(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setenv("COLUMNS", "30")
-    show_table("Files", ("file", "size"), [("a" * 60, "1")])
-    lines = shown(capsys)
-    assert max(map(len, lines)) <= 30
-    assert sum(line.count("a") for line in lines[4:]) == 60
-
-
-def test_a_table_that_fits_is_as_wide_as_its_cells(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    show_table("", ("what", "value"), [("two words", "3")])
-    assert any("│two words │ 3    │" in line for line in shown(capsys))
+def test_a_long_word_is_folded_and_a_table_that_fits_is_as_wide_as_its_cells(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sum(line.count("a") for line in shown(capsys, 30, ("file", "size"), [("a" * 60, "1")])[5:]) == 60
+    assert any("│two words │ 3    │" in line for line in shown(capsys, 80, ("what", "value"), [("two words", "3")]))

@@ -11,25 +11,19 @@ from scenes import InputError, load_scene
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 
 COARSE = cattaneo_mindlin(steps_per_leg=20, points=81)
-FINE = cattaneo_mindlin(steps_per_leg=160, points=641)
-
-
-def test_the_same_points_and_instants_are_taken_as_they_are() -> None:
-    found = compare(COARSE, COARSE)
-    assert not found.expected.interpolation
-    assert not any("interpolated" in note for note in found.notes)
+FINE = cattaneo_mindlin(steps_per_leg=40, points=321)
 
 
 def test_stated_interpolation_error_is_honest() -> None:
-    """The truth is known here: of 320 spacings, the edge falling anywhere in an interval, one in a hundred at most errs by more."""
+    """The truth is known here: of 80 spacings, the edge falling anywhere in an interval, one at most errs by more."""
     like = last_cycle(COARSE)
     smaller = 0
-    for points in range(100, 420):
+    for points in range(100, 420, 4):
         found = sample(last_cycle(cattaneo_mindlin(steps_per_leg=20, points=points)), like, "closed form")
         if found.interpolation:
             error = np.max(np.abs(found.pressure - like.pressure)) / np.max(like.pressure)
             smaller += error > found.interpolation["pressure"]
-    assert smaller <= 3
+    assert smaller <= 1
 
 
 def test_interpolation_in_time_and_space_is_said() -> None:
@@ -41,10 +35,12 @@ def test_interpolation_in_time_and_space_is_said() -> None:
     assert any("was interpolated" in note for note in found.notes)
 
 
-def test_instants_are_matched_by_phase_not_by_revolution() -> None:
-    """The same cycle, one revolution later: nothing to interpolate, nothing to tell apart."""
-    found = compare(COARSE, with_fields(COARSE, time=COARSE.time + 3.0))
+@pytest.mark.parametrize("later", [0.0, 3.0])
+def test_instants_are_matched_by_phase_not_by_revolution(later: float) -> None:
+    """The same cycle, at once or one revolution later: nothing to interpolate, nothing to tell apart."""
+    found = compare(COARSE, with_fields(COARSE, time=COARSE.time + later))
     assert not found.expected.interpolation
+    assert not any("interpolated" in note for note in found.notes)
     assert all(not metric.value for metric in found.metrics)
 
 
@@ -103,12 +99,6 @@ def test_events_of_the_papers_ellipse() -> None:
     state = np.zeros((81, 81), np.int8)
     cycle = last_cycle(with_fields(COARSE, scene=scene, state=state, **steps, **blank, **edges, **series))
     found = events(cycle, 1.0)
-    assert [event.label for event in found] == [
-        "Q least",
-        "P largest",
-        "Q largest",
-        "forward slip ends",
-        "P least",
-        "reverse slip ends",
-    ]
+    labels = ["Q least", "P largest", "Q largest", "forward slip ends", "P least", "reverse slip ends"]
+    assert [event.label for event in found] == labels
     assert cycle.fraction[[event.index for event in found]] == pytest.approx([0, 0.25, 0.5, 0.625, 0.75, 0.875])

@@ -289,7 +289,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
 
             find_calculix()
         if options.pdf:
-            from reports.pdf import require_typst
+            from reports.page.pdf import require_typst
 
             require_typst("--pdf")
         from reports.comparison.metrics import are_half_planes

@@ -97,7 +97,7 @@ class Comparison(Pair):
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        from reports.notebook import comparison_html
+        from reports.comparison.words import comparison_html
 
         return comparison_html(Report(self))
 
@@ -155,7 +155,7 @@ class Report:
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        from reports.notebook import comparison_html
+        from reports.comparison.words import comparison_html
 
         return comparison_html(self)
 

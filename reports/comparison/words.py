@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
@@ -592,3 +593,16 @@ def _metric(budget: Budget) -> dict[str, Any]:
         "honest": budget.honest,
         "verdict": judgement(budget),
     }
+
+
+def comparison_html(report: Report) -> str:
+    """Title, headline, the table of absolute values, and the verdict; every word escaped."""
+    heads, rows = first_table(report)
+    keys = ("label", "reference", "result", "difference", "verdict")
+    head = "".join(f"<th>{escape(one)}</th>" for one in heads)
+    cells = "".join("<tr>" + "".join(f"<td>{escape(row[key])}</td>" for key in keys) + "</tr>" for row in rows)
+    scene = report.comparison.scene
+    return (
+        f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(headline(report))}</b></p>"
+        f"<table><tr>{head}</tr>{cells}</table><p>{escape(' '.join((lead(report), verdict(report), how_judged(report))))}</p></div>"
+    )

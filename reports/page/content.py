@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -39,8 +41,7 @@ from reports.comparison.words import (
     value_of,
     verdict,
 )
-from reports.live import as_script, carried
-from reports.provenance import commit
+from reports.page.live import as_script, carried
 from reports.units import energy_unit, minus, signed, units
 from scenes import ContactSolution
 
@@ -61,7 +62,7 @@ def render(
     command : what reproduces the page
     seconds : stage -> wall time
     live : what the slider moves through; without it the page has none
-    third : words of the third opinion, where one was asked for
+    third : words of the third solver, where it ran
     """
     report = found if isinstance(found, Report) else Report(found)
     comparison = report.comparison
@@ -108,6 +109,19 @@ def render(
         step_errors=list(_step_errors(comparison)),
         seconds=seconds,
     )
+
+
+def commit() -> str:
+    """The commit of the checkout that this package lies in, "with changes" where files differ from it; or why there is none."""
+    home = Path(__file__).parents[2]
+    if not (home / ".git").exists():
+        return "installed without its history"
+    words = ["git", "-C", str(home), "describe", "--always", "--dirty", "--abbrev=12"]
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return "unknown: git does not answer"
+    return done.stdout.strip().replace("-dirty", ", with changes")
 
 
 def _row(metric: Metric) -> dict[str, str]:

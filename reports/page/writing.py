@@ -9,13 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports import (
-    figures_bodies,
-    figures_budget,
-    figures_checks,
-    figures_cycle,
-    figures_fields,
-)
 from reports.charts.plate import Plate
 from reports.comparison import Comparison, Report
 from reports.comparison.content import as_json
@@ -24,8 +17,9 @@ from reports.comparison.metrics import missing
 from reports.comparison.words import headline, verdict
 from reports.field_output.files import with_bodies, write_fields
 from reports.folder import filled
-from reports.live import cycle_data, tables
+from reports.page import bodies, figures
 from reports.page.content import render
+from reports.page.live import cycle_data, tables
 
 if TYPE_CHECKING:
     from reports.field_output.files import Instant
@@ -97,7 +91,7 @@ def write(
 
             write_plots(drawings, folder / "plots", plots)
         if pdf:
-            from reports.pdf import write_pdf
+            from reports.page.pdf import write_pdf
 
             write_pdf(report, drawings, folder / "report.pdf", command)
     return Path(out) / "report.html"
@@ -137,28 +131,28 @@ def draw(report: Report) -> tuple[Plate, ...]:
     comparison = report.comparison
     chosen, (time, words) = chosen_instants(comparison), time_axis(comparison)
     drawings: list[Plate | None] = [
-        figures_bodies.sketch(comparison.scene, comparison.scales.half_width),
-        figures_cycle.load_path(comparison.result, comparison.found, chosen),
-        figures_fields.now(comparison, chosen),
-        figures_cycle.hysteresis(comparison, chosen),
-        figures_fields.state_map(comparison, time, words),
-        figures_cycle.half_widths(comparison, time, words),
-        figures_cycle.slip_histories(comparison, time, words),
-        figures_fields.dissipation_density(comparison),
-        figures_cycle.errors(comparison, time, words),
-        figures_fields.tractions(comparison, chosen),
-        figures_checks.energy(comparison.result),
-        figures_checks.certificates("result", comparison.result, comparison.result_certificates),
-        figures_checks.certificates("reference", comparison.reference, comparison.reference_certificates),
+        bodies.sketch(comparison.scene, comparison.scales.half_width),
+        figures.load_path(comparison.result, comparison.found, chosen),
+        figures.now(comparison, chosen),
+        figures.hysteresis(comparison, chosen),
+        figures.state_map(comparison, time, words),
+        figures.half_widths(comparison, time, words),
+        figures.slip_histories(comparison, time, words),
+        figures.dissipation_density(comparison),
+        figures.errors(comparison, time, words),
+        figures.tractions(comparison, chosen),
+        figures.energy(comparison.result),
+        figures.certificates("result", comparison.result, comparison.result_certificates),
+        figures.certificates("reference", comparison.reference, comparison.reference_certificates),
     ]
     if report.study is not None:
-        drawings.append(figures_budget.distances(report.study))
+        drawings.append(figures.distances(report.study))
     if report.budget is not None:
-        drawings += [figures_budget.bars(report.budget), figures_budget.ladders(report.budget)]
-    if bodies := getattr(comparison.result, "bodies", ()):
+        drawings += [figures.bars(report.budget), figures.ladders(report.budget)]
+    if meshes := getattr(comparison.result, "bodies", ()):
         from reports.field_output.pictures import mesh
 
-        drawings.append(mesh(bodies, comparison.scales.half_width, float(np.nanmax(comparison.found.contact_edges))))
+        drawings.append(mesh(meshes, comparison.scales.half_width, float(np.nanmax(comparison.found.contact_edges))))
     left_out = _can_not_be_drawn(comparison)
     return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
 

@@ -31,7 +31,7 @@ from reports.comparison.words import (
     unlike_materials,
     verdict,
 )
-from reports.provenance import commit
+from reports.page.content import commit
 from scenes import InputError
 
 _TEMPLATES = resources.files("reports") / "templates"

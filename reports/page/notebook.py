@@ -1,4 +1,4 @@
-"""What a notebook shows of a scene, a solution and a comparison: HTML with every word escaped; and figures of a solution."""
+"""What a notebook shows of a scene and a solution: HTML with every word escaped; and figures of a solution."""
 
 from __future__ import annotations
 
@@ -9,32 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.words import first_table, headline, how_judged, lead, verdict
+from reports.charts.marks import Axis, Curve
+from reports.charts.plate import Panel, Plate
+from reports.charts.scale import limits
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from reports.comparison import Report
-
 Array = NDArray[np.float64]
-
-# Pixels.
-_WIDTH, _HEIGHT, _MARGIN = 220.0, 150.0, 22.0
-
-
-def comparison_html(report: Report) -> str:
-    """Title, headline, the table of absolute values, and the verdict; every word escaped."""
-    heads, rows = first_table(report)
-    keys = ("label", "reference", "result", "difference", "verdict")
-    head = "".join(f"<th>{escape(one)}</th>" for one in heads)
-    cells = "".join("<tr>" + "".join(f"<td>{escape(row[key])}</td>" for key in keys) + "</tr>" for row in rows)
-    scene = report.comparison.scene
-    return (
-        f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(headline(report))}</b></p>"
-        f"<table><tr>{head}</tr>{cells}</table><p>{escape(' '.join((lead(report), verdict(report), how_judged(report))))}</p></div>"
-    )
 
 
 def table_html(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str:
@@ -176,21 +160,6 @@ def loop_svg(across: Array, up: Array, across_name: str, up_name: str) -> str:
     """A line through points as a small SVG; nothing where a point is no number."""
     if not (np.isfinite(across).all() and np.isfinite(up).all()):
         return ""
-    x = _MARGIN + _share(across) * (_WIDTH - 2 * _MARGIN)
-    y = _HEIGHT - _MARGIN - _share(up) * (_HEIGHT - 2 * _MARGIN)
-    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
-    style = 'fill="none" stroke="currentColor"'
-    text = 'fill="currentColor" font-size="12" font-family="sans-serif"'
-    return (
-        f'<svg width="{_WIDTH:g}" height="{_HEIGHT:g}" role="img" aria-label="{escape(up_name)} over {escape(across_name)}">'
-        f'<path d="M{_MARGIN:g} 6V{_HEIGHT - _MARGIN:g}H{_WIDTH - 6:g}" {style} opacity="0.5"/>'
-        f'<polyline points="{points}" {style} stroke-width="1.5"/>'
-        f'<text x="4" y="16" {text}>{escape(up_name)}</text>'
-        f'<text x="{_WIDTH - 16:g}" y="{_HEIGHT - 6:g}" {text}>{escape(across_name)}</text></svg>'
-    )
-
-
-def _share(values: Array) -> Array:
-    """Values as shares of their range, one half where they do not change."""
-    spread = float(np.ptp(values))
-    return (values - values.min()) / spread if spread else np.full(len(values), 0.5)
+    axes = (Axis(*limits(values), name, count=3) for values, name in ((across, across_name), (up, up_name)))
+    panel = Panel("loop", *axes, [Curve(across, up, "")], f"{up_name} over {across_name}", 280.0, 190.0)
+    return Plate("loop", panel.alt, "", panel.alt, (panel,), {}).svg()

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from reports.comparison import Comparison
 from reports.comparison.cycles import Event
 from reports.comparison.metrics import name_of
-from reports.figures_cycle import places, sheared_shift
-from reports.figures_fields import first_shown, reach
+from reports.page.figures import first_shown, places, reach, sheared_shift
 from reports.units import load_unit, units
 
 Array = NDArray[np.float64]

@@ -87,35 +87,21 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
     # Finer towards the ends, where an arc is steep.
     x = width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 181))
     face = np.column_stack([x, -side * face_of(shape, scene.profile).depth(x)])
-    height = _height(shape, width)
+    height = 0.5 * width if isinstance(shape, HalfPlane) else getattr(shape, "height", 0.0)
     corners = np.array([[width, -side * height], [-width, -side * height]])
     return face if isinstance(shape, Cylinder) else np.vstack([face, corners])
 
 
-def _height(shape: Shape, width: float) -> float:
-    match shape:
-        case Cylinder(radius=radius):
-            return radius
-        case HalfPlane():
-            return 0.5 * width
-        case _:
-            return float(shape.height)
-
-
-def _places(frame: Frame, points: Array) -> tuple[Array, Array]:
-    return frame.x.place(points[:, 0]), frame.y.place(points[:, 1])
-
-
 def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
     """A filled body; a half-plane has a line along its face alone, for it goes on everywhere else."""
-    x, y = _places(frame, points)
+    x, y = frame.x.place(points[:, 0]), frame.y.place(points[:, 1])
     yield Curve(x, y, f"body {name}", closed=True)
     if not isinstance(shape, HalfPlane):
         yield Curve(x, y, "body-line", closed=True)
-    else:
-        corners = [180, 181, 182, 0]
-        yield Curve(x[:181], y[:181], "body-line")
-        yield Curve(x[corners], y[corners], "cut-line")
+        return
+    corners = [180, 181, 182, 0]
+    yield Curve(x[:181], y[:181], "body-line")
+    yield Curve(x[corners], y[corners], "cut-line")
 
 
 def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterator[Mark]:
@@ -125,9 +111,9 @@ def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterato
     half = shape.face_half_width
     left, right = (float(v) for v in frame.x.place([-half, half]))
     base = float(frame.y.place(points[np.argmax(-side * points[:, 1]), 1]))
-    rollers = not isinstance(shape, Cylinder) and shape.base == "rollers"
+    rollers, guided = (getattr(shape, key, "") == word for key, word in (("base", "rollers"), ("sides", "guided")))
     yield from _wall((left, base), (right, base), (0.0, side), rollers=rollers, hatched=side > 0)
-    if not isinstance(shape, Cylinder) and shape.sides == "guided":
+    if guided:
         top = float(frame.y.place(points[0, 1]))
         for x, outward in ((left, -1.0), (right, 1.0)):
             yield from _wall((x, base), (x, top), (outward, 0.0), rollers=True, hatched=side > 0)
@@ -154,16 +140,14 @@ def _label(frame: Frame, scene: Scene, name: str, points: Array) -> Iterator[Mar
     """Kind, sizes and material in the middle of a body, or beside one that is too narrow for them."""
     shape, material = getattr(scene.bodies, name), getattr(scene.material, name)
     _, length, stress = units(scene)
-    size = {
-        "half_plane": "",
-        "cylinder": f", R = {number(getattr(shape, 'radius', 0.0))} {length}",
-    }.get(shape.kind, f", {number(getattr(shape, 'width', 0.0))} × {number(getattr(shape, 'height', 0.0))} {length}")
-    lines = [
-        f"{name}: {shape.kind.replace('_', '-')}{size}",
-        f"E = {number(material.young_modulus)} {stress},",
-        f"ν = {number(material.poisson_ratio)}",
-    ]
-    x, y = _places(frame, points)
+    size = ""
+    if isinstance(shape, Cylinder):
+        size = f", R = {number(shape.radius)} {length}"
+    elif not isinstance(shape, HalfPlane):
+        size = f", {number(shape.width)} × {number(shape.height)} {length}"
+    lines = [f"{name}: {shape.kind.replace('_', '-')}{size}", f"E = {number(material.young_modulus)} {stress},"]
+    lines.append(f"ν = {number(material.poisson_ratio)}")
+    x, y = frame.x.place(points[:, 0]), frame.y.place(points[:, 1])
     wide, tall = float(np.ptp(x)), float(np.ptp(y))
     level = float(y.min()) + tall * (0.58 if name == "lower" else 0.42)
     place, inside = float(x.min()) + wide / 2, True
@@ -182,20 +166,18 @@ def _loads(frame: Frame, scene: Scene, upper: Array) -> Iterator[Mark]:
     x, y = float(frame.x.place(0.0)), float(frame.y.place(upper[:, 1].max())) - 10
     yield Arrow((x, y - 42), (x, y))
     yield Note(x - 9, y - 28, "P", "load", "end")
-    if np.any(_samples(scene)[1] != 0):
+    if np.any(_samples(scene, 1) != 0):
         yield Arrow((x + 14, y - 8), (x + 74, y - 8))
         yield Note(x + 82, y - 3, "Q", "load")
 
 
-def _samples(scene: Scene) -> tuple[Array, Array]:
-    """P and Q all along the path."""
+def _samples(scene: Scene, which: int) -> Array:
+    """P or Q all along the path."""
     path = scene.load.path()
-    times = np.concatenate([sampled(leg, 181) for leg in path.legs(1)])
-    normal, tangential = path.at(times)
-    return np.asarray(normal), np.asarray(tangential)
+    return np.asarray(path.at(np.concatenate([sampled(leg, 181) for leg in path.legs(1)]))[which])
 
 
 def _range(scene: Scene, which: int) -> str:
-    loads = _samples(scene)[which]
+    loads = _samples(scene, which)
     least, most = (number(float(f"{value:.4g}")) for value in (loads.min(), loads.max()))
     return f"= {most}" if least == most else f"from {least} to {most}"
