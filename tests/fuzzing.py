@@ -6,7 +6,7 @@ import json
 import random
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -20,8 +20,7 @@ from reports.comparison.content import solution_content, strict
 from reports.folder import MANIFEST, claim
 from reports.scoring.against import own_solution
 from reports.scoring.guesses import whole_path
-from reports.scoring.mapping import Mapping as ScoreMapping
-from reports.scoring.mapping import load_mapping
+from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution
 from reports.sweep.store import read_index
@@ -34,73 +33,44 @@ DATA = Path(__file__).parent / "data"
 TOKENS = (
     *(b"nan", b"inf", b"-inf", b"1e999", b"-1", b"0", b"1e-320", b"9" * 400, b"1e308", b"99999999999999999999", b"0x7", b"1_0"),
     *(b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", b"\r", b"\n\n", b",", b";", b"\t", b"=", b'"', b"'", b"#", b"{", b"}", b"[", b"]"),
-    *(
-        b"[" * 3000,
-        b'{"a":' * 2000,
-        b"a." * 3000,
-        b"../../x",
-        b"/dev/zero",
-        b"=HYPERLINK(1)",
-        b"<script>",
-        b"&x;",
-        b"true",
-        b"null",
-    ),
-    *(b"<!DOCTYPE a [<!ENTITY b 'b'>]>", b" -1", b" -3\n", b"9999\n", b"1.46685-100", b"\xd9\xa1", b"1979-05-27", b"-0.0"),
+    *(b"[" * 3000, b'{"a":' * 2000, b"a." * 3000, b"../../x", b"/dev/zero", b"=HYPERLINK(1)", b"<script>", b"&x;", b"true"),
+    *(b"<!DOCTYPE a [<!ENTITY b 'b'>]>", b" -1", b" -3\n", b"9999\n", b"1.46685-100", b"\xd9\xa1", b"1979-05-27", b"-0.0", b"null"),
 )
-_NUMBERS = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+NUMBERS = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
+ACCIDENTS = ("cut", "lose", "twice", "insert", "flip", "number", "number", "lines")
 
 
-@dataclass(frozen=True)
-class Door:
-    """Where a file comes in: its name there, good files, and what takes it."""
-
-    name: str
-    seeds: Callable[[Path], list[bytes]]
-    enter: Callable[[Path], object]
-
-
+# ------------------------------------------------------------------------------------------------------------- accidents
 def spoilt(seed: bytes, chance: random.Random) -> bytes:
     """`seed` after one to four accidents; one time in twenty, nothing but noise."""
     if chance.random() < 0.05:
         return chance.randbytes(chance.randrange(200))
-    accidents = (_number,) if chance.random() < 0.4 else _ACCIDENTS
+    kinds = ("number",) if chance.random() < 0.4 else ACCIDENTS
     for _ in range(chance.choice((1, 1, 2, 4))):
-        seed = chance.choice(accidents)(seed, chance)
+        seed = _accident(chance.choice(kinds), seed, chance)
     return seed
 
 
-def _cut(seed: bytes, chance: random.Random) -> bytes:
-    return seed[: chance.randrange(len(seed) + 1)]
-
-
-def _lose(seed: bytes, chance: random.Random) -> bytes:
-    at = chance.randrange(len(seed) + 1)
-    return seed[:at] + seed[at + chance.choice((1, 1, 8, 100)) :]
-
-
-def _twice(seed: bytes, chance: random.Random) -> bytes:
-    at = chance.randrange(len(seed) + 1)
-    part = seed[at : at + chance.choice((1, 8, 100))]
-    return seed[:at] + part + seed[at:]
-
-
-def _insert(seed: bytes, chance: random.Random) -> bytes:
-    at = chance.randrange(len(seed) + 1)
-    return seed[:at] + chance.choice(TOKENS) + seed[at:]
-
-
-def _flip(seed: bytes, chance: random.Random) -> bytes:
-    if not seed:
-        return seed
-    spoiled = bytearray(seed)
-    for _ in range(chance.choice((1, 1, 5))):
-        spoiled[chance.randrange(len(seed))] = chance.randrange(256)
-    return bytes(spoiled)
-
-
-def _number(seed: bytes, chance: random.Random) -> bytes:
-    found = list(_NUMBERS.finditer(seed))
+def _accident(kind: str, seed: bytes, chance: random.Random) -> bytes:
+    at, size = chance.randrange(len(seed) + 1), chance.choice((1, 1, 8, 100))
+    head, tail = seed[:at], seed[at:]
+    match kind:
+        case "cut":
+            return head
+        case "lose":
+            return head + tail[size:]
+        case "twice":
+            return head + tail[:size] + tail
+        case "insert":
+            return head + chance.choice(TOKENS) + tail
+        case "flip":
+            return head + chance.randbytes(size) + tail[size:]
+        case "lines":
+            lines = seed.split(b"\n")
+            one, other = chance.randrange(len(lines)), chance.randrange(len(lines))
+            lines[one], lines[other] = lines[other], lines[one]
+            return b"\n".join(lines)
+    found = list(NUMBERS.finditer(seed))
     if not found:
         return seed
     one = chance.choice(found)
@@ -108,14 +78,17 @@ def _number(seed: bytes, chance: random.Random) -> bytes:
     return seed[: one.start()] + other + seed[one.end() :]
 
 
-def _lines(seed: bytes, chance: random.Random) -> bytes:
-    lines = seed.split(b"\n")
-    one, other = chance.randrange(len(lines)), chance.randrange(len(lines))
-    lines[one], lines[other] = lines[other], lines[one]
-    return b"\n".join(lines)
+# ----------------------------------------------------------------------------------------------------------------- doors
+@dataclass(frozen=True)
+class Door:
+    """Where a file comes in: its name there, and what takes it."""
 
+    name: str
+    enter: Callable[[Path], object]
 
-_ACCIDENTS = (_cut, _lose, _twice, _insert, _flip, _number, _number, _lines)
+    def seeds(self, folder: Path) -> list[bytes]:
+        """Good files; what they need beside them is written to `folder`."""
+        return good_files(self.name, folder)
 
 
 def outcome(door: Door, path: Path) -> str:
@@ -130,48 +103,103 @@ def outcome(door: Door, path: Path) -> str:
     return "read"
 
 
+def attempt(door: Door, seed: bytes, number: int, folder: Path) -> tuple[bytes, str]:
+    """The file of that number, and what came of it."""
+    content = spoilt(seed, random.Random(f"{door.name} {number}"))
+    home = folder / door.name
+    home.mkdir(exist_ok=True)
+    (home / door.name).write_bytes(content)
+    return content, outcome(door, home / door.name)
+
+
 def _scene(path: Path) -> object:
     scene = load_scene(path)
     require_admissible(scene, str(path))
     return scene
 
 
-def _series(path: Path) -> object:
-    scene = path.with_name("of-series.toml")
-    scene.write_text(scene_text("time-series").replace("time-series.csv", path.name), encoding="utf-8")
-    return load_scene(scene)
+def _beside_a_scene(table: str) -> Callable[[Path], object]:
+    """A scene with the file beside it as its profile or its load."""
+    kind = {"profile": "tabulated", "load": "time_series"}[table]
 
+    def enter(path: Path) -> object:
+        text = scene_text("hertz-paper")
+        start = text.index(f"[{table}]")
+        end = text.find("\n[", start + 1)
+        scene = path.with_name("beside.toml")
+        scene.write_text(f'{text[:start]}[{table}]\nkind = "{kind}"\nfile = "{path.name}"{text[end:]}', encoding="utf-8")
+        return load_scene(scene)
 
-def _profile(path: Path) -> object:
-    scene = path.with_name("of-table.toml")
-    text = scene_text("hertz-paper")
-    start = text.index("[profile]")
-    end = text.index("[", start + 1)
-    scene.write_text(f'{text[:start]}[profile]\nkind = "tabulated"\nfile = "{path.name}"\n{text[end:]}', encoding="utf-8")
-    return load_scene(scene)
+    return enter
 
 
 def _read(path: Path) -> object:
-    return read(path, ScoreMapping(), load_scene("hertz-paper"))
+    return read(path, Mapping(), load_scene("hertz-paper"))
 
 
 def _scored(path: Path) -> object:
-    return contact_solution(_read(path), ScoreMapping(), whole_path(load_scene("hertz-paper")))
+    return contact_solution(_read(path), Mapping(), whole_path(load_scene("hertz-paper")))
 
 
 def _stored_result(path: Path) -> object:
     folder = path.parent / "store"
     (folder / "results").mkdir(parents=True, exist_ok=True)
-    plan = {"study": json.loads(_study()), "points": [{"number": 0, "address": "0" * 64, "coordinates": {"f": 1.0}}]}
-    (folder / "sweep.json").write_text(json.dumps(plan), encoding="utf-8")
-    (folder / "results" / f"{'0' * 64}.json").write_bytes(path.read_bytes())
+    (folder / "sweep.json").write_text(json.dumps({"study": STUDY, "points": POINTS}), encoding="utf-8")
+    (folder / "results" / f"{ADDRESS}.json").write_bytes(path.read_bytes())
     return read_index(folder)
 
 
 def _condensed(path: Path) -> object:
     """The store of condensed bodies takes what it can't read as not there: it is not a user's file."""
-    body, material = condensed_body()
-    return halfplane_fe.store._read(path, body, material, 1000.0, Counter())
+    return halfplane_fe.store._read(path, *condensed_body(), 1000.0, Counter())
+
+
+ENTRANCES: dict[str, Callable[[Path], object]] = {
+    "scene.toml": _scene,
+    "scene.json": _scene,
+    "series.csv": _beside_a_scene("load"),
+    "profile.csv": _beside_a_scene("profile"),
+    "mapping.toml": load_mapping,
+    "result.csv": _scored,
+    **dict.fromkeys((*(f"result.{kind}" for kind in ("vtu", "vtk", "xdmf", "pvd", "series", "frd")), "printed.dat"), _read),
+    "heavy.h5": lambda path: _read(path.with_name("heavy.xdmf")),  # the numbers of an XDMF file
+    "result.nc": lambda path: own_solution(path, load_scene("hertz-paper")),
+    "study.toml": load_study,
+    "study.json": load_study,
+    "sweep.json": lambda path: read_index(path.parent),
+    "stored.json": _stored_result,
+    "baseline.json": findings.read_findings,
+    "solution.json": findings.read_findings,
+    "comparison.json": findings.read_findings,
+    MANIFEST: lambda path: claim(path.parent),
+    "condensed.npz": _condensed,
+}
+DOORS = {name: Door(name, enter) for name, enter in ENTRANCES.items()}
+
+
+# ------------------------------------------------------------------------------------------------------------ good files
+ADDRESS = "0" * 64
+AXIS = {"name": "f", "key": "friction.coefficient", "values": [0.5, 1.0]}
+STUDY = {"scene": "hertz-paper", "engines": ["exact"], "figures": ["exact.dissipation"], "axes": [AXIS]}
+POINTS = [{"number": 0, "address": ADDRESS, "coordinates": {"f": 0.5}}]
+# Those that are the same every time.
+PLAIN = {
+    "series.csv": ["time,P,Q\n0,0,0\n1,2.5,0.5\n2,2,1\n3,1.5,-0.25\n"],
+    "profile.csv": ["x,h\n0,0\n0.5,0.1\n1,0.5\n2.0,2\n", "-2,2\n-1,0.5\n0,0\n1,0.5\n2,2\n"],
+    "mapping.toml": [
+        'code = "mine"\nthickness = 2.0\ntimes = [0.0, 1.0]\n[columns]\npressure = "p"\n[factors]\nlength = 1000\n'
+        '[signs]\nshear = "on upper"\n[element_sizes]\n"a.csv" = 0.5\n'
+    ],
+    "study.toml": [
+        'scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation"]\n[set]\n"mesh.order" = 1\n'
+        '[derived]\nradius = "2 * f ** 2"\n[[axes]]\nname = "f"\nkey = "friction.coefficient"\n'
+        'linear = {start = 1.0, stop = 2.0, count = 12}\n[[axes]]\nname = "g"\nkey = "cycles"\nvalues = [1, 2]\n'
+    ],
+    "study.json": [json.dumps(STUDY)],
+    "result.pvd": ['<VTKFile type="Collection"><Collection><DataSet timestep="1.0" file="field.vtu"/></Collection></VTKFile>'],
+    "result.series": ['{"file-series-version": "1.0", "files": [{"name": "field.vtu", "time": 1.0}]}'],
+    MANIFEST: ['{"written by": "halfplane", "files": ["report.html", "figures/a.csv", "manifest.json"]}'],
+}
 
 
 @cache
@@ -180,153 +208,60 @@ def condensed_body() -> tuple[object, object]:
     return half_disc("lower", SurfaceGrading(0.0, 1.0, 0.5, 0.5, 4.0), 1.0, 1), load_scene("hertz-paper").material.lower
 
 
-def _study() -> str:
-    axis = {"name": "f", "key": "friction.coefficient", "values": [0.5, 1.0]}
-    return json.dumps({"scene": "hertz-paper", "engines": ["exact"], "figures": ["exact.dissipation"], "axes": [axis]})
+def good_files(name: str, folder: Path) -> list[bytes]:
+    """What the door of that name reads."""
 
+    def field(file: str, **how: object) -> bytes:
+        mesh(pressure=lambda p: pressure_at(p[:, 0]), shear=lambda p: shear_at(p[:, 0])).write(folder / file, **how)
+        return (folder / file).read_bytes()
 
-def _toml_study() -> bytes:
-    text = """scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation"]\n[set]\n"mesh.order" = 1
-[derived]\nradius = "2 * f ** 2"\n[[axes]]\nname = "f"\nkey = "friction.coefficient"
-linear = {start = 1.0, stop = 2.0, count = 12}\n[[axes]]\nname = "g"\nkey = "cycles"\nvalues = [1, 2]\n"""
-    return text.encode()
-
-
-def _csv(folder: Path) -> list[bytes]:
-    solution = exact(steps=9, points=15)
-    return [written(rows(solution), folder / "seed.csv").read_bytes()]
-
-
-def _netcdf(folder: Path) -> list[bytes]:
-    exact(steps=3, points=5).save(folder / "seed.nc")
-    return [(folder / "seed.nc").read_bytes()]
-
-
-def _fields(suffix: str, **how: object) -> Callable[[Path], list[bytes]]:
-    def seeds(folder: Path) -> list[bytes]:
-        path = folder / f"field{suffix}"
-        mesh(pressure=lambda p: pressure_at(p[:, 0]), shear=lambda p: shear_at(p[:, 0])).write(path, **how)
-        return [path.read_bytes()]
-
-    return seeds
-
-
-def _vtu(folder: Path) -> list[bytes]:
-    return _fields(".vtu")(folder) + _fields(".vtu", binary=False)(folder)
-
-
-def _collection(folder: Path) -> list[bytes]:
-    _vtu(folder)
-    head = '<VTKFile type="Collection"><Collection>'
-    return [f'{head}<DataSet timestep="1.0" file="field.vtu"/></Collection></VTKFile>'.encode()]
-
-
-def _frame_series(folder: Path) -> list[bytes]:
-    _vtu(folder)
-    return [b'{"file-series-version": "1.0", "files": [{"name": "field.vtu", "time": 1.0}]}']
-
-
-def _data(*names: str) -> Callable[[Path], list[bytes]]:
-    """Files that CalculiX wrote."""
-    return lambda _: [(DATA / name).read_bytes() for name in names]
-
-
-def _printed(folder: Path) -> list[bytes]:
-    (folder / "printed.frd").write_bytes((DATA / "node-to-surface.frd").read_bytes())
-    return _data("node-to-surface.dat")(folder)
-
-
-def _heavy(folder: Path) -> list[bytes]:
-    """The HDF5 file beside an XDMF file, which holds the numbers."""
-    mesh(pressure=lambda p: pressure_at(p[:, 0]), shear=lambda p: shear_at(p[:, 0])).write(folder / "heavy.xdmf")
-    return [(folder / "heavy.h5").read_bytes()]
-
-
-def _found(kind: str) -> Callable[[Path], list[bytes]]:
-    def seeds(folder: Path) -> list[bytes]:
-        seed = findings.of_solution(exact(steps=3, points=5), "seed")
-        if kind == "baseline":
-            findings.write_baseline(seed, folder / "seed.json", {"semi_analytic.*": 1e-9})
+    solution = exact(steps=3, points=5)
+    content = {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}
+    match name:
+        case "result.pvd" | "result.series":
+            field("field.vtu")
+        case "scene.toml":
+            names = ("hertz-paper", "blocks", "harmonics", "unlike-beta-fifth", "compound-curvature")
+            return [scene_text(one).encode() for one in names]
+        case "scene.json":
+            return [load_scene(one).model_dump_json().encode() for one in ("hertz-paper", "time-series")]
+        case "result.csv":
+            return [written(rows(exact(steps=9, points=15)), folder / "seed.csv").read_bytes()]
+        case "result.vtu":
+            return [field("field.vtu"), field("field.vtu", binary=False)]
+        case "result.vtk":
+            return [field("field.vtk")]
+        case "result.xdmf":
+            return [field("field.xdmf", data_format="XML")]
+        case "heavy.h5":
+            field("heavy.xdmf")
+            return [(folder / "heavy.h5").read_bytes()]
+        case "result.frd":  # files that CalculiX wrote
+            return [(DATA / "mortar.frd").read_bytes()]
+        case "printed.dat":
+            (folder / "printed.frd").write_bytes((DATA / "node-to-surface.frd").read_bytes())
+            return [(DATA / "node-to-surface.dat").read_bytes()]
+        case "result.nc":
+            solution.save(folder / "seed.nc")
+            return [(folder / "seed.nc").read_bytes()]
+        case "sweep.json":
+            study = json.loads(study_of(STUDY, "seed").model_dump_json())
+            return [json.dumps({"format": "halfplane sweep 1", "study": study, "points": POINTS}).encode()]
+        case "stored.json":
+            result = {"address": ADDRESS, "status": "done", "figures": {"exact.dissipation": 1.0}, "seconds": 1.0, "reason": ""}
+            stored = {"format": "halfplane sweep 1", "sha256": _sum(canonical(result)), "result": result}
+            return [json.dumps(stored).encode()]
+        case "baseline.json":
+            findings.write_baseline(findings.of_solution(solution, "seed"), folder / "seed.json", {"semi_analytic.*": 1e-9})
             return [(folder / "seed.json").read_bytes()]
-        solution = exact(steps=3, points=5)
-        content = {**strict(solution_content(solution, ())), "scene": solution.scene.model_dump(mode="json")}
-        if kind == "solution":
+        case "solution.json":
             return [json.dumps({"format": findings.SOLUTION, **content}).encode()]
-        metric = {"dissipation": {"value": 0.1, "finite": True}}
-        parts = {"reference": content, "result": {**content, "engine": "other"}}
-        return [json.dumps({"format": "halfplane comparison 2", "scene": content["scene"], "metrics": metric, **parts}).encode()]
-
-    return seeds
-
-
-def _stored(_: Path) -> list[bytes]:
-    from reports.sweep.store import canonical, checksum
-
-    result = {"address": "0" * 64, "status": "done", "figures": {"exact.dissipation": 1.0}, "seconds": 1.0, "reason": ""}
-    body = canonical(result)
-    return [json.dumps({"format": "halfplane sweep 1", "sha256": checksum(body), "result": result}).encode()]
-
-
-def _plan(_: Path) -> list[bytes]:
-    study = json.loads(study_of(json.loads(_study()), "seed").model_dump_json())
-    points = [{"number": 0, "address": "0" * 64, "coordinates": {"f": 0.5}}]
-    return [json.dumps({"format": "halfplane sweep 1", "study": study, "points": points}).encode()]
-
-
-def _npz(folder: Path) -> list[bytes]:
-    body, material = condensed_body()
-    made = halfplane_fe.store.condense(body, material, 4.0)
-    halfplane_fe.store._write(folder / "seed.npz", made, Counter())
-    return [(folder / "seed.npz").read_bytes()]
-
-
-def _scenes(_: Path) -> list[bytes]:
-    return [scene_text(name).encode() for name in ("hertz-paper", "blocks", "harmonics", "unlike-beta-fifth", "compound-curvature")]
-
-
-MAPPING = b"""code = "mine"\nthickness = 2.0\ntimes = [0.0, 1.0]\n[columns]\npressure = "p"\n[factors]\nlength = 1000\n[signs]
-shear = "on upper"\n[element_sizes]\n"a.csv" = 0.5\n"""
-LISTED = b'{"written by": "halfplane", "files": ["report.html", "figures/a.csv", "manifest.json"]}'
-DOORS: Mapping[str, Door] = {
-    door.name: door
-    for door in (
-        Door("scene.toml", _scenes, _scene),
-        Door("scene.json", lambda _: [load_scene(n).model_dump_json().encode() for n in ("hertz-paper", "time-series")], _scene),
-        Door("series.csv", lambda _: [b"time,P,Q\n0,0,0\n1,2.5,0.5\n2,2,1\n3,1.5,-0.25\n"], _series),
-        Door("profile.csv", lambda _: [b"x,h\n0,0\n0.5,0.1\n1,0.5\n2.0,2\n", b"-2,2\n-1,0.5\n0,0\n1,0.5\n2,2\n"], _profile),
-        Door("mapping.toml", lambda _: [MAPPING], load_mapping),
-        Door("result.csv", _csv, _scored),
-        Door("result.vtu", _vtu, _read),
-        Door("result.vtk", _fields(".vtk"), _read),
-        Door("heavy.h5", _heavy, lambda path: _read(path.with_name("heavy.xdmf"))),
-        Door("result.xdmf", _fields(".xdmf", data_format="XML"), _read),
-        Door("result.pvd", _collection, _read),
-        Door("result.series", _frame_series, _read),
-        Door("result.frd", _data("mortar.frd"), _read),
-        Door("printed.dat", _printed, _read),
-        Door("result.nc", _netcdf, lambda path: own_solution(path, load_scene("hertz-paper"))),
-        Door("study.toml", lambda _: [_toml_study()], load_study),
-        Door("study.json", lambda _: [_study().encode()], load_study),
-        Door("sweep.json", _plan, lambda path: read_index(path.parent)),
-        Door("stored.json", _stored, _stored_result),
-        Door("baseline.json", _found("baseline"), findings.read_findings),
-        Door("solution.json", _found("solution"), findings.read_findings),
-        Door("comparison.json", _found("comparison"), findings.read_findings),
-        Door(
-            MANIFEST,
-            lambda _: [b'{"written by": "halfplane", "files": ["a.csv", "manifest.json"]}'],
-            lambda path: claim(path.parent),
-        ),
-        Door("condensed.npz", _npz, _condensed),
-    )
-}
-
-
-def attempt(door: Door, seed: bytes, number: int, folder: Path) -> tuple[bytes, str]:
-    """The file of that number, and what came of it."""
-    content = spoilt(seed, random.Random(f"{door.name} {number}"))
-    home = folder / door.name
-    home.mkdir(exist_ok=True)
-    path = home / door.name
-    path.write_bytes(content)
-    return content, outcome(door, path)
+        case "comparison.json":
+            parts = {"reference": content, "result": {**content, "engine": "other"}, "scene": content["scene"]}
+            metrics = {"dissipation": {"value": 0.1, "finite": True}}
+            return [json.dumps({"format": "halfplane comparison 2", "metrics": metrics, **parts}).encode()]
+        case "condensed.npz":
+            made = halfplane_fe.store.condense(*condensed_body(), 4.0)
+            halfplane_fe.store._write(folder / "seed.npz", made, Counter())
+            return [(folder / "seed.npz").read_bytes()]
+    return [text.encode() for text in PLAIN[name]]

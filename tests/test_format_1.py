@@ -7,18 +7,16 @@ from typing import Any
 
 import pytest
 
-from reports.cli import main
+from command_line import halfplane, refused
 from scenes import ContactSolution
 
 KEPT = Path(__file__).parent / "fixtures" / "format1"
 DISSIPATION = 0.0011734782422501023  # of result.nc
 
 
-def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, Any]:
-    code = main([*words, "--json"])
-    shown = capsys.readouterr().out
-    found = json.loads(shown) if shown else {}
-    return code, found["result"] if found.get("format") == "halfplane answer 2" else found
+def said(folder: Path, *words: str | Path) -> tuple[int, Any]:
+    done = halfplane(folder, *map(str, words), "--json")
+    return done.returncode, json.loads(done.stdout)["result"]
 
 
 def test_a_solution_is_loaded_with_every_number() -> None:
@@ -30,7 +28,7 @@ def test_a_solution_is_loaded_with_every_number() -> None:
     assert found.record.converged
 
 
-def test_a_later_format_is_refused_and_this_one_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_later_format_is_refused_and_this_one_is_read(tmp_path: Path) -> None:
     """Before its variables are looked for: a later format may have others."""
     data = ContactSolution.load(KEPT / "result.nc").to_dataset()
     assert data.attrs["format"] == "halfplane solution 2"
@@ -38,14 +36,14 @@ def test_a_later_format_is_refused_and_this_one_is_read(tmp_path: Path, capsys: 
     for name, stored in (("two.nc", data), ("three.nc", later)):
         stored.to_netcdf(tmp_path / name, engine="h5netcdf")
     assert ContactSolution.load(tmp_path / "two.nc").dissipation == pytest.approx(DISSIPATION, rel=1e-15)
-    assert main(["diff", str(tmp_path / "three.nc"), str(tmp_path / "two.nc")]) == 2
-    assert "three.nc: format is 'halfplane solution 3', of a later version" in capsys.readouterr().err.replace("\n", " ")
+    line = refused(tmp_path, "diff", "three.nc", "two.nc")
+    assert "three.nc: format is 'halfplane solution 3', of a later version" in line
 
 
-def test_diff_reads_each_kind(capsys: pytest.CaptureFixture[str]) -> None:
+def test_diff_reads_each_kind(tmp_path: Path) -> None:
     """A run, its baseline, one engine's summary and its NetCDF: of one solution, so no row differs."""
     for a, b in (("comparison.json", "baseline.json"), ("result.nc", "halfplane_fe.json"), ("comparison.json", "result.nc")):
-        code, found = said(capsys, "diff", str(KEPT / a), str(KEPT / b))
+        code, found = said(tmp_path, "diff", KEPT / a, KEPT / b)
         assert code == 0, (a, b)
         rows = {row["key"]: row for row in found["rows"]}
         assert rows["halfplane_fe.dissipation"]["a"] == pytest.approx(DISSIPATION, rel=1e-12)
@@ -53,18 +51,17 @@ def test_diff_reads_each_kind(capsys: pytest.CaptureFixture[str]) -> None:
         assert all(row["difference"] in (0, None) for row in rows.values())
 
 
-def test_score_reads_a_solution(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_score_reads_a_solution(tmp_path: Path) -> None:
     """Against half-plane theory: the number of the run that wrote it."""
-    words = ["score", str(KEPT / "result.nc"), "--scene", "cattaneo-mindlin", "--out", str(tmp_path / "out"), "--quiet"]
-    code, found = said(capsys, *words)
+    code, found = said(tmp_path, "score", KEPT / "result.nc", "--scene", "cattaneo-mindlin", "--quiet")
     before = json.loads((KEPT / "comparison.json").read_text(encoding="utf-8"))["metrics"]["dissipation"]["value"]
     assert code == 1
     assert found["metrics"]["dissipation"]["value"] == pytest.approx(before, rel=1e-9)
 
 
-def test_a_store_of_a_sweep_is_left_alone_and_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_store_of_a_sweep_is_left_alone_and_counted(tmp_path: Path) -> None:
     folder = shutil.copytree(KEPT / "sweep", tmp_path / "sweep")
-    code, found = said(capsys, "sweep", "status", str(folder))
+    code, found = said(tmp_path, "sweep", "status", "sweep")
     assert (code, found["points"]["done"], found["points"]["total"], found["damaged"]) == (0, 2, 2, [])
     for file in (KEPT / "sweep" / "results").iterdir():
         assert (folder / "results" / file.name).read_bytes() == file.read_bytes()

@@ -68,7 +68,7 @@ def test_accidents_spoil_files_and_repeat_and_a_door_that_breaks_is_seen(tmp_pat
         def enter(_: Path) -> object:
             raise fault
 
-        return Door("broken", lambda _: [b""], enter)
+        return Door("broken", enter)
 
     with pytest.raises(KeyError):
         outcome(raising(KeyError("x")), tmp_path)
