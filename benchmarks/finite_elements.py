@@ -27,8 +27,7 @@ from threadpoolctl import threadpool_limits
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
-from halfplane_fe.assembly import assemble
-from halfplane_fe.elasticity import condense, factorise
+from halfplane_fe.elasticity import assemble, condense, factorise
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
 from reports import write
 from scenes import Block, ContactSolution, Elastic, Hertz, Materials, PolygonLoad, Scene, load_scene

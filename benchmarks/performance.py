@@ -43,7 +43,7 @@ from threadpoolctl import threadpool_limits
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
-from halfplane_fe.nested import NestedFactor
+from halfplane_fe.active_subsets import NestedFactor
 from halfplane_fe.systems import Systems
 from meshes import MeshSettings
 from reports.charts.publication import canvas, label_axes

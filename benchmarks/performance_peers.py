@@ -102,14 +102,13 @@ def our_model(scene: Scene, mesh: MeshSettings, solver: SolverSettings) -> Answe
 
 def deck_of(scene: Scene, edge: int) -> tuple[Any, str, float]:
     """The bodies as CalculiX gets them, with few increments, on which the answer does not depend; its text; CPU seconds."""
-    from reports.third.calculix import calculix_deck
-    from reports.third.deck import build_deck
-    from reports.third.settings import DeckSettings
+    from reports.third.deck import DeckSettings, build_deck
+    from reports.third.dialects import deck_text
 
     begun = time.process_time()
     sizes = {"edge_element_size": 1 / edge, "element_size": min(1 / 20, 2 / edge), "growth": GROWTH[edge]}
     deck = build_deck(scene, DeckSettings(steps_per_cycle=4, **sizes))
-    return deck, calculix_deck(deck), time.process_time() - begun
+    return deck, deck_text(deck, "calculix"), time.process_time() - begun
 
 
 def getfem(scene: Scene, edge: int) -> Answer:
@@ -144,8 +143,7 @@ def kratos(scene: Scene, edge: int) -> Answer:
 def calculix(scene: Scene, edge: int) -> Answer:
     """By CalculiX: penalty, on the deck as written; its own process and ours that writes the deck."""
     from reports.console import Stages
-    from reports.third.opinion import judged
-    from reports.third.running import find_calculix, run_calculix
+    from reports.third.calculix import find_calculix, judged, run_calculix
 
     deck, text, meshed = deck_of(scene, edge)
     with tempfile.TemporaryDirectory() as name, Stages(quiet=True).stage("CalculiX") as report:

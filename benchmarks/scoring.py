@@ -27,7 +27,7 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import Comparison, compare, score
 from reports.comparison.metrics import scales
-from reports.fields import instants_of, write_fields
+from reports.field_output.files import instants_of, write_fields
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.hypotheses import stiffer, with_friction
 from reports.scoring.mapping import Mapping
@@ -203,8 +203,8 @@ def confusion(keys: tuple[str, ...] = ()) -> Iterator[Row]:
         said: list[tuple[str, str]] = []
         for name in SCENES:
             for severity in FAULTS[key].severities:
-                if found := diagnose(FAULTS[key].plant(load_scene(name), severity)):
-                    said.append((found[0].fault, f"{name} at {severity:g}: {found[0].fault}"))
+                found = diagnose(FAULTS[key].plant(load_scene(name), severity))[:1]
+                said += [(one.fault, f"{name} at {severity:g}: {one.fault}") for one in found]
         off = [words for fault, words in said if fault != key]
         seen, wrong = seen + len(said), wrong + len(off)
         yield Row(f"{key}: first diagnosis wrong", len(off), None, f"{len(said)} results out of tolerance; {'; '.join(off)}")

@@ -522,7 +522,7 @@ def with_slivers(share: float) -> Found:
         angles.append(body.quality["least_angle"])
         return body
 
-    with mock.patch("halfplane_fe.pair.build", build):
+    with mock.patch("halfplane_fe.interface.build", build):
         found = against_theory(scene_of(ellipse(*LOOP)))
     return replace(found, shown={**found.shown, "aspect": aspect(min(angles))})
 

@@ -76,7 +76,7 @@ class MeshSettings:
 
     @classmethod
     def fine(cls) -> MeshSettings:
-        """For a figure to rely on: some twenty seconds; dissipation of the paper's cycle to 1e-4 (benchmarks/finite_elements.py)."""
+        """For values to rely on: some twenty seconds; dissipation of the paper's cycle to 1e-4."""
         return cls(edge_element_size=1 / 640, growth=0.12)
 
 

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from field_files import mesh, pressure_at, shear_at
-
 import halfplane_fe.store
+from meshes import SurfaceGrading, half_disc
 from reports.checking import require_admissible
 from reports.cli import findings
 from reports.comparison.content import solution_content, strict
@@ -23,10 +22,10 @@ from reports.scoring.guesses import whole_path
 from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution
-from reports.sweep.store import read_index
+from reports.sweep.store import canonical, checksum, read_index
 from reports.sweep.study import load_study, study_of
 from scenes import InputError, load_scene, scene_text
-from score_results import exact, rows, written
+from score_results import exact, mesh, pressure_at, rows, shear_at, written
 
 DATA = Path(__file__).parent / "data"
 # What breaks parsers: signs of their grammars, numbers at the ends, bytes that are no text, paths, markup, depth.
@@ -249,7 +248,7 @@ def good_files(name: str, folder: Path) -> list[bytes]:
             return [json.dumps({"format": "halfplane sweep 1", "study": study, "points": POINTS}).encode()]
         case "stored.json":
             result = {"address": ADDRESS, "status": "done", "figures": {"exact.dissipation": 1.0}, "seconds": 1.0, "reason": ""}
-            stored = {"format": "halfplane sweep 1", "sha256": _sum(canonical(result)), "result": result}
+            stored = {"format": "halfplane sweep 1", "sha256": checksum(canonical(result)), "result": result}
             return [json.dumps(stored).encode()]
         case "baseline.json":
             findings.write_baseline(findings.of_solution(solution, "seed"), folder / "seed.json", {"semi_analytic.*": 1e-9})

@@ -28,6 +28,7 @@ from reports.comparison import Report
 from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled
 from reports.page.notebook import scene_html, solution_html
+from reports.staging import replace_text
 from reports.sweep.page import write_page
 from reports.sweep.running import run
 from reports.sweep.store import Planned, Store
@@ -92,8 +93,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 def test_pages_show_hostile_words_and_run_none(pages: dict[str, Path], tmp_path: Path) -> None:
-    harmless_one = reports.compare(cattaneo_mindlin(), cattaneo_mindlin())
-    plain = Page(reports.write(harmless_one, tmp_path / "out").read_text("utf-8"))
+    truth = cattaneo_mindlin(steps_per_leg=10, points=41)
+    plain = Page(reports.write(reports.compare(truth, truth), tmp_path / "out").read_text("utf-8"))
     report, sweep = (Page(path.read_text(encoding="utf-8")) for path in pages.values())
     assert report.dangers == plain.dangers == [("form", "", "")]  # that of the slider
     assert report.scripts == plain.scripts
@@ -212,24 +213,11 @@ def test_an_address_in_a_plan_is_no_path(tmp_path: Path) -> None:
     assert victim.exists()
 
 
-def test_a_name_can_not_bring_a_card_into_a_deck() -> None:
-    from reports.third.dialects import _header
-
-    scene = load_scene("hertz-paper").vary(name="x\n*INCLUDE, INPUT=/etc/passwd", title="a\n*STEP")
-
-    class Deck:
-        reference, time = 3, (0.0, 1.0)
-
-        class settings:
-            edge_element_size, far_radius = 0.01, 10.0
-
-        class scales:
-            half_width, load = 1.0, 1.0
-
-    deck = Deck()
-    deck.scene = scene
-    lines = "\n".join(_header(deck, "calculix", "", {"halfplane": "1"})).splitlines()
-    assert [line for line in lines if line.startswith("*") and not line.startswith("**")] == ["*HEADING"]
+# ------------------------------------------------------------------------------------------- sources that run what they read
+# Modules that make objects, and so run code, out of bytes.
+MODULES = {"pickle", "_pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "yaml", "jsonpickle"}
+CALLS = {"eval", "exec", "compile", "__import__", "os.system"}
+METHODS = {"read_pickle", "to_pickle", "mktemp", "popen"}
 
 
 def dangers(tree: ast.AST) -> Iterator[str]:

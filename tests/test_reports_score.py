@@ -19,7 +19,7 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from reports.comparison import Report
 from reports.comparison.metrics import missing
-from reports.fields import write_fields
+from reports.field_output.files import write_fields
 from reports.scoring.against import score_file
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.history import matched
