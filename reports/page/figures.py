@@ -160,7 +160,7 @@ def traction_panels(
     notes = [f"{key}: {measured(apart[key][0], x[near], 'x = {} a_ref', ' %', touching)}" for key in "pq"]
     alts = [f"{what} over x. {title}".strip() for what in ("Pressure and shear", "Result less reference")]
     room = (72.0, 26.0 if title else 12.0, 20.0, 20.0)
-    marks = [Rule(0.0, "zero"), *differences]
+    marks: list[Mark] = [Rule(0.0, "zero"), *differences]
     return (
         Panel(name, Axis(-wide, wide, ""), up, lines, alts[0], width, height, title, room=room),
         Panel(f"{name}-difference", Axis(-wide, wide, X), below, marks, alts[1], width, 0.56 * height + 56, notes=notes),
@@ -241,7 +241,9 @@ def state_map(comparison: Comparison, time: Array, time_words: str) -> Plate:
     caption += f" They differ over {share} of the length in contact, in the mean over time." if share else ""
     caption += "" if len(written) == len(time) else f" The CSV holds {len(written)} of the {len(time)} instants."
     roles = ("map-reference", "map-result")
-    maps = [(role, cycle.state, _STATES, name) for role, (_, cycle, name) in zip(roles, sides(comparison), strict=True)]
+    maps: list[tuple[str, NDArray[Any], tuple[str, ...], str]] = [
+        (role, cycle.state, _STATES, name) for role, (_, cycle, name) in zip(roles, sides(comparison), strict=True)
+    ]
     differ = f"they differ: {share}" if share else "they differ"
     maps.append(("map-difference", expected.state != found.state, ("#ffffff", "#111111"), differ))
     panels = []
@@ -286,7 +288,7 @@ def dissipation_density(comparison: Comparison) -> Plate | None:
     stuck = f"; dashed: edges of the permanent stick zone, ±{stick:.4g} a_ref" if np.isfinite(stick) else ""
     up = Axis(*limits(theirs, ours, zero=True), "w / (A f² P_ref²/a_ref)")
     below = Axis(*limits(apart, zero=True, least=1e-9), "difference, % of the largest")
-    marks = [Rule(0.0, "zero"), Curve(x, apart, "d p", "difference")]
+    marks: list[Mark] = [Rule(0.0, "zero"), Curve(x, apart, "d p", "difference")]
     return Plate(
         "dissipation_density",
         "Dissipation, point by point",
@@ -328,7 +330,11 @@ def half_widths(comparison: Comparison, time: Array, time_words: str) -> Plate:
     title = "Contact and stick edges through the cycle"
     across = Axis(*limits(time, margin=0), time_words)
     up = Axis(*limits(*apart.values(), zero=True, least=1e-12), "difference of half-widths / a_ref")
-    marks = [Rule(0.0, "zero"), Curve(time, apart["contact"], "d p", "contact"), Curve(time, apart["stick"], "d q", "stick")]
+    marks: list[Mark] = [
+        Rule(0.0, "zero"),
+        Curve(time, apart["contact"], "d p", "contact"),
+        Curve(time, apart["stick"], "d q", "stick"),
+    ]
     notes = [f"{kind}: {measured(values, time, _when(time_words), ' a_ref')}" for kind, values in apart.items()]
     return Plate(
         "half_widths",

@@ -160,6 +160,6 @@ def loop_svg(across: Array, up: Array, across_name: str, up_name: str) -> str:
     """A line through points as a small SVG; nothing where a point is no number."""
     if not (np.isfinite(across).all() and np.isfinite(up).all()):
         return ""
-    axes = (Axis(*limits(values), name, count=3) for values, name in ((across, across_name), (up, up_name)))
-    panel = Panel("loop", *axes, [Curve(across, up, "")], f"{up_name} over {across_name}", 280.0, 190.0)
+    horizontal, vertical = Axis(*limits(across), across_name, count=3), Axis(*limits(up), up_name, count=3)
+    panel = Panel("loop", horizontal, vertical, [Curve(across, up, "")], f"{up_name} over {across_name}", 280.0, 190.0)
     return Plate("loop", panel.alt, "", panel.alt, (panel,), {}).svg()
