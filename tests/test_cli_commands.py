@@ -30,16 +30,7 @@ from reports.console import Stages, TimeLeft, say, show_table
 from reports.folder import claim
 from reports.paper.page import PaperReport
 from reports.paper.tables import Misprint, Statement, Verdict
-from scenes import (
-    ContactSolution,
-    ConvergenceError,
-    Record,
-    TimeSeriesLoad,
-    freeze,
-    load_scene,
-    scene_names,
-    scene_text,
-)
+from scenes import ContactSolution, ConvergenceError, Record, TimeSeriesLoad, freeze, load_scene, scene_names, scene_text
 from test_reports_synthetic import cattaneo_mindlin
 
 __all__ = ["COARSE", "ROOT", "environment", "everything", "halfplane", "refused"]  # of command_line.py: other files ask here

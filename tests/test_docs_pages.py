@@ -196,34 +196,7 @@ def test_every_number_that_a_page_quotes_is_known() -> None:
     assert numbers("{number}`no such key`") == ["no such key"]
 
 
-A_MAP = """# A map
-
-**Is it?** It is off by -2 ± 1 %. More of it.
-
-| figure | where | exponent |
-| --- | --- | --- |
-| work | low | 2.0 |
-| work | high | no law |
-
-| figure | where | constant |
-| --- | --- | --- |
-| work | low | -3.1e-05 |
-
-| figure | exponent |
-| --- | --- |
-| work, low | 9 |
-"""
-
-
-def test_cells_sentences_and_claims_have_keys_none_that_two_share_and_two_digits() -> None:
-    found = {key: entry["text"] for key, entry in quoting.map_values("m", A_MAP).items()}
-    assert found == {
-        "m: work, high: exponent": "no law",
-        "m: work: where": "low",
-        "m: work: constant": "−3.1e-05",
-        "m: It is off by -2": "It is off by −2 ± 1 %.",
-        "m: More of it.": "More of it.",
-    }
+def test_a_claim_is_quoted_with_two_digits_its_unit_and_where_it_is_from() -> None:
     rows = [("a", 2.1766, "%"), ("b", 137.0, ""), ("c", -0.00061, ""), ("d", float("inf"), "")]
     kept = {"S": {"commit": "abc", "rows": [{"what": w, "measured": m, "unit": u, "how": "so"} for w, m, u in rows]}}
     claims = quoting.claim_values(kept)

@@ -7,6 +7,7 @@ import os
 import re
 import resource
 import shutil
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -89,6 +90,24 @@ def watched() -> None:
         pytest.skip("this machine lets nobody answer the calls of other processes")
 
 
+def each_write_fails(
+    words: Sequence[str], disk: Path, prepare: Callable[[Path], object], for_ever: bool
+) -> Iterator[tuple[faulty_disk.Starved, str, dict[str, bytes | None]]]:
+    """For each call of a command that writes: what became of the command, the call that failed, what lay there before."""
+    for fails in range(1, _MOST):
+        shutil.rmtree(disk, ignore_errors=True)
+        prepare(disk)
+        before = content(disk)
+        done = faulty_disk.starved(words, disk, fails, for_ever=for_ever)
+        if len(done.calls) < fails:
+            assert fails > 2
+            assert done.code in (0, 1), done.errors
+            assert content(disk) != before
+            return
+        yield done, done.calls[fails - 1], before
+    pytest.fail("the command never ends")
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("watched")
 @pytest.mark.parametrize(
@@ -99,51 +118,40 @@ def watched() -> None:
 def test_whichever_write_fails_it_is_a_sentence_and_leaves_all_as_it_was(
     job: str, for_ever: bool, old: Path, tmp_path: Path
 ) -> None:
-    disk = tmp_path / "disk"
-    for fails in range(1, _MOST):
-        shutil.rmtree(disk, ignore_errors=True)
+    def prepare(disk: Path) -> None:
         shutil.copytree(old, disk)
         if job == "map":
             shutil.copytree(Path(reports.__file__).parent / "published" / "maps", disk / "maps")
-        before = content(disk)
-        done = faulty_disk.starved(JOBS[job], disk, fails, for_ever=for_ever)
-        if len(done.calls) < fails:
-            break
-        if re.fullmatch(r"rename \.halfplane-[^/]*", done.calls[fails - 1]) and done.code != 2:
+
+    disk = tmp_path / "disk"
+    for done, call, before in each_write_fails(JOBS[job], disk, prepare, for_ever):
+        if re.fullmatch(r"rename \.halfplane-[^/]*", call) and done.code != 2:
             continue  # the hidden folder could not be moved out of x, and served its purpose there
         try:
             check(done.code, done.errors, disk, before)
         except AssertionError as fault:
-            raise AssertionError(f"call {fails}, {done.calls[fails - 1]}") from fault
-    assert 2 < fails < _MOST
-    assert done.code in (0, 1), done.errors
-    assert content(disk) != before
+            raise AssertionError(call) from fault
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("watched")
 @pytest.mark.parametrize("for_ever", [True, False], ids=["full", "once"])
 def test_whichever_write_of_a_sweep_fails_its_store_holds_whole_results_and_it_resumes(for_ever: bool, tmp_path: Path) -> None:
-    disk, words = tmp_path / "disk", ("sweep", "study.toml", "--workers", "1", "--out", "x", "--quiet")
-    for fails in range(1, _MOST):
-        shutil.rmtree(disk, ignore_errors=True)
+    def prepare(disk: Path) -> None:
         disk.mkdir()
         (disk / "study.toml").write_text(STUDY.replace("count = 40", "count = 3"), encoding="utf-8")
-        done = faulty_disk.starved(words, disk, fails, for_ever=for_ever)
-        if len(done.calls) < fails:
-            break
-        assert done.code == 2, (fails, done)
+
+    disk, words = tmp_path / "disk", ("sweep", "study.toml", "--workers", "1", "--out", "x", "--quiet")
+    for done, call, _ in each_write_fails(words, disk, prepare, for_ever):
+        assert done.code == 2, (call, done)
         (line,) = done.errors.splitlines()
         assert "there is no room left on the disk" in line or "No space left on device" in line
         store = Store(disk / "x")
-        assert half_files(disk) == []
-        assert store.damaged() == []
+        assert (half_files(disk), store.damaged()) == ([], [])
         assert not [name for name in content(disk) if ".halfplane-" in name or name.startswith("x/claims/")]
         if len(store.addresses()) == 2:  # one is lost
             assert faulty_disk.starved((*words, "--resume"), disk, 0).code == 0
             assert len(store.addresses()) == 3
-    assert 2 < fails < _MOST
-    assert done.code == 0
 
 
 @pytest.mark.slow

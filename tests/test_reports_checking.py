@@ -74,11 +74,7 @@ def test_largest_ratio_of_an_ellipse(sign: int) -> None:
     Its angle is atan(1.1/3) + asin(1/sqrt(3^2 + 1.1^2)).
     """
     load = EllipseLoad(
-        mean_normal_load=3,
-        normal_amplitude=1,
-        mean_tangential_load=1.1 * sign,
-        tangential_amplitude=1,
-        phase_degrees=90.0 * sign,
+        mean_normal_load=3, normal_amplitude=1, mean_tangential_load=1.1 * sign, tangential_amplitude=1, phase_degrees=90.0 * sign
     )
     check = check_path(scene(load, friction=1.0))
     expected = math.tan(math.atan(1.1 / 3) + math.asin(1 / math.hypot(3, 1.1)))
@@ -237,10 +233,7 @@ def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs
 
 
 REMARKED = {
-    "E in GPa": (
-        {"material": steel(210.0)},
-        ["young_modulus = 210 MPa is as soft as", "steel has 210000 MPa. Is E in GPa?"],
-    ),
+    "E in GPa": ({"material": steel(210.0)}, ["young_modulus = 210 MPa is as soft as", "steel has 210000 MPa. Is E in GPa?"]),
     "E in Pa": ({"material": steel(210e9)}, ["young_modulus = 2.1e+11 MPa is stiffer than diamond"]),
     "rubber": ({"material": Materials.model_validate({"young_modulus": 5.0, "poisson_ratio": 0.49})}, []),
     "steel": ({}, []),

@@ -76,10 +76,7 @@ def cattaneo_mindlin(steps_per_leg: int = 40, points: int = 161, **changed: Any)
 
 def with_fields(solution: ContactSolution, **changed: Any) -> ContactSolution:
     """`solution` with fields replaced, arrays frozen."""
-    return replace(
-        solution,
-        **{name: freeze(v, v.dtype) if isinstance(v, np.ndarray) else v for name, v in changed.items()},
-    )
+    return replace(solution, **{name: freeze(v, v.dtype) if isinstance(v, np.ndarray) else v for name, v in changed.items()})
 
 
 def _hertz(x: np.ndarray, a: float, load: float, size: Any) -> np.ndarray:
