@@ -47,7 +47,7 @@ SECTIONS = {
     "Numerical stress": "stress.rows",
     "Faults and bad input": "faults.rows",
     "Error budget": "budget.rows",
-    "Error budget: planted faults": "blame.rows",
+    "Error budget: planted faults": "budget.blame",
     "Other people's results: diagnosis of planted faults": "diagnosis.rows",
     "Other people's results: the examples": "score_examples.rows",
     "Other people's results: rules and readers": "score_rules.rows",

@@ -228,4 +228,4 @@ def ring_length(growth: float) -> float:
 
 
 if __name__ == "__main__":
-    print(table(list(far_field())))
+    print(table(far_field()))

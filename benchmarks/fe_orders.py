@@ -11,12 +11,11 @@ last cycle). The dissipation is compared with that of the polygon of the run's o
 from __future__ import annotations
 
 import functools
-import os
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
-from claim import Row, table
+from claim import Row, rms, slope, table
 from numpy.typing import NDArray
 
 import halfplane_fe
@@ -59,11 +58,6 @@ def errors(elements: float, order: int) -> dict[str, float]:
     }
 
 
-def rms(values: Sequence[float] | NDArray[np.float64]) -> float:
-    """Root of the mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
 def rung(elements: int, order: int, spread: Sequence[float] = SPREAD) -> dict[str, float]:
     """Errors of meshes of about `elements` a half-width, root-mean-square."""
     found = [errors(elements * share, order) for share in spread]
@@ -85,8 +79,8 @@ def convergence_class(sequence: Sequence[float]) -> Literal["monotone", "oscilla
 
 
 def observed_order(cuts: Sequence[float], sequence: Sequence[float]) -> float:
-    """Slope of log(error) over log(element size), least squares."""
-    return float(-np.polyfit(np.log(cuts), np.log(np.abs(sequence)), 1)[0])
+    """Order in the element size of errors on meshes of `cuts` elements a half-width."""
+    return -slope(cuts, sequence)
 
 
 def orders(cuts: Sequence[int] = (12, 24, 48), kinds: Sequence[int] = (2, 1)) -> Iterator[Row]:
@@ -106,10 +100,5 @@ def orders(cuts: Sequence[int] = (12, 24, 48), kinds: Sequence[int] = (2, 1)) ->
         yield Row(f"... W on one mesh each: {convergence_class(single)}", single[-1], None, figures)
 
 
-def main() -> None:
-    os.environ["HALFPLANE_CACHE"] = "off"
-    print(table(list(orders())))
-
-
 if __name__ == "__main__":
-    main()
+    print(table(orders()))

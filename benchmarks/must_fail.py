@@ -260,4 +260,4 @@ def must_fail() -> Iterator[Row]:
 
 
 if __name__ == "__main__":
-    print(table(list(must_fail())))
+    print(table(must_fail()))

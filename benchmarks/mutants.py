@@ -181,9 +181,11 @@ def run_tests(stage: str, engine: str, tree: Path, processes: int, limit: float 
     )
     try:
         output, _ = process.communicate(timeout=limit)
-    except subprocess.TimeoutExpired:
+    except BaseException as stopped:  # an interrupt ends the tests as well
         os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
+        if not isinstance(stopped, subprocess.TimeoutExpired):
+            raise
         return None, f"stopped after {limit:.0f} s"
     failed = re.search(r"^(?:FAILED|ERROR) (\S+)", output, re.MULTILINE)
     return process.returncode, failed[1] if failed else output.strip().splitlines()[-1]

@@ -8,16 +8,14 @@ a/R, or Fourier integrals for the layer (tests/layer_truth.py): never a half-pla
 
 from __future__ import annotations
 
-import resource
 import subprocess
 import sys
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from claim import Row, table
+from claim import Row, slope, table, with_children
 
 import halfplane_fe
 import semi_analytic
@@ -135,7 +133,7 @@ def limits() -> Iterator[Row]:
         sizes = np.array([size for size, _, _ in rungs])
         for figure in ("peak pressure", "dissipation"):
             values = np.abs([error[figure] - floor[figure] for error in errors])
-            order = -np.polyfit(np.log(sizes), np.log(values), 1)[0]
+            order = -slope(sizes, values)
             how = f"errors {', '.join(f'{v:.1e}' for v in values)} at sizes {', '.join(f'{s:g}' for s in sizes)} a"
             yield Row(f"{name}, {figure}: order in a/size, less 2", order - 2, 0.3, how)
     for name, bodies, radius in (
@@ -212,30 +210,23 @@ def roller() -> Iterator[Row]:
 def costs() -> Iterator[Row]:
     """Cold run of every body scene, in a process of its own: CPU seconds and peak memory."""
     for name in BODY_SCENES:
-        begun = resource.getrusage(resource.RUSAGE_CHILDREN)
-        start = time.perf_counter()
         # VmHWM is of this very process; ru_maxrss starts from its parent's.
         code = (
             "import os; os.environ['HALFPLANE_CACHE'] = 'off'; import halfplane_fe; from scenes import load_scene; "
             f"halfplane_fe.solve(load_scene({name!r})); "
             "print(next(line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')))"
         )
-        done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-        ended = resource.getrusage(resource.RUSAGE_CHILDREN)
-        seconds = ended.ru_utime + ended.ru_stime - begun.ru_utime - begun.ru_stime
-        yield Row(f"{name}, cold: CPU", seconds, 20.0, f"{time.perf_counter() - start:.1f} s by the clock", "s")
+        command = [sys.executable, "-c", code]
+        spent, done = with_children(lambda c=command: subprocess.run(c, check=True, capture_output=True, text=True))
+        yield Row(f"{name}, cold: CPU", spent, 20.0, "a process of its own", "s")
         yield Row(f"{name}, cold: peak memory", int(done.stdout) / 2**20, 2.0, "resident", "GiB")
 
 
 def rows() -> Iterator[Row]:
     """Everything, in the order of the docstring."""
-    yield from mesh_error()
-    yield from limits()
-    yield from layers()
-    yield from stiffness_ratios()
-    yield from roller()
-    yield from costs()
+    for part in (mesh_error, limits, layers, stiffness_ratios, roller, costs):
+        yield from part()
 
 
 if __name__ == "__main__":
-    print(table(list(rows())))
+    print(table(rows()))

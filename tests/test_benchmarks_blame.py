@@ -13,7 +13,7 @@ from reports.comparison.metrics import METRICS, Metric
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
-blame = importlib.import_module("blame")
+blame = importlib.import_module("budget")
 sys.path.remove(str(BENCHMARKS))
 
 
@@ -58,6 +58,6 @@ def test_steps_are_a_metric_by_themselves():
 @pytest.mark.slow
 def test_every_planted_fault_is_seen_and_blamed_on_the_right_term(monkeypatch):
     monkeypatch.setenv("HALFPLANE_CACHE", "off")
-    rows = list(blame.rows())
+    rows = list(blame.blame())
     assert len(rows) == 1 + len(blame.FAULTS)
     assert [row.what for row in rows if row.kept is not True] == []
