@@ -15,8 +15,8 @@ PAGE = Path(__file__).parent.parent / "docs" / "licences.md"
 _NAME = re.compile(r"[A-Za-z0-9._-]+")
 HEAD = """# Licences
 
-halfplane is GPL-3.0-or-later, since it links gmsh, which is GPL. The packages that `pip install halfplane` brings, by their own metadata. Written by
-`python benchmarks/licences.py`; a test compares it with what is installed.
+halfplane is GPL-3.0-or-later, since it links gmsh, which is GPL. The packages that `pip install halfplane` brings, by their own
+metadata. Written by `python benchmarks/licences.py`; a test compares it with what is installed.
 
 | package | licence |
 |---|---|
