@@ -1,1 +1,16 @@
-"""Somebody else's result: read into one form, put beside a reference, judged by the same metrics, its likely faults named."""
+"""A result of another code: read into one form, put beside a reference, judged by the same metrics, its likely faults named.
+
+reading.py         which reader takes which file; tables of text (their numbers: `scenes.measured.text_table`)
+fields.py          VTU, VTK, XDMF and their collections
+calculix.py        CalculiX' results as tractions; calculix_files.py: the forms .frd and .dat
+mapping.py         names of columns, factors of units, signs
+surface.py         the one form; surface of a foreign mesh, elements inside out
+history.py         which instant is which on the scene's load path
+guesses.py         units and signs that can't be
+solution.py        the result as a ContactSolution: states, edges, friction work, by the same rule in the reference
+against.py         the score
+hypotheses.py      the discrepancy; faults of the file and of the question, in closed form
+flaws.py           faults of a model: penalties, small bodies, coupling, long steps
+diagnosis.py       which fault it is, in words
+study.py           a folder of meshes: orders, and what no mesh removes
+"""

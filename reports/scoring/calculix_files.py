@@ -40,23 +40,14 @@ class FrdElement(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FrdBlock:
-    """One result block of one frame.
+    """One result block of one frame."""
 
-    Attributes
-    ----------
-    name : DISP, STRESS, CONTACT, ...
-    time : the value that the block's header states: total time of the step
-    components : names of the columns, such as COPEN, CSLIP1, CSLIP2, CPRESS, CSHEAR1, CSHEAR2
-    nodes, values : (n_records,) numbers of the nodes, (n_records, n_components)
-    line : of its header in the file
-    """
-
-    name: str
-    time: float
-    components: tuple[str, ...]
-    nodes: Integers
-    values: Array
-    line: int
+    name: str  # DISP, STRESS, CONTACT, ...
+    time: float  # that its header states: total time of the step
+    components: tuple[str, ...]  # of the columns, such as COPEN, CSLIP1, CSLIP2, CPRESS, CSHEAR1, CSHEAR2
+    nodes: Integers  # (n_records,), numbers
+    values: Array  # (n_records, n_components)
+    line: int  # of its header in the file
 
     def column(self, component: str) -> Array:
         """(n_records,); KeyError where the block has no such component."""
@@ -67,28 +58,17 @@ class FrdBlock:
 
 @dataclass(frozen=True, eq=False)
 class FrdFile:
-    """What a .frd file holds.
-
-    Attributes
-    ----------
-    path, version : where it was read, and what its header says of the program, such as "CalculiX Version 2.20"
-    nodes, points : (n_nodes,) numbers, (n_nodes, 3) coordinates before deformation [length]
-    elements : with their nodes
-    times : (n_frames,), of all frames in the file's order, whatever they hold
-    blocks : those of the names asked for, in the file's order
-    names : of all blocks that the file has
-    ended : whether the file has its end (9999), which CalculiX writes last
-    """
+    """What a .frd file holds."""
 
     path: Path
-    version: str
-    nodes: Integers
-    points: Array
+    version: str  # of the program, such as "CalculiX Version 2.20"
+    nodes: Integers  # (n_nodes,), numbers
+    points: Array  # (n_nodes, 3), before deformation [length]
     elements: tuple[FrdElement, ...]
-    times: tuple[float, ...]
-    blocks: tuple[FrdBlock, ...]
-    names: tuple[str, ...]
-    ended: bool
+    times: tuple[float, ...]  # of all frames in the file's order, whatever they hold
+    blocks: tuple[FrdBlock, ...]  # those of the names asked for, in the file's order
+    names: tuple[str, ...]  # of all blocks that the file has
+    ended: bool  # whether the file has its end (9999), which CalculiX writes last
 
 
 def read_frd(path: str | Path, names: Collection[str] = ("CONTACT",), instead: Collection[str] = ()) -> FrdFile:
@@ -302,39 +282,24 @@ _IDS = {"slave node": 1, "slave element+face": 2}
 
 @dataclass(frozen=True, eq=False)
 class DatTable:
-    """One printed table.
+    """One printed table."""
 
-    Attributes
-    ----------
-    what : such as "contact stress", "relative contact displacement", "total force"
-    scope : what it was printed for, such as "set BOTTOM", "all contact elements"
-    time : total time
-    ids, values : (n_rows, k) numbers of node, or of element and face, k = 0 for totals; (n_rows, n_values)
-    """
-
-    what: str
-    scope: str
-    time: float
-    ids: Integers
-    values: Array
+    what: str  # such as "contact stress", "relative contact displacement", "total force"
+    scope: str  # what it was printed for, such as "set BOTTOM", "all contact elements"
+    time: float  # total time
+    ids: Integers  # (n_rows, k), numbers of node, or of element and face; k = 0 for totals
+    values: Array  # (n_rows, n_values)
 
 
 @dataclass(frozen=True, eq=False)
 class PairForce:
-    """Resultant on the slave face of one contact pair at one time (*CONTACT PRINT, CF).
-
-    Attributes
-    ----------
-    slave, master : names of the faces
-    time : total time
-    force, normal : (3,), on the slave face [force]; mean outward normal of the slave face, NaN where nothing touches
-    """
+    """Resultant on the slave face of one contact pair at one time (*CONTACT PRINT, CF)."""
 
     slave: str
     master: str
-    time: float
-    force: Array
-    normal: Array
+    time: float  # total time
+    force: Array  # (3,), on the slave face [force]
+    normal: Array  # (3,), mean outward normal of the slave face; NaN where nothing touches
 
 
 @dataclass(frozen=True)

@@ -86,20 +86,12 @@ LIKELY = (
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """One fault that a result may suffer from.
+    """One fault that a result may suffer from."""
 
-    Attributes
-    ----------
-    fault : its key, of `FAULTS`, or "unknown"
-    sentence : what the result most likely suffers from, and what to do
-    evidence : measured figures, in words
-    strength : 0 to 1: share of the squared discrepancy that the fault explains, less where a rival explains it better
-    """
-
-    fault: str
-    sentence: str
-    evidence: tuple[str, ...]
-    strength: float
+    fault: str  # its key, of `FAULTS`, or "unknown"
+    sentence: str  # what the result most likely suffers from, and what to do
+    evidence: tuple[str, ...]  # measured figures, in words
+    strength: float  # 0 to 1: share of the squared discrepancy that it explains, less where a rival explains it better
 
 
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:

@@ -59,18 +59,15 @@ class NotSettledError(ArithmeticError):
 
 @dataclass(frozen=True)
 class Flaws:
-    """What is wrong with a model: layers 1/k [length/stress], bends b [1/(stress length)], Dundurs' beta.
+    """What is wrong with a model."""
 
-    `steepness` is a factor of the gap, and so of E* in the tractions; `offset` that of the gap along x [length].
-    """
-
-    normal_layer: float = 0.0
+    normal_layer: float = 0.0  # 1/k [length/stress]
     shear_layer: float = 0.0
-    normal_bend: float = 0.0
+    normal_bend: float = 0.0  # b [1/(stress length)]
     shear_bend: float = 0.0
-    coupling: float = 0.0
-    steepness: float = 1.0
-    offset: float = 0.0
+    coupling: float = 0.0  # Dundurs' beta
+    steepness: float = 1.0  # factor of the gap, and so of E* in the tractions
+    offset: float = 0.0  # of the gap along x [length]
 
 
 class Model:

@@ -59,29 +59,17 @@ MOST = (0.4, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Discrepancy:
-    """What is to be explained: some instants of the last cycle, all points.
-
-    Attributes
-    ----------
-    comparison : where it was taken from
-    rows : (k,), the instants taken, of the last cycle's
-    expected, found : pressure and shear of reference and result, (k, n) each; where the result has no number, the reference's
-    weight : (k, n) of the squares, 0 where the result has no number
-    missing : share of the result's tractions that are no numbers
-    scene : the question that `expected` answers: the comparison's, or that with a fault in it that was found before
-    exact : whether `expected` is half-plane theory of `scene`
-    sheared : whether the shear counts
-    """
+    """What is to be explained: some instants of the last cycle, all points."""
 
     comparison: Comparison
-    rows: NDArray[np.intp]
-    expected: Tractions
-    found: Tractions
-    weight: Array
-    missing: float
-    scene: Scene
-    exact: bool
-    sheared: bool = True
+    rows: NDArray[np.intp]  # (k,), the instants taken, of the last cycle's
+    expected: Tractions  # of the reference
+    found: Tractions  # of the result; where it has no number, the reference's
+    weight: Array  # (k, n) of the squares, 0 where the result has no number
+    missing: float  # share of the result's tractions that are no numbers
+    scene: Scene  # the question that `expected` answers: the comparison's, or with a fault in it that was found before
+    exact: bool  # whether `expected` is half-plane theory of `scene`
+    sheared: bool = True  # whether the shear counts
 
     @property
     def x(self) -> Array:
@@ -161,22 +149,14 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """One fault, fitted.
+    """One fault, fitted."""
 
-    Attributes
-    ----------
-    fault : its key, see `diagnosis.FAULTS`
-    predicted : tractions of a result that has just this fault
-    figures : what was fitted or measured, by name
-    mend : takes the fault out of the tractions found; None where the next fault is looked for beyond what this one predicts
-    scene : the question that `predicted` is the exact answer of; None where there is no such scene
-    """
-
-    fault: str
-    predicted: Tractions
-    figures: Mapping[str, float] = field(default_factory=dict)
+    fault: str  # its key, see `diagnosis.FAULTS`
+    predicted: Tractions  # of a result that has just this fault
+    figures: Mapping[str, float] = field(default_factory=dict)  # what was fitted or measured, by name
+    # Takes the fault out of the tractions found; None where the next fault is looked for beyond what this one predicts.
     mend: Callable[[Tractions], Tractions] | None = None
-    scene: Scene | None = None
+    scene: Scene | None = None  # the question that `predicted` is the exact answer of; None where there is no such scene
 
     def mended(self, what: Discrepancy) -> Discrepancy:
         """What is left to explain without this fault."""

@@ -46,18 +46,11 @@ class Level:
 
 @dataclass(frozen=True, eq=False)
 class StudyRow:
-    """One metric over the meshes.
+    """One metric over the meshes."""
 
-    Attributes
-    ----------
-    metric : that of the finest mesh
-    values : on each mesh, the finest first, all at the instant at which the finest is worst
-    found : order, kind, value at size zero with its uncertainty
-    """
-
-    metric: Metric
-    values: tuple[float, ...]
-    found: Extrapolation
+    metric: Metric  # that of the finest mesh
+    values: tuple[float, ...]  # on each mesh, the finest first, all at the instant at which the finest is worst
+    found: Extrapolation  # order, kind, value at size zero with its uncertainty
 
     @property
     def mesh(self) -> float | None:

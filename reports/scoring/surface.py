@@ -34,28 +34,19 @@ FLAT = 1e-6
 class SurfaceResult:
     """Tractions on the contact surface as another code computed them, in the scene's units and in our signs.
 
-    Attributes
-    ----------
-    source : where it was read, for the page and for sentences
-    code : what computed it, such as "CalculiX 2.20"; "" where nobody says
-    x : (n_points,), contact points of the lower body, ascending [length]
-    pressure, shear : (n_steps, n_points) [stress]; pressure positive in compression, shear along +x on the lower body
-    slip : (n_steps, n_points) [length], upper over lower; None where the file has none
-    time : (n_steps,), times of the scene's load path; None where the file has none
-    normal_load, tangential_load : (n_steps,), loads per unit thickness as the file states them; None where it does not
-    notes : everything that a reader must not miss: factors guessed, signs turned, frames left out
+    Of (n_steps, n_points) instants and points; None is what the file does not state.
     """
 
-    source: str
-    code: str
-    x: Array
-    pressure: Array
-    shear: Array
-    slip: Array | None = None
-    time: Array | None = None
-    normal_load: Array | None = None
+    source: str  # where it was read, for the page and for sentences
+    code: str  # what computed it, such as "CalculiX 2.20"; "" where nobody says
+    x: Array  # contact points of the lower body, ascending [length]
+    pressure: Array  # positive in compression [stress]
+    shear: Array  # along +x on the lower body [stress]
+    slip: Array | None = None  # upper over lower [length]
+    time: Array | None = None  # of the scene's load path
+    normal_load: Array | None = None  # per unit thickness
     tangential_load: Array | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # what a reader must not miss: factors guessed, signs turned, frames left out
 
 
 def surface_result(
