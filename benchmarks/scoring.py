@@ -32,7 +32,7 @@ from reports.scoring.diagnosis import diagnose
 from reports.scoring.hypotheses import stiffer, with_friction
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from reports.scoring.solution import UNTOLD, Fields, friction_work, zones
+from reports.scoring.solution import UNTOLD, friction_work, zones
 from reports.scoring.surface import TOUCHES
 from scenes import Bodies, ContactSolution, EllipseLoad, Materials, Scene, load_scene
 
@@ -200,11 +200,9 @@ def confusion(keys: tuple[str, ...] = ()) -> Iterator[Row]:
     os.environ["HALFPLANE_CACHE"] = "off"
     seen, wrong = 0, 0
     for key in keys or FAULTS:
-        said: list[tuple[str, str]] = []
-        for name in SCENES:
-            for severity in FAULTS[key].severities:
-                found = diagnose(FAULTS[key].plant(load_scene(name), severity))[:1]
-                said += [(one.fault, f"{name} at {severity:g}: {one.fault}") for one in found]
+        made = [(name, severity) for name in SCENES for severity in FAULTS[key].severities]
+        told = [(*one, diagnose(FAULTS[key].plant(load_scene(one[0]), one[1]))) for one in made]
+        said = [(found[0].fault, f"{name} at {severity:g}: {found[0].fault}") for name, severity, found in told if found]
         off = [words for fault, words in said if fault != key]
         seen, wrong = seen + len(said), wrong + len(off)
         yield Row(f"{key}: first diagnosis wrong", len(off), None, f"{len(said)} results out of tolerance; {'; '.join(off)}")
@@ -231,7 +229,7 @@ def rule_rows() -> Iterator[Row]:
     fe = halfplane_fe.solve(scene)
     steps = fe.last_cycle
     own = semi_analytic.solve(scene, x=fe.x, time=fe.time[steps])
-    found = zones(Fields(own.x, own.pressure, own.shear), scene.friction.coefficient, own.time)  # tractions alone
+    found = zones(own.x, own.pressure, own.shear, None, scene.friction.coefficient, own.time)
     off = np.max(np.abs(found.stick_edges - own.stick_edges), axis=1) / scales(own).half_width
     both = np.isnan(found.stick_edges[:, 0]) == np.isnan(own.stick_edges[:, 0])
     how = f"hertz-paper, theory at the {len(fe.x)} points and {len(steps)} instants of a cycle of the finite elements"

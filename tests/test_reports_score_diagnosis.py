@@ -79,6 +79,7 @@ def test_a_fault_of_the_model_is_named_first(table: ModuleType, key: str, scene:
         slow("elastic_slip", "cattaneo-mindlin", None),
         # Steps and thin layers whose traces lie within one coarse element of the model; errors of a mesh that stay locked in.
         slow("steps", "hertz-paper", 48.0),
+        slow("coupling", "cattaneo-mindlin", 0.2),
         slow("elastic_slip", "hertz-paper", 240.0),
         slow("coarse_edge", "hertz-paper", 1 / 12),
     ],
@@ -102,7 +103,7 @@ def test_flaws_of_the_model_are_looked_for_where_theory_leaves_something_and_tho
     found = diagnose(planted(table, "steps", "cattaneo-mindlin"))
     assert asked
     assert found[0].evidence[-1] == (
-        "not all was tried: a model with this fault does not settle (coupling, elastic slip, small body, soft normal, steps)"
+        "not all was tried: a model with this fault does not settle (elastic slip, small body, soft normal, steps)"
     )
 
 
@@ -227,44 +228,23 @@ def test_the_scenes_own_coupling_is_no_fault_of_the_result(table: ModuleType) ->
     comparison = planted(table, "shear_sign", "cattaneo-mindlin")
     what = discrepancy(comparison)
     assert what is not None
-    found = Hypothesis("coupling", what.found, {"beta": -0.052})
+    found = Hypothesis("coupling", what.found)
     assert "not the scene's" in sentence_of(found, what)
     material = comparison.scene.material
     unlike = Materials(upper=material.upper.vary(poisson_ratio=0.45), lower=material.lower)
     scene = comparison.scene.vary(material=unlike)
     own = sentence_of(found, replace(what, comparison=replace(comparison, result=replace(comparison.result, scene=scene))))
-    assert f"the scene's own materials have {coupling_constant(unlike):.2g}" in own
+    assert f"the scene's own materials make it, which have {coupling_constant(unlike):.2g}" in own
     assert "no fault of the result" in own
 
 
-def hertz_model(mirrored: bool) -> Model:
-    """E* = f = 1 and R = 1: P = pi/4 for a = 1, p = sqrt(1 - x^2)/2."""
-    model = Model.__new__(Model)
-    model.modulus = model.friction = 1.0
-    model.height = lambda x: np.square(x) / 2
-    ends = np.linspace(0, 1.4, 121) if mirrored else np.linspace(-1.4, 1.4, 241)
-    model._on_elements(ends, mirrored=mirrored)
-    return model
-
-
-@pytest.mark.parametrize("mirrored", [True, False])
-def test_the_model_without_a_flaw_is_hertz_and_cattaneo(mirrored: bool) -> None:
-    """c = sqrt(1 - Q/(f P)), q = p(x; a) - p(x; c)."""
-    on = hertz_model(mirrored)
+def test_the_model_without_a_flaw_is_hertz_and_cattaneo() -> None:
+    """E* = f = 1 and R = 1: P = pi/4 for a = 1, p = sqrt(1 - x^2)/2; c = sqrt(1 - Q/(f P)), q = p(x; a) - p(x; c)."""
+    on = Model.__new__(Model)
+    on._on_elements(np.linspace(0, 1.4, 121), 1.0, 1.0, lambda x: np.square(x) / 2)
     (p,), (q,) = on.march(Flaws(), np.pi / 4 * np.array([[1.0, 0.64]]))
     exact = np.sqrt(np.maximum(1 - on.x**2, 0)) / 2
     assert np.abs(p - exact).max() < 0.02  # 0.011, at the edge
     assert np.abs(q - (exact - np.sqrt(np.maximum(0.36 - on.x**2, 0)) / 2)).max() < 0.02
     with pytest.raises(NotSettledError, match="slides"):
         on.march(Flaws(), np.array([[1.0, 1.5]]))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", ["cattaneo-mindlin", "hertz-paper", "flat-rounded-paper"])
-@pytest.mark.parametrize("poisson_ratio", [0.45, 0.2])
-def test_dundurs_beta_of_unlike_bodies_is_recovered_with_its_sign(table: ModuleType, scene: str, poisson_ratio: float) -> None:
-    comparison = planted(table, "coupling", scene, poisson_ratio)
-    first = diagnose(comparison)[0]
-    assert first.fault == "coupling"
-    stated = float(first.sentence.split("along x as ")[1].split(" of Dundurs")[0])
-    assert stated == pytest.approx(coupling_constant(comparison.scene.material), rel=0.12)

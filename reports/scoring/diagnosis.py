@@ -14,7 +14,15 @@ import numpy as np
 
 from reports.comparison import Comparison
 from reports.scoring.flaws import model_faults
-from reports.scoring.hypotheses import Discrepancy, Hypothesis, coarse_edge, discrepancy, file_faults, question_faults
+from reports.scoring.hypotheses import (
+    Discrepancy,
+    Hypothesis,
+    coarse_edge,
+    discrepancy,
+    file_faults,
+    question_faults,
+    unlike_bodies,
+)
 
 # A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
 LEAST_EXPLAINED = 0.5
@@ -27,10 +35,10 @@ LEAST_STRENGTH = 0.05
 # Behind a fault that was mended, tolerances that the rest must exceed to be looked at: a fit is not exact.
 REST = 2.0
 UNKNOWN = "unknown"
-# What a hypothesis must explain more than a plainer one, for each figure fitted: of two that explain all, the plainer is named. The
-# flaws that move edges of contact lean on a fitted stiffness or offset besides; a coarse edge takes what it finds, point by point.
+# What a hypothesis must explain more than a plainer one, for each figure fitted: of two that explain all, the plainer is named.
+# Flaws that move edges of contact lean on a fitted stiffness; a coarse edge and an odd part take what they find, point by point.
 COST = 0.01
-FITTED = {"coarse_edge": 10, "small_body": 3, "soft_normal": 2, "coupling": 2} | dict.fromkeys(
+FITTED = {"coarse_edge": 10, "coupling": 10, "small_body": 3, "soft_normal": 2} | dict.fromkeys(
     ("traction_factor", "pressure_factor", "offset", "stiffness", "loads", "friction", "other_times", "elastic_slip"), 1
 )
 FAULTS = {
@@ -66,16 +74,16 @@ FAULTS = {
     "too wide and its peak too low; make the normal stiffness larger, or use Lagrange multipliers.",
     "small_body": "The bodies are too small, or held too near: their far field bends the faces like curvatures of {normal:.2g} P/E*"
     " and shears them by {shear:.2g} Q/E* over a_ref^2; make them larger, or compare with finite bodies.",
-    "coupling": "Pressure moves the faces along x as {beta:.2g} of Dundurs' beta would: the bodies are not alike, in material "
-    "(then not the scene's) or in shape (a narrow pad on a wide block); half-plane theory of like bodies has none of it.",
+    "coupling": "The difference is odd in x: pressure moves the faces along x. The bodies are not alike, in material (then not the "
+    "scene's) or in shape (a narrow pad on a wide block), or one of them tilts; half-plane theory of like bodies has none of it.",
     "coarse_edge": "The mesh is too coarse at the edges of contact and stick: the discrepancy stays within two elements of them; "
     "make the elements there smaller than {spacing:.2g} a_ref.",
 }
 
 _NO_COUPLING = 1e-9
 _OWN_COUPLING = (
-    "Pressure moves the faces along x as {beta:.2g} of Dundurs' beta would, and the scene's own materials have {own:.2g}, which "
-    "half-plane theory leaves out: as far as these agree it is the idealisation and no fault of the result; --against fe has it in."
+    "The difference is odd in x, as the scene's own materials make it, which have {own:.2g} of Dundurs' beta: half-plane theory "
+    "leaves that out. As far as it goes it is the idealisation and no fault of the result; --against fe has it in."
 )
 # Quotients of E*/R that have a likely cause: (factor, within, cause).
 LIKELY = (
@@ -138,10 +146,10 @@ def _ranked(what: Discrepancy, untried: set[str]) -> list[tuple[float, Hypothesi
 
     Faults of the model are looked for only where nothing plainer explains it all, for no fit of them is as good.
     """
-    tried = [*file_faults(what), *question_faults(what), coarse_edge(what)]
+    tried = [*file_faults(what), *question_faults(what), coarse_edge(what), *unlike_bodies(what)]
     if max(what.explained(one.predicted) for one in tried) < CLEAR:
-        by_fault = {one.fault: one for one in tried}
-        tried += model_faults(what, by_fault.get("stiffness"), by_fault.get("offset"), untried)
+        stiffness = next((one for one in tried if one.fault == "stiffness"), None)
+        tried += model_faults(what, stiffness, untried)
     best: dict[str, tuple[float, Hypothesis]] = {}
     for one in tried:
         explained = what.explained(one.predicted) - COST * FITTED.get(one.fault, 0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +56,7 @@ def contact_solution(
     scene = whole.scene
     result, guesses = guessed(result, mapping, whole)
     history = matched(result, scene, sure_of_times=sure_of_times)
-    found = zones(result, scene.friction.coefficient, history.time)
+    found = zones(result.x, result.pressure, result.shear, result.slip, scene.friction.coefficient, history.time)
     steps = _last_cycle(scene, history.time)
     density, skipped, notes = np.full(len(result.x), np.nan), _skipped(result, history.time, steps), list(found.notes)
     if "dissipation" not in skipped:
@@ -161,46 +161,24 @@ class Zones:
     notes: tuple[str, ...]
 
 
-class Tractions(Protocol):
-    """What states and edges are told from: of a foreign result, or of a reference by the same rule."""
+def zones(x: Array, pressure: Array, shear: Array, slip: Array | None, friction: float, time: Array) -> Zones:
+    """States and edges of tractions on points, (n_steps, n_points), and of their slip where there is one.
 
-    @property
-    def x(self) -> Array: ...
-    @property
-    def pressure(self) -> Array: ...
-    @property
-    def shear(self) -> Array: ...
-    @property
-    def slip(self) -> Array | None: ...
-
-
-@dataclass(frozen=True, eq=False)
-class Fields:
-    """Tractions and slip on points, for `zones`."""
-
-    x: Array
-    pressure: Array
-    shear: Array
-    slip: Array | None = None
-
-
-def zones(result: Tractions, friction: float, time: Array) -> Zones:
-    """States and edges. In full stick the stick edges are the contact edges, in full slip NaN, as everywhere in the project.
+    In full stick the stick edges are the contact edges, in full slip NaN, as everywhere in the project.
 
     A contact edge lies where the straight line of p^2 through the last two points in contact is 0, a stick edge where that of
     (f p - |q|)^2 is, each no farther than the next point: both are roots of the distance at an edge. Which points slip: those on
     the Coulomb limit, whose slip, where there is one, moves with the shear; the first instant has no step before it, so that there
     the limit alone tells.
     """
-    x, pressure, shear = result.x, result.pressure, result.shear
     touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
     slips, sense = touching & (np.abs(shear) >= (1 - CONE) * friction * pressure), np.sign(shear)
     words = f"in contact is a point with more than {TOUCHES:g} of the instant's largest pressure"
     told = "tractions"
     if friction:
         words += f"; it slips where |q| is at least {1 - CONE:g} f p"
-    if result.slip is not None and len(result.slip) > 1:
-        moved = np.where(touching[1:], np.diff(result.slip, axis=0), 0.0)
+    if slip is not None and len(slip) > 1:
+        moved = np.where(touching[1:], np.diff(slip, axis=0), 0.0)
         largest = np.max(np.abs(moved), axis=1, keepdims=True)
         with np.errstate(divide="ignore", invalid="ignore"):
             rate = np.where(largest > 0, largest / np.diff(time)[:, None], 0.0)
@@ -268,8 +246,8 @@ def by_same_rule(reference: ContactSolution, result: ContactSolution, length: fl
     if "state" not in derived(result):
         return reference, ()
     slip = None if "slip" in missing(result) else reference.slip
-    fields = Fields(reference.x, reference.pressure, reference.shear, slip)
-    found = zones(fields, reference.scene.friction.coefficient, reference.time)
+    friction = reference.scene.friction.coefficient
+    found = zones(reference.x, reference.pressure, reference.shear, slip, friction, reference.time)
     own, ruled = reference.stick_edges, found.stick_edges
     # Instants at which the rule finds the reference's own stick edges; all, where those are the fewer.
     told = np.isnan(own[:, 0]) == np.isnan(ruled[:, 0])
