@@ -35,10 +35,11 @@ LEAST_STRENGTH = 0.05
 # Behind a fault that was mended, tolerances that the rest must exceed to be looked at: a fit is not exact.
 REST = 2.0
 UNKNOWN = "unknown"
+MODEL = {"coarse_edge", "coupling", "small_body", "soft_normal", "elastic_slip", "steps"}
 # What a hypothesis must explain more than a plainer one, for each figure fitted: of two that explain all, the plainer is named.
 # Flaws that move edges of contact lean on a fitted stiffness; a coarse edge and an odd part take what they find, point by point.
 COST = 0.01
-FITTED = {"coarse_edge": 10, "coupling": 10, "small_body": 3, "soft_normal": 2} | dict.fromkeys(
+FITTED = {"coarse_edge": 10, "coupling": 5, "small_body": 3, "soft_normal": 2} | dict.fromkeys(
     ("traction_factor", "pressure_factor", "offset", "stiffness", "loads", "friction", "other_times", "elastic_slip"), 1
 )
 FAULTS = {
@@ -117,11 +118,11 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     untried: set[str] = set()
     rest = whole
     for number in range(ROUNDS):
-        ranked = _ranked(rest, untried)
+        taken = {one.fault for one in found}
+        ranked = _ranked(rest, taken, untried)
         best, winner = ranked[0]
         if best < LEAST_EXPLAINED:
             break
-        taken = {one.fault for one in found}
         for explained, one in ranked if number == 0 else ranked[:1]:  # rivals are weaker by what the two leave unexplained
             rival = 1.0 if one is winner else min((1 - best) / max(1 - explained, 1e-12), 1.0)
             strength = max(explained, 0.0) * rival * 0.9**number
@@ -141,12 +142,15 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     return (first, *others)
 
 
-def _ranked(what: Discrepancy, untried: set[str]) -> list[tuple[float, Hypothesis]]:
+def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple[float, Hypothesis]]:
     """The best hypothesis of every fault with the share it explains, the best first.
 
-    Faults of the model are looked for only where nothing plainer explains it all, for no fit of them is as good.
+    Faults of the model are looked for only where nothing plainer explains it all, for no fit of them is as good. Behind one of them
+    an odd rest is what its fit left.
     """
-    tried = [*file_faults(what), *question_faults(what), coarse_edge(what), *unlike_bodies(what)]
+    tried = [*file_faults(what), *question_faults(what), coarse_edge(what)]
+    if not taken & MODEL:
+        tried += unlike_bodies(what)
     if max(what.explained(one.predicted) for one in tried) < CLEAR:
         stiffness = next((one for one in tried if one.fault == "stiffness"), None)
         tried += model_faults(what, stiffness, untried)
