@@ -31,7 +31,7 @@ from reports.comparison import compare
 from reports.sweep import running, solving
 from reports.sweep.page import state_of, write_page
 from reports.sweep.pictures import draw
-from reports.sweep.running import SCHEDULER_GONE, WORKER_DIED, Crew, Processes, crew_of, prepare, run
+from reports.sweep.running import SCHEDULER_GONE, Processes, crew_of, prepare, run
 from reports.sweep.solving import code_versions, solve_task
 from reports.sweep.store import STATUS, Claims, Planned, Store, StoreError, Table, at_work, read_index
 from reports.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
@@ -300,13 +300,13 @@ def test_other_code_is_noticed_before_anything_is_solved() -> None:
 # ------------------------------------------------------------------------------------------------- the loop and its losses
 
 
-class Bench(Crew):
+class Bench(Processes):
     """A crew that works at once, in this process; `fault` sees the frictions of a task and may let its worker die."""
 
-    shared_fate, width = True, 2
-
     def __init__(self, fault: Callable[[list[float]], BaseException | None] = lambda _frictions: None) -> None:
+        super().__init__(2)
         self.fault, self.started, self.handed = fault, 0, list[list[float]]()
+        self.executor = self  # type: ignore[assignment]
 
     def start(self) -> None:
         self.started += 1
@@ -314,7 +314,7 @@ class Bench(Crew):
     def stop(self, *, at_once: bool) -> None:
         pass
 
-    def submit(self, text: str) -> "Future[str]":
+    def submit(self, _solve: object, text: str) -> "Future[str]":
         frictions = [point["scene"]["friction"]["coefficient"] for point in json.loads(text)["points"]]
         self.handed.append(frictions)
         future: Future[str] = Future()
@@ -326,7 +326,7 @@ class Bench(Crew):
         return future
 
     def blame(self, fault: BaseException) -> str:
-        return SCHEDULER_GONE if isinstance(fault, CancelledError) else WORKER_DIED if isinstance(fault, BrokenExecutor) else ""
+        return SCHEDULER_GONE if isinstance(fault, CancelledError) else super().blame(fault)
 
 
 Sweep = Callable[..., Table]
@@ -336,7 +336,7 @@ Sweep = Callable[..., Table]
 def sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
     """Runs seven points into `out`, by a crew."""
 
-    def go(crew: Crew | None = None, folder: str = "out", **changes: Any) -> Table:
+    def go(crew: Bench | None = None, folder: str = "out", **changes: Any) -> Table:
         monkeypatch.setattr(running, "crew_of", lambda **_: crew or Bench())
         return run(study(**SEVEN | changes), tmp_path / folder)
 
@@ -418,10 +418,10 @@ def test_a_rerun_resumes(tmp_path: Path, truth: dict[float, float], sweep: Sweep
 def test_a_failed_point_is_a_row_with_its_reason(sweep: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
     original = solving.exact_alone
 
-    def solve(asked: Any, scene: Any) -> Any:
-        if scene.friction.coefficient == 1.5:
+    def solve(point: Any) -> Any:
+        if point.scene.friction.coefficient == 1.5:
             raise ArithmeticError("no root")
-        return original(asked, scene)
+        return original(point)
 
     monkeypatch.setattr(solving, "exact_alone", solve)
     monkeypatch.setattr(solving, "in_one_call", lambda *_: {})
@@ -605,7 +605,7 @@ def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(tmp_pat
             os.kill(os.getpid(), signal.SIGINT)  # while the workers are born
             rounds.append("born")
 
-        def submit(self, text: str) -> "Future[str]":
+        def submit(self, _solve: object, text: str) -> "Future[str]":
             rounds.append("handed out")
             return Future()
 

@@ -29,11 +29,6 @@ def state_of(store: Store) -> Mapping[str, Any]:
     """What the store holds now, as `halfplane sweep status --json` prints it, with the table under "table".
 
     A point is running while a living sweep has it; `seconds_left` is None where no sweep is at work or no rate is known.
-
-    Raises
-    ------
-    InputError
-        Where the folder holds no sweep.
     """
     study, points = store.read_plan()
     table = store.table(points)
@@ -59,13 +54,7 @@ def state_of(store: Store) -> Mapping[str, Any]:
 
 
 def write_page(store: Store) -> Path:
-    """Write DIR/sweep.html, and DIR/index.csv that it leads to; returns the path of the page.
-
-    Raises
-    ------
-    InputError
-        Where the folder holds no sweep, or can't be written to.
-    """
+    """Write DIR/sweep.html, and DIR/index.csv that it leads to; returns the path of the page."""
     state = state_of(store)
     table = state["table"]
     study = study_of(store.read_plan()[0], str(store.folder / "sweep.json"))

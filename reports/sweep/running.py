@@ -39,37 +39,14 @@ _ROUND, _LOOK_AGAIN, _RECONNECT, _PATIENCE = 0.5, 2.0, 120.0, 10.0
 _LOSSES = 5  # of a scheduler, before the sweep ends
 
 
-class Crew:
-    """Workers behind a `concurrent.futures.Executor` that can be started again once they broke."""
+class Processes:
+    """Processes of this machine, behind an executor that can be started again once it broke.
 
-    width: int
+    Of these and of `Dask`: `blame` is what an exception means for worker or scheduler, "" where it is the task's own; one dead
+    worker takes every task with it that was handed out where they share a fate; tasks of a crew that is `gone` never come back.
+    """
+
     executor: Executor
-    shared_fate = False  # whether one dead worker takes every task with it that was handed out
-
-    def start(self) -> None:
-        """Start workers, or find those of a cluster; InputError where that can't be."""
-        raise NotImplementedError
-
-    def stop(self, *, at_once: bool) -> None:
-        """Let the workers go; at once: in the midst of their work."""
-        raise NotImplementedError
-
-    def blame(self, fault: BaseException) -> str:
-        """What a task's exception means for its worker or scheduler; "" where it is the task's own."""
-        raise NotImplementedError
-
-    def submit(self, text: str) -> Future[str]:
-        """Hand out a task."""
-        return self.executor.submit(solve_task, text)
-
-    def gone(self) -> bool:
-        """Whether tasks handed out will never come back, though no exception shows it."""
-        return False
-
-
-class Processes(Crew):
-    """Processes of this machine."""
-
     shared_fate = True
 
     def __init__(self, width: int) -> None:
@@ -77,6 +54,9 @@ class Processes(Crew):
 
     def blame(self, fault: BaseException) -> str:
         return WORKER_DIED if isinstance(fault, BrokenExecutor | CancelledError) else ""
+
+    def gone(self) -> bool:
+        return False
 
     def start(self) -> None:
         with _born_without_ctrl_c():
@@ -96,11 +76,15 @@ class Processes(Crew):
                 worker.join()
 
 
-class Dask(Crew):
+class Dask:
     """The workers of a dask scheduler: at an address, or of a cluster started here on the loopback interface.
 
     A task whose worker died goes to others by dask itself, as often as its setting `allowed-failures` states.
     """
+
+    executor: Executor
+    width: int
+    shared_fate = False
 
     def __init__(self, address: str, width: int | None, tls: dict[str, str]) -> None:
         self._address, self._asked, self._tls = address, width, tls
@@ -159,7 +143,7 @@ def crew_of(
     tls_ca_file: Path | None = None,
     tls_cert: Path | None = None,
     tls_key: Path | None = None,
-) -> Crew:
+) -> Processes | Dask:
     """Who solves the points, not started yet.
 
     Parameters
@@ -226,13 +210,7 @@ def _begin(parent: int) -> None:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A study that was checked, and the store that it goes to.
-
-    Attributes
-    ----------
-    study, points, store : what is asked, and where results are
-    groups : points that have no result yet, those together that share their condensed bodies
-    """
+    """A study that was checked, its store, and `groups` of points without a result that share their condensed bodies."""
 
     study: Study
     points: tuple[Point, ...]
@@ -241,18 +219,11 @@ class Prepared:
 
     @property
     def waiting(self) -> int:
-        """Number of points without a result."""
         return sum(map(len, self.groups))
 
 
 def prepare(study: Study | str | Path, folder: str | Path, report: Callable[[int], None] = lambda _count: None) -> Prepared:
-    """Check the whole study and look at what is stored already; nothing is written.
-
-    Raises
-    ------
-    InputError
-        For a study that is refused.
-    """
+    """Check the whole study and look at what is stored already; nothing is written. InputError for what is refused."""
     asked = validated(study, Study) if isinstance(study, Study) else load_study(study)
     store = Store(Path(folder))
     if store.folder.exists() and not store.folder.is_dir():
@@ -277,10 +248,7 @@ def _final(store: Store, point: Point) -> dict[str, Any] | None:
 def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: None, **workers: Any) -> Table:
     """Solve every point that has no result; returns the table of all. `report` gets (done, total, words) of those.
 
-    Raises
-    ------
-    InputError
-        Where no workers can be had, their code differs from ours, or results can't be stored.
+    InputError where no workers can be had, their code differs from ours, or results can't be stored.
     """
     store, points = prepared.store, prepared.points
     crew = crew_of(**workers)
@@ -331,7 +299,7 @@ def run(
 class _Sweep:
     """The loop that hands tasks to a crew and stores what comes back; it ends early once `signals` holds one."""
 
-    def __init__(self, prepared: Prepared, crew: Crew, claims: Claims, report: Report, signals: Sequence[int]) -> None:
+    def __init__(self, prepared: Prepared, crew: Processes | Dask, claims: Claims, report: Report, signals: Sequence[int]) -> None:
         self.prepared, self.store, self.crew, self.claims = prepared, prepared.store, crew, claims
         self.report, self.signals = report, signals
         # Tasks small enough that all workers have some to do until the end.
@@ -345,13 +313,7 @@ class _Sweep:
         self.looked, self.losses, self.done, self.failed = time.monotonic(), 0, 0, 0
 
     def go(self) -> None:
-        """Work until every point has a result, or a signal asks to end.
-
-        Raises
-        ------
-        StoreError, InputError
-            Where results can't be stored, where workers run other code, where no scheduler comes back.
-        """
+        """Work until every point has a result, or a signal asks to end."""
         while (self.pending or self.suspects or self.elsewhere or self.flying) and not self.signals:
             self._hand_out()
             if self.flying:
@@ -411,7 +373,7 @@ class _Sweep:
         asked: dict[str, Any] = {"engines": study.engines, "figures": study.figures, "uncertainty": study.uncertainty}
         asked |= {"share": study.share_condensations, "versions": code_versions(), "points": [point.job() for point in points]}
         try:
-            self.flying[self.crew.submit(json.dumps(asked))] = points
+            self.flying[self.crew.executor.submit(solve_task, json.dumps(asked))] = points
         except (RuntimeError, OSError) as fault:  # a pool that broke, or a client that closed, between two tasks
             if not (why := self.crew.blame(fault)):
                 raise

@@ -9,7 +9,7 @@ import platform
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
@@ -49,19 +49,14 @@ def code_versions() -> dict[str, str]:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is asked of every point of a task."""
+class Question:
+    """One point: what is asked of it, the scene, and how it is cut and iterated."""
 
-    engines: tuple[str, ...]
-    figures: tuple[str, ...]
+    engines: list[str]
+    figures: list[str]
     uncertainty: str
     share: bool
-
-
-@dataclass(frozen=True)
-class Question:
-    """One point: the scene and how it is cut and iterated."""
-
+    address: str
     scene: Scene
     mesh: MeshSettings
     solver: SolverSettings
@@ -78,17 +73,23 @@ def solve_task(text: str) -> str:
     -------
     JSON of {"mismatch": sentence or "", "answers": one for each point}
     """
+    from halfplane_fe import SolverSettings
+    from meshes import MeshSettings
+
     task = json.loads(text)
-    here, there = task.pop("versions"), code_versions()
+    here, there, jobs = task.pop("versions"), code_versions(), task.pop("points")
     names = [name for name in sorted(here.keys() | there.keys()) if here.get(name) != there.get(name)]
     if names:
         words = [f"{name} is {here.get(name, 'missing')} here and {there.get(name, 'missing')} there" for name in names]
         return json.dumps({"mismatch": f"worker {platform.node()} (process {os.getpid()}): {', '.join(words)}", "answers": []})
-    jobs = task.pop("points")
-    asked = Asked(tuple(task["engines"]), tuple(task["figures"]), task["uncertainty"], task["share"])
-    with threadpool_limits(limits=1), _shared_store(asked.share and len(jobs) > 1):
-        batch = in_one_call(asked, jobs)
-        answers = [batch.get(number) or _answer(asked, job) for number, job in enumerate(jobs)]
+    points = []
+    for job in jobs:
+        scene = Scene.model_validate_json(json.dumps(job["scene"]))
+        mesh, solver = MeshSettings(**job["mesh"]), SolverSettings(**job["solver"])
+        points.append(Question(**task, address=job["address"], scene=scene, mesh=mesh, solver=solver))
+    with threadpool_limits(limits=1), _shared_store(task["share"] and len(points) > 1):
+        batch = in_one_call(points)
+        answers = [batch.get(point.address) or _answer(point) for point in points]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
 
 
@@ -109,59 +110,48 @@ def _shared_store(wanted: bool) -> Generator[None, None, None]:
             os.environ.pop("HALFPLANE_CACHE") if before is None else os.environ.update(HALFPLANE_CACHE=before)
 
 
-def in_one_call(asked: Asked, jobs: list[dict[str, Any]]) -> dict[int, dict[str, Any]]:
-    """Number -> answer of points that ask theory for W of an ellipse alone, in one call for each profile and material.
+def in_one_call(points: list[Question]) -> dict[str, dict[str, Any]]:
+    """Address -> answer of points that ask theory for W of an ellipse alone, in one call for each profile and material.
 
     That takes a hundredth of the time of `solve`, and a third with the checks of the points. What has no value there is left to
     `solve`, which states why.
     """
     import semi_analytic
 
-    if asked.engines != ("exact",) or asked.figures != ("exact.dissipation",):
-        return {}
     begun = time.perf_counter()
-    kinds: dict[str, dict[int, tuple[Scene, EllipseLoad]]] = {}
-    for number, job in enumerate(jobs):
-        scene = Scene.model_validate_json(json.dumps(job["scene"]))
-        if isinstance(scene.load, EllipseLoad) and scene.friction.coefficient > 0:
-            kind = scene.profile.model_dump_json() + scene.material.model_dump_json()
-            kinds.setdefault(kind, {})[number] = scene, scene.load
-    found: dict[int, tuple[float, tuple[str, ...]]] = {}
+    kinds: dict[str, dict[str, tuple[Scene, EllipseLoad]]] = {}
+    for point in points if (points[0].engines, points[0].figures) == (["exact"], ["exact.dissipation"]) else ():
+        if isinstance(point.scene.load, EllipseLoad) and point.scene.friction.coefficient > 0:
+            kind = point.scene.profile.model_dump_json() + point.scene.material.model_dump_json()
+            kinds.setdefault(kind, {})[point.address] = point.scene, point.scene.load
+    found: dict[str, dict[str, Any]] = {}
     for members in kinds.values():
         scenes, loads = zip(*members.values(), strict=True)
+        names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
         batch = semi_analytic.dissipation(
             profile=scenes[0].profile,
             material=scenes[0].material,
             friction_coefficient=[scene.friction.coefficient for scene in scenes],
-            mean_normal_load=[load.mean_normal_load for load in loads],
-            normal_amplitude=[load.normal_amplitude for load in loads],
-            mean_tangential_load=[load.mean_tangential_load for load in loads],
-            tangential_amplitude=[load.tangential_amplitude for load in loads],
-            phase=[load.phase for load in loads],
+            **{name: [getattr(load, name) for load in loads] for name in names},
         )
-        found |= {n: (float(W), batch.notes) for n, W in zip(members, batch.value, strict=True) if math.isfinite(W)}
+        record = {"message": "a member of a batch", "notes": batch.notes}
+        for address, value in zip(members, batch.value.tolist(), strict=True):
+            if math.isfinite(value):
+                found[address] = {"figures": {"exact.dissipation": value}, "record": record}
     seconds = (time.perf_counter() - begun) / max(1, len(found))
-    return {
-        number: _blank(jobs[number], seconds)
-        | {"figures": {"exact.dissipation": work}, "record": {"message": "a member of a batch", "notes": notes}}
-        for number, (work, notes) in found.items()
-    }
+    return {address: _blank(address, seconds) | answer for address, answer in found.items()}
 
 
-def _blank(job: Mapping[str, Any], seconds: float) -> dict[str, Any]:
-    answer = {"address": job["address"], "status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
+def _blank(address: str, seconds: float) -> dict[str, Any]:
+    answer = {"address": address, "status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
     return answer | {"seconds": seconds, "host": platform.node()}
 
 
-def _answer(asked: Asked, job: Mapping[str, Any]) -> dict[str, Any]:
+def _answer(point: Question) -> dict[str, Any]:
     """One point: its figures, or the reason why it has none."""
-    from halfplane_fe import SolverSettings
-    from meshes import MeshSettings
-
     begun = time.perf_counter()
     try:
-        scene = Scene.model_validate_json(json.dumps(job["scene"]))
-        found = _solve(asked, Question(scene, MeshSettings(**job["mesh"]), SolverSettings(**job["solver"])))
+        found = _solve(point)
     except ConvergenceError as failure:
         found = {"status": "failed", "reason": f"not converged: {failure}", "record": _record(failure.partial)}
     except InputError as failure:
@@ -169,28 +159,25 @@ def _answer(asked: Asked, job: Mapping[str, Any]) -> dict[str, Any]:
     except (ArithmeticError, ValueError, RuntimeError, MemoryError, LookupError) as failure:
         # One point must not end a sweep of thousands; what went wrong stands in its row, and nothing is taken for an answer.
         found = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
-    return _blank(job, time.perf_counter() - begun) | found
+    return _blank(point.address, time.perf_counter() - begun) | found
 
 
-def _solve(asked: Asked, question: Question) -> dict[str, Any]:
+def _solve(point: Question) -> dict[str, Any]:
     """Figures, notes and record of a point; what is not finite is no value, and its note states so."""
-    notes: dict[str, str] = {}
-    if "fe" not in asked.engines:
-        exact = exact_alone(asked, question.scene)
-        taken = {name: take(name, None, exact) for name in asked.figures}
-        values: Values = {name: value for name, (value, _) in taken.items()}
-        notes = {name: why for name, (_, why) in taken.items() if why}
-        record = _record(exact)
-    else:
-        fe, why = finite_elements(asked, question)
-        found = evaluate(asked, question.scene, fe)
-        values, notes = dict(found.values), why | found.notes
-        if asked.uncertainty == "cheap":
-            values |= _cheap_uncertainty(asked, question, fe, found, notes)
-        if asked.uncertainty == "budget":
-            values |= _budget(question, found, notes)
-        record = _record(fe)
+    if "fe" in point.engines:
+        fe, notes = finite_elements(point)
+        found = evaluate(point, fe)
+        values, notes, record = dict(found.values), notes | found.notes, _record(fe)
         record["notes"] += found.of_theory
+        if point.uncertainty == "cheap":
+            values |= _cheap_uncertainty(point, fe, found, notes)
+        if point.uncertainty == "budget":
+            values |= _budget(point, found, notes)
+    else:
+        exact = exact_alone(point)
+        taken = {name: take(name, None, exact) for name in point.figures}
+        values, record = {name: value for name, (value, _) in taken.items()}, _record(exact)
+        notes = {name: why for name, (_, why) in taken.items() if why}
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
@@ -217,27 +204,26 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
     }
 
 
-def exact_alone(asked: Asked, scene: Scene) -> ContactSolution:
+def exact_alone(point: Question) -> ContactSolution:
     """Half-plane theory on its own points and instants of the steady cycle, no field more than the figures need."""
     import semi_analytic
 
-    return semi_analytic.solve(scene, cycles="steady", fields=fields_needed(asked.figures))
+    return semi_analytic.solve(point.scene, cycles="steady", fields=fields_needed(point.figures))
 
 
-def finite_elements(asked: Asked, question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
+def finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
     """The solution, on the bodies that its whole group shares if wanted; where these don't hold the contact, on its own."""
     import halfplane_fe
 
-    scene, mesh, solver = question.scene, question.mesh, question.solver
-    if not asked.share:
-        return halfplane_fe.solve(scene, mesh, solver), {}
-    try:
-        return halfplane_fe.solve(scene, mesh, solver, scales=_shared_scales(scene)), {}
-    except ConvergenceError as failure:
-        if "reached the end of the meshed side" not in str(failure):
-            raise
-    why = {"": "the contact left the side that its group shares; solved on bodies of its own"}
-    return halfplane_fe.solve(scene, mesh, solver), why
+    why = {}
+    if point.share:
+        try:
+            return halfplane_fe.solve(point.scene, point.mesh, point.solver, scales=_shared_scales(point.scene)), {}
+        except ConvergenceError as failure:
+            if "reached the end of the meshed side" not in str(failure):
+                raise
+        why = {"": "the contact left the side that its group shares; solved on bodies of its own"}
+    return halfplane_fe.solve(point.scene, point.mesh, point.solver), why
 
 
 def _shared_scales(scene: Scene) -> Scales:
@@ -268,26 +254,26 @@ class Evaluated:
     comparison: Comparison | None
 
 
-def evaluate(asked: Asked, scene: Scene, fe: ContactSolution, *, polygon: bool = False) -> Evaluated:
+def evaluate(point: Question, fe: ContactSolution, *, polygon: bool = False) -> Evaluated:
     """Every figure that is asked for; against theory on the polygon of the steps if wanted."""
     import semi_analytic
 
-    metrics = [name for name in asked.figures if is_metric(name)]
+    metrics = [name for name in point.figures if is_metric(name)]
     exact = comparison = None
-    if "exact" in asked.engines:
-        fields = semi_analytic.FIELDS if metrics else fields_needed(asked.figures)
-        exact = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
+    if "exact" in point.engines:
+        fields = semi_analytic.FIELDS if metrics else fields_needed(point.figures)
+        exact = semi_analytic.solve(point.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields)
     if metrics and exact is not None:
         from reports.comparison import compare
 
         straight = None
-        if not polygon and (asked.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & set(metrics)):
-            straight = semi_analytic.solve(scene, x=fe.x, time=fe.time, straight_steps=not fe.thinned)
+        if not polygon and (point.uncertainty == "budget" or {"dissipation_polygon", "dissipation_step"} & set(metrics)):
+            straight = semi_analytic.solve(point.scene, x=fe.x, time=fe.time, straight_steps=not fe.thinned)
         comparison = compare(exact, fe, polygon_reference=straight)
     values: Values = {}
     notes: dict[str, str] = {}
     stated: dict[str, float] = {}
-    for name in asked.figures:
+    for name in point.figures:
         if is_metric(name) and comparison is not None:
             metric = comparison.metric(name)
             values[name], why = metric.value, metric.note or "there is nothing to compare"
@@ -310,9 +296,7 @@ def _stated(metric: Metric, fe: ContactSolution, half_width: float) -> float:
     return max(value for value in found if math.isfinite(value))
 
 
-def _cheap_uncertainty(
-    asked: Asked, question: Question, fe: FiniteElementSolution, found: Evaluated, notes: dict[str, str]
-) -> Values:
+def _cheap_uncertainty(point: Question, fe: FiniteElementSolution, found: Evaluated, notes: dict[str, str]) -> Values:
     """What a coarser mesh, theory on the polygon of the steps and a farther far field change each figure by, added up.
 
     The mesh is made twice as coarse at the surface and in the bulk, and its share taken as `_MESH` times the change, or as what the
@@ -321,20 +305,20 @@ def _cheap_uncertainty(
     import halfplane_fe
     from reports.comparison.budget import coarser
 
-    scene = question.scene
-    mesh, solver = coarser(question.mesh, question.solver, 2.0)
+    scene = point.scene
+    mesh, solver = coarser(point.mesh, point.solver, 2.0)
 
     def solved(cut: MeshSettings) -> Values:
-        return evaluate(asked, scene, halfplane_fe.solve(scene, cut, solver, scales=fe.scales)).values
+        return evaluate(point, halfplane_fe.solve(scene, cut, solver, scales=fe.scales)).values
 
     shares = [(_MESH, found.values, solved(replace(mesh, growth=min(1.0, 2 * mesh.growth))))]
-    if "exact" in asked.engines:
-        shares.append((1.0, found.values, evaluate(asked, scene, fe, polygon=True).values))
-    if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind) and question.mesh.far_radius <= 500:
+    if "exact" in point.engines:
+        shares.append((1.0, found.values, evaluate(point, fe, polygon=True).values))
+    if "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind) and point.mesh.far_radius <= 500:
         # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
         shares.append((_FAR, solved(mesh), solved(replace(mesh, far_radius=2 * mesh.far_radius))))
     total: Values = {}
-    for name in asked.figures:
+    for name in point.figures:
         if name.startswith("exact."):
             continue
         changes = [(factor, one[name], other[name]) for factor, one, other in shares]
@@ -347,12 +331,12 @@ def _cheap_uncertainty(
     return total
 
 
-def _budget(question: Question, found: Evaluated, notes: dict[str, str]) -> Values:
+def _budget(point: Question, found: Evaluated, notes: dict[str, str]) -> Values:
     """The rest of each metric that no numerical error accounts for, and how uncertain it is."""
     from reports.comparison.budget import climb, error_budget
 
     assert found.comparison is not None
-    refined = climb(found.comparison, question.mesh, question.solver, _silent)
+    refined = climb(found.comparison, point.mesh, point.solver, _silent)
     budgets = {budget.metric.key: budget for budget in error_budget(found.comparison, refined, 1.0).budgets}
     more: Values = {}
     for name in found.values:

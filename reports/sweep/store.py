@@ -119,11 +119,14 @@ class Store:
         return {name for name in _names(self.claims) if _ADDRESS.fullmatch(name) and at_work(self.claims / name)}
 
     def prepare(self) -> None:
-        """Make the folders, and remove what killed sweeps left in them half-written; StoreError where that can't be."""
+        """Make the folders, and remove what killed sweeps left in them; StoreError where that can't be."""
         with self._writing():
             for folder in (self.results, self.claims):
                 folder.mkdir(parents=True, exist_ok=True)
                 remove_left_behind(folder)
+            for claim in map(self.claims.joinpath, _names(self.claims)):
+                if _ADDRESS.fullmatch(claim.name) and not at_work(claim):
+                    claim.unlink(missing_ok=True)
 
     def write(self, result: Mapping[str, Any]) -> None:
         """Store a result under its address; the last of two writers wins, and both wrote the same."""
@@ -148,10 +151,7 @@ class Store:
     def read(self, address: str) -> dict[str, Any] | None:
         """The result of an address; None where there is none. A file that is damaged is set aside, and there is none.
 
-        Raises
-        ------
-        StoreError
-            Where the file is there and can't be read.
+        StoreError where the file is there and can't be read.
         """
         path = self.path(address)
         try:
@@ -178,13 +178,7 @@ class Store:
         self.write_text(self.folder / "sweep.json", json.dumps({"format": _FORMAT, "study": study, "points": rows}) + "\n")
 
     def read_plan(self) -> tuple[dict[str, Any], tuple[Planned, ...]]:
-        """The study and the points that were asked.
-
-        Raises
-        ------
-        InputError
-            Where the folder holds no sweep, or its sweep.json can't be read.
-        """
+        """The study and the points that were asked; InputError where there is none, or it can't be read."""
         path = self.folder / "sweep.json"
         try:
             stored = parsed_json(path.read_text(encoding="utf-8"))
