@@ -86,7 +86,9 @@ def test_which_points_take_part() -> None:
     assert law.largest < 0.7
     assert law.order == pytest.approx(2.0, abs=max(law.order_doubt, 0.02))
     turning = 2 * S**2 * (1 - (S / 0.2) ** 4)
-    assert fitted(turning, 1e-4 * np.abs(turning), 2.0).largest < 0.2
+    law = fitted(turning, 1e-4 * np.abs(turning), 2.0)
+    assert law.largest < 0.2
+    assert law.points + law.left_out == np.sum(S < 0.2)
     assert fit_law(S[:4], 3 * S[:4] ** 2, 1e-6 * np.ones(4), 2.0) is None
     assert fit_law(S, 1e-4 * S**2, np.full(9, 1e-3), 2.0) is None
 

@@ -25,37 +25,22 @@ _LEFT = 0.15
 
 @dataclass(frozen=True)
 class Part:
-    """What one departure from half-planes does.
+    """What one departure from half-planes does."""
 
-    Attributes
-    ----------
-    what : its words, with the group's value
-    values : error's name -> (error of half-plane theory, uncertainty); None where the maps have nothing
-    how : where it was read, and whether it was extrapolated
-    extrapolated : outside of what was run
-    """
-
-    what: str
-    values: Mapping[str, tuple[float, float]] | None
-    how: str
-    extrapolated: bool = False
+    what: str  # its words, with the group's value
+    values: Mapping[str, tuple[float, float]] | None  # error's name -> (error of theory, uncertainty); None: the maps have nothing
+    how: str  # where it was read, and whether it was extrapolated
+    extrapolated: bool = False  # outside of what was run
 
 
 @dataclass(frozen=True)
 class Advice:
-    """What the maps say of a scene.
-
-    Attributes
-    ----------
-    half_width : a by half-plane theory at the mean (else the largest) load [length]
-    parts : every departure from half-planes; none where theory is the very model
-    limit : error of dissipation up to which theory may be used
-    """
+    """What the maps say of a scene."""
 
     scene: Scene
-    half_width: float
-    parts: tuple[Part, ...]
-    limit: float
+    half_width: float  # a by half-plane theory at the mean (else the largest) load [length]
+    parts: tuple[Part, ...]  # every departure from half-planes; none where theory is the very model
+    limit: float  # error of dissipation up to which theory may be used
 
     @property
     def known(self) -> list[Part]:
@@ -225,7 +210,7 @@ def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder
 def work_lines(folder: Path) -> list[Line]:
     """The lines of dissipation in the study `pad`."""
     pad = MAPS["curvature"].charts[1]
-    return [line for line in lines(pad, read(folder, pad.study)) if line.figure == "error.dissipation"]
+    return list(lines(pad, read(folder, pad.study), ("error.dissipation",)))
 
 
 def _from_map(what: str, chart: Chart, s: float, place: Mapping[str, float], folder: Path) -> Part:
@@ -233,7 +218,7 @@ def _from_map(what: str, chart: Chart, s: float, place: Mapping[str, float], fol
     source = f"map `{name}`" + (f", {chart.study}" if chart.study != name else "")
     if not (folder / f"{chart.study}.csv").exists():
         return Part(what, None, f"{source} is not there; make it by `halfplane map all`")
-    every, values, outside = list(lines(chart, read(folder, chart.study))), {}, list[str]()
+    every, values, outside = list(lines(chart, read(folder, chart.study), FIGURES)), {}, list[str]()
     for figure in FIGURES:
         error, doubt, outside = between([line for line in every if line.figure == figure], s, place, chart.small)
         values[figure] = (error, doubt)

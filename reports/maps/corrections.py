@@ -10,6 +10,7 @@ import json
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,22 +32,14 @@ _STILL = 1e-9
 
 @dataclass(frozen=True)
 class Correction:
-    """What two equal blocks do to half-plane theory, each as its value over theory's, less 1.
+    """What two equal blocks do to half-plane theory, each as its value over theory's, less 1."""
 
-    Attributes
-    ----------
-    dissipation : of the last cycle
-    peak_pressure, contact_half_width : at the largest load
-    added : what the blocks add to the curvature of the gap, over 1/R, under the largest load
-    height, aspect : of the blocks, over a at the largest load by half-plane theory, and width over height
-    """
-
-    dissipation: float
-    peak_pressure: float
+    dissipation: float  # of the last cycle
+    peak_pressure: float  # at the largest load, as the half-width
     contact_half_width: float
-    added: Curvatures
-    height: float
-    aspect: float
+    added: Curvatures  # to the curvature of the gap, over 1/R, under the largest load
+    height: float  # over a at the largest load by half-plane theory
+    aspect: float  # width over height
 
 
 def added_curvatures(base: str, aspect: float, slenderness: float, poisson_ratio: float = 0.3) -> Curvatures:
@@ -155,13 +148,12 @@ def smaller_than_the_maps(profile: FlatRounded, pad: Pad) -> str:
     return f"the map `curvature` has pads 2 b + 1.4 R = {width:g} wide and R = {profile.radius:g} high, or larger"
 
 
-@dataclass(frozen=True)
-class ToAndFro:
-    """A cycle at constant P in which Q turns twice: P, half of the range of Q over f P, the largest |Q| over P."""
+class ToAndFro(NamedTuple):
+    """A cycle at constant P in which Q turns twice."""
 
-    load: float
-    ratio: float
-    largest: float
+    load: float  # P
+    ratio: float  # half of the range of Q over f P
+    largest: float  # |Q| over P
 
 
 def to_and_fro(scene: Scene) -> ToAndFro:

@@ -94,39 +94,24 @@ def as_csv(table: Table) -> str:
 # ------------------------------------------------------------------------------------------------------------------- laws
 @dataclass(frozen=True)
 class Law:
-    """|e| = constant s^order where s is at most `largest`.
-
-    Attributes
-    ----------
-    order, order_doubt : exponent and half its 95 % interval
-    constant, constant_doubt : at the fitted exponent
-    expected : exponent that theory predicts
-    fixed, fixed_doubt : constant at the expected exponent, on the same points
-    next_term : d, at the expected exponent: the law holds to a share d s^step
-    step : exponent by which the series goes on
-    sign : of the error
-    smallest, largest : of s in the fit
-    points : in the fit; `left_out`: resolved points at larger s that are not asymptotic
-    misfit : reduced chi squared; above 1 the intervals are widened by its root
-    bent : curvature of the logarithms is significant even in the fewest points: no asymptotic range was found
-    """
+    """|e| = constant s^order where s is at most `largest`; a doubt is half of a 95 % interval."""
 
     order: float
     order_doubt: float
-    constant: float
+    constant: float  # at the fitted exponent
     constant_doubt: float
-    expected: float
-    fixed: float
+    expected: float  # exponent that theory predicts
+    fixed: float  # constant at the expected exponent, on the same points
     fixed_doubt: float
-    next_term: float
-    step: float
-    sign: int
-    smallest: float
+    next_term: float  # d, at the expected exponent: the law holds to a share d s^step
+    step: float  # exponent by which the series goes on
+    sign: int  # of the error
+    smallest: float  # s in the fit
     largest: float
     points: int
-    left_out: int
-    misfit: float
-    bent: bool
+    left_out: int  # resolved points at larger s that are not asymptotic
+    misfit: float  # reduced chi squared; above 1 the intervals are widened by its root
+    bent: bool  # curvature of the logarithms is significant even in the fewest points: no asymptotic range was found
 
     def agrees(self) -> bool:
         """Whether the expected exponent is in the interval of the fitted one."""
@@ -256,9 +241,9 @@ class Line:
         return np.isfinite(self.error) & np.isfinite(self.uncertainty)
 
 
-def lines(chart: Chart, table: pd.DataFrame) -> Iterator[Line]:
-    """Every line of every error."""
-    for figure in figures(table):
+def lines(chart: Chart, table: pd.DataFrame, wanted: Sequence[str] = ()) -> Iterator[Line]:
+    """Every line of the errors that are wanted; of all where none is named."""
+    for figure in [name for name in figures(table) if not wanted or name in wanted]:
         order = chart.order(figure)
         for at, part in parts(table, (chart.panels, chart.up)):
             across, (error, doubt), law = numbers(part, chart.across), errors(part, figure), None
@@ -281,16 +266,10 @@ def along(line: Line, s: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Bound:
-    """The largest s up to which |error| + uncertainty stays below a level.
-
-    Attributes
-    ----------
-    s : None where no point stays below it and there is no law to extrapolate
-    how : "points" between two of them; "all" where every point stays below (s is the largest tried); "law" by extrapolation
-    """
+    """The largest s up to which |error| + uncertainty stays below a level; None where there is no such point and no law."""
 
     s: float | None
-    how: str
+    how: str  # "points": between two of them; "all": the largest tried; "law": extrapolated; "none"
 
 
 def bound(line: Line, level: float) -> Bound:

@@ -117,7 +117,7 @@ def drawings(chart: Chart, table: pd.DataFrame) -> Iterator[tuple[str, str, str]
         yield f"{chart.study}-map.svg", svg, PAGE_WORDS["map"]
     if chart.expected is not None or not chart.up:
         caption = PAGE_WORDS["discrepancy" if chart.expected is None else "law"]
-        yield f"{chart.study}-law.svg", slopes(chart, list(lines(chart, table)), shown).svg(), caption
+        yield f"{chart.study}-law.svg", slopes(chart, list(lines(chart, table, shown)), shown).svg(), caption
 
 
 def page(asked: Map, folder: Path) -> str:
@@ -132,7 +132,7 @@ def page(asked: Map, folder: Path) -> str:
         made.append(f"**Not run yet: {', '.join(missing)}.**")
     for chart in asked.charts:
         table = read(folder, chart.study)
-        found = [line for line in lines(chart, table) if line.figure in _TABLED]
+        found = list(lines(chart, table, _TABLED))
         made += [f"## {chart.study}"] * (len(whole.charts) > 1)
         made += [f"![{caption}]({name})\n\n*{caption}*" for name, _, caption in drawings(chart, table)]
         if chart.expected is not None:
@@ -190,8 +190,8 @@ def answer(asked: Map, folder: Path) -> str:
 
 
 def _read_off(chart: Chart, table: pd.DataFrame) -> str:
-    found = [line for line in lines(chart, table) if line.figure in ("error.dissipation", "error.p0")]
-    said: dict[str, list[str]] = {WORDS[figure]: [] for figure in ("error.dissipation", "error.p0")}
+    found = list(lines(chart, table, FIGURES[:2]))
+    said: dict[str, list[str]] = {WORDS[figure]: [] for figure in FIGURES[:2]}
     for line in found:
         value = reading_at(line, chart.sample["s"])
         said[WORDS[line.figure]].append(f"{percent(*value) if value else 'outside the study'} ({place(line.at)})")
