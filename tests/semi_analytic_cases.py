@@ -26,14 +26,8 @@ from scenes import (
 )
 
 UNIT = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # two of these have E* = 1
-
-
 _TABLE = json.loads((Path(__file__).parents[1] / "benchmarks" / "semi_analytic_reference.json").read_text(encoding="utf-8"))
-
-
 REFERENCE = [row for row in _TABLE if not row.get("radians")]
-
-
 EXTREMES = [row for row in _TABLE if row.get("radians")]
 
 
@@ -89,14 +83,8 @@ def brute_force_curve(points, friction, count=4001):
 
 
 TURN = 2 * math.pi
-
-
 ROWS = np.linspace(0.0, 9.0, 7)
-
-
 CORNERS = [(1.9, 0.2), (1.0, 0.45), (0.05, -0.02), (1.3, -0.6), (1.7, 0.1)]
-
-
 PROFILES = {
     "hertz": Hertz(radius=0.5),
     "long flat": FlatRounded(radius=1.0, flat_half_length=30.0),

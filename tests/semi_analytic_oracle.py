@@ -23,14 +23,7 @@ import mpmath as mp
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from scenes import (
-    CallableProfile,
-    ChebyshevSegment,
-    HarmonicSegment,
-    PowerLaw,
-    StraightSegment,
-    ellipse_segment,
-)
+from scenes import CallableProfile, ChebyshevSegment, HarmonicSegment, PowerLaw, StraightSegment, ellipse_segment
 from semi_analytic import friction_work
 from semi_analytic.fields import Arc
 from semi_analytic.history import history_of
@@ -40,8 +33,6 @@ from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic.quadrature import graded
 
 LONG = np.longdouble
-
-
 PI = LONG("3.14159265358979323846264338327950288")
 
 
@@ -315,8 +306,6 @@ class Oracle:
 
 
 TURN = LONG("6.28318530717958647692528676655900577")
-
-
 _SAMPLES = 2001
 
 

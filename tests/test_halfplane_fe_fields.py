@@ -1,12 +1,20 @@
-"""Fields in the bodies: displacements that agree with the interface, and stresses where Hertz's theory puts them."""
+"""Fields in the bodies against the interface, Hertz and Flamant; edges of contact and stick and their uncertainty."""
+
+from __future__ import annotations
+
+import functools
+import itertools
 
 import numpy as np
 import pytest
 
-from halfplane_fe import fields
+import semi_analytic
+from halfplane_fe import SolverSettings, fields
+from halfplane_fe.edges import contact_edge, contact_edges, contact_uncertainty, fitted_stick_edge, stick_edges, stick_uncertainty
+from halfplane_fe.visible import _slow_rim
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
-from scenes import Elastic, InputError, Materials, load_scene
+from scenes import Elastic, InputError, Materials, SurfaceState, load_scene
 from tolerances import check
 
 UNLIKE = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=Elastic(young_modulus=210e3, poisson_ratio=0.3))
@@ -44,7 +52,7 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
         check("fields", float(np.abs(gap - answer.states[step].gap * unit).max() / unit))
 
 
-def test_pressed_like_bodies_are_mirror_images():
+def test_pressed_like_bodies_are_mirror_images_of_six_node_triangles():
     answer = fe_run(load_scene("hertz-normal"))
     (snapshot,) = fields(answer, [answer.time[-1]])
     lower, upper = snapshot.bodies
@@ -53,17 +61,21 @@ def test_pressed_like_bodies_are_mirror_images():
     rigid = np.array([answer.tangential_displacement[-1], -answer.normal_approach[-1]])
     limit, most = 1e-9 * np.abs(lower.displacement).max(), 1e-9 * lower.von_mises.max()
     np.testing.assert_allclose(upper.displacement - rigid, lower.displacement * [1, -1], atol=limit)
-    np.testing.assert_allclose(upper.von_mises, lower.von_mises, atol=most)
     np.testing.assert_allclose(upper.stress, lower.stress * [1, 1, -1, 1], atol=most)
+    for body in snapshot.bodies:
+        n, corners = len(body.points), body.points[body.cells[:, :3]]
+        assert (body.displacement.shape, body.stress.shape, body.von_mises.shape) == ((n, 2), (n, 4), (n,))
+        sides = (corners + np.roll(corners, -1, axis=1)) / 2  # 01, 12, 20 as VTK wants them
+        longest = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max()
+        assert np.abs(body.points[body.cells[:, 3:]] - sides).max() < 0.1 * longest  # those of the arc bulge
 
 
 def test_stress_of_hertz_is_largest_below_the_surface():
-    """Plane strain, nu = 0.3: von Mises largest, 0.557 p0, at 0.704 a below the middle; on the axis against the closed form.
+    """Plane strain, nu = 0.3: von Mises largest, 0.557 p0, at 0.704 a; tau 0.300 p0 at 0.786 a; on the axis the closed form.
 
     With m = sqrt(a^2 + z^2): s_xx = -p0 [(a^2 + 2 z^2)/(a m) - 2 z/a], s_yy = -p0 a/m, s_zz = nu (s_xx + s_yy). Johnson (4.46).
     """
-    answer = fe_run(load_scene("hertz-normal"), FINE)
-    (snapshot,) = fields(answer, [1.0])
+    (snapshot,) = fields(fe_run(load_scene("hertz-normal"), FINE), [1.0])
     p0 = PROBLEMS["hertz"].exact["peak_pressure"]
     for body in snapshot.bodies:
         place = body.points[np.argmax(body.von_mises)]
@@ -72,25 +84,12 @@ def test_stress_of_hertz_is_largest_below_the_surface():
         z = np.abs(body.points[axis, 1])
         m = np.sqrt(1 + z**2)
         xx, yy = -p0 * ((1 + 2 * z**2) / m - 2 * z), -p0 / m
-        exact = np.stack([xx, yy, 0 * z, 0.3 * (xx + yy)], axis=1)
-        check("stress", float(np.abs(body.stress[axis] - exact).max() / p0))
+        check("stress", float(np.abs(body.stress[axis] - np.stack([xx, yy, 0 * z, 0.3 * (xx + yy)], axis=1)).max() / p0))
         np.testing.assert_allclose(body.von_mises, von_mises(body.stress), rtol=1e-12, atol=1e-12 * p0)
         assert body.von_mises.max() == pytest.approx(0.557 * p0, rel=5e-3)
-
-
-def test_largest_shear_stress_on_the_axis_is_where_hertz_has_it():
-    """tau = p0 (z - z^2/sqrt(1 + z^2)) on the axis: 0.300 p0 at 0.786 a. Johnson (4.47)."""
-    answer = fe_run(load_scene("hertz-normal"), FINE)
-    (snapshot,) = fields(answer, [1.0])
-    p0, a = PROBLEMS["hertz"].exact["peak_pressure"], PROBLEMS["hertz"].exact["contact_half_width"]
-    for body in snapshot.bodies:
-        points = body.points / a
-        axis = np.flatnonzero((np.abs(points[:, 0]) < 1e-9) & (np.abs(points[:, 1]) < 2) & (points[:, 1] != 0))
-        z = np.abs(points[axis, 1])
         tau = np.abs(body.stress[axis, 0] - body.stress[axis, 1]) / 2 / p0
-        check("shear stress", float(np.abs(tau - (z - z**2 / np.sqrt(1 + z**2))).max()))
-        assert tau.max() == pytest.approx(0.3003, abs=0.005)
-        assert z[tau.argmax()] == pytest.approx(0.786, abs=0.1)
+        check("shear stress", float(np.abs(tau - (z - z**2 / m)).max()))
+        assert (tau.max(), z[tau.argmax()]) == (pytest.approx(0.3003, abs=0.005), pytest.approx(0.786, abs=0.1))
 
 
 def flamant(points, x, pressure, shear):
@@ -98,6 +97,13 @@ def flamant(points, x, pressure, shear):
     across, depth = points[:, :1] - x, -points[:, 1:]
     radial = -2 / np.pi * (pressure * depth + shear * across) / (across**2 + depth**2) ** 2 * np.gradient(x)
     return np.stack([(radial * across**2).sum(1), (radial * depth**2).sum(1), -(radial * across * depth).sum(1)], axis=1)
+
+
+def von_mises(stress):
+    """sqrt(3/2 s:s), s being the deviator."""
+    xx, yy, xy, zz = stress.T
+    mean = (xx + yy + zz) / 3
+    return np.sqrt(1.5 * ((xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2 * xy**2))
 
 
 @pytest.mark.parametrize("name", ["lower", "upper"])
@@ -117,13 +123,6 @@ def test_stress_below_a_sheared_contact(name):
     assert np.abs(body.stress[near][:, :3] - turned).max() > 0.1 * p0  # a wrong sense of the shear would be seen
 
 
-def von_mises(stress):
-    """sqrt(3/2 s:s), s being the deviator."""
-    xx, yy, xy, zz = stress.T
-    mean = (xx + yy + zz) / 3
-    return np.sqrt(1.5 * ((xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2 * xy**2))
-
-
 def test_stress_on_both_faces_is_the_traction_between_them():
     """s_yy = -p and s_xy = q on either face: the shear along +x on the lower body is a stress of the same sign in both."""
     answer = fe_run(load_scene("cattaneo-mindlin"), FINE)
@@ -138,20 +137,6 @@ def test_stress_on_both_faces_is_the_traction_between_them():
         check("stress on the face", float(np.abs(normal + answer.pressure[step])[inside].max() / p0))
         check("stress on the face", float(np.abs(shear - answer.shear[step])[inside].max() / p0))
         assert np.abs(answer.shear[step])[inside].min() > 0.05 * p0
-
-
-def test_triangles_and_shapes():
-    answer = fe_run(load_scene("hertz-normal"))
-    (snapshot,) = fields(answer, [1.0])
-    for body in snapshot.bodies:
-        n = len(body.points)
-        assert (body.displacement.shape, body.stress.shape, body.von_mises.shape) == ((n, 2), (n, 4), (n,))
-        assert body.cells.shape[1] == 6
-        corners = body.points[body.cells[:, :3]]
-        middles = body.points[body.cells[:, 3:]]
-        sides = (corners + np.roll(corners, -1, axis=1)) / 2  # 01, 12, 20 as VTK wants them
-        longest = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max()
-        assert np.abs(middles - sides).max() < 0.1 * longest  # those of the arc bulge
 
 
 def test_nearest_step_is_taken_and_instants_outside_are_refused():
@@ -186,3 +171,144 @@ def test_tension_of_the_face_behind_the_trailing_edge():
         assert stress[before, 0].max() < 0
         assert 0.9 * peak < stress[:, 0].max() < peak
         assert x[np.argmax(stress[:, 0])] == pytest.approx(a, rel=0.01)
+
+
+# ------------------------------------------------------------------------------------------------------------- edges
+
+
+MESH = MeshSettings(element_size=1 / 12, edge_element_size=1 / 40, growth=0.4)
+SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")
+EDGES = ("contact", "stick")
+
+
+@functools.cache
+def errors_and_uncertainties(name, edge, mesh=MESH):
+    """Both (n_steps - 1, 2), in surface elements."""
+    answer = fe_run(load_scene(name), mesh, SolverSettings(steps_per_cycle=48))
+    exact = semi_analytic.solve(answer.scene, x=[0.0], time=answer.time)
+    error = np.abs(getattr(answer, f"{edge}_edges") - getattr(exact, f"{edge}_edges"))
+    element = answer.settings["element_size"]
+    return error[1:] / element, getattr(answer, f"{edge}_edge_uncertainty")[1:] / element
+
+
+def share_honest(error, uncertainty):
+    """Share of the instants at which both edges are within their uncertainty."""
+    return float(np.mean(np.all(error <= uncertainty, axis=1)))
+
+
+@pytest.mark.parametrize("edge", EDGES)
+def test_uncertainty_is_honest_and_not_absurd(edge):
+    """A fifth of it would fail this test."""
+    found = [errors_and_uncertainties(name, edge) for name in SCENES]
+    for error, uncertainty in found:
+        assert share_honest(error, uncertainty) >= 0.95
+        check(f"{edge} edge uncertainty", float(np.median(uncertainty)))
+        assert np.all(uncertainty > 0)
+    assert min(share_honest(error, uncertainty / 5) for error, uncertainty in found) < 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("edge", EDGES)
+@pytest.mark.parametrize("name", [*SCENES, "phase-45", "near-sliding", "motor", "harmonics", "tiny-slip", "compound-curvature"])
+def test_uncertainty_is_honest_on_the_default_mesh(name, edge):
+    assert share_honest(*errors_and_uncertainties(name, edge, MeshSettings())) >= 0.95
+
+
+@pytest.mark.slow
+def test_worst_stick_edge_of_the_paper_is_within_an_element():
+    answer = fe_run(load_scene("hertz-paper"), MeshSettings(), SolverSettings())
+    exact = semi_analytic.solve(answer.scene, x=[0.0], time=answer.time)
+    cycle = answer.last_cycle
+    off = np.abs(answer.stick_edges - exact.stick_edges)[cycle] / answer.settings["element_size"]
+    assert off.max() < 1.0
+
+
+def test_the_form_that_every_smooth_edge_has_is_found_exactly():
+    """p = (E*/2) beta sqrt(d) inside, g = (2/3) beta d^(3/2) outside, from the two nodes around the edge."""
+    modulus, beta, spacing = 3.0, 0.7, 0.01
+    for share, side in itertools.product([0.02, 0.3, 0.5, 0.77, 0.98], [1.0, -1.0]):
+        inside, outside = share * spacing, (1 - share) * spacing
+        pressure, gap = modulus / 2 * beta * np.sqrt(inside), 2 / 3 * beta * outside**1.5
+        found = contact_edge(side * 1.0, pressure, side * (1.0 + spacing), gap, modulus)
+        assert found == pytest.approx(side * (1.0 + inside), abs=1e-12)
+
+
+def test_a_known_contact_edge_lies_within_its_uncertainty_wherever_it_falls():
+    """Exact nodal values of Hertz: pressure sqrt(a^2 - x^2)/2, gap from a on."""
+    x = np.linspace(-1.5, 1.5, 121)
+    for a in np.linspace(0.9, 0.95, 23):
+        closed = np.abs(x) < a
+        outside = np.maximum(np.abs(x), a)
+        gap = (outside * np.sqrt(outside**2 - a**2) - a**2 * np.arccosh(outside / a)) / 2
+        pressure = np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2
+        found = contact_edges(x, pressure, gap, closed, 1.0)
+        uncertainty = contact_uncertainty(x, pressure, closed, found)
+        assert np.all(np.abs(np.array(found) - [-a, a]) <= uncertainty)
+        assert max(uncertainty) < 0.6 * (x[1] - x[0])
+
+
+def test_few_nodes_are_the_whole_contact_uncertain_and_nothing_sticks_nothing_is_said():
+    x = np.linspace(-1, 1, 41)
+    closed, none = np.abs(x) < 0.11, np.zeros(41, dtype=bool)
+    assert contact_uncertainty(x, closed * 1.0, closed, (-0.12, 0.12)) == (0.24, 0.24)
+    wide = np.abs(x) < 0.91
+    assert np.isnan(stick_uncertainty(x, (none, none), wide, (-0.92, 0.92), (np.nan, np.nan), (0.01, 0.01))).all()
+
+
+def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
+    x = np.linspace(-1, 1, 81)
+    contact, of_contact = (-0.91, 0.91), (0.004, 0.004)
+    closed = np.abs(x) < 0.91
+
+    def uncertainty(seen, law):
+        edges = stick_edges(x, seen, closed, contact)
+        return stick_uncertainty(x, (seen, law), closed, contact, edges, of_contact)
+
+    wide, wider, narrow = (np.abs(x) < width for width in (0.51, 0.31, 0.86))
+    step = x[1] - x[0]
+    assert uncertainty(wide, wide) == pytest.approx((step, step))
+    assert uncertainty(wide, wider) == pytest.approx((step + 0.2, step + 0.2))  # the law has nodes sliding from 0.31 on
+    assert uncertainty(narrow, narrow) == pytest.approx((0.91 - 0.8625 + 0.004,) * 2)  # two nodes slide: perhaps none does
+    assert uncertainty(closed, closed) == pytest.approx((step, step))
+
+
+OPEN, STICK, FORWARD = SurfaceState.OPEN, SurfaceState.STICK, SurfaceState.SLIP_FORWARD
+
+
+@pytest.mark.parametrize(
+    ("sliding", "fast", "sticks"),
+    [
+        pytest.param([17, 18], [], [17, 18], id="slow rim"),
+        pytest.param([17, 18], [18], [], id="fast rim"),
+        pytest.param([14, 15, 17], [17], [14, 15, 17], id="one fast of three, with gaps"),
+        pytest.param([15, 16, 17], [17], [], id="one fast of three, without"),
+        pytest.param([10, 18], [], [], id="slow, and not at the rim alone"),
+        pytest.param([1, 17, 18], [1], [17, 18], id="fast on the other side"),
+        pytest.param([13], [], [], id="slow, too far inside"),
+    ],
+)
+def test_a_slow_rim_sticks(sliding, fast, sticks):
+    """Just past the end of forward slip, where theory has no slip, the mesh's error keeps the outermost nodes sliding slowly."""
+    law = np.full(20, STICK, dtype=np.int8)
+    law[[0, 19]], law[sliding] = OPEN, FORWARD
+    moved, quick = (np.isin(np.arange(20), nodes) for nodes in (sliding, fast))
+    assert sorted(_slow_rim(law, moved, quick)) == sticks
+
+
+def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
+    x = np.linspace(0.0, 1.0, 201)
+    edge = 0.6037
+    room = np.sqrt(np.maximum(edge**2 - x**2, 0.0))
+    last = int(np.searchsorted(x, edge)) - 1
+    assert fitted_stick_edge(x, room, last, 1) == pytest.approx(edge, abs=0.05 * 2 * x[1])  # the squares are not quite straight
+    assert fitted_stick_edge(x, room[::-1].copy(), 100, 1) is None
+
+
+def test_stick_edge_by_status_forgives_single_nodes_at_the_rim() -> None:
+    x = np.linspace(-1, 1, 41)
+    closed = np.abs(x) < 0.91
+    stick = np.abs(x) < 0.41
+    clean = stick_edges(x, stick, closed, (-0.92, 0.92))
+    stick[np.abs(np.abs(x) - 0.9) < 1e-9] = True  # just touched
+    assert stick_edges(x, stick, closed, (-0.92, 0.92)) == clean == pytest.approx((-0.425, 0.425))
+    assert np.isnan(stick_edges(x, stick & False, closed, (-0.92, 0.92))).all()

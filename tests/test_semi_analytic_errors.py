@@ -30,20 +30,10 @@ from semi_analytic_cases import ellipse, make_scene, polygon
 from semi_analytic_oracle import Oracle
 
 R = load_scene("hertz-paper").profile.radius
-
-
 ROWS = np.linspace(0, 3, 31)
-
-
 HERTZ, FLAT = Hertz(radius=R), FlatRounded(radius=R, flat_half_length=0.505)
-
-
 HERTZ, FLAT = Hertz(radius=R), FlatRounded(radius=R, flat_half_length=0.505)
-
-
 LAW = PowerLaw(exponent=2.7, length=1.0, rise=1 / 2.7 / R)
-
-
 CASES = {
     "height of a parabola": (CallableProfile(height_function=lambda x: x * x / 2 / R, extent=3.0), HERTZ),
     "slope of a parabola": (CallableProfile(slope_function=lambda x: x / R, extent=3.0), HERTZ),

@@ -8,35 +8,21 @@ import pytest
 import semi_analytic.fields
 import semi_analytic.history
 import semi_analytic.load_series
-from scenes import (
-    ContactSolution,
-    Elastic,
-    InadmissibleLoadError,
-    InputError,
-    Materials,
-    StraightSegment,
-    SurfaceState,
-    load_scene,
-    scene_names,
-)
+from scenes import InadmissibleLoadError, InputError, StraightSegment, SurfaceState, load_scene, scene_names
 from scenes.loads import HarmonicLoad
 from semi_analytic import FIELDS, solve
-from semi_analytic.fields import Arc, Integrals
-from semi_analytic.friction_work import (
-    global_dissipation,
-    slip_times,
-)
+from semi_analytic.arcs import Arc
+from semi_analytic.fields import Integrals
+from semi_analytic.friction_work import global_dissipation
 from semi_analytic.hertz import HertzContact
 from semi_analytic.history import history_of
 from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
-from semi_analytic.profiles import contact_of, flat_and_rounded
+from semi_analytic.profiles import contact_of
 from semi_analytic_cases import LOADS, PROFILES, ellipse, extreme, make_scene, polygon
 from semi_analytic_oracle import LONG, Oracle, slip_of_an_arc
 
 TURN = 2 * math.pi
-
-
 FEW = [
     ("hertz", "ellipse to 1e-4"),
     ("long flat", "polygon"),
@@ -53,8 +39,6 @@ FEW = [
     ("table", "ellipse"),
     ("function", "ellipse"),
 ]
-
-
 ALL = [(profile, load) for profile in PROFILES for load in LOADS if (profile, load) not in FEW]
 
 
@@ -118,14 +102,8 @@ def test_slip_on_an_ellipse_that_unloads_nearly_all(least, limit):
 
 # ------------------------------------------------------------------------------------------------------------- closed forms
 P = 90.62286500739786  # a = 1 in the library's Hertz scenes
-
-
 P0 = 2 * P / math.pi
-
-
 MODULUS = 210e3 / (2 * 0.91)
-
-
 X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1.2])
 
 
@@ -133,18 +111,6 @@ def cattaneo(x, load, share, friction):
     """q under first loading to Q = share f P, constant P: f p less the same at P - Q/f (misprint of equation (2) mended)."""
     stick = math.sqrt(1 - share)
     return friction * P0 * (np.sqrt(np.maximum(1 - x**2, 0)) - np.sqrt(np.maximum(stick**2 - x**2, 0)))
-
-
-def test_hertz_pressed_once():
-    solution = solve(load_scene("hertz-normal"), x=X, time=[0.25, 1.0])
-    np.testing.assert_allclose(solution.contact_half_width, [0.5, 1.0], rtol=1e-15)
-    np.testing.assert_allclose(solution.pressure[1], P0 * np.sqrt(np.maximum(1 - X**2, 0)), atol=1e-13 * P0)
-    np.testing.assert_allclose(solution.pressure[0], P0 * np.sqrt(np.maximum(0.25 - X**2, 0)), atol=1e-13 * P0)
-    assert np.all(solution.shear == 0)
-    assert solution.steady_from is None
-    assert solution.record.termination == "end of path"
-    # A/pi int_0^P ln(2 L/a) d eta = (2 P/(pi E*)) (ln(2 L/a) + 1/2), L = R = 1000
-    assert solution.normal_approach[1] == pytest.approx(2 * P / (math.pi * MODULUS) * (math.log(2000) + 0.5), rel=1e-14)
 
 
 def test_cattaneo_mindlin_first_loading_and_reversal():
@@ -367,14 +333,6 @@ def test_instants_in_any_order_and_far_ahead():
 SCENE = load_scene("hertz-paper")
 
 
-STATES = {
-    SurfaceState.OPEN: "open",
-    SurfaceState.STICK: "stick",
-    SurfaceState.SLIP_FORWARD: "forward",
-    SurfaceState.SLIP_REVERSE: "reverse",
-}
-
-
 @pytest.fixture(scope="module")
 def steady():
     """The steady cycle, which starts at point H."""
@@ -389,66 +347,6 @@ def profile():
     return x, solve(SCENE, x=x, fields=("dissipation_density",)).dissipation_density
 
 
-def sequence(states):
-    """States as words, runs joined, the cycle closed."""
-    words = [STATES[SurfaceState(int(state))] for state in states]
-    runs = [word for k, word in enumerate(words) if k == 0 or word != words[k - 1]]
-    return runs[:-1] if len(runs) > 1 and runs[0] == runs[-1] else runs
-
-
-def test_the_paper_on_where_it_sticks(steady):
-    """Permanent stick to 0.727 ("about 0.73"); stick from G to I; the first cycle slips deeper; steady slip as deep both ways."""
-    assert steady.permanent_stick_half_width == pytest.approx(0.72705, abs=5e-6)
-    time = steady.time % (2 * np.pi)
-    inside = (time > 1.2501 * np.pi) & (time < 1.7499 * np.pi)
-    assert np.all(steady.stick_half_width[inside] == steady.contact_half_width[inside])
-    whole = solve(SCENE, x=[0.0], fields=())
-    first = whole.time < SCENE.load.path().cycle_start + 2 * np.pi
-    assert np.nanmin(whole.stick_half_width[first & (whole.time > 4.8)]) < 0.65
-    assert np.nanmin(whole.stick_half_width[~first]) == pytest.approx(0.72705, abs=1e-5)
-    depths = [np.min(steady.stick_half_width[steady.state[:, 0] == sense]) for sense in (2, 3)]
-    assert depths[0] == pytest.approx(depths[1], rel=1e-12)
-    np.testing.assert_allclose(steady.slip[-1], steady.slip[0], atol=1e-13 * np.max(np.abs(steady.slip)))
-    unit = float(flat_and_rounded(1.0, 1.0, 0.505).load(1.0 - 0.505)) / 3  # b/a(P0) = 0.505, a(P0) = 1
-    rounded = make_scene(ellipse(3 * unit, unit, 1.1 * unit, unit), 1.0, flat=0.505)
-    assert solve(rounded, x=[0.0], fields=()).permanent_stick_half_width == pytest.approx(0.844, abs=5e-4)
-
-
-def test_contact_slips_forward_twice_as_long_but_a_particle_does_not():
-    """Confirmed for the contact: forward slip lasts pi, reverse slip pi/2. Contradicted for a particle never out of contact.
-
-    The paper concludes that the mean forward slip velocity is the lower one. But the front passes x at |V| (1 - cos) before G and
-    at |U| (1 - cos) before M, and here |U| = |V|: at x = 0.77 both slips take the same time for the same distance.
-    """
-    spans = history_of(SCENE.load.path(), 1.0, 6).cycles[-1]
-    spent = {s: sum(span.end.time - span.begin.time for span in spans if span.direction == s) for s in (1, -1)}
-    assert (spent[1], spent[-1]) == pytest.approx((math.pi, math.pi / 2), rel=1e-12)
-    contact = contact_of(SCENE.profile, SCENE.material)
-    at = {1: 0.0, -1: 0.0}
-    for span in spans:
-        if span.direction:
-            begin, end = slip_times(span, contact.load(np.array([0.77])))
-            at[span.direction] += max(float(end[0] - begin[0]), 0.0)
-    assert at[1] == pytest.approx(at[-1], rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("column", "expected"),
-    [
-        (0, ["stick", "forward", "stick", "reverse", "stick"]),
-        (1, ["stick", "forward", "stick", "reverse", "open", "reverse", "stick"]),
-        (4, ["open", "stick", "forward", "open"]),
-        (5, ["open", "forward", "open"]),
-    ],
-)
-def test_four_points_of_figure_5_confirmed(steady, column, expected):
-    """x/a(P0) = 0.77, 0.82, 1.0, 1.13, from point H on."""
-    found = sequence(steady.state[:, column])
-    turned = [expected[k:] + expected[:k] for k in range(len(expected))]
-    closed = expected[:-1] if expected[0] == expected[-1] else expected
-    assert found in (expected, closed) or found in turned or found in [closed[k:] + closed[:k] for k in range(len(closed))]
-
-
 def test_the_paper_on_where_it_wears(steady, profile):
     """One-way slip beyond 0.874 (printed 0.88); peak at 0.595 of the slip zone; W(x) starts like d^(3/2), ends like d."""
     edge = math.sqrt((3 - math.sqrt(0.5)) / 3)
@@ -461,16 +359,6 @@ def test_the_paper_on_where_it_wears(steady, profile):
     spans = history_of(SCENE.load.path(), 1.0, 6).cycles[-1]
     split = global_dissipation(contact_of(SCENE.profile, SCENE.material), 1.0, spans)
     assert split.forward / split.total > 0.8
-
-
-def test_global_dissipation_is_largest_just_before_sliding():
-    """A circle with f = 0.7: W falls all the way as P0/P1 grows from sqrt(1 + f^2)/f, below which it slides."""
-    limit = math.sqrt(1 + 0.49) / 0.7
-    circle = lambda part: make_scene(ellipse(limit * part, 1.0, 0.0, 1.0), 0.7)  # noqa: E731
-    works = [solve(circle(part), x=[0.0], fields=("dissipation",)).dissipation for part in (1 + 1e-12, 1.01, 1.1, 1.5, 3.0)]
-    assert np.all(np.diff(works) < 0)
-    with pytest.raises(InadmissibleLoadError):
-        solve(circle(1 - 1e-9))
 
 
 # --------------------------------------------------------------------------------------------- what is asked, done, kept, refused
@@ -520,23 +408,6 @@ def test_paper_scene_effort_is_bounded():
     assert counts["spans"] == 15
     assert counts["pieces_alive"] <= 5
     assert counts["points_evaluated"] == 100
-
-
-def test_solution_survives_the_file(tmp_path):
-    solution = solve(load_scene("hertz-paper"), x=X)
-    solution.save(tmp_path / "solution.nc")
-    again = ContactSolution.load(tmp_path / "solution.nc")
-    np.testing.assert_array_equal(again.shear, solution.shear)
-    assert again.record.notes == solution.record.notes
-    assert not solution.shear.flags.writeable
-
-
-def test_unlike_bodies_come_with_a_note():
-    scene = load_scene("hertz-paper")
-    pair = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=Elastic(young_modulus=210e3, poisson_ratio=0.3))
-    notes = solve(scene.vary(material=pair), x=[0.0], fields=()).record.notes
-    assert "Dundurs' beta = " in notes[0]
-    assert not any("Dundurs" in note for note in solve(scene, x=[0.0], fields=()).record.notes)
 
 
 @pytest.mark.parametrize(

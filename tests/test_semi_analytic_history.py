@@ -25,8 +25,6 @@ from semi_analytic_cases import LOADS, brute_force_curve, ellipse, extreme, make
 from semi_analytic_oracle import LONG, Work, memory
 
 FRICTION = 0.7
-
-
 CORNERS = st.lists(
     st.tuples(st.floats(0.05, 1.0), st.floats(-0.98, 0.98)).map(lambda point: (point[0], point[0] * FRICTION * point[1])),
     min_size=1,
@@ -179,8 +177,6 @@ def test_looking_back_is_append_and_clip():
 
 
 PAPER = make_scene(ellipse(3.0, 1.0, 1.1, 1.0, 90.0, "parabola"))
-
-
 ROOT = math.sqrt(0.5)
 
 

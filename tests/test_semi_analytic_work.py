@@ -31,16 +31,7 @@ from semi_analytic.friction_work import CONVERGED, by_halving, closed_integral, 
 from semi_analytic.history import history_of
 from semi_analytic.profiles import contact_of
 from semi_analytic.quadrature import crowded, graded
-from semi_analytic_cases import (
-    LOADS,
-    PROFILES,
-    REFERENCE,
-    ellipse,
-    extreme,
-    make_scene,
-    polygon,
-    reference_scene,
-)
+from semi_analytic_cases import LOADS, PROFILES, REFERENCE, ellipse, extreme, make_scene, polygon, reference_scene
 from semi_analytic_oracle import Work, work_over_points
 
 ONLY = ("dissipation",)
@@ -118,8 +109,6 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
 
 # Parts of a span, where P(a) hardly grows or harmonics drive the front.
 PARTS = {"hardly growing": 4, "harmonics": 3, "harmonics to 1e-3": 4}
-
-
 FEW = [
     ("hertz", "ellipse to 1e-4"),
     ("hertz", "harmonics"),
@@ -133,8 +122,6 @@ FEW = [
     ("hardly growing", "polygon"),
     ("function", "ellipse to 1e-4"),
 ]
-
-
 ALL = [(profile, load) for profile in PROFILES for load in LOADS if (profile, load) not in FEW]
 
 

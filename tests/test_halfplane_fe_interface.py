@@ -1,9 +1,11 @@
-"""Patch tests on flat, inclined and curved sides, matching and 1 : 4: a uniform stress passes from body to body.
+"""Patch tests of the interface: weights, mortar sides, two blocks on flat, inclined and curved faces, matching or not.
 
-Real meshes of blocks, bent so that their faces follow a line y = c(x) and lie on each other without a gap. All boundaries but the
-contact carry the tractions of the uniform stress; the contact carries what the coupling makes of uniform p and q. The stiffness is
-assembled here, not by the engine.
+The half-disc can't carry a uniform stress, as its arc follows the half-plane: its nodal weights are tried by a field held on it;
+two periodic blocks, and blocks bent so that their faces follow a line y = c(x), are coupled by the engine's own interface. The
+stiffness of the bent blocks is assembled here, not by the engine.
 """
+
+from __future__ import annotations
 
 import dataclasses
 import functools
@@ -12,28 +14,242 @@ import itertools
 import numpy as np
 import pytest
 import skfem
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.sparse.linalg import splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from halfplane_fe.contact import ContactProblem, untouched
-from halfplane_fe.elasticity import condense, scalar_element
+from halfplane_fe.elasticity import CondensedBody, condense
 from halfplane_fe.interface import body_forces, couple
 from halfplane_fe.mortar import Side, mortar
 from halfplane_fe.systems import Layer
-from meshes import SurfaceGrading, solid
+from meshes import BodyMesh, SurfaceGrading, half_disc, solid
 from scenes import Block, Elastic, Hertz, SurfaceState
 from tolerances import order_of
+
+# ------------------------------------------------------------------------------------------- the real, unstructured mesh
+
+
+STEEL, SOFT = Elastic(young_modulus=2.0, poisson_ratio=0.3), Elastic(young_modulus=0.7, poisson_ratio=0.1)
+GRADING = SurfaceGrading(inner=0.5, outer=1.1, size=0.2, edge_size=0.1, radius=4.0)
+
+
+def element(order):
+    return skfem.ElementVector(skfem.ElementTriP2() if order == 2 else skfem.ElementTriP1())
+
+
+def uniform_field(places, pressure, shear, material):
+    """Displacement (2, n) of the uniform stress syy = -pressure, sxy = shear, sxx = 0 in plane strain."""
+    young, nu = material.young_modulus, material.poisson_ratio
+    across, along = (1 - nu**2) / young, nu * (1 + nu) / young
+    x, y = places
+    return np.stack([along * pressure * x + 2 * (1 + nu) / young * shear * y, -across * pressure * y])
+
+
+def patch_error(order, weights, pressure, shear):
+    """The body held at its linear field on arc and free surface, `weights` times traction on the contact: distance from linear."""
+    body = half_disc("body", GRADING, 0.3, order)
+    basis = skfem.Basis(body.mesh, element(order), intorder=2 * order)
+    stiffness = linear_elasticity(*lame_parameters(2.0, 0.3)).assemble(basis)
+    exact, load, contact = np.empty(basis.N), np.zeros(basis.N), basis.get_dofs("contact")
+    for component, (name, traction) in enumerate((("u^1", shear), ("u^2", -pressure))):
+        dofs = basis.get_dofs(elements=True).all([name])
+        exact[dofs] = uniform_field(basis.doflocs[:, dofs], pressure, shear, STEEL)[component]
+        loaded = contact.all([name])
+        load[loaded[np.argsort(basis.doflocs[0, loaded])]] = weights * traction
+    held = np.union1d(basis.get_dofs("far_field").all(), basis.get_dofs("free").all())
+    found = skfem.solve(*skfem.condense(stiffness, load, x=exact, D=held))
+    return np.abs(found - exact).max() / np.abs(exact).max()
+
+
+@functools.cache
+def half_disc_side(order):
+    return condense(half_disc("body", GRADING, 0.3, order), STEEL, 1.0)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(("pressure", "shear"), [(1.0, 0.0), (0.0, 1.0), (2.0, -0.6)])
+def test_nodal_weights_carry_a_uniform_traction_exactly(order, pressure, shear):
+    assert patch_error(order, half_disc_side(order).weights, pressure, shear) < 1e-12
+
+
+def test_weights_by_distance_would_fail_that_test():
+    """Half of the distance between a node's neighbours is right for linear elements, and wrong for quadratic ones."""
+    for order, fails in ((1, False), (2, True)):
+        x = half_disc_side(order).x
+        by_neighbours = np.convolve(np.diff(x, prepend=x[0], append=x[-1]), [0.5, 0.5], mode="valid")
+        assert (patch_error(order, by_neighbours, 1.0, 0.0) > 1e-3) == fails
+
+
+# ------------------------------------------------------------------------------------------------------- two periodic blocks
+
+
+BLOCK = 2.0
+
+
+@functools.cache
+def block(material, height, order):
+    """A block y <= 0, held at its bottom and periodic along x, condensed to its top nodes as `condense` does a half-disc."""
+    even = np.linspace(0, BLOCK, 9)
+    mesh = skfem.MeshTri.init_tensor(even + 0.05 * np.sin(np.pi * even), np.linspace(-height, 0, 4))
+    basis = skfem.Basis(mesh, element(order), intorder=2 * order)
+    stiffness = linear_elasticity(*lame_parameters(material.young_modulus, material.poisson_ratio)).assemble(basis).toarray()
+    x, y = basis.doflocs
+    vertical = np.isin(np.arange(basis.N), basis.get_dofs(elements=True).all(["u^2"]))
+    left, right = np.flatnonzero(x == 0), np.flatnonzero(x == BLOCK)
+    alike = (y[right][:, None] == y[left]) & (vertical[right][:, None] == vertical[left])
+    fold = np.eye(basis.N)
+    fold[right] = fold[left[alike.argmax(axis=1)]]  # the right side is the left side
+    top = [np.flatnonzero((y == 0) & (x < BLOCK) & (vertical == i)) for i in (False, True)]
+    top = np.array([dofs[np.argsort(x[dofs])] for dofs in top])
+    facets = skfem.FacetBasis(mesh, element(order), facets=mesh.facets_satisfying(lambda place: place[1] == 0), intorder=4)
+    traction = fold.T @ skfem.LinearForm(lambda v, w: v[0] + 0 * w.x[0]).assemble(facets)
+    free = np.flatnonzero((x < BLOCK) & (y > -height))
+    inverse = np.zeros((basis.N, basis.N))
+    inverse[np.ix_(free, free)] = np.linalg.inv((fold.T @ stiffness @ fold)[np.ix_(free, free)])
+    n, flat = top.shape[1], top.ravel()
+    compliance = inverse[np.ix_(flat, flat)].reshape(2, n, 2, n)
+    return CondensedBody(BodyMesh("block", mesh, GRADING, {}), material, x[top[0]], 0 * x[top[0]], traction[top[0]], compliance)
+
+
+def periodic(order, upper=SOFT):
+    return couple(block(STEEL, 1.0, order), block(upper, 1.0 if upper is STEEL else 0.6, order))
+
+
+def problem(order, upper=SOFT, friction=0.4):
+    interface = periodic(order, upper)
+    zero = np.zeros_like(interface.x)
+    return ContactProblem(interface, zero, friction, Layer(zero, zero))
+
+
+def compliances(upper):
+    """Displacement of the two tops under unit uniform pressure (no strain across) and under unit shear."""
+    normal = tangential = 0.0
+    for material, height in ((STEEL, 1.0), (upper, 1.0 if upper is STEEL else 0.6)):
+        young, nu = material.young_modulus, material.poisson_ratio
+        normal += height * (1 + nu) * (1 - 2 * nu) / (young * (1 - nu))
+        tangential += height * 2 * (1 + nu) / young
+    return normal, tangential
+
+
+EVERY = pytest.mark.parametrize(("order", "upper"), [(1, SOFT), (2, SOFT), (2, STEEL)], ids=["linear", "quadratic", "like bodies"])
+
+
+@EVERY
+@pytest.mark.parametrize(
+    "share", [0.0, 0.5, -0.5, 1 - 1e-9, -1 + 1e-9], ids=["pressed", "stick", "stick back", "slide", "slide back"]
+)
+def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
+    """Up to the brink of sliding, q = +-f p at every node, pressure and shear are uniform and no node moves on the other side."""
+    contact = problem(order, upper)
+    pressure, shear = 1.5, share * 0.4 * 1.5
+    state, _ = contact.equilibrium(untouched(contact.height, 0.0), 1.0, (pressure * BLOCK, shear * BLOCK))
+    weights = contact.interface.weights
+    np.testing.assert_allclose(weights.sum(), BLOCK, rtol=1e-14)
+    np.testing.assert_allclose(state.pressure / weights, pressure, rtol=1e-11)
+    np.testing.assert_allclose(state.shear / weights, shear, atol=1e-11)
+    normal, tangential = compliances(upper)
+    assert state.approach == pytest.approx(normal * pressure, rel=1e-11)
+    assert state.shift == pytest.approx(tangential * shear, rel=1e-11, abs=1e-12)
+    np.testing.assert_allclose(state.gap, 0.0, atol=1e-11)
+    np.testing.assert_allclose(state.slip, 0.0, atol=1e-11)
+    assert np.all(state.state == SurfaceState.STICK)
+
+
+@pytest.mark.parametrize("name", ["shear goes out as pressure", "upper body not turned over"])
+def test_that_test_sees_a_wrong_coupling(name):
+    """Planted: tangential compliance in the normal one's place; an upper body whose share is taken away instead of added."""
+    contact = problem(2)
+    interface = contact.interface
+    lower, upper = block(STEEL, 1.0, 2), block(SOFT, 0.6, 2)
+    wrong = interface.tangential if "shear" in name else lower.compliance[1, :, 1, :] - 0.1 * upper.compliance[1, :, 1, :]
+    planted = dataclasses.replace(interface, normal=wrong)
+    zero = np.zeros_like(interface.x)
+    state, _ = ContactProblem(planted, zero, 0.4, Layer(zero, zero)).equilibrium(untouched(zero, 0.0), 1.0, (BLOCK, 0.0))
+    assert state.approach != pytest.approx(compliances(SOFT)[0], rel=1e-3)
+
+
+def test_coupling_is_the_difference_of_the_two_bodies_and_none_for_like_ones():
+    """Squeezed material creeps sideways: a linear traction moves the faces along x by the difference of the two blocks."""
+    interface = periodic(2)
+    lower, upper = block(STEEL, 1.0, 2), block(SOFT, 0.6, 2)
+    np.testing.assert_allclose(interface.coupling, lower.compliance[0, :, 1, :] - upper.compliance[0, :, 1, :], atol=1e-14)
+    assert np.abs(interface.coupling).max() > 1e-3
+    assert periodic(2, STEEL).coupling is None
+
+
+# ---------------------------------------------------------------------------------------------------------- flat mortar sides
+
+
+def nodes_of(corners: np.ndarray, order: int) -> np.ndarray:
+    """Nodes of a side with the given corner nodes."""
+    nodes = np.empty(order * (len(corners) - 1) + 1)
+    nodes[::order] = corners
+    if order == 2:
+        nodes[1::2] = (corners[1:] + corners[:-1]) / 2
+    return nodes
+
+
+def element_loads(nodes: np.ndarray, order: int) -> np.ndarray:
+    """Consistent nodal forces of a unit uniform traction."""
+    loads = np.zeros_like(nodes)
+    shares = np.array([1, 1]) / 2 if order == 1 else np.array([1, 4, 1]) / 6
+    for k in range((len(nodes) - 1) // order):
+        members = np.arange(order * k, order * k + order + 1)
+        loads[members] += shares * (nodes[members[-1]] - nodes[members[0]])
+    return loads
+
+
+def mortar_projection(lower: np.ndarray, upper: np.ndarray, order: int) -> np.ndarray:
+    """What takes values of a flat upper side to the lower one: the same for either component."""
+    coupled = mortar(Side(lower, 0 * lower, order), Side(upper, 0 * upper, order))
+    np.testing.assert_array_equal(coupled.upper[0, :, 1], coupled.upper[1, :, 0])
+    return coupled.upper[0, :, 1]
+
+
+@st.composite
+def two_sides(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray, int]:
+    order = draw(st.sampled_from([1, 2]))
+
+    def one() -> np.ndarray:
+        steps = np.array(draw(st.lists(st.floats(0.1, 1.0), min_size=1, max_size=9)))
+        return nodes_of(np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum(), order)
+
+    return one(), one(), order
+
+
+@given(two_sides(), st.integers(0, 10_000))
+def test_mortar_passes_displacements_tractions_resultant_and_moment(sides: tuple[np.ndarray, np.ndarray, int], seed: int) -> None:
+    """Uniform and linear displacement, a uniform traction as consistent forces, of any forces resultant and moment."""
+    lower, upper, order = sides
+    projection = mortar_projection(lower, upper, order)
+    for power in range(order + 1):
+        np.testing.assert_allclose(projection @ upper**power, lower**power, atol=1e-11)
+    np.testing.assert_allclose(projection.T @ element_loads(lower, order), element_loads(upper, order), atol=1e-12)
+    forces = np.random.default_rng(seed).standard_normal(len(lower))
+    received = projection.T @ forces
+    np.testing.assert_allclose([received.sum(), received @ upper], [forces.sum(), forces @ lower], atol=1e-10)
+
+
+def test_matching_sides_give_the_identity_and_sides_of_different_extent_are_refused() -> None:
+    nodes = nodes_of(np.array([0.0, 0.1, 0.5, 1.0]), 2)
+    np.testing.assert_allclose(mortar_projection(nodes, nodes, 2), np.eye(7), atol=1e-13)
+    with pytest.raises(ValueError, match="begin and end together"):
+        mortar_projection(np.array([0.0, 1.0]), np.array([0.0, 1.1]), 1)
+
+
+# ------------------------------------------------------------------------------------ bent blocks, matching and 1 : 4
+
 
 MATERIAL = Elastic(young_modulus=2.0, poisson_ratio=0.3)
 WIDTH, HEIGHTS = 2.6, {"lower": 1.5, "upper": 1.2}
 LINES = {
     "flat": lambda x: 0 * x,
-    "incline 0.1": lambda x: 0.1 * x,
     "incline 0.5": lambda x: 0.5 * x,
-    "parabola, a/R = 0.1": lambda x: -0.05 * x**2,
     "parabola, a/R = 0.3": lambda x: 0.15 * x**2,
 }
-STRAIGHT, CURVED = tuple(LINES)[:3], tuple(LINES)[3:]
+STRAIGHT, CURVED = tuple(LINES)[:2], tuple(LINES)[2:]
 RATIOS = (1.0, 0.25, 4.0)
 KINDS = tuple(itertools.product((1, 2), ("triangles", "quadrilaterals")))
 
@@ -166,8 +382,8 @@ def one_line(line):
 
 
 def case(line, rest, name, *before):
-    """The milder lines, and the finer side below with all but quadratic triangles, only among the slow tests."""
-    mild = line in ("incline 0.1", "parabola, a/R = 0.1") or (rest[0] == 4.0 and rest[1:] != (2, "triangles"))
+    """The finer side below with all but quadratic triangles, and the flat line, only among the slow tests."""
+    mild = (rest[0] == 4.0 and rest[1:] != (2, "triangles")) or (line == "flat" and rest[0] == 0.25)
     return pytest.param(line, *before, *rest, id=f"{line}, {name}, {rest}", marks=[pytest.mark.slow] if mild else [])
 
 
@@ -183,7 +399,6 @@ EXACT = [
 ]
 
 
-# ------------------------------------------------------------------------------------------------------------- forces
 @pytest.mark.parametrize(("line", "stress", "ratio", "order", "cells"), EXACT)
 def test_a_uniform_stress_passes_to_both_bodies(line, stress, ratio, order, cells):
     """Forces are the consistent ones of either side, and the bodies take up the linear field: worst of all 1e-13."""
@@ -220,7 +435,6 @@ def test_resultants_are_those_of_the_ends(line, ratio, order):
     np.testing.assert_allclose(shears, [-rise * SHEAR, 2 * SHEAR], rtol=1e-12, atol=1e-12)
 
 
-# --------------------------------------------------------------------------------------------------------- displacements
 def sides(line, order, ratio, size=0.1):
     def side(size):
         corners = np.linspace(-1, 1, round(2 / size) + 1)
@@ -280,7 +494,6 @@ def test_a_uniform_distance_is_found_along_the_normal(line, order):
     assert mortar(lower, dataclasses.replace(upper, y=upper.y - 0.01)).nearest[1] < -0.008
 
 
-# ------------------------------------------------------------------------------------------------------- the whole coupling
 def hydrostatic_contact(line, kind, ratio):
     """The contact problem of two blocks whose other boundaries bear the pressure: what that does to gap and slip is known."""
     lower, upper = pair(line, *kind, ratio)

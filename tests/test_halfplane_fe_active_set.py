@@ -1,0 +1,598 @@
+"""The contact law at a point and the active set of one increment: laws on any path, history as a value, factors, mirrored faces."""
+
+import functools
+import itertools
+from collections import Counter
+from dataclasses import replace
+from importlib import import_module
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+import halfplane_fe
+from halfplane_fe import SolverSettings, coupled
+from halfplane_fe.contact import ContactProblem, untouched
+from halfplane_fe.coupled import CoupledFactor, SingularSet
+from halfplane_fe.elasticity import condense
+from halfplane_fe.energy import certificates, increment_energy
+from halfplane_fe.interface import Interface, couple
+from halfplane_fe.kept import Kept
+from halfplane_fe.law import project, slip_sign, violations
+from halfplane_fe.mirror import half, mirrored
+from halfplane_fe.nested import NestedFactor
+from halfplane_fe.systems import Layer
+from meshes import MeshSettings, SurfaceGrading, half_disc
+from problems import fe_run
+from scenes import Block, Bodies, ConvergenceError, Elastic, EllipseLoad, Hertz, Materials, Pad, SurfaceState, load_scene
+from tolerances import check_order
+
+# ------------------------------------------------------------------------------------------------------------ the law at a point
+
+
+number = st.floats(-1e3, 1e3).map(lambda value: 0.0 if abs(value) < 1e-6 else value)
+friction = st.floats(0, 3).map(lambda value: 0.0 if value < 1e-6 else value)  # products stay normal numbers
+trials = arrays(float, 6, elements=number)
+OPEN, STICK, FORWARD, REVERSE = SurfaceState
+
+
+@given(trials, trials, friction, st.integers(-40, 40))
+def test_projection_lies_in_the_cone_and_knows_no_scale_and_no_side(pressure, shear, f, power):
+    """Idempotent, mirrored with the shear, scaled by powers of two (where these do not round); on the cone counts as sticking."""
+    p, q, state = project(pressure, shear, f)
+    sliding, scale = slip_sign(state), 2.0**power
+    assert np.all(p >= 0) and np.all(np.abs(q) <= f * p)  # noqa: PT018
+    np.testing.assert_array_equal(q[sliding != 0], (sliding * f * p)[sliding != 0])
+    np.testing.assert_array_equal(p[state == OPEN], 0.0)
+    np.testing.assert_array_equal(q[state == STICK], shear[state == STICK])
+    again = project(p, q, f)
+    np.testing.assert_array_equal(again[:2], (p, q))
+    assert np.all((again[2] == STICK) | (state == OPEN))
+    mirrored = project(pressure, -shear, f)
+    np.testing.assert_array_equal([mirrored[0], -mirrored[1], -slip_sign(mirrored[2])], [p, q, sliding])
+    normal = np.min([np.abs(pressure), np.abs(shear), f * np.abs(pressure)], axis=0) > 1e-280
+    for scaled, plain in zip(project(scale * pressure, scale * shear, f), (scale * p, scale * q, state), strict=True):
+        np.testing.assert_array_equal(scaled[normal], plain[normal])
+
+
+some = st.floats(0, 10)
+
+
+@given(st.floats(1e-3, 1e3), st.floats(-1, 1), st.floats(0.01, 3), some, some, st.floats(1e-3, 1e3))
+def test_law_is_the_fixed_point_of_the_projection(p, share, f, gap, slip, r):
+    """(p, q) = project(p - r g, q + r ds) where, and only where, Signorini's and Coulomb's laws hold; for any r > 0."""
+    # stick inside the cone
+    found = project(p, share * f * p, f)
+    assert (float(found[0]), float(found[1])) == (p, share * f * p)
+    # slip on the cone, either way
+    for sense in (1.0, -1.0):
+        found = project(p, sense * f * p + r * sense * slip, f)
+        assert (float(found[0]), float(found[1])) == (p, sense * f * p)
+    # open
+    assert [float(v) for v in project(-r * gap, 0.0, f)[:2]] == [0.0, 0.0]
+
+
+@given(p=st.floats(1e-2, 1e2), f=st.floats(0.01, 3), wrong=st.floats(1e-3, 10))
+def test_what_breaks_the_law_is_no_fixed_point(p, f, wrong):
+    breaches = {
+        "penetration": (p + wrong, 0.0, p, 0.0),
+        "pressure on an open gap": (p - wrong, 0.0, p, 0.0),
+        "slip inside the cone": (p, 0.5 * f * p + wrong, p, 0.5 * f * p),
+        "slip against friction": (p, f * p - wrong, p, f * p),
+    }
+    for name, (trial_p, trial_q, own_p, own_q) in breaches.items():
+        found = project(trial_p, trial_q, f)
+        assert (float(found[0]), float(found[1])) != (own_p, own_q), name
+
+
+def test_states_shapes_and_no_friction():
+    p, q, state = project(np.full((2, 2), 2.0), [[0.0, 0.9], [1.1, -1.1]], 0.5)
+    assert p.shape == q.shape == state.shape == (2, 2)
+    assert (state.tolist(), state.dtype) == ([[STICK, STICK], [FORWARD, REVERSE]], np.int8)
+    assert project(0.0, 1.0, 0.5)[2] == OPEN
+    assert [values.tolist() for values in project([1.0, 1.0], [0.0, 0.3], 0.0)] == [[1.0, 1.0], [0.0, 0.0], [STICK, FORWARD]]
+
+
+# An answer in which all is well: open, sticking, sliding forward, sliding in reverse.
+GOOD = {
+    "gap": np.array([0.5, 0.0, 0.0, 0.0]),
+    "pressure": np.array([0.0, 2.0, 2.0, 4.0]),
+    "shear": np.array([0.0, 0.4, 1.0, -2.0]),
+    "slip_increment": np.array([0.3, 0.0, 0.1, -0.2]),
+}
+PLANTED = {
+    "tension": ("pressure", 0, -0.25, {"tension": 0.25, "gap_pressure": 0.125, "cone": 0.125}),
+    "penetration": ("gap", 1, -0.25, {"penetration": 0.25, "gap_pressure": 0.5}),
+    "gap_pressure": ("gap", 3, 0.25, {"gap_pressure": 1.0}),
+    "cone": ("shear", 2, 1.25, {"cone": 0.25}),
+    "slip_sign": ("slip_increment", 3, 0.25, {"slip_sign": 0.5}),
+    "creep": ("slip_increment", 1, -0.25, {"creep": 0.25, "slip_sign": 0.1}),
+}
+
+
+@pytest.mark.parametrize("name", [None, *PLANTED])
+def test_planted_violation_is_seen_with_its_size_and_nothing_else_is(name):
+    field, place, value, seen = PLANTED.get(name, ("gap", 0, GOOD["gap"][0], {}))
+    values = GOOD[field].copy()
+    values[place] = value
+    found = violations(**(GOOD | {field: values}), friction=0.5)
+    assert found == pytest.approx({figure: seen.get(figure, 0.0) for figure in PLANTED}, abs=1e-15)
+
+
+@given(trials, trials, st.floats(0.01, 3), arrays(float, 6, elements=st.floats(0, 10)))
+def test_projected_answers_violate_nothing(pressure, shear, f, amount):
+    p, q, state = project(pressure, shear, f)
+    assume(np.all(p[p > 0] > 1e-6))
+    gap = np.where(state == OPEN, amount, 0.0)
+    found = violations(gap, p, q, slip_sign(state) * amount, f)
+    assert max(found.values()) == 0.0
+
+
+# ------------------------------------------------------------------------------------------------------- one increment
+
+
+FRICTION = 0.5
+MATERIALS = {
+    "like": (Elastic(young_modulus=1.82, poisson_ratio=0.3),) * 2,
+    "unlike": (Elastic(young_modulus=1.82, poisson_ratio=0.3), Elastic(young_modulus=0.6, poisson_ratio=0.33)),
+}
+
+
+# f, P in the units of the largest load; each a path from rest, without gross sliding.
+PATH = ((0.5, 0.0), (1.0, 0.2), (0.9, 0.38), (0.7, -0.1), (0.95, -0.4), (0.6, 0.05))
+
+
+@functools.cache
+def interface(pair="like"):
+    body = half_disc("body", SurfaceGrading(0.0, 1.2, 1 / 10, 1 / 10, 6.0), 0.4, 2)
+    lower, upper = MATERIALS[pair]
+    below = condense(body, lower, 1.0)
+    above = below if upper is lower else condense(body, upper, 1.0)
+    return couple(below, above)
+
+
+def problem(pair="like", layer=0.0, friction=FRICTION, max_iterations=100):
+    """Scaled so that E* = 1 and the contact reaches |x| = 1 at P = 1, or thereabouts."""
+    sides = interface(pair)
+    soft = np.full_like(sides.x, layer)
+    modulus = 1 / sum((1 - one.poisson_ratio**2) / one.young_modulus for one in MATERIALS[pair])
+    height = 2 / np.pi / modulus * np.square(sides.x)
+    return ContactProblem(sides, height, friction, Layer(soft, soft), max_iterations=max_iterations)
+
+
+def walk(contact, path=PATH):
+    """States along a path, the untouched one first."""
+    states = [untouched(contact.height, 0.0)]
+    for time, loads in enumerate(path, start=1):
+        states.append(contact.equilibrium(states[-1], float(time), loads)[0])
+    return states
+
+
+def bits(state):
+    """All of a state as bytes."""
+    arrays = (state.pressure, state.shear, state.gap, state.slip, state.state)
+    return b"".join(array.tobytes() for array in arrays) + np.array([state.approach, state.shift, state.time]).tobytes()
+
+
+loads = st.tuples(st.floats(0.3, 1.0), st.floats(-0.97, 0.97)).map(lambda point: (point[0], FRICTION * point[0] * point[1]))
+
+
+@pytest.mark.parametrize("pair", MATERIALS)
+def test_the_same_history_gives_the_same_bits_whatever_was_tried_in_between(pair):
+    """History is a value: read-only, and it matters to the shear, not to the pressure of like bodies."""
+    contact = problem(pair)
+    states = walk(contact)
+    for before, after, load in zip(states[:-1], states[1:], PATH, strict=True):
+        contact.equilibrium(before, 99.0, (0.8, 0.3))  # a step that is thrown away
+        contact.holding(before, 99.0, (0.3, -0.1))
+        assert bits(contact.equilibrium(before, after.time, load)[0]) == bits(after)
+    assert [bits(state) for state in walk(problem(pair))] == [bits(state) for state in states]
+    for name in ("pressure", "shear", "gap", "slip", "state"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(states[-1], name)[0] = 1
+    forgetful, _ = contact.equilibrium(untouched(contact.height, 0.0), 6.0, PATH[-1])
+    assert np.abs(forgetful.shear - states[-1].shear).max() > 0.1 * np.abs(states[-1].shear).max()
+    if pair == "like":
+        np.testing.assert_allclose(forgetful.pressure, states[-1].pressure, atol=1e-12)
+
+
+@pytest.mark.parametrize("pair", MATERIALS)
+@settings(max_examples=8)
+@given(st.lists(loads, min_size=1, max_size=5))
+def test_every_law_holds_along_any_path(pair, path):
+    """Laws, energy, friction that only takes; and Q -> -Q: p(x) -> p(-x), q(x) -> -q(-x), s(x) -> -s(-x)."""
+    contact = problem(pair)
+    states, mirrored = walk(contact, path), walk(contact, [(p, -q) for p, q in path])
+    for before, after in itertools.pairwise(states):
+        assert max(certificates(contact, before, after).values()) < 1e-9
+        energy = increment_energy(contact, before, after)
+        assert energy.external == pytest.approx(energy.elastic + energy.interface, abs=1e-12)
+        assert np.all(energy.dissipation >= 0)
+        assert float(after.shear @ (after.slip - before.slip)) >= -1e-12
+    for one, other in zip(states, mirrored, strict=True):
+        closed = one.state != SurfaceState.OPEN
+        for name, sign in (("pressure", 1), ("shear", -1), ("gap", 1)):
+            np.testing.assert_allclose(getattr(other, name), sign * getattr(one, name)[::-1], atol=1e-10)
+        np.testing.assert_allclose(other.slip[::-1][closed], -one.slip[closed], atol=1e-10)
+        assert other.shift == pytest.approx(-one.shift, abs=1e-10)
+
+
+def test_increments_of_constant_pressure_may_be_split_and_some_node_sticks_short_of_sliding():
+    contact = problem()
+    pressed, _ = contact.equilibrium(untouched(contact.height, 0.0), 1.0, (1.0, 0.0))
+    at_once, state = contact.equilibrium(pressed, 2.0, (1.0, 0.4))[0], pressed
+    for k in range(1, 8):
+        state, _ = contact.equilibrium(state, 1 + k / 7, (1.0, 0.4 * k / 7))
+    for name in ("shear", "slip"):
+        np.testing.assert_allclose(getattr(state, name), getattr(at_once, name), atol=1e-13)
+    for share in (0.9, 0.99, 0.999999):
+        state, _ = contact.equilibrium(pressed, 2.0, (1.0, share * FRICTION))
+        assert np.any(state.state == STICK)
+        assert np.all(slip_sign(state.state) >= 0)
+        assert max(certificates(contact, pressed, state).values()) < 1e-9
+
+
+def test_like_bodies_keep_normal_and_tangential_apart_and_unlike_ones_do_not():
+    pressed = {pair: walk(problem(pair), [(1.0, 0.0)])[-1] for pair in MATERIALS}
+    np.testing.assert_array_equal(pressed["like"].shear, 0.0)
+    shear = pressed["unlike"].shear
+    assert np.abs(shear).max() > 0.05 * pressed["unlike"].pressure.max()
+    np.testing.assert_allclose(shear, -shear[::-1], atol=1e-12)
+    # A pressed face is drawn inwards, by (1-2 nu)(1+nu)/E: that of the softer upper body more, so it drags the lower one inwards.
+    right = interface("unlike").x > 0.2
+    closed = pressed["unlike"].closed
+    assert np.all(shear[right & closed] < 0)
+
+
+@pytest.mark.parametrize("layer", [1e-1, 1e-3])
+def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
+    """The inner faces keep the law exactly; the bodies overlap by layer times force, and creep by it."""
+    contact = problem(layer=layer)
+    states = walk(contact)
+    for before, after in itertools.pairwise(states):
+        assert max(certificates(contact, before, after).values()) < 1e-9
+    last, sides = states[-1], contact.interface
+    bodies_gap = contact.height - last.approach + sides.normal @ last.pressure
+    np.testing.assert_allclose(bodies_gap[last.closed], -layer * last.pressure[last.closed], atol=1e-12)
+    bodies_slip = last.shift - sides.tangential @ last.shear
+    np.testing.assert_allclose(bodies_slip, last.slip + layer * last.shear, atol=1e-12)
+
+
+def penalty_errors(compliances):
+    exact = walk(problem())
+    errors = []
+    for layer in compliances:
+        soft = walk(problem(layer=layer))
+        errors.append(
+            [
+                max(np.abs(getattr(a, name) - getattr(b, name)).max() for a, b in zip(soft, exact, strict=True))
+                for name in ("pressure", "shear")
+            ]
+        )
+    return np.array(errors).T
+
+
+def test_penalty_error_falls_linearly_with_the_stiffness():
+    compliances = (1e-4, 1e-5, 1e-6)
+    for errors in penalty_errors(compliances):
+        check_order("penalty", compliances, errors)
+
+
+def test_too_few_iterations_raise_with_instant_loads_and_count(monkeypatch):
+    monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))  # no second way out
+    contact = problem(max_iterations=1)
+    pressed, _ = problem().equilibrium(untouched(contact.height, 0.0), 1.0, (1.0, 0.0))
+    with pytest.raises(
+        ConvergenceError, match=r"nodes still change state after \d+ iterations at time 2, normal load 1, tangential"
+    ):
+        contact.equilibrium(pressed, 2.0, (1.0, 0.45))
+
+
+# ------------------------------------------------------------------------------------------------- factors of unlike bodies
+
+
+N, SLIDING = 30, 0.7
+RNG = np.random.default_rng(7)
+
+
+def positive_definite() -> np.ndarray:
+    half = RNG.standard_normal((N, N))
+    return half @ half.T / N + np.eye(N)
+
+
+def tilted() -> np.ndarray:
+    slope = RNG.uniform(-0.2, 0.2, N)
+    return np.stack([-slope, np.ones(N)]) / np.hypot(1, slope)
+
+
+def factor(work: Counter[str] | None = None) -> CoupledFactor:
+    zero, coupling = np.zeros(N), 0.1 * RNG.standard_normal((N, N))
+    normal, tangential = positive_definite(), positive_definite()
+    interface = Interface(np.linspace(-1, 1, N), zero + 1, tilted(), zero, normal, tangential, coupling)
+    return CoupledFactor(interface, normal, tangential, coupling, SLIDING, Counter() if work is None else work)
+
+
+def sets(count: int) -> list[np.ndarray]:
+    """States that go on from each other, a few nodes at a time, and a jump."""
+    states = np.full(N, STICK, dtype=np.int8)
+    found = []
+    for number in range(count):
+        changed = RNG.choice(N, 3 if number % 7 else N, replace=False)
+        states = states.copy()
+        states[changed] = RNG.integers(0, 4, len(changed))
+        states[N // 2] = STICK
+        found.append(states)
+    return found
+
+
+def residual(one: CoupledFactor, states: np.ndarray, gap: np.ndarray, slip: np.ndarray, loads: tuple[float, float]) -> float:
+    """Worst violation of the equations that the states name, written out afresh."""
+    p, q, approach, shift = one.solve(states, gap, slip, loads)
+    n_x, n_y = one.interface.normals
+    found_gap = n_x * shift - n_y * approach + one.normal @ p - one.coupling.T @ q
+    found_slip = n_y * shift + n_x * approach + one.coupling @ p - one.tangential @ q
+    sign = np.select([states == FORWARD, states == REVERSE], [1.0, -1.0])
+    rows = np.where(states == OPEN, p, found_gap - gap)
+    tangential = np.where(states == STICK, found_slip - slip, q - sign * SLIDING * p)
+    balance = [n_y @ p + n_x @ q - loads[0], n_y @ q - n_x @ p - loads[1]]
+    return float(np.abs(np.concatenate([rows, tangential, balance])).max())
+
+
+def test_every_set_is_solved_to_rounding_and_few_are_factorised():
+    work: Counter[str] = Counter()
+    one, known = factor(work), sets(40)
+    for states in known:
+        assert residual(one, states, RNG.standard_normal(N), RNG.standard_normal(N), (1.0, 0.3)) < 1e-11
+    assert work["linear solves"] == 40
+    assert work["factorisations"] < 12
+    assert 30 <= work["factorisations"] + work["factor updates"] <= 40
+    once = work["factorisations"] + work["factor updates"]
+    one.solve(known[-1], np.zeros(N), np.ones(N), (0.0, 1.0))  # met again
+    assert work["factorisations"] + work["factor updates"] == once
+
+
+def test_bodies_that_nothing_holds_are_no_answer():
+    one = factor()
+    with pytest.raises(SingularSet):
+        one.solve(np.full(N, FORWARD, dtype=np.int8), np.ones(N), np.zeros(N), (1.0, 0.0))
+    near = np.full(N, FORWARD, dtype=np.int8)
+    near[3] = STICK
+    one.solve(near, np.ones(N), np.zeros(N), (1.0, 0.0))  # a base from which the set above is one row away
+    with pytest.raises(SingularSet):
+        one.solve(np.full(N, FORWARD, dtype=np.int8), np.ones(N), np.zeros(N), (1.0, 0.0))
+
+
+def test_that_test_sees_a_column_of_another_row(monkeypatch):
+    """Planted: a change taken for that of the next node."""
+    true = CoupledFactor._from
+    monkeypatch.setattr(
+        CoupledFactor, "_from", lambda self, base, rows: true(self, base, rows._replace(closed=np.roll(rows.closed, 1)))
+    )
+    one = factor()
+    worst = max(residual(one, states, np.ones(N), np.zeros(N), (1.0, 0.3)) for states in sets(6))
+    assert worst > 1e-3
+
+
+# ---------------------------------------------------------------------------------- one Cholesky factor of like bodies
+
+
+X = np.sort(np.random.default_rng(3).uniform(-1, 1, 60))
+MATRIX = 2.0 - np.log(np.abs(X[:, None] - X) + 0.02)  # a logarithmic compliance, like that of a half-plane
+SETS = {
+    "all": np.ones(60, dtype=bool),
+    "about the middle": np.abs(X) < 0.6,
+    "one node": np.arange(60) == 41,
+    "to the right": np.abs(X - 0.2) < 0.5,
+    "two islands": np.abs(X) > 0.5,
+    "a hole": (np.abs(X) < 0.8) & (np.arange(60) != 30),
+    "an outlier": (np.abs(X) < 0.3) | (np.arange(60) == 58),
+    "both": (np.abs(X) < 0.5) ^ (np.arange(60) % 9 == 0),
+}
+
+
+@pytest.mark.parametrize("active", SETS.values(), ids=SETS.keys())
+def test_any_set_is_solved_as_if_it_had_its_own_factor(active):
+    work = Counter()
+    factor = NestedFactor(MATRIX, X, np.ones(len(X)), work)
+    known = np.sin(3 * X[active]) + 2
+    for right, found in ((known, factor.solve(active, known)), (1.0, factor.by_border(active))):
+        exact = np.linalg.solve(MATRIX[np.ix_(active, active)], np.broadcast_to(right, known.shape))
+        np.testing.assert_allclose(found, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
+    assert work["factorisations"] == 1
+
+
+def test_a_symmetric_set_needs_no_update_and_another_one_needs_it_once():
+    work = Counter()
+    nested = NestedFactor(MATRIX, X, np.ones(len(X)), work)
+    for name, updates in (("about the middle", 0), ("two islands", 1)):
+        for _ in range(3):
+            nested.solve(SETS[name], np.ones(SETS[name].sum()))
+        assert work["factor updates"] == updates
+    with pytest.raises(ConvergenceError, match="not positive definite"):
+        NestedFactor(-MATRIX, X, np.ones(len(X)), Counter())
+    counts = fe_run(load_scene("hertz-paper")).work.counts  # a cycle: one of the normal compliance, one of the tangential
+    assert counts["factorisations"] == 2
+    assert counts["factor updates"] < counts["linear solves"] / 4
+    assert counts["linear solves"] > counts["steps solved"]
+
+
+# ------------------------------------------------------------------------------------------------- bounded in bytes
+
+
+BOUND = 100
+PUTS = st.lists(st.tuples(st.sampled_from("abcdefgh"), st.integers(0, 60), st.booleans()), max_size=60)
+
+
+def held(kept: Kept[int]) -> dict[bytes, int]:
+    return dict(kept.items())
+
+
+@given(PUTS)
+def test_the_bound_holds_and_the_longest_unused_gives_way(puts: list[tuple[str, int, bool]]) -> None:
+    """Against a list in the order of use, the plainest thing that could be right."""
+    kept: Kept[int] = Kept(BOUND)
+    by_use: list[tuple[bytes, int]] = []
+    for name, size, asked in puts:
+        key = name.encode()
+        known = next((pair for pair in by_use if pair[0] == key), None)
+        if asked:
+            assert kept.get(key) == (None if known is None else known[1])
+        if known is not None:
+            if asked:
+                by_use.remove(known)
+                by_use.append(known)
+            continue  # a value that is there is not put again
+        kept.put(key, size, size)
+        by_use.append((key, size))
+        while sum(size for _, size in by_use) > BOUND and len(by_use) > 1:
+            by_use.pop(0)
+        assert held(kept) == dict(by_use)
+    assert sum(held(kept).values()) <= BOUND
+
+
+def test_a_value_larger_than_the_bound_is_kept_alone_and_put_again_counts_once() -> None:
+    kept: Kept[str] = Kept(10)
+    for name, size in (("small", 6), ("large", 60), ("next", 6)):
+        assert kept.put(name.encode(), name, size) == name
+        assert dict(kept.items()) == {name.encode(): name}
+    for number in range(20):
+        kept.put(b"next", str(number), 6)
+    kept.put(b"other", "1", 4)
+    assert dict(kept.items()) == {b"next": "19", b"other": "1"}
+
+
+SCENE = load_scene("hertz-paper").vary(
+    profile=Hertz(radius=50.0),
+    bodies=Bodies(lower=Block(width=12.0, height=6.0), upper=Pad(width=6.0, height=4.0)),
+    material=Materials.model_validate(
+        {"lower": {"young_modulus": 210e3, "poisson_ratio": 0.3}, "upper": {"young_modulus": 70e3, "poisson_ratio": 0.33}}
+    ),
+    load=EllipseLoad(
+        mean_normal_load=600.0, normal_amplitude=200.0, mean_tangential_load=20.0, tangential_amplitude=70.0, phase_degrees=90.0
+    ),
+    friction=load_scene("hertz-paper").friction.vary(coefficient=0.4),
+    cycles=1,
+)
+MESH = MeshSettings(element_size=1 / 5, edge_element_size=1 / 10, growth=1.0)
+
+
+def unlike_factor(n: int) -> coupled.CoupledFactor:
+    """A coupled system of n nodes with nothing special about it."""
+    rng, zero = np.random.default_rng(5), np.zeros(n)
+    normal, tangential = (half @ half.T / n + np.eye(n) for half in rng.standard_normal((2, n, n)))
+    coupling = 0.1 * rng.standard_normal((n, n))
+    flat = np.stack([zero, zero + 1])
+    faces = Interface(np.linspace(-1, 1, n), zero + 1, flat, zero, normal, tangential, coupling)
+    return coupled.CoupledFactor(faces, normal, tangential, coupling, 0.5, Counter())
+
+
+def test_a_tiny_bound_changes_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With room for one base and one change the same sets are met and the same forces found, by more work."""
+    settings = SolverSettings(steps_per_cycle=32)
+    plain = halfplane_fe.solve(SCENE, MESH, settings)
+    assert plain.work.counts["linear solves"] > plain.work.counts["factor updates"] > 5 * plain.work.counts["factorisations"]
+    monkeypatch.setattr(coupled, "_KEPT_BYTES", 1)
+    tight = halfplane_fe.solve(SCENE, MESH, settings)
+    assert tight.work.counts["factor updates"] > 1.2 * plain.work.counts["factor updates"]
+    np.testing.assert_array_equal(tight.state, plain.state)
+    for name in ("pressure", "shear", "slip"):
+        one, other = getattr(plain, name), getattr(tight, name)
+        np.testing.assert_allclose(other, one, rtol=0, atol=1e-9 * np.nanmax(np.abs(one)))
+    assert tight.dissipation == pytest.approx(plain.dissipation, rel=1e-9)
+
+
+def bytes_reached(factor: coupled.CoupledFactor) -> tuple[int, int]:
+    """Bytes of all bases with their columns, and of all changes, that the caches reach in fact, not what they were told."""
+    changes = [change for _, change in factor._changes.items()]
+    bases = {id(base): base for base in [*(base for _, base in factor._bases.items()), *(change.base for change in changes)]}
+    by_bases = sum(base.factors[0].nbytes + sum(column.nbytes for column in base.columns.values()) for base in bases.values())
+    return by_bases, sum(change.columns.nbytes for change in changes)
+
+
+@pytest.mark.parametrize(("every", "few"), [(40, 3), (8, 2)])
+def test_bytes_kept_stay_within_the_bound(every: int, few: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Room for two bases or three: columns count, and no change keeps a base that was forgotten."""
+    factor, rng = unlike_factor(60), np.random.default_rng(3)
+    bound = 3 * 8 * 2 * 122**2
+    monkeypatch.setattr(coupled, "_KEPT_BYTES", bound)
+    factor.__post_init__()
+    reached, states = [], np.full(60, SurfaceState.STICK, dtype=np.int8)
+    for number in range(300):
+        changed = rng.choice(60, 60 if number % every == 0 else few, replace=False)
+        states = states.copy()
+        states[changed] = rng.integers(0, 4, len(changed))
+        states[30] = SurfaceState.STICK
+        factor.solve(states, np.zeros(60), np.zeros(60), (1.0, 0.1))
+        reached.append(bytes_reached(factor))
+    most = np.max(reached, axis=0)
+    assert np.all(most <= bound), most / bound
+    assert factor.work["factorisations"] > 6
+    assert most[0] > bound / 5  # or the bound was never met
+
+
+# ---------------------------------------------------------------------------------------------- one half of mirrored faces
+
+
+SOLVE = import_module("halfplane_fe.solve")
+COARSER = MeshSettings(element_size=1 / 6, edge_element_size=1 / 10, far_radius=6.0, growth=0.5)
+SHORT = SolverSettings(steps_per_cycle=16, step_tolerance=np.inf)
+PENALTY = SolverSettings(
+    steps_per_cycle=16, step_tolerance=np.inf, method="penalty", normal_stiffness=5.0, tangential_stiffness=5.0
+)
+
+
+@pytest.mark.parametrize(("name", "settings"), [("hertz-paper", SHORT), ("flat-rounded-paper", SHORT), ("hertz-paper", PENALTY)])
+def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
+    scene = load_scene(name)
+    halved = halfplane_fe.solve(scene, COARSER, settings)
+    assert "contact nodes" in halved.work.skipped
+    monkeypatch.setattr(SOLVE, "mirrored", lambda faces: False)
+    full = halfplane_fe.solve(scene, COARSER, settings)
+    for field in (
+        "time",
+        "pressure",
+        "shear",
+        "slip",
+        "contact_edges",
+        "stick_edges",
+        "dissipation_density",
+        "tangential_displacement",
+    ):
+        expected, found = getattr(full, field), getattr(halved, field)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.nanmax(np.abs(expected)), err_msg=field)
+    np.testing.assert_array_equal(halved.state, full.state)
+    assert halved.dissipation == pytest.approx(full.dissipation, rel=1e-11)
+
+
+def faces():
+    answer = fe_run(load_scene("hertz-paper"))
+    return couple(*answer.condensed)
+
+
+def test_a_force_shared_with_its_image_moves_both_alike():
+    whole = faces()
+    middle = len(whole.x) // 2
+    together = np.cos(whole.x[middle:])
+    shared = np.concatenate([together[:0:-1] / 2, together[:1], together[1:] / 2])
+    np.testing.assert_allclose(half(whole).normal @ together, (whole.normal @ shared)[middle:], rtol=1e-9)
+    np.testing.assert_allclose(half(whole).weights.sum(), whole.weights.sum())
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda one: {"x": one.x + 1e-3},
+        lambda one: {"gap": one.gap + one.x},
+        lambda one: {"normals": np.stack([0.1 * one.x, np.ones_like(one.x)])},
+        lambda one: {"weights": one.weights * (1 + 0.1 * (one.x > 0))},
+        lambda one: {"normal": one.normal * (1 + 1e-6 * (one.x > 0))},
+        lambda one: {"coupling": one.normal},
+    ],
+    ids=["places", "gap", "slope", "weights", "compliance", "coupling"],
+)
+def test_faces_that_are_no_mirror_images_are_left_alone(spoil):
+    whole = faces()
+    assert mirrored(whole)
+    assert not mirrored(replace(whole, **spoil(whole)))

@@ -1,0 +1,483 @@
+"""One body condensed to its contact nodes: far field, supports, surface displacement of a half-plane, orders, no locking."""
+
+import contextlib
+import dataclasses
+import functools
+import itertools
+import math
+from importlib import import_module
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+import halfplane_fe
+from halfplane_fe import assembly
+from halfplane_fe.assembly import split_lame
+from halfplane_fe.elasticity import condense, displacement_fields
+from halfplane_fe.far_field import surface_force_displacement, surface_force_traction
+from halfplane_fe.pair import check_supports
+from meshes import MeshSettings, SurfaceGrading, half_disc, solid
+from problems import COARSE, FEW_STEPS, drawn_inwards, fe_run, hertz_pressure, mindlin_dissipation, pressed_in
+from scenes import Block, ConvergenceError, Cylinder, Elastic, Hertz, InputError, Materials, Pad, Scene, load_scene
+from tolerances import check, check_order
+
+# ------------------------------------------------------------------------ a point force on a half-plane, by finite differences
+
+
+YOUNG, POINT = 3.0, 5.0
+YOUNG, POINT = 3.0, 5.0
+ratios = st.floats(-0.9, 0.49)
+angles = st.floats(-math.pi / 2 + 0.05, math.pi / 2 - 0.05)
+FORCES = {"along x": 0, "along y": 1}
+EACH_FORCE = pytest.mark.parametrize("force", FORCES.values(), ids=FORCES.keys())
+
+
+def displacement(x, y, nu, force, place=0.0, datum=POINT):
+    """(2, n) at points (x, y) under a unit force."""
+    x, y = np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(np.asarray(y, dtype=float))
+    return surface_force_displacement(x, y, np.array([place]), YOUNG, nu, datum)[:, :, force, 0]
+
+
+def gradient(x, y, nu, force, step=1e-3):
+    """(2, 2): d u_i / d x_j by central differences of fourth order."""
+    columns = []
+    for direction in np.eye(2):
+        at = [displacement(x + k * step * direction[0], y + k * step * direction[1], nu, force)[:, 0] for k in (-2, -1, 1, 2)]
+        columns.append((at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * step))
+    return np.array(columns).T
+
+
+def stress(x, y, nu, force):
+    """(2, 2) stress in plane strain."""
+    grad = gradient(x, y, nu, force)
+    strain = (grad + grad.T) / 2
+    shear_modulus = YOUNG / (2 * (1 + nu))
+    lame = YOUNG * nu / ((1 + nu) * (1 - 2 * nu))
+    return lame * np.trace(strain) * np.eye(2) + 2 * shear_modulus * strain
+
+
+@EACH_FORCE
+@settings(max_examples=25)
+@given(nu=ratios, angle=angles, cut=st.floats(0, 2 * math.pi), far=st.floats(0.2, 3), place=st.floats(-3, 3))
+def test_a_point_force_is_in_equilibrium_with_its_tractions(force, nu, angle, cut, far, place):
+    """Navier's equations, traction on any cut, a free surface, no movement at the datum, the same field elsewhere, mirror."""
+    x, y, h = math.sin(angle), -math.cos(angle), 2e-3
+    u = lambda i, j: displacement(x + i * h, y + j * h, nu, force)[:, 0]  # noqa: E731
+    xx = (-u(2, 0) + 16 * u(1, 0) - 30 * u(0, 0) + 16 * u(-1, 0) - u(-2, 0)) / (12 * h**2)
+    yy = (-u(0, 2) + 16 * u(0, 1) - 30 * u(0, 0) + 16 * u(0, -1) - u(0, -2)) / (12 * h**2)
+    xy = (u(1, 1) - u(1, -1) - u(-1, 1) + u(-1, -1)) / (4 * h**2)
+    rest = (1 - 2 * nu) * (xx + yy) + np.array([xx[0] + xy[1], xy[0] + yy[1]])
+    assert np.abs(rest).max() < 1e-4 * np.abs(xx).max() + 1e-6
+    normal = np.array([math.cos(cut), math.sin(cut)])
+    found = surface_force_traction(np.array([x]), np.array([y]), normal[:, None], np.zeros(1))[:, 0, force, 0]
+    np.testing.assert_allclose(found, stress(x, y, nu, force) @ normal, atol=1e-7)
+    for side in (far, -far):
+        assert np.abs(stress(side, -1e-2, nu, force)[:, 1]).max() < 0.7e-2 / far**2  # (2/pi) depth/x^2 at most
+        assert abs(displacement(side, 0.0, nu, force, datum=far)[force, 0]) < 1e-14
+    here = displacement(x, y, nu, force)
+    np.testing.assert_allclose(displacement(x + place, y, nu, force, place=place), here, rtol=1e-12, atol=1e-13)
+    signs = [[1], [-1]] if force == 0 else [[-1], [1]]
+    np.testing.assert_allclose(displacement(-x, y, nu, force), signs * here, atol=1e-15)
+    # Betti: u_y by a force along x is u_x by one along y, the other way.
+    assert displacement(far, 0.0, nu, 0)[1, 0] == pytest.approx(displacement(0.0, 0.0, nu, 1, place=far)[0, 0], abs=1e-15)
+
+
+@EACH_FORCE
+@pytest.mark.parametrize(("nu", "radius"), [(-0.4, 0.5), (0.3, 2.0), (0.49, 2.0)])
+def test_resultant_on_any_arc_is_the_unit_force(force, nu, radius):
+    """The traction on an arc, along the outward normal, holds the body against the force; no moment about the force."""
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    total, moment = np.zeros(2), 0.0
+    for angle, weight in zip(nodes * math.pi / 2, weights * math.pi / 2, strict=True):
+        normal = np.array([math.sin(angle), -math.cos(angle)])
+        traction = stress(radius * normal[0], radius * normal[1], nu, force) @ normal
+        total += traction * weight * radius
+        moment += (normal[0] * traction[1] - normal[1] * traction[0]) * weight * radius**2
+    np.testing.assert_allclose(total, -np.eye(2)[force], atol=2e-6)
+    assert abs(moment) < 2e-6
+
+
+def test_numbers_of_a_known_case():
+    """Straight below a force pulling outward, depth r: u_y = c [1 - 2 (1-nu) ln(r/L)], c = 1/(2 pi G); and the pull lifts."""
+    nu, r = 0.3, 2.0
+    c = 1 / (2 * math.pi * YOUNG / (2 * (1 + nu)))
+    u_x, u_y = displacement(0.0, -r, nu, 1)[:, 0]
+    assert u_y == pytest.approx(c * (1 - 2 * (1 - nu) * math.log(r / POINT)), rel=1e-14)
+    assert u_x == 0.0
+    # Pressed in by a force along -y the surface is drawn towards the force: (1 - 2 nu)/(4 G) each side.
+    side = -displacement(1.0, 0.0, nu, 1)[0, 0]
+    assert side == pytest.approx(-(1 - 2 * nu) * (1 + nu) / (2 * YOUNG), rel=1e-14)
+
+
+@EACH_FORCE
+@pytest.mark.parametrize("moments", [0, 1, 2, 3, 4])
+def test_what_a_truncated_series_leaves_out_falls_with_the_next_power_of_the_place(force, moments):
+    """Half the distance of the force from the centre leaves out 2^-(m+1) as much: on both sides of the order."""
+    x, y = 5 * np.sin(np.linspace(-1.5, 1.5, 7)), -5 * np.cos(np.linspace(-1.5, 1.5, 7))
+    places = np.array([0.2, 0.1])
+    exact = surface_force_displacement(x, y, places, YOUNG, 0.3, POINT)
+    left_out = surface_force_displacement(x, y, places, YOUNG, 0.3, POINT, moments=moments) - exact
+    large, small = np.sqrt((left_out[:, :, force] ** 2).mean(axis=(0, 1)))
+    assert math.log2(large / small) == pytest.approx(moments + 1, abs=0.1)
+
+
+# --------------------------------------------------------------------------------------------- a half-disc, condensed
+
+
+STEEL = Elastic(young_modulus=2.0, poisson_ratio=0.3)
+DATUM, END = 7.0, 1.2
+
+
+@functools.cache
+def body(elements=16, radius=6.0, order=2):
+    """A half-disc with `elements` a unit of contact surface, the bulk refined with it."""
+    return half_disc("body", SurfaceGrading(0.0, END, 1 / elements, 1 / elements, radius), min(1.0, 2.4 / elements), order)
+
+
+@functools.cache
+def condensed(elements=16, radius=6.0, order=2, material=STEEL, datum=DATUM):
+    return condense(body(elements, radius, order), material, datum)
+
+
+def uniform_errors(elements, order=2, material=STEEL):
+    """Errors under a uniform traction, whose nodal forces are exact: (normal, tangential, cross), over the largest displacement."""
+    one = condensed(elements, order=order, material=material)
+    inside = np.abs(one.x) <= 1
+    x, young, nu = one.x[inside], material.young_modulus, material.poisson_ratio
+    by = lambda i, j: (one.compliance[i, :, j, :] @ one.weights)[inside]  # noqa: E731
+    exact, across = pressed_in(x, END, young, nu, DATUM), drawn_inwards(x, young, nu)
+    # By a pull along +y the surface comes out and is pushed apart; along x by shear it moves as far as in by pressure.
+    return [float(np.sqrt(np.mean(e**2)) / exact.max()) for e in (by(1, 1) - exact, by(0, 0) - exact, by(0, 1) + across)]
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_compliance_is_symmetric_definite_and_its_own_mirror_image(order):
+    """Betti before the last digits are mended: a wrong traction, displacement or normal on the arc would break it."""
+    one = condensed(order=order)
+    n, signs = len(one.x), np.array([-1.0, 1.0])
+    flat = one.compliance.reshape(2 * n, 2 * n)
+    check("asymmetry", one.diagnostics["asymmetry"])
+    assert one.diagnostics["residual"] < 1e-12
+    np.testing.assert_array_equal(flat, flat.T)
+    assert np.all(np.linalg.eigvalsh(flat) > 0)
+    mirrored = one.compliance[:, ::-1, :, ::-1] * signs[:, None, None, None] * signs[None, None, :, None]
+    np.testing.assert_allclose(mirrored, one.compliance, atol=1e-11 * flat.max())
+    # Simpson's rule is exact for cubic functions, the trapezoidal one for linear ones.
+    for power, integral in enumerate((2 * END, 0.0, 2 * END**3 / 3, 0.0)[: 2 * order]):
+        assert one.weights @ one.x**power == pytest.approx(integral, abs=1e-12)
+
+
+def test_arc_holds_the_nodal_forces_and_fields_are_those_of_the_compliance():
+    """Reactions on the arc: minus the nodal forces, and no moment left."""
+    one = condensed()
+    forces = np.random.default_rng(3).normal(size=(2, len(one.x), 2))
+    basis, found, _ = displacement_fields(one, forces, DATUM)
+    residual = linear_elasticity(*lame_parameters(2.0, 0.3)).assemble(basis) @ found
+    arc, contact = basis.get_dofs("far_field"), basis.get_dofs("contact")
+    x_dofs, y_dofs = arc.all(["u^1"]), arc.all(["u^2"])
+    for dofs, force in ((x_dofs, forces[0]), (y_dofs, forces[1])):
+        np.testing.assert_allclose(residual[dofs].sum(axis=0), -force.sum(axis=0), atol=1e-10)
+    places = basis.doflocs
+    moment = (places[0, y_dofs] @ residual[y_dofs]) - (places[1, x_dofs] @ residual[x_dofs])
+    np.testing.assert_allclose(moment, -(one.x @ forces[1]), atol=1e-10)
+    for component, name in enumerate(("u^1", "u^2")):
+        dofs = contact.all([name])
+        by_compliance = np.einsum("njk,jki->ni", one.compliance[component], forces)
+        ordered = dofs[np.argsort(places[0, dofs])]
+        np.testing.assert_allclose(found[ordered], by_compliance, atol=3e-6 * np.abs(by_compliance).max())
+
+
+def test_other_datum_is_a_rigid_translation_and_a_softer_body_moves_in_proportion():
+    """The arc moved as a whole moves the body as a whole, by 2 (1 - nu^2)/(pi E) ln 2 for each unit of force along it."""
+    change = condensed(datum=2 * DATUM).compliance - condensed().compliance
+    expected = 2 * (1 - 0.3**2) / (np.pi * 2.0) * np.log(2)
+    for i, j in itertools.product((0, 1), (0, 1)):
+        np.testing.assert_allclose(change[i, :, j, :], expected if i == j else 0.0, atol=1e-11)
+    soft = condensed(material=Elastic(young_modulus=0.5, poisson_ratio=0.3))
+    np.testing.assert_allclose(soft.compliance, 4 * condensed().compliance, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("nu", [-0.3, 0.0, 0.3, 0.49])
+def test_surface_displacement_is_the_half_planes(nu):
+    for error in uniform_errors(16, material=Elastic(young_modulus=2.0, poisson_ratio=nu)):
+        check("compliance", error)
+
+
+@pytest.mark.parametrize(("order", "sizes", "name"), [(1, (4, 8, 16, 32), "linear"), (2, (4, 8, 16), "quadratic")])
+def test_compliance_converges_at_the_order_of_its_elements(order, sizes, name):
+    sequences = np.array([uniform_errors(elements, order) for elements in sizes]).T
+    for sequence in sequences:
+        check_order(f"compliance, {name} elements", [1 / n for n in sizes], sequence)
+
+
+def test_like_bodies_are_condensed_once_and_unlike_ones_twice(monkeypatch):
+    calls = []
+
+    def counted(body, material, datum_length):
+        calls.extend([material] if len(body.mesh.boundaries["contact"]) < 24 else [])  # not the solver's own coarse run, of 48
+        return condense(body, material, datum_length)
+
+    monkeypatch.setattr(import_module("halfplane_fe.store"), "condense", counted)
+    scene = load_scene("hertz-normal")
+    coarse = MeshSettings(element_size=1 / 6, edge_element_size=1 / 6, far_radius=5.0, growth=0.5)
+    like = halfplane_fe.solve(scene, coarse)
+    assert len(calls) == like.work.counts["condensations"] == 1
+    assert like.condensed[0] is like.condensed[1]
+    assert "condensations" in like.work.skipped
+    soft = Materials(lower=scene.material.lower, upper=Elastic(young_modulus=70e3, poisson_ratio=0.33))
+    calls.clear()
+    unlike = halfplane_fe.solve(scene.vary(material=soft), coarse)
+    assert len(calls) == unlike.work.counts["condensations"] == 2
+    assert [material.young_modulus for material in calls] == [210e3, 70e3]
+    assert "condensations" not in unlike.work.skipped
+
+
+def second_moment(radius):
+    """4 int p x^2 / (P a^2) of a Hertz contact, 1 on half-planes: a wrong far field bends p as a whole."""
+    mesh = MeshSettings(element_size=1 / 16, edge_element_size=1 / 16, far_radius=radius, growth=0.05)
+    answer = halfplane_fe.solve(load_scene("hertz-normal"), mesh)
+    forces = answer.pressure[-1] * answer.condensed[0].weights
+    return 4 * float(forces @ answer.x**2 / forces.sum())
+
+
+def test_pressure_does_not_know_how_far_the_body_reaches():
+    check("second moment of p, L = 5a against 20a", second_moment(5.0) - second_moment(20.0))
+
+
+def test_that_test_sees_an_arc_that_knows_only_the_resultant(monkeypatch):
+    elasticity = import_module("halfplane_fe.elasticity")
+    exact = elasticity.arc_work
+    monkeypatch.setattr(elasticity, "arc_work", lambda basis, facets, at, *rest: exact(basis, facets, 0 * at, *rest))
+    with pytest.raises(ConvergenceError, match="differs from that of the mesh"):  # such loads do not balance
+        second_moment(5.0)
+    monkeypatch.setattr(elasticity, "LARGEST_ERROR", np.inf)
+    with pytest.raises(AssertionError, match="second moment"):
+        check("second moment of p, L = 5a against 20a", second_moment(5.0) - second_moment(20.0))
+
+
+# ---------------------------------------------------------------------------------------------- blocks, pads and cylinders
+
+
+WIDTH, HEIGHT, PRESSURE = 4.0, 3.0, 1.5
+FACE = Hertz(radius=6.0)
+MATERIALS = {"steel": Elastic(young_modulus=2.0, poisson_ratio=0.3), "rubber": Elastic(young_modulus=2.0, poisson_ratio=0.49)}
+KINDS = tuple(itertools.product((1, 2), ("triangles", "quadrilaterals")))
+EVERY = pytest.mark.parametrize(("order", "cells"), KINDS)
+GRADING = SurfaceGrading(0.0, 1.0, 0.2, 0.2)
+
+
+@functools.cache
+def block(base, sides, order, cells):
+    """A block whose whole face is named contact, so that the whole of it can be loaded."""
+    shape = Block(width=WIDTH, height=HEIGHT, base=base, sides=sides)
+    body = solid("lower", shape, FACE, GRADING, 0.5, order, cells)
+    names = dict(body.mesh.boundaries)
+    names["contact"] = np.union1d(names["contact"], names.pop("free"))
+    return dataclasses.replace(body, mesh=body.mesh.with_boundaries(names))
+
+
+def pressed(base, sides, order, cells, material):
+    """Places (2, n), displacement (2, n) of every node under a uniform pressure on the whole face, and the mixed tension."""
+    condensed = condense(block(base, sides, order, cells), material, 1.0)
+    forces = np.stack([0 * condensed.weights, -PRESSURE * condensed.weights])[..., None]
+    basis, displacements, tension = displacement_fields(condensed, forces, 1.0)
+    along = basis.get_dofs(elements=True).all(["u^1"]), basis.get_dofs(elements=True).all(["u^2"])
+    return basis.doflocs[:, along[0]], np.stack([displacements[dofs, 0] for dofs in along]), tension[:, 0]
+
+
+@pytest.mark.parametrize(("base", "sides"), [("rollers", "free"), ("rollers", "guided"), ("fixed", "guided")])
+@pytest.mark.parametrize("name", MATERIALS)
+@EVERY
+def test_a_uniform_pressure_gives_the_plane_strain_solution(order, cells, name, base, sides):
+    """On rollers shorter by p (1 - nu^2)/E, wider by nu/(1 - nu) of that; between walls p (1 + nu)(1 - 2 nu)/(E (1 - nu))."""
+    material = MATERIALS[name if order == 2 else "steel"]  # linear elements are refused above nu = 0.45
+    (x, y), (u_x, u_y), tension = pressed(base, sides, order, cells, material)
+    nu, free = material.poisson_ratio, sides == "free"
+    across = (1 - nu**2) if free else (1 + nu) * (1 - 2 * nu) / (1 - nu)
+    strain = PRESSURE / material.young_modulus * across
+    np.testing.assert_allclose(u_y, -strain * (y + HEIGHT), rtol=0, atol=1e-12 * HEIGHT)
+    np.testing.assert_allclose(u_x, nu / (1 - nu) * strain * x * free, rtol=0, atol=1e-12 * HEIGHT)
+    if name == "rubber" and order == 2 and free:  # what of Lame's lambda goes through the pressure of its own, times div u
+        shear_modulus = material.young_modulus / (2 * (1 + nu))
+        rest = 2 * shear_modulus * nu / (1 - 2 * nu) - 2 * shear_modulus
+        np.testing.assert_allclose(tension, -rest * strain * (1 - nu / (1 - nu)), rtol=1e-10)
+
+
+@EVERY
+def test_a_fixed_base_lies_between_rollers_and_walls(order, cells):
+    """The mean shortening: no side could be exchanged for another and go unseen."""
+    mean = {}
+    for base, sides in (("rollers", "free"), ("fixed", "free"), ("fixed", "guided")):
+        (_, y), (_, u_y), _ = pressed(base, sides, order, cells, MATERIALS["steel"])
+        mean[base, sides] = -float(u_y[y > -1e-9].mean())
+    assert mean["rollers", "free"] > 1.01 * mean["fixed", "free"] > 1.02 * mean["fixed", "guided"]
+    (x, y), (u_x, u_y), _ = pressed("fixed", "free", order, cells, MATERIALS["steel"])
+    held = y < -HEIGHT * (1 - 1e-9)
+    assert np.all(u_x[held] == 0)
+    assert np.all(u_y[held] == 0)
+    assert np.abs(u_x).max() > 0.05
+    assert np.all(u_x[(np.abs(x) < 1e-12)] == pytest.approx(0.0, abs=1e-12))
+
+
+SUPPORTED = {
+    **{
+        f"{kind.__name__}, {base}, {sides}": kind(width=WIDTH, height=HEIGHT, base=base, sides=sides)
+        for kind in (Block, Pad)
+        for base in ("fixed", "rollers")
+        for sides in ("free", "guided")
+    },
+    "Cylinder": Cylinder(radius=6.0),
+}
+
+
+def supported_body(shape, order, cells, size=0.1, growth=0.5):
+    grading = SurfaceGrading(0.0, 1.0, size, size)
+    return condense(solid("lower", shape, FACE, grading, growth, order, cells), MATERIALS["steel"], 1.0)
+
+
+@pytest.mark.parametrize(("order", "cells"), [(1, "quadrilaterals"), (2, "triangles")])
+@pytest.mark.parametrize("name", SUPPORTED)
+def test_compliance_of_a_supported_body_leaves_no_rigid_motion(name, order, cells):
+    """A rigid motion left over would be an infinite eigenvalue, a support too many on the face a zero; and it mirrors."""
+    body, signs = supported_body(SUPPORTED[name], order, cells), np.array([-1.0, 1.0])
+    n, shape = len(body.x), SUPPORTED[name]
+    values = np.linalg.eigvalsh(body.compliance.reshape(2 * n, 2 * n))
+    assert body.diagnostics["asymmetry"] < 1e-11
+    assert body.diagnostics["residual"] < 1e-10
+    assert 0 < 1e-4 * values.max() < values.min() < values.max() < 50 * n  # of the order of n (height/width)/E
+    turned = body.compliance[:, ::-1, :, ::-1] * signs[:, None, None, None] * signs[:, None]
+    np.testing.assert_allclose(turned, body.compliance, rtol=0, atol=1e-11 * np.abs(body.compliance).max())
+    assert body.body.supports["base"] == getattr(shape, "base", "fixed")
+    if getattr(shape, "sides", "free") == "guided" or body.body.supports["base"] == "fixed":
+        assert 0 < (body.compliance[0, :, 0, :] @ body.weights).max() < 100  # a shear far above the base: it does not turn away
+
+
+def pushed(shape, order, cells, size, growth):
+    """Work of a parabolic pressure and of a parabolic shear on the contact, (2,), and of their product."""
+    body = supported_body(shape, order, cells, size, growth)
+    forces = (1 - np.square(body.x)) * body.weights
+    return np.array([forces @ body.compliance[i, :, j, :] @ (forces * body.x ** (i != j)) for i, j in ((0, 0), (1, 1), (0, 1))])
+
+
+# Relative errors of the finer mesh, linear and quadratic. The corners of a fixed base are singular and far from the fine elements.
+FOUND = {"Block, rollers, guided": (3.2e-2, 1.4e-4), "Block, fixed, free": (3.9e-2, 3.1e-3), "Cylinder": (3.8e-2, 1.2e-3)}
+
+
+@functools.cache
+def finely(name):
+    return pushed(SUPPORTED[name], 2, "quadrilaterals", 1 / 30, 0.1)
+
+
+@EVERY
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] if "fixed" in name else []) for name in FOUND])
+def test_triangles_and_quadrilaterals_come_to_the_same_answer(name, order, cells):
+    """Both orders and both kinds against one fine mesh of quadratic quadrilaterals."""
+    sizes = ((1 / 5, 0.5), (1 / 20, 0.2))
+    coarse, fine = (np.abs(pushed(SUPPORTED[name], order, cells, *size) / finely(name) - 1).max() for size in sizes)
+    assert fine < 1.5 * FOUND[name][order - 1]
+    assert fine < coarse / 3
+
+
+SCENE = load_scene("hertz-paper")
+
+
+def supported(base, sides, which="upper", like=SCENE):
+    bodies = {which: Block(width=200.0, height=100.0, base=base, sides=sides)}
+    return Scene.model_validate({**like.model_dump(), "bodies": bodies})
+
+
+@pytest.mark.parametrize(
+    ("base", "sides", "sheared", "refused"),
+    [
+        ("rollers", "free", True, True),
+        ("rollers", "free", False, False),
+        ("rollers", "guided", True, False),
+        ("fixed", "free", True, False),
+    ],
+)
+def test_a_body_that_nothing_holds_is_refused(base, sides, sheared, refused):
+    for which in ("lower", "upper"):
+        said = f"bodies.{which}: nothing holds the block against the tangential load, it slides off: its base is on rollers"
+        with pytest.raises(InputError, match=said) if refused else contextlib.nullcontext():
+            check_supports(supported(base, sides, which), sheared=sheared)
+
+
+# -------------------------------------------------------------------------------------------------- nearly incompressible
+
+
+RATIOS = (0.45, 0.4999)
+
+
+def scene_at(poisson_ratio):
+    """Cattaneo and Mindlin's cycle with the E* of the library's scene."""
+    scene = load_scene("cattaneo-mindlin")
+    plane = scene.material.lower.young_modulus / (1 - scene.material.lower.poisson_ratio**2)
+    body = Elastic(young_modulus=plane * (1 - poisson_ratio**2), poisson_ratio=poisson_ratio)
+    return scene.vary(material=Materials(lower=body, upper=body))
+
+
+@functools.cache
+def errors_at(poisson_ratio):
+    """Dissipation, and pressure at the end in L2 and in the worst of its inner nodes."""
+    scene = scene_at(poisson_ratio)
+    answer = halfplane_fe.solve(scene, COARSE, FEW_STEPS)
+    body, f = scene.material.lower, scene.friction.coefficient
+    modulus = body.young_modulus / (1 - body.poisson_ratio**2) / 2
+    load, amplitude = scene.load.cycle[0]
+    exact = hertz_pressure(answer.x, load, scene.profile.radius, modulus)
+    off, weights = answer.pressure[-1] - exact, answer.condensed[0].weights
+    inner = np.abs(answer.x) < 0.5 * answer.contact_half_width[-1]
+    return {
+        "dissipation": abs(answer.dissipation / mindlin_dissipation(load, amplitude, f, modulus) - 1),
+        "pressure": np.sqrt(weights @ off**2 / (weights @ exact**2)),
+        "rocking": np.abs(off[inner]).max() / exact.max(),
+    }
+
+
+@pytest.mark.parametrize("poisson_ratio", RATIOS)
+def test_error_does_not_grow_with_nu(poisson_ratio):
+    for quantity, error in errors_at(poisson_ratio).items():
+        check(f"incompressible {quantity}", error)
+
+
+def test_plain_elements_would_fail_that_test(monkeypatch):
+    monkeypatch.setattr(assembly, "PLAIN_LAMBDA", np.inf)
+    with pytest.raises(AssertionError, match="incompressible rocking"):
+        check("incompressible rocking", errors_at.__wrapped__(0.4999)["rocking"])
+
+
+def test_linear_elements_are_refused_in_a_sentence():
+    with pytest.raises(InputError, match=r"order = 1 with a Poisson ratio of 0\.499 is refused: linear elements lock above 0\.45"):
+        halfplane_fe.solve(scene_at(0.499), MeshSettings(order=1), FEW_STEPS)
+    body = half_disc("body", SurfaceGrading(0.0, 1.2, 1 / 8, 1 / 8, 6.0), 0.4, 1)
+    assert condense(body, Elastic(young_modulus=1.0, poisson_ratio=0.45), 1.0).order == 1
+
+
+def test_lambda_is_split_above_a_third_only_and_continuously():
+    for nu, order in ((0.3, 2), (1 / 3, 2), (-0.4, 2), (0.0, 2), (0.45, 1)):
+        assert split_lame(Elastic(young_modulus=1.0, poisson_ratio=nu), order)[1] == 0
+    plain, rest, shear_modulus = split_lame(Elastic(young_modulus=1.0, poisson_ratio=0.49), 2)
+    assert plain == pytest.approx(2 * shear_modulus)
+    assert plain + rest == pytest.approx(0.49 / (1.49 * 0.02))
+    body = half_disc("body", SurfaceGrading(0.0, 1.2, 1 / 8, 1 / 8, 6.0), 0.4, 2)
+    below, above = (condense(body, Elastic(young_modulus=1.0, poisson_ratio=1 / 3 + d), 1.0).compliance for d in (-1e-6, 1e-5))
+    np.testing.assert_allclose(above, below, atol=1e-4 * np.abs(below).max())
+
+
+def test_stress_in_an_incompressible_body():
+    """On the axis against the closed form, which knows no nu but in s_zz: the mean stress is that of r."""
+    scene = load_scene("hertz-normal")
+    body = Elastic(young_modulus=scene.material.lower.young_modulus * (1 - 0.4999**2) / 0.91, poisson_ratio=0.4999)
+    answer = fe_run(scene.vary(material=Materials(lower=body, upper=body)))
+    (snapshot,) = halfplane_fe.fields(answer, [1.0])
+    p0, a = answer.pressure[-1].max(), answer.contact_half_width[-1]
+    lower = snapshot.bodies[0]
+    axis = np.flatnonzero((np.abs(lower.points[:, 0]) < 1e-9) & (np.abs(lower.points[:, 1]) < 2 * a) & (lower.points[:, 1] != 0))
+    z = -lower.points[axis, 1] / a
+    m = np.sqrt(1 + z**2)
+    xx, yy = -p0 * ((1 + 2 * z**2) / m - 2 * z), -p0 / m
+    exact = np.stack([xx, yy, 0 * z, 0.4999 * (xx + yy)], axis=1)
+    check("incompressible stress", float(np.abs(lower.stress[axis] - exact).max() / p0))

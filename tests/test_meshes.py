@@ -1,0 +1,389 @@
+"""Meshes of half-discs, blocks, pads and cylinders: area, named boundaries, true face, mirror symmetry, scale; files; Ctrl-C."""
+
+import functools
+import itertools
+import math
+import os
+import signal
+
+import gmsh
+import meshio
+import numpy as np
+import pytest
+import skfem
+
+from meshes import MeshSettings, SurfaceGrading, build, half_disc, mesh_quality, solid, write_vtu
+from meshes.interrupts import interrupts_wait
+from scenes import Block, Cylinder, FlatRounded, HalfPlane, Hertz, InputError, Pad, Tabulated, Wedge
+from scenes.bodies import face_of
+
+DISC = SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)
+EVEN = SurfaceGrading(inner=0.0, outer=1.1, size=0.1, edge_size=0.1, radius=6.0)
+DISCS = {"disc, graded": DISC, "disc, even": EVEN}
+GRADING = SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05)
+PAD = Pad(width=6.0, height=4.0)
+ROWS = tuple((x / 4, (x / 4) ** 2 / 20) for x in range(13))
+SHAPES = {
+    "block": (Block(width=8.0, height=5.0), Hertz(radius=10.0)),
+    "pad, hertz": (PAD, Hertz(radius=10.0)),
+    "pad, flat_rounded": (PAD, FlatRounded(radius=4.0, flat_half_length=0.5)),
+    "pad, flat to past the contact": (PAD, FlatRounded(radius=4.0, flat_half_length=1.5)),
+    "pad, wedge": (PAD, Wedge(tip_radius=5.0, tip_half_length=0.5)),
+    "pad, tabulated": (PAD, Tabulated(points=ROWS)),
+    "cylinder": (Cylinder(radius=5.0), Hertz(radius=5.0)),
+}
+KINDS = tuple(itertools.product((1, 2), ("triangles", "quadrilaterals")))
+CASES = [*((name, order, "triangles") for name in DISCS for order in (1, 2)), *((name, *kind) for name in SHAPES for kind in KINDS)]
+EVERY = pytest.mark.parametrize(("name", "order", "cells"), CASES)
+
+
+@functools.cache
+def body(name, order=2, cells="triangles"):
+    return (
+        half_disc(name, DISCS[name], 0.25, order) if name in DISCS else solid("upper", *SHAPES[name], GRADING, 0.25, order, cells)
+    )
+
+
+def half_width(name):
+    return DISC.radius if name in DISCS else SHAPES[name][0].face_half_width
+
+
+def deepest(name):
+    shape = Cylinder(radius=DISC.radius) if name in DISCS else SHAPES[name][0]
+    return shape.radius if isinstance(shape, Cylinder) else shape.height
+
+
+def area_under_parabola(width, radius):
+    return width**3 / (24 * radius)
+
+
+def exact_area(name):
+    """By hand, each shape on its own."""
+    if name in DISCS:
+        return math.pi * DISC.radius**2 / 2
+    shape, profile = SHAPES[name]
+    if isinstance(shape, Cylinder):
+        return math.pi * shape.radius**2 / 2
+    rectangle, reach = shape.width * shape.height, shape.width / 2
+    if isinstance(shape, Block):
+        return rectangle
+    if isinstance(profile, Wedge):
+        b, R = profile.tip_half_length, profile.tip_radius
+        return rectangle - 2 * (b**3 / (6 * R) + (reach - b) * b**2 / (2 * R) + b * (reach - b) ** 2 / (2 * R))
+    if isinstance(profile, Tabulated):
+        return rectangle - area_under_parabola(shape.width, 10.0)
+    R, b = profile.radius, getattr(profile, "flat_half_length", 0.0)
+    s = reach - b  # under the arc: R s less the segment of the circle
+    return rectangle - 2 * (R * s - (s * math.sqrt(R**2 - s**2) + R**2 * math.asin(s / R)) / 2)
+
+
+def places(name, boundary, order, cells):
+    """(2, n) all nodes of a boundary, mid-side ones too, by ascending x."""
+    mesh = body(name, order, cells).mesh
+    scalar = {
+        ("triangles", 1): skfem.ElementTriP1,
+        ("triangles", 2): skfem.ElementTriP2,
+        ("quadrilaterals", 1): skfem.ElementQuad1,
+        ("quadrilaterals", 2): skfem.ElementQuad2,
+    }[cells, order]
+    basis = skfem.Basis(mesh, scalar(), intorder=2)
+    found = basis.doflocs[:, basis.get_dofs(boundary).all()]
+    return found[:, np.lexsort((found[1], found[0]))]
+
+
+def depth(name, x):
+    """How deep the face lies at x."""
+    return 0 * x if name in DISCS else face_of(*SHAPES[name]).depth(x)
+
+
+@EVERY
+def test_boundaries_have_one_name_each_and_lie_where_they_are_named(name, order, cells):
+    mesh, grading = body(name, order, cells).mesh, DISCS.get(name, GRADING)
+    named = (
+        {"contact", "free", "far_field"}
+        if name in DISCS
+        else {"contact", "free", "base"} | (set() if name == "cylinder" else {"sides"})
+    )
+    assert set(mesh.boundaries) == named
+    facets = np.concatenate([mesh.boundaries[key] for key in sorted(mesh.boundaries)])
+    assert sorted(facets.tolist()) == sorted(mesh.boundary_facets().tolist())
+    far = half_width(name) * (1 - 1e-11)
+    contact, free = (places(name, key, order, cells) for key in ("contact", "free"))
+    assert contact[0].max() == -contact[0].min() == pytest.approx(grading.outer, rel=1e-12)
+    assert np.abs(free[0]).min() == pytest.approx(grading.outer, rel=1e-12)
+    assert far <= np.abs(free[0]).max() <= half_width(name) * (1 + 1e-11)
+    if name in DISCS:  # mid-side points too
+        np.testing.assert_allclose(np.hypot(*places(name, "far_field", order, cells)), grading.radius, rtol=1e-10)
+        return
+    base = places(name, "base", order, cells)
+    assert np.all(base[1] <= -deepest(name) * (1 - 1e-11))
+    assert base[0].max() == -base[0].min() == pytest.approx(half_width(name), rel=1e-11)
+    if name != "cylinder":
+        sides = places(name, "sides", order, cells)
+        assert np.all(np.abs(sides[0]) >= far)
+        assert sides[1].min() == pytest.approx(-deepest(name), rel=1e-11)
+
+
+@EVERY
+def test_area_and_shape(name, order, cells):
+    """Worst area: 8.5e-3 with chords, 6e-6 with curved sides; angles 27 degrees, shapes 0.70 and 0.39. None is folded."""
+    one = body(name, order, cells)
+    element = skfem.ElementTriP1() if cells == "triangles" else skfem.ElementQuad1()
+    basis = skfem.Basis(one.mesh, element, intorder=6)
+    error = float(basis.dx.sum()) / exact_area(name) - 1
+    limits = {"block": (1e-11, 1e-11), "cylinder": (6e-3, 5e-6)} | dict.fromkeys(DISCS, (1.2e-2, 1e-5))
+    assert abs(error) < limits.get(name, (5e-4, 2e-7))[order - 1]
+    assert one.quality["area_error"] == pytest.approx(error, abs=1e-9)
+    worst, mean = (0.6, 0.9) if cells == "triangles" else (0.25, 0.85)
+    assert one.quality["least_angle"] > 20
+    assert one.quality["worst_shape"] > worst
+    assert one.quality["mean_shape"] > mean
+    assert (one.quality["elements"], one.quality["nodes"]) == (one.mesh.t.shape[1], one.mesh.p.shape[1])
+    determinant = basis.mapping.detDF(basis.X)
+    assert np.all(np.sign(determinant) == np.sign(determinant[:, :1]))
+
+
+@EVERY
+def test_nodes_lie_on_the_true_face_cut_as_asked(name, order, cells):
+    """Mid-side ones too, at the mean x of their corners: what the mortar coupling relies on. An arc is no parabola."""
+    grading = DISCS.get(name, GRADING)
+    x, y = places(name, "contact", order, cells)
+    np.testing.assert_allclose(y, -depth(name, x), rtol=1e-12, atol=1e-16)
+    if order == 2:
+        np.testing.assert_allclose(x[1::2], (x[:-1:2] + x[2::2]) / 2, rtol=0, atol=2e-12)
+    if name == "pad, hertz":
+        assert np.abs(y + np.square(x) / 20).max() == pytest.approx(1.1**4 / 8 / 10**3, rel=0.05)
+    corners = x[::order]
+    steps, inside = np.diff(corners), np.abs(corners[1:] + corners[:-1]) / 2 < grading.inner
+    # Quadrilaterals come in twos: six pieces of 0.1 where triangles have five of 0.12.
+    np.testing.assert_allclose(steps[inside], grading.size if cells == "triangles" else 0.1, rtol=1e-9)
+    np.testing.assert_allclose(steps[~inside], grading.edge_size, rtol=1e-9)
+    x, y = places(name, "free", order, cells)
+    np.testing.assert_allclose(
+        np.hypot(x, y + 5.0) if name == "cylinder" else y + depth(name, x), 5.0 * (name == "cylinder"), rtol=1e-11, atol=1e-11
+    )
+
+
+@EVERY
+def test_points_and_elements_are_their_own_mirror_image_to_the_last_bit(name, order, cells):
+    mesh = body(name, order, cells).mesh
+    as_rows = lambda array: sorted(map(tuple, (array + 0.0).tolist()))  # noqa: E731
+    assert as_rows(mesh.p.T) == as_rows(mesh.p.T * [-1.0, 1.0])
+    corners = mesh.p[:, mesh.t[: mesh.refdom.nfacets]]  # (2, corners, elements)
+
+    def outlines(sign):
+        return {frozenset(zip((sign * x + 0.0).tolist(), y.tolist(), strict=True)) for x, y in corners.transpose(2, 0, 1)}
+
+    assert outlines(1.0) == outlines(-1.0)
+
+
+def test_quality_of_known_triangles():
+    for third, area, least, shape, error in (
+        (math.sqrt(3) / 2, math.sqrt(3) / 4, 60, 1.0, 0.0),
+        (1e-3, 1e-3, 0.115, 2.31e-3, -0.5),
+    ):
+        mesh = skfem.MeshTri(np.array([[0, 1, 0.5], [0, 0, third]]), np.array([[0], [1], [2]]))
+        found = mesh_quality(mesh, exact_area=area)
+        assert found["least_angle"] == pytest.approx(least, rel=0.01)
+        assert found["worst_shape"] == found["mean_shape"] == pytest.approx(shape, rel=0.02)
+        assert found["area_error"] == pytest.approx(error, abs=1e-14)
+    assert found["size_ratio"] == pytest.approx(2.0, rel=1e-5)
+
+
+def scaled(name, length):
+    """Shape and profile in other units."""
+    shape, profile = SHAPES[name]
+    lengths = {key: value * length for key, value in shape.model_dump().items() if isinstance(value, float)}
+    if isinstance(profile, Tabulated):
+        return shape.vary(**lengths), Tabulated(points=[(x * length, h * length) for x, h in ROWS])
+    radii = {key: value * length for key, value in profile.model_dump().items() if isinstance(value, float)}
+    return shape.vary(**lengths), profile.vary(**radii)
+
+
+@pytest.mark.parametrize(
+    ("name", "order", "cells"),
+    [
+        (name, *kind)
+        for name in (*DISCS, *SHAPES)
+        for kind in ((2, "triangles"), (1, "quadrilaterals"))
+        if name not in DISCS or kind[0] == 2
+    ],
+)
+def test_scale_does_not_matter_and_the_same_question_has_the_same_mesh(name, order, cells):
+    """Not even the numbering changes: gmsh is given lengths over the contact side, to twelve digits. It is left as it was found."""
+    plain = body(name, order, cells)
+    for length in (1e-3, 1.0573, 1e9):
+        lengths = {field: value * length for field, value in vars(DISCS.get(name, GRADING)).items() if value is not None}
+        grading = SurfaceGrading(**lengths)
+        other = (
+            half_disc("scaled", grading, 0.25, order)
+            if name in DISCS
+            else solid("upper", *scaled(name, length), grading, 0.25, order, cells)
+        )
+        np.testing.assert_array_equal(other.mesh.t, plain.mesh.t)
+        np.testing.assert_allclose(other.mesh.p / length, plain.mesh.p, rtol=0, atol=1e-11)
+        for key in plain.mesh.boundaries:
+            np.testing.assert_array_equal(other.mesh.boundaries[key], plain.mesh.boundaries[key])
+    assert not gmsh.isInitialized()
+
+
+def test_growth_makes_fewer_elements_and_order_two_more_nodes():
+    for order in (1, 2):
+        assert half_disc("graded", DISC, 0.5, order).quality["elements"] < body("disc, graded", order).quality["elements"]
+    one, two = (body("disc, graded", order).quality for order in (1, 2))
+    assert one["elements"] == two["elements"]
+    assert two["nodes"] > 3 * one["nodes"]
+
+
+def test_build_makes_each_shape_and_reports_its_supports():
+    settings = MeshSettings(growth=0.4)
+    face = Hertz(radius=10.0)
+    held = Block(width=8.0, height=5.0, base="rollers", sides="guided")
+    assert build("lower", held, face, GRADING, settings).supports == {"base": "rollers", "sides": "guided"}
+    assert build("upper", PAD, face, GRADING, settings).supports == {"base": "fixed"}
+    assert build("upper", Cylinder(radius=5.0), face, GRADING, settings).supports == {"base": "fixed"}
+    with_radius = SurfaceGrading(0.6, 1.1, 0.12, 0.05, 4.0)
+    assert build("lower", HalfPlane(), face, with_radius, settings).supports == {"far_field": "half_plane"}
+
+
+ROUGH = [(0.0, 0.1, 0.1), (0.95, 0.14, 0.02), (0.3, 0.05, 0.03)]
+
+
+@pytest.mark.parametrize("growth", [0.1, 1.0])
+@pytest.mark.parametrize(("inner", "size", "edge_size"), ROUGH)
+@pytest.mark.parametrize(
+    ("name", "cells"), [("pad, flat_rounded", "triangles"), ("pad, tabulated", "quadrilaterals"), ("disc, even", "triangles")]
+)
+def test_corners_of_the_admitted_settings_make_sound_meshes(name, cells, inner, size, edge_size, growth):
+    """Quadrilaterals with two sides in line along the face (shape 0.004) came out of these before."""
+    for radius in (2.2, 40.0) if name in DISCS else (None,):
+        grading = SurfaceGrading(inner, 1.1, size, edge_size, *([radius] if radius else []))
+        one = half_disc("any", grading, growth, 2) if radius else solid("upper", *SHAPES[name], grading, growth, 2, cells)
+        assert one.quality["worst_shape"] > 0.15
+        assert one.quality["least_angle"] > 10
+        assert abs(one.quality["area_error"]) < (5e-3 if radius else 1e-5)
+
+
+def test_default_settings_and_narrow_bodies_are_fit_for_use():
+    """A contact side of 97 % of the face, a pad just higher than its face is deep."""
+    default = MeshSettings()
+    grading = SurfaceGrading(0.67, 1.06, default.element_size, default.edge_element_size, default.far_radius)
+    quality = half_disc("default", grading, default.growth, default.order).quality
+    assert quality["least_angle"] > 20  # 23
+    assert abs(quality["area_error"]) < 1e-4
+    tight = solid("upper", Pad(width=2.2 / 0.97, height=0.07), Hertz(radius=10.0), GRADING, 0.4)
+    assert tight.quality["worst_shape"] > 0.1
+    assert abs(tight.quality["area_error"]) < 1e-8
+
+
+# --------------------------------------------------------------------------------------------------------------- refusals
+
+
+@pytest.mark.parametrize(
+    ("shape", "sentence"),
+    [
+        (Block(width=2.2, height=5.0), "bodies.upper: the contact reaches |x| = 1.1, past the end of the block's face at 1.1: "),
+        (Pad(width=2.0, height=5.0), "bodies.upper: the contact reaches |x| = 1.1, past the end of the pad's face at 1: "),
+        (Cylinder(radius=1.05), "bodies.upper: the contact reaches |x| = 1.1, past the end of the cylinder's face at 1.05: "),
+        (
+            Pad(width=12.0, height=2.0),
+            "bodies.upper.height = 2 is refused: the pad's face goes as deep at its sides; make it higher",
+        ),
+    ],
+)
+def test_refusals(shape, sentence):
+    with pytest.raises(InputError) as caught:
+        solid("upper", shape, Hertz(radius=10.0), GRADING)
+    assert str(caught.value).startswith(sentence)
+
+
+def test_the_height_at_which_a_pad_is_refused_is_that_of_its_face():
+    depth = 10 - math.sqrt(10**2 - 6**2)
+    solid("upper", Pad(width=12.0, height=depth * 1.05), Hertz(radius=10.0), GRADING, 0.4, 1)
+    with pytest.raises(InputError, match="make it higher"):
+        solid("upper", Pad(width=12.0, height=depth), Hertz(radius=10.0), GRADING, 0.4, 1)
+
+
+@pytest.mark.parametrize(
+    ("settings", "rule"),
+    [
+        ({"element_size": 0.0}, "element_size = 0.0"),
+        ({"element_size": 0.3}, r"\[0.0001, 0.25\]"),
+        ({"edge_element_size": -0.1}, "edge_element_size = -0.1"),
+        ({"edge_element_size": float("nan")}, "edge_element_size = nan"),
+        ({"edge_element_size": 0.2, "element_size": 0.1}, "at most element_size = 0.1"),
+        ({"far_radius": 1.0}, "far_radius = 1.0"),
+        ({"far_radius": float("inf")}, "far_radius = inf"),
+        ({"growth": 0.0}, "growth = 0.0"),
+        ({"growth": 1.5}, "growth = 1.5"),
+        ({"order": 3}, "order = 3 is refused: it is 1 or 2"),
+    ],
+)
+def test_settings_refuse_bad_values(settings, rule):
+    with pytest.raises(InputError, match=rule) as caught:
+        MeshSettings(**settings)
+    assert str(caught.value).startswith("mesh: ")
+
+
+# ------------------------------------------------------------------------------------------------------ files, interrupts
+TRIANGLES = (np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), np.array([[0, 1, 2], [1, 3, 2]]), "triangle")
+SIX = (
+    np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]),
+    np.array([[0, 1, 2, 3, 4, 5]]),
+    "triangle6",
+)
+
+
+@pytest.mark.parametrize(("points", "cells", "kind"), [TRIANGLES, SIX], ids=["3", "6"])
+def test_field_files_come_back_and_other_elements_are_refused(points, cells, kind, tmp_path):
+    n, padding = len(points), np.zeros(len(points))
+    fields = {"pressure": 1.5 * np.arange(n), "displacement": points * 1e-3, "stress": np.arange(4.0 * n).reshape(n, 4)}
+    write_vtu(tmp_path / "body.vtu", points, cells, fields)
+    found = meshio.read(tmp_path / "body.vtu")
+    np.testing.assert_array_equal(found.points, np.column_stack([points, padding]))
+    assert [block.type for block in found.cells] == [kind]
+    np.testing.assert_array_equal(found.cells[0].data, cells)
+    for name in ("pressure", "stress"):
+        np.testing.assert_array_equal(found.point_data[name], fields[name])
+    np.testing.assert_array_equal(found.point_data["displacement"], np.column_stack([points * 1e-3, padding]))
+    with pytest.raises(KeyError):
+        write_vtu(tmp_path / "other.vtu", points, np.array([[0, 1, 3, 2, 0]]), {})
+    assert [file.name for file in tmp_path.iterdir()] == ["body.vtu"]
+
+
+def test_an_interrupt_waits_until_the_end():
+    reached = []
+
+    def interrupted():
+        with interrupts_wait():
+            os.kill(os.getpid(), signal.SIGINT)
+            reached.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert reached == [True]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_an_interrupt_is_ignored_where_it_was_ignored_before():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interrupts_wait():
+            os.kill(os.getpid(), signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_inside_the_size_callback_is_not_lost(monkeypatch):
+    given = gmsh.model.mesh.setSizeCallback
+
+    def interrupted(callback):
+        def ask(*place):
+            os.kill(os.getpid(), signal.SIGINT)
+            return callback(*place)
+
+        given(ask)
+
+    monkeypatch.setattr(gmsh.model.mesh, "setSizeCallback", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        half_disc("body", SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0))
