@@ -348,7 +348,9 @@ VARIANTS = {
         for kind in ("cylinders", "pad on block")
     },
 }
-COSTLY = [name for name in (*LADDERS, *VARIANTS) if name.startswith(("idealisation", "stiff", "external"))]
+COSTLY = [
+    name for name in (*LADDERS, *VARIANTS) if name.startswith(("idealisation", "stiff", "external")) or name.endswith(", penalty")
+]
 
 
 @pytest.mark.parametrize(
@@ -395,9 +397,8 @@ def sequence(cuts: tuple[int, ...], order: int, name: str) -> list[float]:
     return [fe_orders.rung(n, order, spread)[name] for n in cuts]
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "W" else name for name in ("p", "q", "a", "c", "W")]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["p", "q", "a", "c", "W"])
 def test_quadratic_elements_converge_at_their_order(name):
     """Of p, q, a, c, W over the cycle under uniform refinement, and monotone; with a floor under the error it is another order."""
     found = sequence(CUTS, 2, name)

@@ -249,6 +249,7 @@ def test_every_fault_of_the_list_is_in_the_table_and_names_checks_that_exist(tab
     assert all(fault.caught_by and set(fault.caught_by) <= set(table.LIMITS) for fault in table.FAULTS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["history dropped", "pressure of sliding nodes 1 % short"])
 def test_faults_are_caught_on_a_coarse_mesh_too(table: ModuleType, name: str) -> None:
     """What needs no reference has one limit on any mesh; against theory, shear is off by more than a coarse mesh costs."""

@@ -270,7 +270,7 @@ def test_failing_at_the_very_first_increment_is_told_as_such(monkeypatch):
         raise ConvergenceError("the first increment is too much")
 
     scene = make_scene(ellipse(3.0, 1.0, 0.2, 0.8, 70.0), 0.5, radius=100.0)
-    scales = halfplane_fe.solve(scene, COARSE, SHORT).scales
+    scales = halfplane_fe.solve(scene, ROUGH, FEW).scales
     monkeypatch.setattr("halfplane_fe.stepping._attempt", fail)
     with pytest.raises(ConvergenceError, match="too much") as caught:
         halfplane_fe.solve(scene, COARSE, SHORT, scales=scales)
