@@ -686,7 +686,7 @@ def bars(budget: ErrorBudget) -> Plate | None:
                 marks.append(Block((start, start + share), (low + 0.14, low + 0.5), f"term-{k} edge", label))
         marks += _total(low, over(one, one.total), over(one, one.uncertainty), wide)
         beyond = ", cut off" if reaches[row] > wide else ""
-        known = "" if one.metric.absolute or one.uncertainty is None else minus(f" ± {100 * one.uncertainty:.2g} %")
+        known = "" if one.metric.absolute or one.uncertainty is None else minus(f" ± {float(f'{100 * one.uncertainty:.2g}'):g} %")
         words = f"{one.metric.label}: {value_of(one.metric)}{known}{beyond}"
         marks.append(Note(-wide, low + 0.7, words, "tick over", shift=(6.0, 0.0)))
 
@@ -701,7 +701,11 @@ def bars(budget: ErrorBudget) -> Plate | None:
         ("Each term over the metric's tolerance (thin lines: ±1)" if judged else "Each term in per cent")
         + "; the black mark is the whole discrepancy E with its uncertainty. A row much longer than the others is cut off.",
         "Stacked bars: the terms of the error of every metric, over its tolerance.",
-        (_broad("budget", across, up, marks, "Error budget as stacked bars", _ROW * len(shown) + 60),),
+        (
+            _broad(
+                "budget", across, up, marks, "Error budget as stacked bars", _ROW * len(shown) + 60, room=(20.0, 12.0, 20.0, 46.0)
+            ),
+        ),
         {
             "metric": [one.metric.key for one in shown],
             "tolerance": numbers([one.metric.tolerance for one in shown]),
