@@ -41,7 +41,7 @@ FRICTION, SHEAR = 0.5, 0.6  # f and Q/(f P)
 # Half-width of what sticks, a = 1; the stick zone of partial slip is that of like half-planes.
 STICK = {"pressed": -1.0, "full stick": 1.0, "partial slip": (1 - SHEAR) ** 0.5}
 INNER = 5.0
-RADII = (5.0, 10.0, 20.0, 40.0)
+RADII, FARTHEST = (5.0, 10.0, 20.0), 160.0
 MOMENTS = range(5)
 
 
@@ -176,13 +176,13 @@ def slope(errors: list[float]) -> float:
 
 @functools.cache
 def by_radius(growth: float, contact: str = "full stick") -> dict[tuple[str, str], list[float]]:
-    """(pair, p or q): difference at each of RADII from four times the largest, the elements within INNER being the same.
+    """(pair, p or q): difference at each of RADII from the farthest, the elements within INNER being the same.
 
     Elements are as large as `growth` times the distance from the contact, those of the rings as long as those of the inner arc.
     """
     start = inner_mesh(growth=growth)
     answers: dict[str, list[Tractions]] = {pair: [] for pair in PAIRS}
-    for radius in (*RADII, 4 * RADII[-1]):
+    for radius in (*RADII, FARTHEST):
         body = start if radius == INNER else with_rings(start, radius)
         condensed = {material: condense(body, material, 1.0) for material in PAIRS.values()}
         for pair, material in PAIRS.items():

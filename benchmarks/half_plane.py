@@ -511,7 +511,9 @@ def batches() -> Iterator[Row]:
     for some in (few, members):
         tracemalloc.start()
         found = semi_analytic.dissipation(profile=hertz, **some)
-        peaks.append((tracemalloc.get_traced_memory()[1] - sum(value.nbytes for value in vars(found).values())) / 1e6)
+        peaks.append(
+            (tracemalloc.get_traced_memory()[1] - sum(getattr(value, "nbytes", 0) for value in vars(found).values())) / 1e6
+        )
         tracemalloc.stop()
     yield Row("peak memory beyond arguments and results, 10^5 members", peaks[0], None, "tracemalloc", "MB")
     yield Row("growth of that from 10^5 to 10^6 members", peaks[1] - peaks[0], 0.5, f"{peaks[1]:.2f} MB", "MB")

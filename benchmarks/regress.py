@@ -29,7 +29,7 @@ import numpy as np
 from regress_truth import DIGITS, FIELDS, PLACES, field_truth, pointwise_truth, truth
 
 import semi_analytic
-from scenes import Scene, load_scene, scene_names
+from scenes import ContactSolution, Scene, load_scene, scene_names
 
 FILE = Path(__file__).with_suffix(".json")
 # Relative; the frozen values were made by this very code, so only round-off may differ (another order of sums, another library).
@@ -80,9 +80,8 @@ class Line:
         return (self.error is None or self.error <= limit) and self.drift is not None and self.drift <= SAME
 
 
-def times_of(scene: Scene) -> np.ndarray:
+def times_of(full: ContactSolution) -> np.ndarray:
     """Twenty times of the last cycle, at no event."""
-    full = semi_analytic.solve(scene, x=[0.0], fields=())
     first, last = full.time[full.last_cycle[[0, -1]]].tolist()
     return np.array([first + (k + _PART) / _TIMES * (last - first) for k in range(_TIMES)])
 
@@ -93,7 +92,7 @@ def measure(scene: Scene) -> dict[str, float]:
     full = semi_analytic.solve(scene)
     largest = float(full.contact_half_width.max())
     some = semi_analytic.solve(
-        scene, x=largest * _PLACES, time=times_of(scene)[::2], fields=("pressure", "shear", "slip", "tangential_displacement")
+        scene, x=largest * _PLACES, time=times_of(full)[::2], fields=("pressure", "shear", "slip", "tangential_displacement")
     )
     found = {
         "dissipation": answer.dissipation,
@@ -107,12 +106,12 @@ def measure(scene: Scene) -> dict[str, float]:
 
 def instant_of(scene: Scene) -> dict[str, Any]:
     """The time of twenty at which c is least, and three points: one that always sticks, two that slip."""
-    times = times_of(scene)
+    full = semi_analytic.solve(scene, x=[0.0], fields=())
+    times = times_of(full)
     edges = semi_analytic.solve(scene, x=[0.0], time=times, fields=())
     which = int(np.argmin(np.nan_to_num(edges.stick_half_width, nan=math.inf)))
     outer, inner = float(edges.contact_half_width[which]), float(edges.stick_half_width[which])
     inner = inner if inner < 0.99999 * outer else 0.8 * outer
-    full = semi_analytic.solve(scene, x=[0.0], fields=())
     always = 0.3 * min(np.nan_to_num(full.permanent_stick_half_width, nan=inner), inner)
     at = [float(always), inner + 0.4 * (outer - inner), inner + 0.9 * (outer - inner)]
     return {"time": float(times[which]), "at": at}
