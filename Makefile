@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress publish maps peers examples docs pages constraints clean distclean
+.PHONY: help run test lint types contracts pytest contract slow nightly fresh lowest bench stress numbers regress mutants publish maps peers examples docs pages constraints clean distclean
 
 PY := .venv/bin/python
 PROGRAM := .venv/.installed
@@ -115,6 +115,11 @@ numbers: $(STAMP) ## measure every promised number, into docs/numbers.md and REA
 regress: $(STAMP) ## the half-plane engine against stored references and its own frozen values (ACCEPT="scene ...", REFERENCES=1)
 	@echo "==> regress"
 	@$(ONE_THREAD) $(PY) benchmarks/regress.py $(if $(ACCEPT),--accept $(ACCEPT)) $(if $(REFERENCES),--references)
+
+mutants: $(STAMP) ## random mutants of both engines through the tests, survivors listed; resumes (DRAWN=60 SEED=19 STAGES="contract engine")
+	@echo "==> mutants"
+	@mkdir -p "$$TMPDIR" .cache/home
+	@$(PY) benchmarks/mutants.py $(if $(DRAWN),--drawn $(DRAWN)) $(if $(SEED),--seed $(SEED)) $(if $(STAGES),--stages $(STAGES)) --processes 2
 
 publish: $(STAMP) ## both engines on the whole library, into reports/published: pages, figures, frozen values (PAGES=1: pages alone)
 	@echo "==> publish"
