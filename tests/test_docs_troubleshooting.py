@@ -45,7 +45,7 @@ OF_RUNS = {
     "halfplane_fe/solve.py": ["the contact reached the end of the meshed side"],
     "halfplane_fe/resolution.py": ["elements from its middle to its edge where it is smallest", "elements wide at most"],
     "halfplane_fe/store.py": ["the store of condensed bodies (", "condensations read there ", "condensed again, and "],
-    "meshes/limits.py": ["nodes on its contact, and the limit is "],
+    "meshes/bodies.py": ["nodes on its contact, and the limit is "],
     "reports/cli/application.py": ["there is not enough memory for this", "ask for a coarser mesh, fewer steps or fewer instants"],
     "reports/cli/solving.py": [
         "pictures can't be drawn here: ",

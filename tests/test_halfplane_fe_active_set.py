@@ -13,16 +13,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import halfplane_fe
-from halfplane_fe import SolverSettings, coupled
+from halfplane_fe import SolverSettings, active_subsets
+from halfplane_fe.active_subsets import CoupledFactor, Kept, NestedFactor, SingularSet
 from halfplane_fe.contact import ContactProblem, untouched
-from halfplane_fe.coupled import CoupledFactor, SingularSet
 from halfplane_fe.elasticity import condense
 from halfplane_fe.energy import certificates, increment_energy
 from halfplane_fe.interface import Interface, couple
-from halfplane_fe.kept import Kept
 from halfplane_fe.law import project, slip_sign, violations
 from halfplane_fe.mirror import half, mirrored
-from halfplane_fe.nested import NestedFactor
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings, SurfaceGrading, half_disc
 from problems import fe_run
@@ -457,14 +455,14 @@ SCENE = load_scene("hertz-paper").vary(
 MESH = MeshSettings(element_size=1 / 5, edge_element_size=1 / 10, growth=1.0)
 
 
-def unlike_factor(n: int) -> coupled.CoupledFactor:
+def unlike_factor(n: int) -> active_subsets.CoupledFactor:
     """A coupled system of n nodes with nothing special about it."""
     rng, zero = np.random.default_rng(5), np.zeros(n)
     normal, tangential = (half @ half.T / n + np.eye(n) for half in rng.standard_normal((2, n, n)))
     coupling = 0.1 * rng.standard_normal((n, n))
     flat = np.stack([zero, zero + 1])
     faces = Interface(np.linspace(-1, 1, n), zero + 1, flat, zero, normal, tangential, coupling)
-    return coupled.CoupledFactor(faces, normal, tangential, coupling, 0.5, Counter())
+    return active_subsets.CoupledFactor(faces, normal, tangential, coupling, 0.5, Counter())
 
 
 def test_a_tiny_bound_changes_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -472,7 +470,7 @@ def test_a_tiny_bound_changes_no_answer(monkeypatch: pytest.MonkeyPatch) -> None
     settings = SolverSettings(steps_per_cycle=32)
     plain = halfplane_fe.solve(SCENE, MESH, settings)
     assert plain.work.counts["linear solves"] > plain.work.counts["factor updates"] > 5 * plain.work.counts["factorisations"]
-    monkeypatch.setattr(coupled, "_KEPT_BYTES", 1)
+    monkeypatch.setattr(active_subsets, "_COUPLED_BYTES", 1)
     tight = halfplane_fe.solve(SCENE, MESH, settings)
     assert tight.work.counts["factor updates"] > 1.2 * plain.work.counts["factor updates"]
     np.testing.assert_array_equal(tight.state, plain.state)
@@ -482,7 +480,7 @@ def test_a_tiny_bound_changes_no_answer(monkeypatch: pytest.MonkeyPatch) -> None
     assert tight.dissipation == pytest.approx(plain.dissipation, rel=1e-9)
 
 
-def bytes_reached(factor: coupled.CoupledFactor) -> tuple[int, int]:
+def bytes_reached(factor: active_subsets.CoupledFactor) -> tuple[int, int]:
     """Bytes of all bases with their columns, and of all changes, that the caches reach in fact, not what they were told."""
     changes = [change for _, change in factor._changes.items()]
     bases = {id(base): base for base in [*(base for _, base in factor._bases.items()), *(change.base for change in changes)]}
@@ -495,7 +493,7 @@ def test_bytes_kept_stay_within_the_bound(every: int, few: int, monkeypatch: pyt
     """Room for two bases or three: columns count, and no change keeps a base that was forgotten."""
     factor, rng = unlike_factor(60), np.random.default_rng(3)
     bound = 3 * 8 * 2 * 122**2
-    monkeypatch.setattr(coupled, "_KEPT_BYTES", bound)
+    monkeypatch.setattr(active_subsets, "_COUPLED_BYTES", bound)
     factor.__post_init__()
     reached, states = [], np.full(60, SurfaceState.STICK, dtype=np.int8)
     for number in range(300):

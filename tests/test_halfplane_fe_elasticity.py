@@ -14,11 +14,10 @@ from hypothesis import strategies as st
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import halfplane_fe
-from halfplane_fe import assembly
-from halfplane_fe.assembly import split_lame
-from halfplane_fe.elasticity import condense, displacement_fields
+from halfplane_fe import elasticity
+from halfplane_fe.elasticity import condense, displacement_fields, split_lame
 from halfplane_fe.far_field import surface_force_displacement, surface_force_traction
-from halfplane_fe.pair import check_supports
+from halfplane_fe.interface import check_supports
 from meshes import MeshSettings, SurfaceGrading, half_disc, solid
 from problems import COARSE, FEW_STEPS, drawn_inwards, fe_run, hertz_pressure, mindlin_dissipation, pressed_in
 from scenes import Block, ConvergenceError, Cylinder, Elastic, Hertz, InputError, Materials, Pad, Scene, load_scene
@@ -444,7 +443,7 @@ def test_error_does_not_grow_with_nu(poisson_ratio):
 
 
 def test_plain_elements_would_fail_that_test(monkeypatch):
-    monkeypatch.setattr(assembly, "PLAIN_LAMBDA", np.inf)
+    monkeypatch.setattr(elasticity, "PLAIN_LAMBDA", np.inf)
     with pytest.raises(AssertionError, match="incompressible rocking"):
         check("incompressible rocking", errors_at.__wrapped__(0.4999)["rocking"])
 

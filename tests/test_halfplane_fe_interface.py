@@ -20,7 +20,7 @@ from scipy.sparse.linalg import splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from halfplane_fe.contact import ContactProblem, untouched
-from halfplane_fe.elasticity import CondensedBody, condense
+from halfplane_fe.elasticity import CondensedBody, condense, scalar_element
 from halfplane_fe.interface import body_forces, couple
 from halfplane_fe.mortar import Side, mortar
 from halfplane_fe.systems import Layer

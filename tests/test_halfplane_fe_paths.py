@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import check_admissible
-from halfplane_fe import pair as pairs
+from halfplane_fe import interface as pairs
 from halfplane_fe.interface import couple
 from halfplane_fe.mortar import Side, mortar
 from halfplane_fe.path import stretches, turning_points

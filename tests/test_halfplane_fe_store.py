@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 
 import halfplane_fe
 from halfplane_fe import SolverSettings, store
-from halfplane_fe.assembly import assemble
-from halfplane_fe.elasticity import CondensedBody, condense
-from halfplane_fe.pair import meshed_pair
+from halfplane_fe.elasticity import CondensedBody, assemble, condense
+from halfplane_fe.interface import meshed_pair
 from halfplane_fe.scales import Scales
 from halfplane_fe.solve import surface_grading
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build, half_disc

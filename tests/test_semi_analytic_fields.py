@@ -11,8 +11,7 @@ import semi_analytic.load_series
 from scenes import InadmissibleLoadError, InputError, StraightSegment, SurfaceState, load_scene, scene_names
 from scenes.loads import HarmonicLoad
 from semi_analytic import FIELDS, solve
-from semi_analytic.arcs import Arc
-from semi_analytic.fields import Integrals
+from semi_analytic.fields import Arc, Integrals
 from semi_analytic.friction_work import global_dissipation
 from semi_analytic.hertz import HertzContact
 from semi_analytic.history import history_of
