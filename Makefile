@@ -107,7 +107,7 @@ stress: $(STAMP) ## both engines at the ends of what a scene may ask, into docs/
 	@echo "==> stress"
 	@$(ONE_THREAD) HALFPLANE_CACHE=off $(PY) benchmarks/stress.py
 
-numbers: $(STAMP) ## measure every promised number, into docs/numbers.md and README (SECTIONS='"Finite*" Time': some of them)
+numbers: $(STAMP) ## measure every promised number, into docs/numbers.md (SECTIONS='"Finite*" Time': some of them)
 	@echo "==> numbers"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) benchmarks/claims.py $(SECTIONS)

@@ -1,8 +1,8 @@
-"""Every number that the project claims, measured now: printed, kept in docs/numbers.json, docs/numbers.md, the ten of README.
+"""Every number that the project claims, measured now: printed, kept in docs/numbers.json and docs/numbers.md.
 
     make numbers                              (python benchmarks/claims.py, half an hour)
     make numbers SECTIONS='"Finite*" Time'    (those sections alone; the others stay as they were measured)
-    python benchmarks/claims.py --pages       (none: page and README from docs/numbers.json)
+    python benchmarks/claims.py --pages       (none: the page from docs/numbers.json)
 
 A claim that misses its limit is printed and written all the same, and the exit code is 1. Each section is kept as soon as it is
 measured, with the commit that it was measured on. The page has the ten, every claim that is missed, and of each section the claim
@@ -23,8 +23,7 @@ from typing import Any
 
 from claim import ROOT, Row, commit, kept_json, markdown, write_json
 
-STORE, PAGE, README = ROOT / "docs" / "numbers.json", ROOT / "docs" / "numbers.md", ROOT / "README.md"
-MARKS = "<!-- ten numbers: written by make numbers -->", "<!-- end of the ten numbers -->"
+STORE, PAGE = ROOT / "docs" / "numbers.json", ROOT / "docs" / "numbers.md"
 MOST_ROWS = 60
 # Heading -> module and function that yields its rows.
 SECTIONS = {
@@ -57,7 +56,7 @@ SECTIONS = {
     "Sweeps: cheap uncertainty": "sweep_coverage.rows",
     "Time": "finite_elements.cold",
 }
-# The ten that matter most: what README says of it, section, row.
+# The ten that matter most: words, section, row.
 TEN = (
     ("friction work of 41 ellipses by theory, against 30 digits", "Half-plane engine: extremes", "worst relative error of W"),
     ("a cycle of 400 instants at 200 points by theory", "Half-plane engine: histories", "solve(hertz-paper), one cycle"),
@@ -157,18 +156,11 @@ def page_of(kept: Kept) -> str:
 
 
 def ten_of(kept: Kept) -> str:
-    """The table in README."""
+    """The first table of the page."""
     found = [(words, next(row for row in rows_of(kept, title) if row.what == what)) for words, title, what in TEN]
     limits = ["" if row.limit is None else f"{row.limit:g} {row.unit}" for _, row in found]
     cells = [(words, f"{abs(row.measured):.2g} {row.unit}", limit) for (words, row), limit in zip(found, limits, strict=True)]
     return "\n".join(markdown("what | measured | limit", cells))
-
-
-def write(kept: Kept) -> None:
-    """The page, and the ten numbers of README."""
-    PAGE.write_text(page_of(kept), encoding="utf-8")
-    before, _, rest = README.read_text("utf-8").partition(MARKS[0])
-    README.write_text(f"{before}{MARKS[0]}\n\n{ten_of(kept)}\n\n{MARKS[1]}{rest.partition(MARKS[1])[2]}", encoding="utf-8")
 
 
 def main(patterns: list[str]) -> int:
@@ -180,8 +172,8 @@ def main(patterns: list[str]) -> int:
     for title in asked:
         kept[title] = measure(title)
         write_json(STORE, kept)
-        write(kept)
-    write(kept)
+        PAGE.write_text(page_of(kept), encoding="utf-8")
+    PAGE.write_text(page_of(kept), encoding="utf-8")
     missed = sum(row.kept is False for title in asked for row in rows_of(kept, title))
     print(f"{PAGE.relative_to(ROOT)}: {missed} claims missed in {len(asked)} sections")
     return 1 if missed else 0
