@@ -47,13 +47,13 @@ SECTIONS = {
     "Faults and bad input": "faults.rows",
     "Error budget": "budget.rows",
     "Error budget: planted faults": "budget.blame",
-    "Other people's results: diagnosis of planted faults": "diagnosis.rows",
-    "Other people's results: the examples": "score_examples.rows",
-    "Other people's results: rules and readers": "score_rules.rows",
+    "Other people's results: diagnosis of planted faults": "scoring.confusion",
+    "Other people's results: the examples": "scoring.example_rows",
+    "Other people's results: rules and readers": "scoring.rule_rows",
     "Maps of the idealisation": "map_laws.rows",
     "The report": "finite_elements.page",
     "Sweeps": "sweep.rows",
-    "Sweeps: cheap uncertainty": "sweep_coverage.rows",
+    "Sweeps: cheap uncertainty": "sweep.coverage",
     "Time": "finite_elements.cold",
 }
 # The ten that matter most: words, section, row.
