@@ -162,12 +162,12 @@ class TextTable:
 
 
 def text_table(path: Path, columns: tuple[str, ...] = (), what: str = "the table", cure: str = "thin it out") -> TextTable:
-    """Rows of finite numbers below a line of names; what stands behind a # is a remark.
+    """Rows of finite numbers below a line of names; lines that start with # or ** are remarks.
 
     Parameters
     ----------
-    columns : names that the file must have, commas between them; the line of names may then be left out. Without: whatever the
-        first line names, with commas, semicolons (then a decimal comma will do), tabs or blanks between
+    columns : names that the file must have, commas between them; the line of names may then be left out, and a # in a row begins
+        a remark. Without: whatever the first line names, with commas, semicolons (then a decimal comma will do), tabs or blanks between
     what, cure : what the file is to the user, and what to do about one that is too large
 
     Raises
@@ -175,20 +175,21 @@ def text_table(path: Path, columns: tuple[str, ...] = (), what: str = "the table
     InputError
         One sentence that names file, line and rule.
     """
+    longest = _LONGEST if columns else TEXT  # a row of a foreign table may hold all the frames of a point
     try:
         check_size(path, what, TEXT, cure)
         with path.open("rb") as lines:  # counted before anything of it is kept
-            for number, line in enumerate(iter(lambda: lines.readline(_LONGEST + 1), b""), 1):
-                if len(line) > _LONGEST:
-                    raise InputError(f"{path}, line {number}: more than {_LONGEST:,} characters are no row of a table")
+            for number, line in enumerate(iter(lambda: lines.readline(longest + 1), b""), 1):
+                if len(line) > longest:
+                    raise InputError(f"{path}, line {number}: more than {longest:,} characters are no row of a table")
                 if number > MOST_ROWS:
                     raise InputError(f"{path}: {what} has more than {MOST_ROWS:,} lines, the most that are read; {cure}")
         text = path.read_text(encoding=_ENCODING)
     except (OSError, UnicodeDecodeError) as reason:
         why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
         raise InputError(f"{path}: the file can't be read: {why}") from reason
-    bare = ((number, line.split("#", 1)[0].strip(" \r\n")) for number, line in enumerate(text.split("\n"), 1))
-    rows = [(number, line) for number, line in bare if line.strip() and not line.startswith("**")]
+    bare = ((number, line.split("#", 1)[0] if columns else line) for number, line in enumerate(text.split("\n"), 1))
+    rows = [(number, line.strip(" \r")) for number, line in bare if line.strip() and not line.lstrip().startswith(("#", "**"))]
     del text
     wanted = f"{len(columns)} columns {', '.join(columns)}" if columns else "a line of names and rows of numbers"
     if not rows:
