@@ -181,22 +181,13 @@ def total(parts: Mapping[str, Array]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Circles about Q = 0 (phase 90 degrees, Q1 = P1) with a(P0) and P1 the same in all: figures 7 and 10.
+    """Circles about Q = 0 (phase 90 degrees, Q1 = P1) with a(P0) and P1 the same in all: figures 7 and 10."""
 
-    Attributes
-    ----------
-    frictions : (m,) f
-    ratio : (m, n) P0/P1, from the sliding limit on
-    work : (m, n) W/(A P1^2)
-    peak : (m, n) max W(x) a0/(A P1^2)
-    place : (m, n) place of the peak between permanent stick edge (0) and largest contact (1)
-    """
-
-    frictions: Array
-    ratio: Array
-    work: Array
-    peak: Array
-    place: Array
+    frictions: Array  # (m,) f
+    ratio: Array  # (m, n) P0/P1, from the sliding limit on
+    work: Array  # (m, n) W/(A P1^2)
+    peak: Array  # (m, n) max W(x) a0/(A P1^2)
+    place: Array  # (m, n) place of the peak between permanent stick edge (0) and largest contact (1)
 
 
 def sweep(case: Case, largest: float = 6.0, count: int = 33) -> Sweep:

@@ -26,43 +26,30 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement of the paper with what the engine computes.
-
-    Attributes
-    ----------
-    key : short name; where : place in the paper; words : what the paper states, in our words
-    computed : what the engine says, with numbers; verdict : follows from `values`; values : the numbers themselves
-    """
+    """A statement of the paper with what the engine computes."""
 
     key: str
-    where: str
-    words: str
-    computed: str
-    verdict: Verdict
+    where: str  # place in the paper
+    words: str  # what the paper states, in our words
+    computed: str  # what the engine says, with numbers
+    verdict: Verdict  # follows from `values`
     values: Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Misprint:
-    """A misprint of the paper with the numbers that prove it.
-
-    Attributes
-    ----------
-    key : short name; where : place in the paper; printed, right : the two readings, formulas as they are, the rest in our words
-    proof : what was evaluated, with numbers; proven : follows from `values`, None where there is nothing to
-        evaluate; values : the numbers themselves
-    """
+    """A misprint of the paper with the numbers that prove it."""
 
     key: str
-    where: str
-    printed: str
+    where: str  # place in the paper
+    printed: str  # the reading as printed: formulas as they are, the rest in our words
     right: str
-    proof: str
-    proven: bool | None
+    proof: str  # what was evaluated, with numbers
+    proven: bool | None  # follows from `values`; None: there is nothing to evaluate
     values: Mapping[str, float]
 
 
-# What a rule finds: the verdict, or whether the misprint is proven, and what the words of its row name.
+# The verdict, or whether the misprint is proven, and what the words of its row name.
 Found = tuple[Any, dict[str, Any]]
 
 
