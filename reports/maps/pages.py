@@ -265,7 +265,7 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
     prediction = f"Predicted exponent {chart.expected:g}: {chart.prediction}."
     straight = [straight_exponent(line) for line in found if line.figure == "error.dissipation"]
     fits = PAGE_WORDS["fits"].format(power="²" if chart.step == 2 else "")
-    if np.isfinite(straight).all():
+    if straight and np.isfinite(straight).all():
         fits += PAGE_WORDS["straight"].format(low=min(straight), high=max(straight))
     return ["### Laws", prediction, _table(head, rows), fits]
 
@@ -299,9 +299,10 @@ def _removed(pairs: Sequence[tuple[float, float]]) -> dict[str, float]:
     return {"least": min(shares), "most": max(shares), "median": float(np.median(shares))}
 
 
-def _known(folder: Path) -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = json.loads((folder / "laws.json").read_text(encoding="utf-8"))["laws"]
-    return rows
+def _known(folder: Path, study: str, *named: str) -> list[dict[str, Any]]:
+    """The stored laws of a study, of some errors."""
+    laws = json.loads((folder / "laws.json").read_text(encoding="utf-8"))["laws"]
+    return [law for law in laws if law["study"] == study and law["figure"] in named]
 
 
 def _beside(fit: float, doubt: float, known: float) -> str:
@@ -312,9 +313,7 @@ def derived_blocks(folder: Path) -> list[str]:
     """Constants of (a/h)^2 from the Fourier integrals and sums of layers, beside the fits."""
     p, q, cycle = ellipse_path(*_PAPER)
     rows = []
-    for law in _known(folder):
-        if law["study"] != "block" or law["figure"] not in ("error.p0", "error.dissipation"):
-            continue
+    for law in _known(folder, "block", *FIGURES[:2]):
         base, aspect = law["base"], float(law["aspect"])
         if base == "fixed" and aspect < 4:
             continue
@@ -424,18 +423,16 @@ def corrected_loops(folder: Path) -> list[str]:
 def growth(folder: Path) -> list[str]:
     """The constant of beta^2, and times f^2."""
     rows = []
-    for law in _known(folder):
-        if law["study"] == "unlike" and law["figure"] in ("error.dissipation", "error.p0"):
-            value, doubt, square = law["sign"] * law["fixed"], law["fixed_doubt"], float(law["f"]) ** 2
-            cells = [f"{value * by:.3g} ± {doubt * by:.2g}" for by in (1.0, square)]
-            rows.append([law["figure"].removeprefix("error."), law["f"], *cells])
+    for law in _known(folder, "unlike", *FIGURES[:2]):
+        value, doubt, square = law["sign"] * law["fixed"], law["fixed_doubt"], float(law["f"]) ** 2
+        cells = [f"{value * by:.3g} ± {doubt * by:.2g}" for by in (1.0, square)]
+        rows.append([law["figure"].removeprefix("error."), law["f"], *cells])
     return _section("growth", rows)
 
 
 def other_sign(folder: Path) -> list[str]:
     """Other signs of beta and other alpha, beside the laws: their constant and next term interpolated over log f."""
-    laws = [law for law in _known(folder) if law["study"] == "unlike" and law["figure"] == "error.dissipation"]
-    laws.sort(key=lambda law: float(law["f"]))
+    laws = sorted(_known(folder, "unlike", "error.dissipation"), key=lambda law: float(law["f"]))
     fs, rows = np.array([float(law["f"]) for law in laws]), []
     for row in read(folder, "unlike-held-out").to_dict("records"):
         (error, doubt), f, square = _work(row), float(row["f"]), float(row["beta"]) ** 2
