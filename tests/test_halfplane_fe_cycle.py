@@ -207,7 +207,7 @@ def test_equal_paths_have_equal_answers():
     check("initial loading", found[0].dissipation / found[1].dissipation - 1)
     plain = load_scene("cattaneo-mindlin")
     loads = (EllipseLoad(mean_normal_load=90, tangential_amplitude=25), PolygonLoad(initial_loading=[(90, -25)], cycle=[(90, 25)]))
-    ellipse, line = (fe_run(plain.vary(load=load), FEWER).dissipation for load in loads)
+    ellipse, line = (fe_run(plain.vary(load=load)).dissipation for load in loads)
     assert ellipse == pytest.approx(line, rel=1e-9)
     frictionless = fe_run(load_scene("hertz-normal").vary(friction=0.0))
     np.testing.assert_array_equal(frictionless.shear, 0.0)
