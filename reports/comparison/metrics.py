@@ -1,6 +1,6 @@
 """The metrics: one table. Each row has its key, its words, what it needs, the function that measures it and its tolerance.
 
-Every metric is a pure function of two last cycles on the same points and instants (a `Pair`), dimensionless: result less reference
+Every metric is a pure function of two last cycles on the same points and instants (a `Pair`), dimensionless: result − reference
 over a scale, signed wherever a sign has a meaning. A NaN in a solution means "no such thing at this instant" only where it is
 said so; any other NaN comes from the data and goes on to the verdict, where it fails.
 
@@ -233,12 +233,12 @@ class Definition:
     ----------
     key, label : for programs and for people
     unit : what its value is a share of
-    norm : how the differences at points and instants become one figure
+    norm : how the differences at points and instants become one value
     region : which points and instants count
     text : how it is computed
     needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` among them
     measure : the function, of a `Pair`
-    signed : whether its sign has a meaning (result less reference); a norm has none
+    signed : whether its sign has a meaning (result − reference); a norm has none
     absolute_unit : unit where the reference's own figure is 0 and nothing can be relative to it
     quantity : what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a
         quantity stands in the first table, the others are folded below it
@@ -372,9 +372,10 @@ def markdown() -> str:
         limit = OWN_TOLERANCES.get(row.judged_by)
         return "–" if limit is None else f"{limit:g}" + ("" if row.judged_by == row.key else f" (`{row.judged_by}`)")
 
+    bar = "\\|"
     rows = (
         f"| `{row.key}` | {row.label} | {unit(row)} | {row.norm} | {row.region} | {'yes' if row.signed else 'no'} | "
-        f"{tolerance(row)} | {row.text} |"
+        f"{tolerance(row)} | {row.text.replace('|', bar)} |"
         for row in sorted(METRICS.values(), key=lambda row: not row.headline)
     )
     return "\n".join(
@@ -490,13 +491,13 @@ def _of_amounts(expected: float, found: float, scale: float, **more: Any) -> Mea
     return Measured(value=value, absolute=nothing, amounts=(expected, found), **more)
 
 
-_POINTS = "every point, edges kept; judged instants"
+_POINTS = "every point, edges included; judged instants"
 _INSTANTS = "judged instants"
 _WHOLE = "last cycle"
 _WORST_INSTANT = "value at the worst instant"
 _WORST_POINT = "value at the worst point and instant"
 _L2 = "L2 over x; worst instant"
-_FIGURE = "one figure"
+_FIGURE = "one value"
 _WORK_SCALE = "A f² P_ref²"
 
 # ---------------------------------------------------------------------------------- the first table: absolute values of both
@@ -512,20 +513,20 @@ _WORK_SCALE = "A f² P_ref²"
     judged_by="peak_pressure",
 )
 def _(pair: Pair) -> Measured:
-    """Peak pressure: largest p of the cycle less that of the reference, over the latter, both over the same points."""
+    """Peak pressure: max p / max p_ref − 1 over the cycle, both over the same points."""
     return _of_amounts(float(pair.expected.pressure.max()), float(pair.found.pressure.max()), pair.scales.pressure)
 
 
 @metric("largest_half_width", "of the reference", _FIGURE, _WHOLE, "pressure", quantity="length", judged_by="contact_edge")
 def _(pair: Pair) -> Measured:
-    """Contact half-width: largest half of the distance between the contact edges less that of the reference, over the latter."""
+    """Contact half-width: (largest half distance of the contact edges)/(that of the reference) − 1."""
     expected, found = (float(np.nanmax(np.diff(c.contact_edges, axis=1), initial=0.0)) / 2 for c in (pair.expected, pair.found))
     return _of_amounts(expected, found, pair.scales.half_width)
 
 
 @metric("permanent_stick", "of a_ref", _FIGURE, _WHOLE, "state", WHOLE_CYCLE, quantity="length")
 def _(pair: Pair) -> Measured:
-    """Stick half-width, permanent: half-width that sticks through the whole last cycle less the reference's."""
+    """Stick half-width, permanent: half-width that sticks through the whole last cycle, result − reference."""
     expected, found = (float(s.permanent_stick_half_width) for s in (pair.reference, pair.result))
     lacking = [name_of(s.engine) for s in (pair.reference, pair.result) if math.isnan(s.permanent_stick_half_width)]
     if lacking:
@@ -546,7 +547,7 @@ def _(pair: Pair) -> Measured:
     absolute_unit="f p_ref a_ref/E*",
 )
 def _(pair: Pair) -> Measured:
-    """Largest slip: largest range of s of a point through the cycle less that of the reference, over the latter."""
+    """Largest slip: largest range of s of a point through the cycle, over that of the reference, − 1."""
     # Of the instants at which a point is in contact in both: out of contact s is a displacement and nothing slips.
     touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
     if not pair.result.scene.friction.coefficient or not touching.any():
@@ -563,7 +564,7 @@ def _(pair: Pair) -> Measured:
 
 @metric("dissipation", "of W_ref", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE, quantity="energy", absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
-    """Dissipation: W less W_ref."""
+    """Dissipation: W − W_ref."""
     found = _of_amounts(pair.reference.dissipation, pair.result.dissipation, pair.scales.dissipation)
     return replace(found, note="the reference dissipates nothing, so the value is absolute") if found.absolute else found
 
@@ -572,15 +573,14 @@ def _(pair: Pair) -> Measured:
     "dissipation_density_peak",
     "of largest w_ref",
     _FIGURE,
-    "every point, edges kept; last cycle",
+    "every point, edges included; last cycle",
     "dissipation_density",
     WHOLE_CYCLE,
     quantity="energy density",
     absolute_unit=f"{_WORK_SCALE}/a_ref",
 )
 def _(pair: Pair) -> Measured:
-    """Largest pointwise dissipation: largest w less largest w_ref, over largest w_ref, both over the same points; with its
-    place."""
+    """Largest pointwise dissipation: max w / max w_ref − 1, both over the same points; with its place."""
     length = pair.scales.half_width
     expected, found = (float(cycle.dissipation_density.max()) for cycle in (pair.expected, pair.found))
     place = float(pair.found.x[np.argmax(pair.found.dissipation_density)]) / length
@@ -592,7 +592,7 @@ def _(pair: Pair) -> Measured:
 
 @metric("peak_pressure", "of peak p_ref", _WORST_INSTANT, _POINTS, "pressure")
 def _(pair: Pair) -> Measured:
-    """Peak pressure, worst instant: largest p less largest p_ref, over largest p_ref, both over the same points."""
+    """Peak pressure, worst instant: max p / max p_ref − 1 of an instant, both over the same points."""
     # Both maxima over the same points: where these lie beside the true peak cancels. A reference at its own peak would make
     # every result look too low by up to (h/a)^2/8.
     expected, found = pair.expected.pressure.max(axis=1), pair.found.pressure.max(axis=1)
@@ -601,14 +601,14 @@ def _(pair: Pair) -> Measured:
 
 @metric("pressure", "of ‖p_ref‖", _L2, _POINTS, "pressure", signed=False)
 def _(pair: Pair) -> Measured:
-    """Pressure, L2: L2 norm over x of p less p_ref, over the norm of p_ref."""
+    """Pressure, L2: ‖p − p_ref‖/‖p_ref‖, L2 over x."""
     x, expected = pair.found.x, pair.expected.pressure
     return _at_worst(pair, over(norm(x, pair.found.pressure - expected), norm(x, expected)))
 
 
 @metric("shear", "of f ‖p_ref‖", _L2, _POINTS, "shear", signed=False)
 def _(pair: Pair) -> Measured:
-    """Shear traction, L2: L2 norm over x of q less q_ref, over f times the norm of p_ref, since q changes sign on the way."""
+    """Shear traction, L2: ‖q − q_ref‖/(f ‖p_ref‖), L2 over x, since q changes sign in the cycle."""
     x, expected = pair.found.x, pair.expected
     return _at_worst(pair, over(norm(x, pair.found.shear - expected.shear), pair.scales.friction * norm(x, expected.pressure)))
 
@@ -687,23 +687,22 @@ def _stroke(pair: Pair) -> tuple[Array, Mask, str]:
 
 @metric("tangential_displacement", "of U_ref's stroke", _WORST_INSTANT, _INSTANTS, "tangential_displacement")
 def _(pair: Pair) -> Measured:
-    """Tangential displacement: U less U_ref over the range of U_ref in the cycle."""
+    """Tangential displacement: U − U_ref over the range of U_ref in the cycle."""
     difference, moves, note = _stroke(pair)
     return _at_worst(pair, difference, moves, note=note)
 
 
 @metric("dissipation_polygon", "of W_ref", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
-    """Dissipation, steps' error out: W less the reference's W on the straight lines between the instants: every error but that
-    of the steps."""
+    """Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: all errors except that of
+    the steps."""
     polygon = pair.polygon_reference or pair.reference
     return replace(_of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation), amounts=None)
 
 
 @metric("dissipation_step", "of W_ref", _FIGURE, _WHOLE, absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
-    """Dissipation, steps' error only: the reference's W on the straight lines between the instants less its W on the smooth
-    path."""
+    """Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on the smooth path."""
     polygon = pair.polygon_reference or pair.reference
     return replace(_of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation), amounts=None)
 
@@ -728,8 +727,7 @@ def normal_work(solution: ContactSolution) -> float | None:
 
 @metric("hysteresis", "of its area", _FIGURE, _WHOLE, "tangential_displacement", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
-    """Hysteresis loop: closed integral of Q dU less that of the reference, both by the trapezoidal rule over the same
-    instants."""
+    """Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants."""
     if not pair.periodic:
         return _none("the path is not periodic: no loop")
     return replace(_of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation), amounts=None)
@@ -745,13 +743,13 @@ def _density(pair: Pair) -> tuple[float, bool]:
     "dissipation_density",
     "of largest w_ref",
     "value at the worst point",
-    "every point, edges kept; last cycle",
+    "every point, edges included; last cycle",
     "dissipation_density",
     WHOLE_CYCLE,
     absolute_unit=f"{_WORK_SCALE}/a_ref",
 )
 def _(pair: Pair) -> Measured:
-    """Pointwise dissipation: w(x) less w_ref(x) over the largest w_ref; with its place."""
+    """Pointwise dissipation: w(x) − w_ref(x) over the largest w_ref; with its place."""
     scale, nothing = _density(pair)
     expected, found = pair.expected.dissipation_density, pair.found.dissipation_density
     difference = (found - expected) / (scale if nothing else np.max(np.abs(expected)))
@@ -761,7 +759,7 @@ def _(pair: Pair) -> Measured:
 
 @metric("pressure_maximum", "of peak p_ref", _WORST_POINT, _POINTS, "pressure")
 def _(pair: Pair) -> Measured:
-    """Pressure, maximum: p less p_ref where it is largest in size, over the largest p_ref of the instant; with its place."""
+    """Pressure, maximum: largest |p − p_ref|, with its sign, over the largest p_ref of the instant; with its place."""
     peak = pair.expected.pressure.max(axis=1, keepdims=True)
     series, places = worst_point(over(pair.found.pressure - pair.expected.pressure, peak), pair.found.x)
     return _at_worst(pair, series, places=places)
@@ -769,8 +767,8 @@ def _(pair: Pair) -> Measured:
 
 @metric("pressure_peak_place", "of a_ref", _WORST_INSTANT, _POINTS, "pressure")
 def _(pair: Pair) -> Measured:
-    """Place of peak pressure: x of the largest p less x of the largest p_ref, to a point; where several peaks of the reference
-    lie within 5 % of its largest, the nearest of them."""
+    """Place of peak pressure: x of the largest p − x of the largest p_ref, to a point; of several peaks of the reference within 5
+    % the nearest."""
     x, found = pair.found.x, pair.found.pressure
     series = peak_place(pair.expected.pressure, found, x) / pair.scales.half_width
     return _at_worst(pair, series, places=x[np.argmax(found, axis=1)], to_a_point=True)
@@ -778,8 +776,8 @@ def _(pair: Pair) -> Measured:
 
 @metric("shear_maximum", "of f peak p_ref", _WORST_POINT, _POINTS, "shear")
 def _(pair: Pair) -> Measured:
-    """Shear traction, maximum: q less q_ref where it is largest in size, over f times the largest p_ref of the instant; with
-    its place."""
+    """Shear traction, maximum: largest |q − q_ref|, with its sign, over f times the largest p_ref of the instant; with its
+    place."""
     peak = pair.scales.friction * pair.expected.pressure.max(axis=1, keepdims=True)
     series, places = worst_point(over(pair.found.shear - pair.expected.shear, peak), pair.found.x)
     return _at_worst(pair, series, places=places)
@@ -787,15 +785,15 @@ def _(pair: Pair) -> Measured:
 
 @metric("peak_shear", "of f peak p_ref", _WORST_INSTANT, _POINTS, "shear")
 def _(pair: Pair) -> Measured:
-    """Peak shear traction: largest size of q less that of q_ref, over f times the largest p_ref of the instant."""
+    """Peak shear traction: largest |q| − largest |q_ref|, over f times the largest p_ref of the instant."""
     difference = np.abs(pair.found.shear).max(axis=1) - np.abs(pair.expected.shear).max(axis=1)
     return _at_worst(pair, over(difference, pair.scales.friction * pair.expected.pressure.max(axis=1)))
 
 
 @metric("shear_peak_place", "of a_ref", _WORST_INSTANT, f"{_POINTS} that carry shear", "shear")
 def _(pair: Pair) -> Measured:
-    """Place of peak shear traction: x where q is largest in size less that of q_ref, to a point; where several peaks of the
-    reference lie within 5 % of its largest, the nearest of them."""
+    """Place of peak shear traction: x of the largest |q| − x of the largest |q_ref|, to a point; of several peaks of the
+    reference within 5 % the nearest."""
     x, expected, found = pair.found.x, np.abs(pair.expected.shear), np.abs(pair.found.shear)
     # Asked the other way round, a NaN would count as no shear and hide.
     sheared = pair.judged & ~(expected.max(axis=1) <= NO_SHEAR * pair.scales.shear)
@@ -826,20 +824,20 @@ def _resultant(pair: Pair, component: int) -> Measured:
     lacking, note = resultants(pair.found, weights, normals)[component] - loads[0], ""
     if weights is None:
         lacking = lacking - resultants(pair.expected, None, None)[component] + loads[1]
-        note = "the result states no weights, so by the trapezoidal rule, less what that misses of the reference"
+        note = "the result states no weights, so by the trapezoidal rule, minus its error for the reference"
     return _at_worst(pair, over(lacking, pair.found.normal_load), note=note)
 
 
 @metric("resultant_normal", "of P", _WORST_INSTANT, _INSTANTS, "pressure")
 def _(pair: Pair) -> Measured:
-    """Normal resultant: resultant of the result's tractions less P, over P: with the result's own weights and normals where it
-    has them (needs no reference), else by the trapezoidal rule less what the same rule misses of the reference."""
+    """Normal resultant: (resultant − P)/P, by the result's own weights and normals (needs no reference), otherwise by the
+    trapezoidal rule, minus the error of that rule for the reference."""
     return _resultant(pair, 0)
 
 
 @metric("resultant_tangential", "of P", _WORST_INSTANT, _INSTANTS, "shear")
 def _(pair: Pair) -> Measured:
-    """Tangential resultant: resultant of the result's tractions less Q, over P: by the rule of the normal resultant."""
+    """Tangential resultant: (resultant − Q)/P, as the normal resultant."""
     return _resultant(pair, 1)
 
 
@@ -889,8 +887,7 @@ for _kind in ("contact", "stick"):
     signed=False,
 )
 def _(pair: Pair) -> Measured:
-    """Stick set, not shared: 1 less the quotient of what sticks in both and what sticks in either, each measured by length
-    times time."""
+    """Stick set, not shared: 1 − (what sticks in both)/(what sticks in either), measured by length times time."""
     if not pair.result.scene.friction.coefficient:
         return _none(_FRICTIONLESS)
     theirs, ours = pair.expected.state == STICK, pair.found.state == STICK
@@ -969,15 +966,14 @@ def _full_stick(pair: Pair, at: int, none: str) -> Measured:
 
 @metric("full_stick_start", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
-    """Start of full stick: first instant of full stick less that of the reference, known to the step between two instants; full
-    stick is an interval of at least two instants whose stick edges are the contact edges; each of the reference's is compared
-    with the one of the result that shares most instants with it."""
+    """Start of full stick: first instant of full stick, result − reference, to a step; full stick: at least two instants whose
+    stick edges are the contact edges; intervals that share most instants are compared."""
     return _full_stick(pair, 0, "the reference does not come into full stick")
 
 
 @metric("full_stick_end", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
-    """End of full stick: last instant of full stick less that of the reference, by the rule of its start."""
+    """End of full stick: last instant of full stick, result − reference, as its start."""
     return _full_stick(pair, -1, "the reference does not come out of full stick")
 
 
@@ -1013,8 +1009,8 @@ def _reversals_to(sense: int, pair: Pair) -> _Changes:
 
 @metric("slip_reversal", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
-    """Reversal of slip: first instant of slip in the new sense less that of the reference, the sense being that of the longer
-    slip zone, known to the step between two instants."""
+    """Reversal of slip: first instant of slip in the new sense, result − reference, to a step; the sense is that of the longer
+    slip zone."""
     if not pair.result.scene.friction.coefficient:
         return _none(_FRICTIONLESS)
     found = [_reversals_to(sense, pair) for sense in (1, -1)]
@@ -1060,13 +1056,13 @@ _IN_CONTACT = "points in contact in both; judged instants"
 
 @metric("slip", "of the range of s_ref", _L2, _IN_CONTACT, "slip", signed=False, absolute_unit="f p_ref a_ref/E*")
 def _(pair: Pair) -> Measured:
-    """Slip, L2: root of the mean square over x of s less s_ref, over the range of s_ref in the cycle."""
+    """Slip, L2: root mean square over x of s − s_ref, over the range of s_ref in the cycle."""
     return _slip_metric(pair, maximum=False)
 
 
 @metric("slip_maximum", "of the range of s_ref", _WORST_POINT, _IN_CONTACT, "slip", absolute_unit="f p_ref a_ref/E*")
 def _(pair: Pair) -> Measured:
-    """Slip, maximum: s less s_ref where it is largest in size, over the range of s_ref in the cycle; with its place."""
+    """Slip, maximum: largest |s − s_ref|, with its sign, over the range of s_ref in the cycle; with its place."""
     return _slip_metric(pair, maximum=True)
 
 
@@ -1075,14 +1071,13 @@ def _(pair: Pair) -> Measured:
 
 @metric("dissipation_absolute", f"of {_WORK_SCALE}", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
-    """Dissipation, absolute: W less W_ref over A f² P_ref², which stays of use near full stick, where W_ref goes to 0."""
+    """Dissipation, absolute: (W − W_ref)/(A f² P_ref²): of use near full stick, where W_ref goes to 0."""
     return Measured(value=(pair.result.dissipation - pair.reference.dissipation) / pair.scales.dissipation)
 
 
 @metric("hysteresis_distance", "of U_ref's stroke", _WORST_INSTANT, _INSTANTS, "tangential_displacement", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
-    """Hysteresis loop, distance: U less U_ref less the mean of that over time: how far the loops are apart in U at the same
-    phase (and so at the same Q), laid on each other."""
+    """Hysteresis loop, distance: U − U_ref, without its mean over time: distance of the loops in U at the same phase."""
     difference, moves, note = _stroke(pair)
     weight = shares(pair.found.time)
     return _at_worst(pair, difference - (weight @ difference) / weight.sum(), moves, note=note)
@@ -1092,14 +1087,14 @@ def _(pair: Pair) -> Measured:
     "dissipation_density_norm",
     "of ‖w_ref‖",
     "L2 over x",
-    "every point, edges kept; last cycle",
+    "every point, edges included; last cycle",
     "dissipation_density",
     WHOLE_CYCLE,
     signed=False,
     absolute_unit=f"{_WORK_SCALE}/√a_ref",
 )
 def _(pair: Pair) -> Measured:
-    """Pointwise dissipation, L2: L2 norm over x of w less w_ref, over the norm of w_ref."""
+    """Pointwise dissipation, L2: ‖w − w_ref‖/‖w_ref‖, L2 over x."""
     scale, nothing = _density(pair)
     x, expected, found = pair.found.x, pair.expected.dissipation_density, pair.found.dissipation_density
     whole = scale * np.sqrt(pair.scales.half_width) if nothing else norm(x, expected)
@@ -1107,11 +1102,16 @@ def _(pair: Pair) -> Measured:
 
 
 @metric(
-    "dissipation_density_peak_place", "of a_ref", _FIGURE, "every point, edges kept; last cycle", "dissipation_density", WHOLE_CYCLE
+    "dissipation_density_peak_place",
+    "of a_ref",
+    _FIGURE,
+    "every point, edges included; last cycle",
+    "dissipation_density",
+    WHOLE_CYCLE,
 )
 def _(pair: Pair) -> Measured:
-    """Pointwise dissipation, place of peak: x of the largest w less x of the largest w_ref, to a point; where several peaks of
-    the reference lie within 5 % of its largest, the nearest of them."""
+    """Pointwise dissipation, place of peak: x of the largest w − x of the largest w_ref, to a point; of several peaks of the
+    reference within 5 % the nearest."""
     if _density(pair)[1]:
         return _none("the reference dissipates nothing")
     x, length = pair.found.x, pair.scales.half_width
@@ -1123,8 +1123,8 @@ def _(pair: Pair) -> Measured:
 
 @metric("energy_balance", "of the work of the loads", _WORST_INSTANT, _WHOLE, signed=False)
 def _(pair: Pair) -> Measured:
-    """Energy balance: what the loads put in less what the bodies store and friction takes, step by step, over the largest that
-    the loads have put in so far, as the result's record states it; needs no reference."""
+    """Energy balance: work of the loads − stored energy − dissipation, step by step, over the largest work of the loads so far,
+    as the result's record states it; needs no reference."""
     # From the record of the result, which alone knows what its bodies store.
     balance = pair.result.record.certificates.get("energy_balance")
     if balance is None:
