@@ -98,7 +98,7 @@ class Case:
     engine, what, tried : who, which end of the range, and the values
     measure, limit : what the error is of and against what, and how large each may be
     trials : (name, function that gives errors or refuses)
-    may_refuse, must_refuse : whether some or all of the trials may or must end in a sentence
+    must_refuse : whether each of the trials has to end in a sentence
     may_tell : whether an error above the limit passes if the answer says so: it is shown with its note
     """
 
@@ -108,7 +108,6 @@ class Case:
     measure: str
     limit: float
     trials: Callable[[], Iterable[Trial]]
-    may_refuse: bool = False
     must_refuse: bool = False
     may_tell: bool = False
 
@@ -170,7 +169,7 @@ def outcome(case: Case) -> Outcome:
         except (InputError, ConvergenceError) as reason:
             sentence = f"{reason}".splitlines()[0]
             found.refused += [] if sentence in found.refused else [sentence]
-            found.broken += [] if case.may_refuse or case.must_refuse else [f"{name}: refused, {reason}"]
+            found.broken += [] if case.must_refuse else [f"{name}: refused, {reason}"]
         except Exception as reason:  # noqa: BLE001 - a traceback is what is looked for: it is counted and shown
             found.broken.append(f"{name}: {type(reason).__name__}: {reason}")
         else:
