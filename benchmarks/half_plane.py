@@ -222,7 +222,6 @@ def inverses() -> Iterator[Row]:
 
 # ------------------------------------------------------------------------------------------------------- work and precision
 NODES, STEPS, ELEMENTS = (4, 8, 16, 32), (50, 100, 200, 400, 800, 1600, 3200), (20, 40, 80, 160)
-TARGETS = (1e-3, 1e-6, 1e-12)
 FLOOR = 1e-17  # errors of exactly 0 are drawn here
 SLIDING = 0.5 * math.sqrt(1 - 0.16) * (1 - 1e-6)
 CASES = {
@@ -324,24 +323,8 @@ def study(name: str) -> dict[str, list[Point]]:
     }
 
 
-def seconds_for(points: list[Point], target: float) -> tuple[float, str]:
-    """Time that an error takes: measured where reached, else from the order and from how the time grew with the last doubling.
-
-    Gauss' rule has no order to extrapolate by; single errors of the others may be small by chance: the order is that of all sizes.
-    """
-    if reached := [point.seconds for point in points if point.error <= target]:
-        return min(reached), "measured"
-    rate = -slope([p.size for p in points], [p.error for p in points]) if len(points) > 1 else 0.0
-    if rate < 0.5 or points[-1].size in NODES:
-        return math.inf, "not reached"
-    before, last = points[-2:]
-    growth = max(math.log(last.seconds / before.seconds) / math.log(last.size / before.size), 1.0)
-    found = last.seconds * (last.error / target) ** (growth / rate)
-    return (math.inf, "more than a year") if found > 3e7 else (found, "extrapolated")
-
-
 def precision() -> Iterator[Row]:
-    """What the engine's rule leaves, the orders of the others, the time that each needs."""
+    """What the engine's rule leaves, the errors and orders of the others; error against time is on the page of performance."""
     for name in CASES:
         if name == "Cattaneo-Mindlin":
             continue  # only in the diagrams of docs/performance.md
@@ -354,9 +337,6 @@ def precision() -> Iterator[Row]:
                 yield Row(f"{name}: {method}, relative error", last.error, None, f"{last.size} {unit}, {last.seconds * 1e3:.2g} ms")
                 order = -slope([point.size for point in points], [point.error for point in points])
                 yield from [Row(f"{name}: {method}, observed order", order, None, how)] if method != "plain Gauss" else []
-        for target, (method, points) in product(TARGETS, methods.items()):
-            took, how = seconds_for(points, target)
-            yield Row(f"{name}: {method}, time to {target:g}", took, None, how, "s")
 
 
 # ---------------------------------------------------------------------------------------------------------------- histories
