@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help run test lint types contracts pytest contract slow nightly fresh lowest bench stress numbers regress mutants publish maps peers examples docs pages constraints clean distclean
+.PHONY: help run test lint types contracts sizes checks pytest contract slow nightly fresh lowest bench stress numbers regress mutants publish maps peers examples docs pages constraints clean distclean
 
 PY := .venv/bin/python
 PROGRAM := .venv/.installed
