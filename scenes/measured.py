@@ -166,9 +166,9 @@ def text_table(path: Path, columns: tuple[str, ...] = (), what: str = "the table
 
     Parameters
     ----------
-    columns : names that the file must have, commas between them; the line of names may then be left out, and a # in a row begins
-        a remark. Without: whatever the first line names, with commas, semicolons (then a decimal comma will do), tabs or blanks
-        between
+    columns : names that the file must have, commas between them; the line of names may then be left out, and a # in a row
+        begins a remark. Without: whatever the first line names, with commas, semicolons (then a decimal comma will do), tabs or
+        blanks between
     what, cure : what the file is to the user, and what to do about one that is too large
 
     Raises
