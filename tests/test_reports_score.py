@@ -260,16 +260,18 @@ def test_dissipation_from_the_results_own_slip_is_that_of_its_shear() -> None:
     assert found.comparison.reference.dissipation == solution.dissipation
 
 
+@pytest.mark.usefixtures("undiagnosed")
 @pytest.mark.parametrize("name", SCENES[:3])
-def test_states_and_edges_are_those_of_the_engine_within_what_is_stated(name: str) -> None:
-    """With slip, in 49 instants and 105 points: edges to the stated few thousandths, states of all but some points."""
+@pytest.mark.parametrize(("with_slip", "off"), [(True, 0.01), (False, 0.02)])  # 0.0144 without, where slip has just turned
+def test_states_and_edges_are_those_of_the_engine_within_what_is_stated(name: str, with_slip: bool, off: float) -> None:
+    """In 49 instants and 105 points: edges to the stated few thousandths, states of all but some points."""
     solution = exact(name, 49)
-    found = scored(solution, time=solution.time, slip=solution.slip).comparison.result
+    found = scored(solution, time=solution.time, slip=solution.slip if with_slip else None).comparison.result
     length = np.nanmax(solution.contact_half_width)
     assert np.nanmax(np.abs(found.contact_edges - solution.contact_edges)) < 2e-3 * length
     known = np.isfinite(found.stick_edges[:, 0]) & np.isfinite(solution.stick_edges[:, 0])
     assert np.median(np.abs(found.stick_edges - solution.stick_edges)[known]) < 5e-3 * length
-    assert np.mean(found.state != solution.state) < 0.01
+    assert np.mean(found.state != solution.state) < off
 
 
 # --------------------------------------------------------------------------------------------------------- what is guessed

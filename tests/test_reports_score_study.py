@@ -19,11 +19,11 @@ from score_results import exact, rows, written
 POINTS = (27, 53, 105, 209)
 
 
-def level(points: int, order: float = 2.0, amount: float = 0.3, rest: float = 0.0) -> Level:
-    """The exact tractions but for a factor 1 + rest + amount h^order."""
+def level(points: int, order: float = 2.0, amount: float = 0.3, rest: float = 0.0, worst: int | None = None) -> Level:
+    """The exact tractions but for a factor 1 + rest + amount h^order, twice that at the `worst` instant."""
     solution = exact("hertz-paper", 9, points)
     size = float(np.diff(solution.x)[0])
-    factor = 1 + rest + amount * size**order
+    factor = 1 + rest + amount * size**order * np.where(np.arange(9) == worst, 2.0, 1.0)[:, None]
     fields = {"pressure": factor * solution.pressure, "shear": factor * solution.shear}
     result = surface_result(f"run{points}.csv", "", solution.x, fields, {"time": solution.time})
     return Level(f"run{points}.csv", size, "planted", score_surface(result, Mapping(), solution.scene).comparison)
@@ -46,6 +46,8 @@ def test_the_finest_comes_first_errors_that_grow_have_no_order_and_nor_do_two_me
     assert known.line("peak_pressure").values[0] == min(known.line("peak_pressure").values)
     grows = study([level(points, -1.0, 1e-4) for points in POINTS[:3]]).line("peak_pressure")
     assert (grows.found.kind, grows.mesh) == ("diverging", None)
+    one, other = study([level(53, worst=2), level(27, worst=6)]).line("peak_pressure").values  # both where the finest is worst
+    assert other / one == pytest.approx(4 / 2)
     two = study([level(points) for points in (27, 53)])
     assert two.line("peak_pressure").found.order is None
     assert any("Two meshes show no order" in sentence for sentence in two.sentences)
