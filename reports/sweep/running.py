@@ -16,7 +16,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import get_context, resource_tracker
 from pathlib import Path
@@ -108,7 +108,8 @@ class Dask:
             how = "pip install 'halfplane[cluster]'"
             raise InputError(f"--executor dask: the package distributed is not installed: {how}") from reason
         # What it loses we say in our own words, once; its tracebacks add nothing.
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        for name in ("distributed", "distributed.client"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         where = f"--scheduler {self._address}" if self._address else "--executor dask"
         security = Security(**self._tls, require_encryption=True) if self._tls else None
         place: Any = self._address
@@ -133,7 +134,8 @@ class Dask:
 
     def stop(self, *, at_once: bool) -> None:
         while self._open:
-            self._open.pop(0).close(timeout=1.0 if at_once else _PATIENCE)
+            with suppress(OSError, TimeoutError):  # a client amid its work, a scheduler that is gone
+                self._open.pop(0).close(timeout=3.0 if at_once else _PATIENCE)
 
 
 def crew_of(
