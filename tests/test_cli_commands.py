@@ -362,7 +362,7 @@ def test_a_run_is_judged_by_the_users_tolerances_and_says_how_to_repeat_that(tmp
         "stick_edge=1",
     ]
     (tmp_path / "mine.toml").write_text(scene_text("cattaneo-mindlin").split("[[expected]]")[0], encoding="utf-8")
-    done = halfplane(tmp_path, "run", "mine.toml", "--quiet", "--plots", "svg", *COARSE, *given.split())
+    done = halfplane(tmp_path, "run", "mine.toml", "--quiet", "--plots", "svg", *COARSE, *given)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.splitlines()[-1] == "out/mine/report.html"
     whole = json.loads((tmp_path / "out/mine/comparison.json").read_text(encoding="utf-8"))

@@ -7,8 +7,11 @@ from typing import Any
 
 import pytest
 
+import semi_analytic
 from command_line import halfplane, refused
-from scenes import ContactSolution
+from reports import compare
+from reports.scoring.against import own_solution
+from scenes import ContactSolution, load_scene
 
 KEPT = Path(__file__).parent / "fixtures" / "format1"
 DISSIPATION = 0.0011734782422501023  # of result.nc
@@ -51,12 +54,14 @@ def test_diff_reads_each_kind(tmp_path: Path) -> None:
         assert all(row["difference"] in (0, None) for row in rows.values())
 
 
-def test_score_reads_a_solution(tmp_path: Path) -> None:
-    """Against half-plane theory: the number of the run that wrote it."""
-    code, found = said(tmp_path, "score", KEPT / "result.nc", "--scene", "cattaneo-mindlin", "--quiet")
+def test_a_solution_is_scored_against_theory() -> None:
+    """The number of the run that wrote it."""
+    scene = load_scene("cattaneo-mindlin")
+    found = own_solution(KEPT / "result.nc", scene)
+    comparison = compare(semi_analytic.solve(scene, x=found.x, time=found.time), found)
     before = json.loads((KEPT / "comparison.json").read_text(encoding="utf-8"))["metrics"]["dissipation"]["value"]
-    assert code == 1
-    assert found["metrics"]["dissipation"]["value"] == pytest.approx(before, rel=1e-9)
+    assert comparison.metric("dissipation").value == pytest.approx(before, rel=1e-9)
+    assert not comparison.passed
 
 
 def test_a_store_of_a_sweep_is_left_alone_and_counted(tmp_path: Path) -> None:
