@@ -63,9 +63,9 @@ def _section(title: str, rows: list[_Row]) -> Iterator[str]:
         yield from (f"## {title}", "")
     first = 0 if any(row[0] for row in rows) else 1
     heads = ("kind", "key", "what it is", "unit", "default", "range")[first:]
-    yield from (f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}")
+    yield from (":::{container} keys", f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}")
     yield from (f"| {' | '.join(row[first:])} |" for row in rows)
-    yield ""
+    yield from (":::", "")
 
 
 def _row(kind: str, key: str, model: Mapping[str, Any]) -> _Row:
