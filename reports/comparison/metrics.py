@@ -374,13 +374,11 @@ def markdown() -> str:
 
     bar = "\\|"
     rows = (
-        f"| `{row.key}` | {row.label} | {unit(row)} | {row.norm} | {row.region} | {'yes' if row.signed else 'no'} | "
-        f"{tolerance(row)} | {row.text.replace('|', bar)} |"
+        f"| {row.label}: `{row.key}` | {row.text.replace('|', bar)} | {unit(row)} | "
+        f"{row.norm}; {row.region}{'' if row.signed else '; no sign'} | {tolerance(row)} |"
         for row in sorted(METRICS.values(), key=lambda row: not row.headline)
     )
-    return "\n".join(
-        ("| Key | Label | Unit | Norm | Region | Signed | Tolerance | How |", "|---|---|---|---|---|---|---|---|", *rows)
-    )
+    return "\n".join(("| Metric | How | Unit | Norm; region | Tolerance |", "|---|---|---|---|---|", *rows))
 
 
 # -------------------------------------------------------------------------------------------------- what the metrics share
