@@ -15,15 +15,15 @@ FINE = cattaneo_mindlin(steps_per_leg=40, points=321)
 
 
 def test_stated_interpolation_error_is_honest() -> None:
-    """The truth is known here: of 80 spacings, the edge falling anywhere in an interval, one at most errs by more."""
+    """The truth is known here: of 320 spacings, the edge falling anywhere in an interval, one in a hundred at most errs by more."""
     like = last_cycle(COARSE)
     smaller = 0
-    for points in range(100, 420, 4):
+    for points in range(100, 420):
         found = sample(last_cycle(cattaneo_mindlin(steps_per_leg=20, points=points)), like, "closed form")
         if found.interpolation:
             error = np.max(np.abs(found.pressure - like.pressure)) / np.max(like.pressure)
             smaller += error > found.interpolation["pressure"]
-    assert smaller <= 1
+    assert smaller <= 3
 
 
 def test_interpolation_in_time_and_space_is_said() -> None:
