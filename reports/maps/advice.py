@@ -102,7 +102,7 @@ def sentence(advice: Advice) -> str:
     if advice.verdict is None:
         return f"The maps do not know {len(advice.parts) - len(advice.known)} of these departures: run it (`halfplane run`)."
     off = cell(*total(advice.known, "error.dissipation"), advice.extrapolated)
-    words = f"dissipation by half-plane theory is off by {off}"
+    words = f"error of the dissipation by half-plane theory {off}"
     words += ", cross terms left out" * (len(advice.parts) > 1)
     words += "; the maps do not reach there, so run it (`halfplane run`) before you rely on it" * advice.extrapolated
     words += "; undecided, for the uncertainty reaches across the limit" * (advice.verdict is Verdict.UNDECIDED)
@@ -179,7 +179,7 @@ def _size(scene: Scene, half_width: float, folder: Path) -> list[Part]:
 def _by_the_law(scene: Scene, found: Part, curvature: float, flat: float, folder: Path) -> Part:
     """Dissipation of a flat pad by its first-order law for this very loop, and by the map for what is left of it, in (a/R)^2.
 
-    p0 is off by what shear adds to the higher of two peaks: that of the map goes with Q/P, within half of the change.
+    The error of p0 is what shear adds to the higher of two peaks: that of the map goes with Q/P, within half of the change.
     """
     if found.values is None:
         return found

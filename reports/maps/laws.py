@@ -3,7 +3,7 @@
     |e| = C s^n,    s -> 0
 
 The fit is of log |e| = log C + n log s + d s^2. The last term stands for the next one of a series in s^2 (or of one in s: then it
-is d s): without it the exponent of points that reach to large s is off by more than its interval. The range is found, not chosen:
+is d s): without it the exponent of points that reach to large s is wrong by more than its interval. The range is found, not chosen:
 the largest s are left out until what is left shows no more curvature in the logarithms than that.
 """
 
@@ -48,7 +48,7 @@ def read(folder: Path, study: str) -> pd.DataFrame:
     except pd.errors.EmptyDataError:
         table = pd.DataFrame()
     if table.empty:
-        raise InputError(f"{path}: the table has no rows; make it anew by `make maps`")
+        raise InputError(f"{path}: the table has no rows; make it again by `make maps`")
     return table[table["status"] == "done"]
 
 

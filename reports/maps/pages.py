@@ -197,7 +197,7 @@ def _read_off(chart: Chart, table: pd.DataFrame) -> str:
         said[WORDS[line.figure]].append(f"{percent(*value) if value else 'outside the study'} ({place(line.at)})")
     works = [line for line in found if line.figure == "error.dissipation"]
     holds = ", ".join(f"{bound_in_words(bound(line, 0.05), chart.inverse)} ({place(line.at)})" for line in works)
-    off = "; ".join(f"{words} is off by {', '.join(ends)}" for words, ends in said.items())
+    off = "; ".join(f"{words}: error of {', '.join(ends)}" for words, ends in said.items())
     return f"{chart.sample['words']} {off}. Dissipation is within 5 % if {chart.within} {holds}."
 
 
@@ -306,7 +306,7 @@ def _known(folder: Path, study: str, *named: str) -> list[dict[str, Any]]:
 
 
 def _beside(fit: float, doubt: float, known: float) -> str:
-    return "in the interval" if abs(fit - known) <= doubt else f"off by {fit - known:+.2g}"
+    return "in the interval" if abs(fit - known) <= doubt else f"differs by {fit - known:+.2g}"
 
 
 def derived_blocks(folder: Path) -> list[str]:

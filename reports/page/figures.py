@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 X = "x / a_ref"
-# Looks of lines that are told apart, over and over again.
+# Looks of lines, one after the other, then from the first again.
 LINES = tuple(f"line-{k}" for k in range(7)) * 3
 # Open, stick, forward and reverse slip on a map, which has no style sheet.
 _STATES = ("#ffffff", "#d2d2d2", "#e69f00", "#0072b2")

@@ -11,7 +11,7 @@ from string import Formatter
 from typing import Any
 
 EXACT, APART = 1e-9, 1e-3
-"""A mended formula agrees with the engine to EXACT; a misprint is off by more than APART: both shares of the right value."""
+"""A mended formula agrees with the engine to EXACT; a misprint errs by more than APART: both shares of the right value."""
 WORDS: dict[str, list[dict[str, str]]] = tomllib.loads(Path(__file__).with_name("paper.toml").read_text(encoding="utf-8"))
 _PROVEN = {True: "yes", False: "no", None: "by reading"}
 
@@ -66,8 +66,8 @@ class _Words(Formatter):
 def filled_in(text: str, values: Mapping[str, Any]) -> str:
     """A text of paper.toml with its numbers.
 
-    >>> filled_in("off by {error at a/b:small}", {"error at a/b": 3.14e-15})
-    'off by 3e-15'
+    >>> filled_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
+    'error 3e-15'
     """
     return _Words().vformat(text, (), values)
 

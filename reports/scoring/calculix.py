@@ -83,7 +83,7 @@ class CalculixMesh:
         if len(strange):
             raise InputError(
                 f"{self.path}: node {strange[0]} has a result or an element and no coordinates (CalculiX numbers the nodes of "
-                "plane elements anew); write *NODE FILE, OUTPUT=3D in the deck and run it again"
+                "plane elements again); write *NODE FILE, OUTPUT=3D in the deck and run it again"
             )
         return np.asarray(at, np.int64)
 

@@ -1,4 +1,4 @@
-"""What a wrong result most likely suffers from, from the pattern of its discrepancy.
+"""Likely causes of the difference between a result and its reference, from the pattern of the difference.
 
 Each fault of a closed set is a hypothesis that predicts tractions (`hypotheses` says how they are weighed against each other). The
 one that leaves least unexplained is named first; it is then mended, and the rest looked at again, so that two faults at once are
@@ -98,13 +98,13 @@ class Diagnosis:
     """One fault that a result may suffer from."""
 
     fault: str  # its key, of `FAULTS`, or "unknown"
-    sentence: str  # what the result most likely suffers from, and what to do
+    sentence: str  # the likely cause, and what to do
     evidence: tuple[str, ...]  # measured figures, in words
     strength: float  # 0 to 1: share of the squared discrepancy that it explains, less where a rival explains it better
 
 
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
-    """What the result of `comparison` suffers from, the strongest first.
+    """Likely causes of the discrepancy of `comparison`, the strongest first.
 
     Empty where its tractions and its dissipation are within the scene's tolerances, or where it has no number to judge; a
     single "unknown" where they are not, and no fault of the set explains half of it.
@@ -132,7 +132,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         if rest.within(REST):
             break
     pressure, shear = whole.errors()
-    size = f"pressure is off by {pressure:.2g} of its norm and shear by {shear:.2g} of f times that at the worst instant"
+    size = f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times that, at the worst instant"
     unknown = "The discrepancy fits no known pattern: look at where and when it is largest."
     first, *others = sorted(found, key=lambda one: -one.strength) or [Diagnosis(UNKNOWN, unknown, (size,), 0.0)]
     if untried:
@@ -163,7 +163,7 @@ def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple
 
 
 def sentence_of(one: Hypothesis, what: Discrepancy) -> str:
-    """What the result most likely suffers from, and what to do."""
+    """The likely cause, and what to do."""
     from halfplane_fe.dundurs import dundurs
 
     material, figures = what.comparison.scene.material, dict(one.figures)
@@ -184,7 +184,7 @@ def _evidence(what: Discrepancy, one: Hypothesis, explained: float, number: int)
     behind = "what the faults above leave of the discrepancy" if number else "the discrepancy"
     yield f"a result with just this fault explains {explained:.1%} of the square of {behind} in p/p_ref and q/(f p_ref)"
     (before, after), (p_before, q_before) = one.mended(what).errors(), what.errors()
-    yield f"pressure is off by {p_before:.2g} of its norm, shear by {q_before:.2g} of f times that at the worst instant"
+    yield f"error of the pressure {p_before:.2g} of its norm, of the shear {q_before:.2g} of f times that, at the worst instant"
     yield f"with the fault taken out, by {before:.2g} and {after:.2g}"
     if one.fault in ("full_stick", "frictionless", "friction", "elastic_slip", "swapped"):
         scales = what.comparison.scales
@@ -208,7 +208,7 @@ def _by_work(comparison: Comparison) -> Iterator[Diagnosis]:
         return
     steps = len(comparison.found.time) - 1
     evidence = (
-        f"dissipation is off by {off:.2g}, against that of the straight lines between the {steps} steps by {less:.2g}",
+        f"error of the dissipation {off:.2g}; against that of the straight lines between the {steps} steps {less:.2g}",
         "the tractions are within their tolerances",
     )
     yield Diagnosis("steps", FAULTS["steps"].format(steps=steps), evidence, 1 - abs(less / off))

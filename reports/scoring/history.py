@@ -51,7 +51,7 @@ def resultants(result: SurfaceResult) -> Loads:
 def matched(result: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
     """The instants of `result` on the path of `scene`.
 
-    Times that nobody vouches for (a solver's own, counted anew in each step) are given up where they can't be the scene's and the
+    Times that nobody vouches for (a solver's own, counted from 0 in each step) are given up where they can't be the scene's and the
     loads or the tractions tell better.
 
     Raises

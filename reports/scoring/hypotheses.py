@@ -5,13 +5,13 @@ points and instants, its free figure fitted by least squares, and explains the s
 
     e = 1 - |found - predicted|^2 / |found - expected|^2
 
-of the discrepancy. The norm is that of p/p_ref and q/(f p_ref) over x and time, so that a pressure and a shear off by the same
-share of their scales count alike. A prediction is taken rather than a linear mode, since large faults are not linear: a sign, a
-factor of a thousand, a contact half as wide.
+of the discrepancy. The norm is that of p/p_ref and q/(f p_ref) over x and time, so that errors of pressure and shear that are
+the same share of their scales count alike. A prediction is taken rather than a linear mode, since large faults are not linear:
+a sign, a factor of a thousand, a contact half as wide.
 
 Closed forms: faults of the file (a sign, two columns swapped, a factor) act on the reference's arrays. Faults of the question
 (wrong modulus or friction, no memory, not yet steady, other instants) have the exact answer of a neighbouring scene. A mesh too
-coarse at the edges and bodies that are not alike are told by where the discrepancy lies.
+coarse at the edges and bodies that are not alike are recognised by where the discrepancy lies.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ NO_SLIP = (15.0, 50.0, 300.0)
 MOST_STEPS = 64
 # Spacings to each side of an edge that a mesh can get wrong: the element with the edge in it, and its neighbour.
 REACH = 2.0
-# A traction that leaves the edge as a root is off by about sqrt(2 h/a) of its peak over the element with the edge: shear, at stick
-# edges, by up to 1.2 of that on meshes of a/5 to a/24, pressure by up to 0.36, its edge being found to a part of an element. A soft
+# A traction that leaves the edge as a root has an error of about sqrt(2 h/a) of its peak over the element with the edge: shear, at
+# stick edges, up to 1.2 of that on meshes of a/5 to a/24, pressure up to 0.36, its edge being found to a part of an element. A soft
 # layer or a short body moves the pressure's edge by 0.7 to 1.5 of that.
 MOST = (0.4, 1.0)
 
@@ -390,7 +390,7 @@ def coarse_edge(what: Discrepancy) -> Hypothesis:
     """The part of the discrepancy within two spacings of an edge, as far as the spacing can account for its size.
 
     An elastic traction leaves the edge of contact as (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of
-    length h it is off by the order of p_ref sqrt(2 h/a) over the element with the edge. What goes beyond that is not the mesh's.
+    length h its error is of the order of p_ref sqrt(2 h/a) over the element with the edge. What goes beyond that is not the mesh's.
     The edges are those of the instant, and those of the smallest stick zone: what a mesh gets wrong there stays locked in.
     """
     x, half = what.x, what.comparison.scales.half_width

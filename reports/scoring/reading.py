@@ -57,7 +57,7 @@ def read(path: Path, mapping: Mapping, scene: Scene | None = None) -> SurfaceRes
 def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     """The result in a table with a line of names: one row for each instant and point, or one for each point and columns for frames.
 
-    Instants are told apart by time, else by a number of the frame, else by the loads.
+    Instants differ by time, else by a number of the frame, else by the loads.
 
     Raises
     ------

@@ -259,7 +259,7 @@ def by_same_rule(reference: ContactSolution, result: ContactSolution, length: fl
     )
     where = f"; at {int((~told).sum())} of {len(told)} instants it can't tell the stick edges, which are not judged"
     words = [
-        "States and edges are told by one rule in the result and in the reference; against the reference's own it errs by up to "
+        "States and edges follow from one rule in the result and in the reference; against the reference's own it errs by up to "
         f"{contact:.1e} a_ref at the contact edge and {stick:.1e} a_ref at the stick edge{'' if told.all() else where}."
     ]
     known = _edges_of(found) | {

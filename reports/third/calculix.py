@@ -212,7 +212,7 @@ def limits(deck: Deck) -> list[str]:
     cycle = deck.normal_load[deck.time >= path.cycle_start]
     if friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max():
         found.append(
-            "Under varying normal load its friction history is off by more than its mesh explains: +6 % of the dissipation of "
+            "Under varying normal load its friction history errs by more than its mesh explains: +6 % of the dissipation of "
             "hertz-paper at a/40, against +2 % of cattaneo-mindlin's at constant load (docs/third.md)."
         )
     found += [

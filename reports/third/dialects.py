@@ -31,7 +31,7 @@ _ABOUT = {
         "result: CPRESS, CSHEAR1, CSLIP1 along LOWER_FACE at every instant; as a path table (CSV) it is read by `halfplane score`",
     ),
 }
-# Residual and correction over the mean force: CalculiX' own, of 0.5 % and 1 %, leave Q off by more than its mesh does.
+# Residual and correction over the mean force: CalculiX' own, of 0.5 % and 1 %, leave a larger error in Q than its mesh does.
 _RESIDUAL = "0.0001, 0.01"
 # Share by which the number of contact elements may differ, share let go at random, softening, and iterations before an increment
 # is halved: CalculiX' own but the last, 60; those that need more than 30 hardly ever converge.
