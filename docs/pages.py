@@ -194,7 +194,7 @@ def misprint_page(examples: Paper) -> Iterator[str]:
     yield from ("# The paper's misprints", "", WRITTEN, "")
     yield (
         "What is printed, what is right, and an evaluation of both that tells them apart; `halfplane paper` computes the same "
-        f"table anew. {sum(row.proven is True for row in rows)} of {len(rows)} are proven by a number, the rest by reading. "
+        f"table. {sum(row.proven is True for row in rows)} of {len(rows)} are proven by a number, the rest by reading. "
         "The equations are those of the paper; [Theory](theory.md) derives the right ones."
     )
     for row in rows:
