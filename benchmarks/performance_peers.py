@@ -362,7 +362,7 @@ def page(found: dict[str, Any]) -> list[str]:
         "",
         *_table(found, "shear", "q"),
         "",
-        "CalculiX on the whole cycles of the paper is on the page [A third opinion](third.md), with its times, which are too "
+        "CalculiX on the whole cycles of the paper is on the page [A third solver](third.md), with its times, which are too "
         "long for `make bench`. Peak p of theory is that of the 200 points, of which none is the middle.",
         "",
         "### Where ours loses",

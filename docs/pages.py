@@ -47,7 +47,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "verification.md": "\n".join([*verification()]) + "\n",
         "gallery.md": "\n".join([*gallery()]) + "\n",
         "misprints.md": "\n".join([*misprint_page(examples)]) + "\n",
-        "third.md": third_opinion((FOLDER / "third.md").read_text(encoding="utf-8")),
+        "third.md": third_solver((FOLDER / "third.md").read_text(encoding="utf-8")),
         "scene-keys.md": reference.page((FOLDER / "scene-keys.md").read_text(encoding="utf-8")),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
     }
@@ -74,7 +74,7 @@ def third() -> dict[str, Any]:
     return json.loads(THIRD.read_text(encoding="utf-8"))
 
 
-def third_opinion(text: str) -> str:
+def third_solver(text: str) -> str:
     """The page with its two tables: CalculiX' figures as benchmarks/third.py measured them, ours as published."""
     cases = third()
     for words, of in (("two revolutions", ", 2 revolutions"), ("one revolution", "")):

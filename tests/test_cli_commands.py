@@ -423,7 +423,7 @@ def test_advice_is_yes_no_not_sure_or_nothing_known(said: Any, tmp_path: Path) -
     error = blocks["errors"]["dissipation"]["error"]
     assert error == pytest.approx(-0.0277, abs=0.005)  # the published run
     assert set(blocks["errors"]) == {"dissipation", "p0", "contact_half_width"}
-    assert found["sentence"].startswith("Yes: dissipation")
+    assert found["sentence"].startswith("Yes: error of the dissipation")
     code, found = said("advise", "blocks", "--limit", "0.02")
     assert (code, found["within_limit"], found["passed"]) == (1, False, False)
     code, found = said("advise", "blocks", "--limit", f"{abs(error):.4g}")  # a limit of the error itself
@@ -468,7 +468,7 @@ def test_the_answers_of_the_other_commands(said: Any, tmp_path: Path, monkeypatc
     assert (tmp_path / page["page"]).exists()
 
     written: list[Path] = []
-    monkeypatch.setattr("reports.maps.publication.write", lambda folder, there: written.append(folder))
+    monkeypatch.setattr("reports.maps.pages.write", lambda folder, there: written.append(folder))
     code, found = said("map", "unlike", "--pages", "--out", "maps")
     assert (code, found["studies"], [Path(found["page"]).parent]) == (0, {}, written)  # pages alone run none
 

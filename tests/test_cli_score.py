@@ -66,12 +66,12 @@ def test_a_result_in_metres_and_pascals_is_scored_with_its_page(tmp_path: Path) 
     assert found["metrics"]["tangential_displacement"]["value"] is None
 
 
-def test_a_wrong_result_is_outside_and_told_what_it_suffers_from(score: Score) -> None:
+def test_a_wrong_result_is_outside_with_its_likely_causes(score: Score) -> None:
     written(TABLE.assign(shear=-TABLE["shear"]), Path("mine.csv"))
     code, out, _ = score("mine.csv", "--out", "here")
     assert code == 1
     assert "Likely causes:" in out
-    assert "What it most likely suffers from" in Path("here/report.html").read_text(encoding="utf-8")
+    assert "Likely causes of the difference" in Path("here/report.html").read_text(encoding="utf-8")
 
 
 def test_a_tolerance_judges_before_that_of_the_scene(score: Score) -> None:

@@ -204,7 +204,7 @@ def test_a_claim_is_quoted_with_two_digits_its_unit_and_where_it_is_from() -> No
     assert claims["S: a"]["source"] == "so; make numbers, on abc"
 
 
-def test_the_third_opinion_is_what_was_measured_and_published() -> None:
+def test_the_third_solver_is_what_was_measured_and_published() -> None:
     """Every case of benchmarks/third.json is in a table or quoted, and a value changed by hand does not stay."""
     page, cases = TEXTS["third.md"], pages.third()
     rows = [line for line in page.splitlines() if line.count(" | ") == 9 and not line.startswith("| scene |")]
@@ -212,12 +212,12 @@ def test_the_third_opinion_is_what_was_measured_and_published() -> None:
         cells = rows[0].split(" | ")
         forged = page.replace(rows[0], " | ".join([*cells[:column], "+99 %", *cells[column + 1 :]]))
         assert forged != page
-        assert pages.third_opinion(forged) == page
+        assert pages.third_solver(forged) == page
     assert len(rows) > 30
     assert len(cases) == len(rows) + 1
     assert "{number}`CalculiX, cattaneo-mindlin, stick slope 50: shear`" in page
     # The report's sentence on CalculiX' friction history quotes the second revolutions.
-    source = (ROOT / "reports" / "third" / "opinion.py").read_text(encoding="utf-8")
+    source = (ROOT / "reports" / "third" / "calculix.py").read_text(encoding="utf-8")
     varying, constant = (cases[f"{name}, 2 revolutions"]["errors"]["dissipation"] for name in ("hertz-paper", "cattaneo-mindlin"))
     assert f"{100 * varying:+.0f} % of the dissipation of" in source
     assert f"{100 * constant:+.0f} % of cattaneo-mindlin's" in source
