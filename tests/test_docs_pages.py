@@ -66,7 +66,7 @@ def test_a_page_says_what_its_blocks_print(name: str, tmp_path: Path) -> None:
 
 
 def test_how_tos_have_examples_and_every_picture_and_figure_is_shown() -> None:
-    wanted = {"quick-start", "tutorial", "theory", "score-abaqus", "own-profile", "measured-loads", "cluster-sweep"}
+    wanted = {"quick-start", "tutorial", "theory", "score-abaqus", "own-profile", "measured-loads", "sweeps"}
     assert {f"{name}.md" for name in (*wanted, "read-the-error-budget", "penalty-or-lagrangian")} <= set(RUNNABLE)
     shown = {target for name, text in TEXTS.items() if "/" not in name for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)}
     assert not [target for target in shown if not (DOCS / target).is_file()]

@@ -391,7 +391,7 @@ def test_advice_agrees_with_finite_elements(capsys: pytest.CaptureFixture[str]) 
         assert abs(values[figure][0] - truth) <= values[figure][1]
     assert main(["advise", "blocks"]) == WITHIN
     assert main(["advise", "blocks", "--limit", "0.02"]) == OUTSIDE
-    assert "No: dissipation" in capsys.readouterr().out
+    assert "No: error of the dissipation" in capsys.readouterr().out
 
 
 def test_commands_on_half_planes_and_on_what_no_map_has(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
