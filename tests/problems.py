@@ -9,7 +9,7 @@ plane strain, like bodies. Rigid displacements are counted from the datum length
 import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.integrate import quad
@@ -373,6 +373,17 @@ FEW_STEPS = SolverSettings(steps_per_cycle=48)
 def fe_run(scene: Scene, mesh: MeshSettings = COARSE, settings: SolverSettings = FEW_STEPS) -> FiniteElementSolution:
     """The finite-element answer, computed once however many tests look at it."""
     return halfplane_fe.solve(scene, mesh, settings)
+
+
+def stepped_run(method: str, steps: int) -> FiniteElementSolution:
+    """Two revolutions of an ellipse in regular increments alone, none halved for its step error."""
+    load = EllipseLoad(mean_normal_load=90, normal_amplitude=30, tangential_amplitude=25, phase_degrees=90)
+    friction = load_scene("cattaneo-mindlin").friction
+    settings = SolverSettings(
+        method=method, normal_stiffness=10, tangential_stiffness=10, steps_per_cycle=steps, step_tolerance=np.inf
+    )
+    mesh = replace(COARSE, element_size=1 / 8, edge_element_size=1 / 8)
+    return fe_run(load_scene("hertz-paper").vary(load=load, cycles=2, friction=friction), mesh, settings)
 
 
 def step_at(solution: ContactSolution, time: float) -> int:

@@ -39,6 +39,7 @@ from problems import (
     mindlin_shear,
     mindlin_stick_half_width,
     problems,
+    stepped_run,
 )
 from scenes import (
     Block,
@@ -161,23 +162,9 @@ def mindlin_errors(elements, order=2):
     return dict(zip(("shear", "stick edge", "dissipation"), (rms(column) for column in zip(*found, strict=True)), strict=True))
 
 
-MESH = replace(COARSE, element_size=1 / 8, edge_element_size=1 / 8)
-
-
-@functools.cache
-def run(method, steps):
-    load = EllipseLoad(mean_normal_load=90, normal_amplitude=30, tangential_amplitude=25, phase_degrees=90)
-    update = {"load": load, "cycles": 2, "friction": load_scene("cattaneo-mindlin").friction}
-    scene = load_scene("hertz-paper").vary(**update)
-    settings = SolverSettings(
-        method=method, normal_stiffness=10, tangential_stiffness=10, steps_per_cycle=steps, step_tolerance=np.inf
-    )
-    return fe_run(scene, MESH, settings)
-
-
 def excess(method, steps, late, mean):
     """Late less mean work of the last cycle, over its dissipation."""
-    answer = run(method, steps)
+    answer = stepped_run(method, steps)
     cycle, energy = answer.last_cycle[1:], answer.record.energy
     return float(abs((energy[late] - energy[mean])[cycle].sum()) / answer.dissipation)
 
@@ -370,7 +357,7 @@ def test_a_sequence_of_another_order_would_fail_that_test():
         (
             "end_of_step work",
             THREE,
-            [float(np.abs(run("augmented_lagrangian", n).record.energy["step_error"]).sum()) for n in (48, 96, 192)],
+            [float(np.abs(stepped_run("augmented_lagrangian", n).record.energy["step_error"]).sum()) for n in (48, 96, 192)],
         ),
     ):
         with pytest.raises(AssertionError, match=f"{name}: order"):

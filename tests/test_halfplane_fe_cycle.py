@@ -21,7 +21,7 @@ from halfplane_fe import FiniteElementSolution, SolverSettings, stepping
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
 from halfplane_fe.law import project
 from meshes import MeshSettings
-from problems import COARSE, FEW_STEPS, fe_run, law_violations
+from problems import COARSE, FEW_STEPS, fe_run, law_violations, stepped_run
 from reports import compare, write
 from reports.charts.plate import path_of
 from reports.comparison.laws import certificates
@@ -238,23 +238,9 @@ def test_progress_is_told():
 # --------------------------------------------------------------------------------------------------- energy of increments
 
 
-MESH = replace(COARSE, element_size=1 / 8, edge_element_size=1 / 8)
-
-
-@functools.cache
-def run(method, steps):
-    load = EllipseLoad(mean_normal_load=90, normal_amplitude=30, tangential_amplitude=25, phase_degrees=90)
-    update = {"load": load, "cycles": 2, "friction": load_scene("cattaneo-mindlin").friction}
-    scene = load_scene("hertz-paper").vary(**update)
-    settings = SolverSettings(
-        method=method, normal_stiffness=10, tangential_stiffness=10, steps_per_cycle=steps, step_tolerance=np.inf
-    )
-    return fe_run(scene, MESH, settings)
-
-
 def test_the_normal_part_is_there_and_none_of_it_on_the_interface():
     """P d(delta) late costs as soon as P varies; -p dg is zero in each increment, because touches and releases are landed on."""
-    answer = run("augmented_lagrangian", 96)
+    answer = stepped_run("augmented_lagrangian", 96)
     energy, states = answer.record.energy, answer.states
     P, Q, delta, shift = (
         np.array([getattr(s, name) for s in states]) for name in ("normal_load", "tangential_load", "approach", "shift")
@@ -271,7 +257,7 @@ def test_the_normal_part_is_there_and_none_of_it_on_the_interface():
 @pytest.mark.parametrize("method", ["augmented_lagrangian", "penalty"])
 def test_balance_is_closed_at_every_step_and_the_layer_has_its_share(method):
     """External work = elastic energy, that of the layer in it, + trapezoidal work of the interface; without the layer it fails."""
-    answer = run(method, 24)
+    answer = stepped_run(method, 24)
     energy = answer.record.energy
     rest = energy["external"] - energy["elastic"] - energy["interface"]
     whole = np.abs(np.cumsum(energy["external"])).max()
