@@ -375,6 +375,14 @@ def fe_run(scene: Scene, mesh: MeshSettings = COARSE, settings: SolverSettings =
     return halfplane_fe.solve(scene, mesh, settings)
 
 
+def layer_run(name: str, method: str, stiffness: float) -> FiniteElementSolution:
+    """A scene of the library with both stiffnesses of the layer (or weights) alike, in regular increments."""
+    settings = SolverSettings(
+        method=method, normal_stiffness=stiffness, tangential_stiffness=stiffness, steps_per_cycle=24, step_tolerance=np.inf
+    )
+    return fe_run(load_scene(name), COARSE, settings)
+
+
 def stepped_run(method: str, steps: int) -> FiniteElementSolution:
     """Two revolutions of an ellipse in regular increments alone, none halved for its step error."""
     load = EllipseLoad(mean_normal_load=90, normal_amplitude=30, tangential_amplitude=25, phase_degrees=90)

@@ -35,6 +35,7 @@ from problems import (
     hertz_approach,
     hertz_half_width,
     hertz_pressure,
+    layer_run,
     mindlin_dissipation,
     mindlin_shear,
     mindlin_stick_half_width,
@@ -167,14 +168,6 @@ def excess(method, steps, late, mean):
     answer = stepped_run(method, steps)
     cycle, energy = answer.last_cycle[1:], answer.record.energy
     return float(abs((energy[late] - energy[mean])[cycle].sum()) / answer.dissipation)
-
-
-@functools.cache
-def layer_run(name, method, stiffness):
-    settings = SolverSettings(
-        method=method, normal_stiffness=stiffness, tangential_stiffness=stiffness, steps_per_cycle=24, step_tolerance=np.inf
-    )
-    return fe_run(load_scene(name), COARSE, settings)
 
 
 def layered(name, quantity, stiffness):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 import sys
 from dataclasses import replace
@@ -21,7 +20,7 @@ from halfplane_fe import FiniteElementSolution, SolverSettings, stepping
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
 from halfplane_fe.law import project
 from meshes import MeshSettings
-from problems import COARSE, FEW_STEPS, fe_run, law_violations, stepped_run
+from problems import COARSE, FEW_STEPS, fe_run, law_violations, layer_run, stepped_run
 from reports import compare, write
 from reports.charts.plate import path_of
 from reports.comparison.laws import certificates
@@ -480,14 +479,6 @@ def test_settings_refuse_bad_values(settings, rule):
 
 
 # --------------------------------------------------------------------------------------- penalty layer and exact law
-
-
-@functools.cache
-def layer_run(name, method, stiffness):
-    settings = SolverSettings(
-        method=method, normal_stiffness=stiffness, tangential_stiffness=stiffness, steps_per_cycle=24, step_tolerance=np.inf
-    )
-    return fe_run(load_scene(name), COARSE, settings)
 
 
 def test_augmented_lagrangian_is_independent_of_the_weights_over_six_decades():
