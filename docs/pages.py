@@ -2,8 +2,8 @@
 
     python docs/pages.py
 
-verification.md, gallery.md, misprints.md, architecture.svg, values.json, and the tables of third.md and scene-keys.md. Tests
-make all of it again.
+verification.md, gallery.md, misprints.md, architecture.svg, the tables of third.md and scene-keys.md, and the numbers in the text
+of every page. Tests make all of it again.
 """
 
 from __future__ import annotations
@@ -42,15 +42,18 @@ def published() -> dict[str, Any]:
 def made(examples: Paper | None = None) -> dict[str, str]:
     """File name under docs/ -> content."""
     examples = examples or paper()
-    return {
-        "values.json": json.dumps({"written by": "make pages", "values": values(examples)}, indent=1, ensure_ascii=False) + "\n",
+    written = {path.name: path.read_text(encoding="utf-8") for path in FOLDER.glob("*.md")}
+    generated = {
         "verification.md": "\n".join([*verification()]) + "\n",
         "gallery.md": "\n".join([*gallery()]) + "\n",
         "misprints.md": "\n".join([*misprint_page(examples)]) + "\n",
-        "third.md": third_solver((FOLDER / "third.md").read_text(encoding="utf-8")),
-        "scene-keys.md": reference.page((FOLDER / "scene-keys.md").read_text(encoding="utf-8")),
+        "third.md": third_solver(written["third.md"]),
+        "scene-keys.md": reference.page(written["scene-keys.md"]),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
     }
+    known = values(examples)
+    with_numbers = {name: quoting.with_numbers(text, known) for name, text in (written | generated).items()}
+    return {name: text for name, text in with_numbers.items() if name in generated or quoting.NUMBER.search(text)}
 
 
 def without_rounding(text: str) -> str:
@@ -58,15 +61,14 @@ def without_rounding(text: str) -> str:
     return ROUNDING.sub("~0", text)
 
 
-def values(examples: Paper) -> dict[str, quoting.Entry]:
-    """What pages quote by a key, and nothing else: what is shown, where it comes from."""
+def values(examples: Paper) -> dict[str, str]:
+    """Key -> number, of all that a page can quote."""
     known = quoting.paper_values(examples) | quoting.published_values(published())
     known |= quoting.limit_values() | quoting.third_values(third(), published())
     known |= quoting.claim_values(json.loads((FOLDER / "numbers.json").read_text(encoding="utf-8")))
     for path in sorted((PUBLISHED / "maps").glob("*.md")):
         known |= quoting.map_values(path.stem, path.read_text(encoding="utf-8"))
-    asked = set[str]().union(*(quoting.quoted(path.read_text(encoding="utf-8")) for path in FOLDER.glob("*.md")))
-    return {key: known[key] for key in sorted(asked & known.keys())}
+    return known
 
 
 def third() -> dict[str, Any]:

@@ -1,10 +1,10 @@
-"""Numbers that pages quote by their key, ``{number}`key` ``: where each comes from, and what is shown.
+"""Numbers in the text of a page, each between two marks: `<!-- n:KEY -->0.412<!-- /n -->`. What each key stands for.
 
 - `peak pressure, SCENE` and the like: reports/published/values.json
-- the paper's: its statements and misprints, worked out anew
-- `SECTION: CLAIM`: docs/numbers.json, by make numbers
+- the paper's: its statements and misprints, computed again
+- `CLAIM`, or `SECTION: CLAIM` where two sections share it: docs/numbers.json, by make numbers
 - `limit: FILE`: how much of a file is read, from the code
-- `CalculiX, CASE: FIGURE`: benchmarks/third.json, by benchmarks/third.py
+- `CalculiX, CASE: METRIC`: benchmarks/third.json, by benchmarks/third.py
 - `MAP: ROW: COLUMN` is a cell of a table on a page of reports/published/maps, ROW being the row's first cells; `MAP: SOME WORDS` is
   the sentence on it that starts so
 """
@@ -23,45 +23,43 @@ from reports.scoring import calculix_files
 from scenes import files, measured
 from scenes.errors import in_words
 
-Entry = dict[str, str]
-_QUOTE = re.compile(r"(?<!`)\{number\}`([^`]+)`")
+NUMBER = re.compile(r"(<!-- n:([^<>]+?) -->)[^<]*(<!-- /n -->)")
 _ROUNDED_OFF = 1e-6
 _WORDS = 5
 
 
-def quoted(text: str) -> set[str]:
-    """The keys that a page quotes.
+def with_numbers(page: str, known: Mapping[str, str]) -> str:
+    """The page with the present number between each pair of marks. A KeyError names a key that nothing stands for.
 
-    >>> sorted(quoted("{number}`scenes` scenes; written as `` {number}`key` ``"))
-    ['scenes']
+    >>> with_numbers("half of <!-- n:scenes -->2<!-- /n --> scenes", {"scenes": "33"})
+    'half of <!-- n:scenes -->33<!-- /n --> scenes'
     """
-    return set(_QUOTE.findall(text))
+    return NUMBER.sub(lambda mark: f"{mark[1]}{known[mark[2]]}{mark[3]}", page)
 
 
-def paper_values(examples: Paper) -> dict[str, Entry]:
+def paper_values(examples: Paper) -> dict[str, str]:
     """Key -> number of the paper's statements and misprints."""
-    found: dict[str, Entry] = {}
+    found: dict[str, str] = {}
     for case in (examples.hertz, examples.rounded):
         name = case.scene.name
-        found[f"permanent stick, {name}"] = _entry(f"{case.stick_edge:.4f}", f"semi_analytic.solve, {name}")
+        found[f"permanent stick, {name}"] = f"{case.stick_edge:.4f}"
     said, wrong = statements(examples), misprints(examples)
     for row in said:
         for quantity, value in row.values.items():
             if abs(value) > _ROUNDED_OFF:
-                shown = f"{value:.4g}".replace("-", "−")
-                found[f"{row.key}: {quantity}"] = _entry(shown, "halfplane paper, statements.csv")
+                found[f"{row.key}: {quantity}"] = _minus(f"{value:.4g}")
     counts = {f"statements {verdict}": count for verdict, count in tally(said).items()}
     counts |= {"statements": len(said), "misprints": len(wrong), "misprints proven": sum(row.proven is True for row in wrong)}
-    return found | {key: _entry(str(count), "halfplane paper") for key, count in counts.items()}
+    return found | {key: str(count) for key, count in counts.items()}
 
 
-def published_values(scenes: Mapping[str, Any]) -> dict[str, Entry]:
+def published_values(scenes: Mapping[str, Any]) -> dict[str, str]:
     """Key -> number of the published reports."""
-    found = {"scenes": _entry(str(len(scenes)), "halfplane scenes")}
+    found = {"scenes": str(len(scenes))}
     for name, content in scenes.items():
         for key in ("peak_pressure", "pressure", "shear", "dissipation"):
             if (shown := published_share(content, key)) is not None:
-                found[f"{key.replace('_', ' ')}, {name}"] = _entry(shown, "reports/published/values.json, by make publish")
+                found[f"{key.replace('_', ' ')}, {name}"] = shown
     return found
 
 
@@ -78,19 +76,18 @@ def share(content: Mapping[str, Any], key: str, value: float | None) -> str | No
     return f"{100 * value:{sign}.2g} %".replace("-", "−")
 
 
-def claim_values(kept: Mapping[str, Any]) -> dict[str, Entry]:
-    """Key -> figure of every claim of docs/numbers.json: counts as they are, others to two digits."""
-    found: dict[str, Entry] = {}
-    for title, section in kept.items():
-        for row in section["rows"]:
-            value, unit = row["measured"], row["unit"]
-            shown = f"{value:.0f}" if value.is_integer() else f"{value:.2g}"
-            source = f"{row['how']}; make numbers, on {section['commit']}"
-            found[f"{title}: {row['what']}"] = _entry(f"{shown} {unit}".strip(), source)
-    return found
+def claim_values(kept: Mapping[str, Any]) -> dict[str, str]:
+    """Key -> value of every claim of docs/numbers.json: counts as they are, others to two digits."""
+    rows = [(title, row["what"], row["measured"], row["unit"]) for title, section in kept.items() for row in section["rows"]]
+    often = Counter(what for _, what, _, _ in rows)
+    return {
+        what if often[what] == 1 else f"{title}: {what}": _minus(f"{value:.0f}" if value.is_integer() else f"{value:.2g}")
+        + f" {unit}".rstrip()
+        for title, what, value, unit in rows
+    }
 
 
-def limit_values() -> dict[str, Entry]:
+def limit_values() -> dict[str, str]:
     """Key -> how large a file, how many rows or nodes are taken at most."""
     sizes = {
         "TOML": files.TOML,
@@ -102,27 +99,26 @@ def limit_values() -> dict[str, Entry]:
     }
     counts = {"rows": measured.MOST_ROWS, "contact nodes": bodies.MOST_CONTACT_NODES, "nodes": bodies.MOST_NODES}
     shown = {key: in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
-    return {f"limit: {key}": _entry(text, "the code") for key, text in shown.items()}
+    return {f"limit: {key}": text for key, text in shown.items()}
 
 
-def third_values(cases: Mapping[str, Any], scenes: Mapping[str, Any]) -> dict[str, Entry]:
-    """Key -> figure of CalculiX on a case of benchmarks/third.json, and how many scenes it was tried on and converged."""
-    found: dict[str, Entry] = {}
+def third_values(cases: Mapping[str, Any], scenes: Mapping[str, Any]) -> dict[str, str]:
+    """Key -> value of CalculiX on a case of benchmarks/third.json, and how many scenes it was tried on and converged."""
+    found: dict[str, str] = {}
     for name, case in cases.items():
-        source = f"{case['code']} on {case['day']}, benchmarks/third.py"
         for key, value in case["errors"].items():
             if (shown := share(scenes[name.partition(",")[0]], key, value)) is not None:
-                found[f"CalculiX, {name}: {key}"] = _entry(shown, source)
+                found[f"CalculiX, {name}: {key}"] = shown
     tried = [case for name, case in cases.items() if name in scenes]
     counts = {"tried": len(tried), "converged": sum(not case["failure"] for case in tried)}
-    return found | {f"CalculiX, scenes {words}": _entry(str(n), "benchmarks/third.json") for words, n in counts.items()}
+    return found | {f"CalculiX, scenes {words}": str(n) for words, n in counts.items()}
 
 
-def map_values(name: str, page: str) -> dict[str, Entry]:
+def map_values(name: str, page: str) -> dict[str, str]:
     """Key -> cell or sentence of a published map; what two of them share the key of is left out."""
     pairs = [*_cells(page), *_sentences(page)]
     often = Counter(key for key, _ in pairs)
-    return {f"{name}: {key}": _entry(text, f"reports/published/maps/{name}.md") for key, text in pairs if often[key] == 1}
+    return {f"{name}: {key}": _minus(text) for key, text in pairs if often[key] == 1}
 
 
 def _cells(page: str) -> Iterator[tuple[str, str]]:
@@ -144,5 +140,5 @@ def _sentences(page: str) -> Iterator[tuple[str, str]]:
                 yield " ".join(sentence.split()[:_WORDS]), sentence.replace("**", "")
 
 
-def _entry(text: str, source: str) -> Entry:
-    return {"text": re.sub(r"(?<![\w.])-(?=\d)", "−", text), "source": source}
+def _minus(text: str) -> str:
+    return re.sub(r"(?<![\w.])-(?=\d)", "−", text)

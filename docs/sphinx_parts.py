@@ -1,13 +1,11 @@
 r"""What the pages need of Sphinx beyond its own extensions.
 
 - formulas become MathML, which browsers draw by themselves: pages need neither a network nor a script
-- ``{number}`key` `` is a figure of docs/values.json, with where it comes from as its tooltip; an unknown key is a warning
 - docstrings are prose with `code` and |Q|, not reStructuredText: marks that would mean something there are escaped
 """
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator
 from fnmatch import fnmatch
@@ -17,10 +15,7 @@ from typing import Any
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
-from sphinx.util import logging
 
-_LOG = logging.getLogger(__name__)
-VALUES = Path(__file__).parent / "values.json"
 _TITLES = ("Attributes", "Parameters", "Returns", "Yields", "Raises", "Notes", "Examples", "See Also", "Warns", "References")
 PUBLISHED = Path(__file__).parents[1] / "reports" / "published"
 _LISTS = ("Attributes", "Parameters", "Raises")
@@ -40,16 +35,6 @@ def block_math(translator: Any, node: nodes.math_block) -> None:
         translator.body.append(tex2mathml(line, as_block=True))
     translator.body.append("</div>")
     raise nodes.SkipNode
-
-
-def number(name: str, rawtext: str, text: str, lineno: int, inliner: Any, *_: Any) -> tuple[list[nodes.Node], list[nodes.Node]]:
-    """The role `number`."""
-    found = json.loads(VALUES.read_text(encoding="utf-8"))["values"].get(text)
-    if found is None:
-        return [], [inliner.reporter.warning(f"no number {text!r} in {VALUES.name}: `make pages` writes it", line=lineno)]
-    shown = nodes.inline(rawtext, found["text"], classes=["number"])
-    shown["title"] = found["source"]
-    return [shown], []
 
 
 def plain(_app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
@@ -151,7 +136,6 @@ def places(app: Sphinx, name: str, source: list[str]) -> None:
 def setup(app: Sphinx) -> dict[str, bool]:
     """Sphinx calls this."""
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
-    app.add_role("number", number)
     app.connect("autodoc-process-signature", signature)
     app.connect("builder-inited", published_pages)
     app.connect("source-read", places)

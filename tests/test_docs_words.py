@@ -26,7 +26,7 @@ PHRASES = {
 # Printed by benchmarks from stored results: words of the notes of that day.
 PRINTED = ("docs/stress.md", "docs/numbers.md", "docs/performance.md")
 PATTERN = re.compile("|".join(rf"\b{phrase.replace(' ', chr(92) + 's+')}\b" for phrase in PHRASES), re.I)
-QUOTED_KEY = re.compile(r"\{number\}`[^`]+`|<!--.*?-->", re.S)
+COMMENT = re.compile(r"<!--.*?-->", re.S)
 
 
 def words_of(source: str) -> Iterator[str]:
@@ -50,7 +50,7 @@ def pages() -> Iterator[tuple[str, str]]:
         for path in sorted((ROOT / folder).rglob("*")):
             name = path.relative_to(ROOT).as_posix()
             if path.suffix in kinds and "_build" not in name and "docs/published" not in name and name not in PRINTED:
-                yield name, QUOTED_KEY.sub("", path.read_text(encoding="utf-8"))
+                yield name, COMMENT.sub("", path.read_text(encoding="utf-8"))
 
 
 def code() -> Iterator[tuple[str, str]]:
