@@ -125,7 +125,6 @@ publish: $(STAMP) ## both engines on the whole library, into reports/published: 
 	@echo "==> publish"
 	@mkdir -p "$$TMPDIR" .cache/home
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) -m reports.publishing $(if $(PAGES),--pages)
-	@$(PY) -m reports.library_page
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/pages.py
 
 maps: $(STAMP) ## studies of the idealisation error, into reports/published/maps: tables, laws, pages (PAGES=1: pages alone)

@@ -118,6 +118,11 @@ def published_pages(app: Sphinx) -> None:
             path.unlink()
 
 
+def links(_app: Sphinx, _name: str, source: list[str]) -> None:
+    """Where a page links to the file of a published page, as in the repository, link to its copy among the pages."""
+    source[0] = re.sub(r"\]\(\.\./reports/published/([\w-]+\.md)\)", r"](published/\1)", source[0])
+
+
 def places(app: Sphinx, name: str, source: list[str]) -> None:
     """On the first page: leave out places of pages that are not there, and put pages that have no place where `(others)` stands."""
     if name != "index":
@@ -138,6 +143,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("autodoc-process-signature", signature)
     app.connect("builder-inited", published_pages)
+    app.connect("source-read", links)
     app.connect("source-read", places)
     app.connect("autodoc-process-docstring", plain, priority=100)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
