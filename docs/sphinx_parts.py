@@ -104,23 +104,26 @@ def signature(_app: Sphinx, what: str, name: str, obj: Any, options: Any, argume
 def published_pages(app: Sphinx) -> None:
     """Give each page of reports/published a place among the pages, in docs/published, which is not kept."""
     folder = Path(app.srcdir) / "published"
-    folder.mkdir(exist_ok=True)
-    pages = {path.name: path.read_text(encoding="utf-8") for path in PUBLISHED.glob("*.md") if path.name != "README.md"}
+    pages = {path.relative_to(PUBLISHED): path.read_text(encoding="utf-8") for path in PUBLISHED.rglob("*.md")}
+    del pages[Path("README.md")]  # the gallery stands for it
     for name, text in pages.items():
-        moved = re.sub(r"\]\((\S+\.(?:svg|json))\)", r"](../../reports/published/\1)", text).replace(
-            "](README.md)", "](../gallery.md)"
-        )
+        up = "../" * len(name.parts)
+        files = f"{up}../reports/published/{name.parent.as_posix()}"
+        moved = re.sub(r"\]\((\S+\.(?:svg|json|csv))\)", rf"]({files}/\1)", text)
+        if len(name.parts) == 1:
+            moved = moved.replace("](README.md)", "](../gallery.md)")
         path, now = folder / name, f"---\norphan: true\n---\n\n{moved}"
         if not path.is_file() or path.read_text(encoding="utf-8") != now:
+            path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(now, encoding="utf-8")
-    for path in folder.glob("*.md"):
-        if path.name not in pages:
+    for path in folder.rglob("*.md"):
+        if path.relative_to(folder) not in pages:
             path.unlink()
 
 
 def links(_app: Sphinx, _name: str, source: list[str]) -> None:
     """Where a page links to the file of a published page, as in the repository, link to its copy among the pages."""
-    source[0] = re.sub(r"\]\(\.\./reports/published/([\w-]+\.md)\)", r"](published/\1)", source[0])
+    source[0] = re.sub(r"\]\(\.\./reports/published/([\w/-]+\.md)\)", r"](published/\1)", source[0])
 
 
 def places(app: Sphinx, name: str, source: list[str]) -> None:
