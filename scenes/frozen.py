@@ -190,6 +190,11 @@ class Frozen(BaseModel, metaclass=_ReadsOldNames):
                 data[name] = value
         return data
 
+    def __dir__(self) -> list[str]:
+        """Keys and methods of a table, which tab completion shows; not those of pydantic."""
+        hidden = {*dir(BaseModel), "merged", "keys_listed"}
+        return sorted(name for name in super().__dir__() if name not in hidden and not name.startswith("_"))
+
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """pydantic's copy; with `update` it is `vary`, for pydantic itself checks nothing of an update."""
         return self.vary(**update) if update else super().model_copy(deep=deep)

@@ -246,6 +246,10 @@ class ContactSolution:
         """A matplotlib Figure of Q over the relative tangential displacement U through the last cycle."""
         return import_module("reports.page.notebook").loop_figure(self)
 
+    def __dir__(self) -> list[str]:
+        """What tab completion shows: neither old names nor private ones."""
+        return sorted(name for name in super().__dir__() if name not in RENAMED and not name.startswith("_"))
+
     @property
     def rigid_shift(self) -> Array:
         """The old name of `tangential_displacement`."""

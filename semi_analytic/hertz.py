@@ -105,7 +105,7 @@ class HertzContact:
         return self.pressure(x, load) * (np.asarray(load, dtype=float) + 2 * self.load(x)) / 3
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """S(x, eta) = int_0^eta arccosh(|x|/a) d eta' over the loads at which x is outside [force per thickness].
+        """Slip outside the stick zone: S(x, eta) = int_0^eta arccosh(|x|/a) d eta' [force per thickness], over loads with x open.
 
         S = eta arccosh(sqrt(P_x/eta)) + P_x - sqrt(P_x (P_x - eta)) for eta < P_x, and P_x beyond.
 
@@ -157,7 +157,7 @@ class HertzContact:
         return np.zeros(np.broadcast_shapes(*(np.shape(values) for values in arguments)))
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """int_0^P ln(2 L/a(eta)) d eta [force per thickness]: rigid movement is A/pi times as much.
+        """int_0^P ln(2 L/a(eta)) d eta [force per thickness]: the relative tangential displacement is A/pi times as much.
 
         >>> contact = HertzContact(modulus=100.0, radius=1.0, datum_length=0.5)  # a = 1 = 2 L at P = 25 pi
         >>> round(float(contact.log_distance(25 * np.pi)) / (25 * np.pi), 12)

@@ -39,6 +39,16 @@ def test_a_package_shows_its_interface_and_has_each_file_on_its_map_once(package
         assert not {name.removesuffix(".py") for name in files} & set(module.__all__)
 
 
+def test_tab_completion_of_a_scene_and_a_solution_shows_keys_and_methods_only() -> None:
+    scene = import_module("scenes").load_scene("hertz-normal")
+    solution = import_module("semi_analytic").solve(scene)
+    assert set(dir(scene.friction)) == {"coefficient", "vary"}
+    assert {*type(scene).model_fields, "save", "vary"} <= set(dir(scene))
+    assert {"pressure", "dissipation", "to_dataset", "plot"} <= set(dir(solution))
+    hidden = {"model_dump", "copy", "merged", "rigid_shift", "rigid_approach"}
+    assert not [name for name in (*dir(scene), *dir(scene.load), *dir(solution)) if name.startswith("_") or name in hidden]
+
+
 def test_a_file_that_is_missing_or_named_twice_is_noticed() -> None:
     assert named("one.py, two.py") != Counter({"one.py"})
     assert named("one.py, one.py") != Counter({"one.py"})

@@ -271,6 +271,8 @@ def _claim(metric: Metric, theory: bool) -> str:
     words = _words_of(metric)
     if doubt is not None and abs(value) <= doubt:
         return f"gives the {words} to within its uncertainty ({with_uncertainty(100 * value, 100 * doubt)} %)"
+    if doubt is None and abs(value) < 1e-12:  # round-off error
+        return f"agrees in the {words}"
     verb = "overestimates" if value > 0 else "underestimates"
     size = with_uncertainty(100 * abs(value), None if doubt is None else 100 * doubt)
     return f"{verb} the {words} by {size} %"
