@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import MISSING, Field, fields, is_dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from typing import Any
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
+
+from scenes.errors import RENAMED
 
 _TITLES = ("Attributes", "Parameters", "Returns", "Yields", "Raises", "Notes", "Examples", "See Also", "Warns", "References")
 PUBLISHED = Path(__file__).parents[1] / "reports" / "published"
@@ -40,9 +43,17 @@ def block_math(translator: Any, node: nodes.math_block) -> None:
 def plain(_app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
     """Turn a docstring into what reStructuredText reads: prose escaped, sections as lists; doctests stay as they are."""
     lines[:] = [
-        *_sections([_prose(line) for line in lines]),
+        *_sections([_prose(line) for line in _example_first(lines)]),
         *(_fields(obj) if what == "class" and hasattr(obj, "model_fields") else ()),
     ]
+
+
+def _example_first(lines: list[str]) -> list[str]:
+    """The doctests of a docstring behind its first paragraph, so that they are on the first screen."""
+    paragraphs = [part.split("\n") for part in re.split(r"\n\s*\n", "\n".join(lines).strip("\n"))]
+    examples = [part for part in paragraphs[1:] if part[0].startswith(">>>")]
+    ordered = [*paragraphs[:1], *examples, *(part for part in paragraphs[1:] if part not in examples)]
+    return [line for part in ordered for line in (*part, "")]
 
 
 def _prose(line: str) -> str:
@@ -94,11 +105,25 @@ def _escaped(text: str) -> str:
 
 
 def signature(_app: Sphinx, what: str, name: str, obj: Any, options: Any, arguments: str | None, result: str | None) -> Any:
-    """Names of types as they stand in the source; of a part of a scene its keys alone, which are told below."""
+    """Names of types as they stand in the source; of a scene's parts and of results the fields alone, explained below."""
     if what == "class" and hasattr(obj, "model_fields"):
         keys = (name if field.is_required() else f"{name}=..." for name, field in obj.model_fields.items())
         return f"(*, {', '.join(keys)})", ""
+    if what == "class" and is_dataclass(obj):
+        return f"({', '.join(_field(one) for one in fields(obj) if one.init)})", ""
     return tuple(re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text) if text else text for text in (arguments, result))
+
+
+def _field(one: Field[Any]) -> str:
+    if one.default is MISSING and one.default_factory is MISSING:
+        return one.name
+    shown = f"{one.default:.4g}" if isinstance(one.default, float) else repr(one.default)
+    return f"{one.name}={shown if isinstance(one.default, str | int | float | None) else '...'}"
+
+
+def old_names(_app: Sphinx, _what: str, name: str, _obj: Any, skip: bool, _options: Any) -> bool | None:
+    """Leave out names that are read for older scripts only."""
+    return True if name in RENAMED else None
 
 
 def published_pages(app: Sphinx) -> None:
@@ -145,6 +170,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Sphinx calls this."""
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("autodoc-process-signature", signature)
+    app.connect("autodoc-skip-member", old_names)
     app.connect("builder-inited", published_pages)
     app.connect("source-read", links)
     app.connect("source-read", places)

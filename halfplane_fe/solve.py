@@ -92,6 +92,10 @@ def solve(
         If the path has gross sliding or separation, with instant and loads.
     ConvergenceError
         With `partial`, the solution up to the last accepted increment.
+
+    >>> fe = solve("hertz-normal", mesh=MeshSettings.coarse())
+    >>> round(float(fe.contact_half_width.max()), 2)  # a = 1 mm by Hertz
+    1.0
     """
     # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):

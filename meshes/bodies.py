@@ -33,6 +33,9 @@ class MeshSettings:
     growth : growth of the element size with the distance from the contact
     order : 1 or 2, of elements and geometry
     cells : "triangles" or "quadrilaterals"
+
+    >>> MeshSettings(edge_element_size=1 / 320).far_radius  # finer edges, half-discs of 10 a
+    10.0
     """
 
     element_size: float = 1 / 24

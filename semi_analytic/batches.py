@@ -224,7 +224,7 @@ class DissipationBatch:
     ----------
     value : forward and reverse slip together; NaN where `reason` is not 0
     forward, reverse : the two parts
-    permanent_stick_load : P_T
+    permanent_stick_load : P_T [force per thickness]
     reason : `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is not finite or not admitted (P0 > 0,
         the rest of the loads >= 0, parameters by the rules of the profile), 4 the profile ends before the contact does,
         5 the quadrature did not converge

@@ -39,8 +39,8 @@ class Event:
     letter : the paper's letter, "" where it has none
     name : what happens
     time : the instant, in the time of the scene's path
-    normal_load, tangential_load : P and Q
-    front_load : P_c, the load at the front of slip (P itself in full stick); where slip ends, the last
+    normal_load, tangential_load : P and Q [force per thickness]
+    front_load : P_c [force per thickness], the load at the edge of slip (P itself in full stick); where slip ends, the last
     """
 
     letter: str
