@@ -2,8 +2,8 @@
 
     python docs/pages.py
 
-verification.md, gallery.md, misprints.md, expected.csv, architecture.svg, the tables of scenes.md, third.md and scene-keys.md, and
-the numbers in the text of every page. Tests make all of it again.
+verification.md, gallery.md, misprints.md, expected.csv, architecture.svg, the tables of scenes.md, third.md, metrics.md and
+scene-keys.md, and the numbers in the text of every page. Tests make all of it again.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import architecture
 import quoting
 import reference
 
+from reports.comparison.metrics import markdown
 from reports.paper.cases import Paper, paper
 from reports.paper.page import misprints
 from reports.paper.tables import proven_in_words
@@ -51,6 +52,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
         "scenes.md": library(written["scenes.md"]),
         "expected.csv": expected(),
         "third.md": third_solver(written["third.md"]),
+        "metrics.md": _between(written["metrics.md"], "the metrics", markdown().splitlines()),
         "scene-keys.md": reference.page(written["scene-keys.md"]),
         "architecture.svg": architecture.svg(ROOT / "pyproject.toml"),
     }

@@ -100,11 +100,12 @@ def sentence(advice: Advice) -> str:
     if not advice.parts:
         return "both bodies are half-planes of like materials (Dundurs' β is 0): half-plane theory is the very model"
     if advice.verdict is None:
-        return f"The maps do not know {len(advice.parts) - len(advice.known)} of these departures: run it (`halfplane run`)."
+        missing = len(advice.parts) - len(advice.known)
+        return f"Not known: departures that are in no map: {missing} of {len(advice.parts)}. Solve the scene (`halfplane run`)."
     off = cell(*total(advice.known, "error.dissipation"), advice.extrapolated)
     words = f"error of the dissipation by half-plane theory {off}"
     words += ", cross terms left out" * (len(advice.parts) > 1)
-    words += "; the maps do not reach there, so run it (`halfplane run`) before you rely on it" * advice.extrapolated
+    words += "; outside the maps, so solve the scene (`halfplane run`) before you rely on it" * advice.extrapolated
     words += "; undecided, for the uncertainty reaches across the limit" * (advice.verdict is Verdict.UNDECIDED)
     answer = "No" if advice.verdict is Verdict.OUTSIDE else "Yes" if advice.may_be_used else "Not sure"
     return f"{answer}: {words}. The limit is {100 * advice.limit:g} %."
