@@ -32,6 +32,7 @@ FOLDER = Path(__file__).parent
 ROOT = FOLDER.parent
 PUBLISHED = ROOT / "reports" / "published"
 WRITTEN = "<!-- written by `make pages` -->"
+WIDE = '<div class="wide">'  # a table whose numbers are not broken; on a phone it scrolls in a box of its own
 THIRD = ROOT / "benchmarks" / "third.json"
 ROUNDING = re.compile(r"(?<![\w.])(?:0|\d(?:\.\d+)?e-1[3-9])(?!\w|\.\d)")
 
@@ -104,6 +105,7 @@ def _third_table(cases: Mapping[str, Any]) -> Iterator[str]:
     days = sorted({f"{case['code']} on {case['day']}" for case in cases.values()})
     yield from (f"Measured with {' and '.join(days)}.", "")
     errors = "peak p: CalculiX | ours | q, L2: CalculiX | ours | W: CalculiX | ours"
+    yield from (WIDE, "")
     yield f"| scene | nodes, instants | time [s] | {errors} | commit |"
     yield f"|{'---|' * 10}"
     for name, case in sorted(cases.items()):
@@ -113,6 +115,7 @@ def _third_table(cases: Mapping[str, Any]) -> Iterator[str]:
             theirs, ours = case["errors"].get(key), quoting.published_share(scenes[scene], key)
             cells += [quoting.share(scenes[scene], key, theirs) or case["failure"] or "–", ours or "–"]
         yield f"| {' | '.join([*cells, case['commit']])} |".replace(" %", "\u00a0%")
+    yield from ("", "</div>")
 
 
 # ----------------------------------------------------------------------------------------------------------- verification
@@ -135,25 +138,27 @@ def verification() -> Iterator[str]:
         for row in rows:
             yield f"| {cell(row['requirement'])} | {'<br>'.join(f'`{test}`' for test in row['tests'])} |"
     met = sum(all(_judged(content).values()) for content in scenes.values())
+    laws = sum(content["admissible"] for content in scenes.values())
     yield from ("", "## Scenes", "")
     yield (
         "Error = finite elements/theory − 1, with default settings; of p and q in the L2 norm, of edges over the half-width; "
         "*abs.*: over A f² P², where theory has no dissipation. **Bold**: outside the tolerance of the scene. "
-        f"{met} of {len(scenes)} scenes satisfy every tolerance. The others have finite bodies or unlike materials: there the "
-        "error is that of the half-plane idealisation. The page of a scene has its tolerances and all metrics. "
+        f"{laws} of {len(scenes)} scenes satisfy every law of contact, {met} every tolerance. The others have finite bodies or "
+        "unlike materials: there the error is that of the half-plane idealisation. The page of a scene has its tolerances and all "
+        "metrics. "
         "[values.json](../reports/published/values.json) has every value, "
         "[expected.csv](expected.csv) each expected value with its source."
     )
-    heads = "laws satisfied | W | peak p | p | q | contact edge | stick edge | tolerances satisfied"
-    yield from ("", f"| scene | {heads} |", f"|{'---|' * 9}")
+    heads = "W | peak p | p | q | contact edge | stick edge | tolerances satisfied"
+    yield from ("", WIDE, "", f"| scene | {heads} |", f"|{'---|' * 8}")
     for name, content in scenes.items():
         judged = _judged(content)
         errors = [
             _error(content, key) for key in ("dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge")
         ]
-        laws = "yes" if content["admissible"] else "**no**"
         link = f"[{name}](../reports/published/{name}.md)"
-        yield f"| {' | '.join([link, laws, *errors, f'{sum(judged.values())} of {len(judged)}'])} |".replace(" %", "\u00a0%")
+        yield f"| {' | '.join([link, *errors, f'{sum(judged.values())} of {len(judged)}'])} |".replace(" %", "\u00a0%")
+    yield from ("", "</div>")
 
 
 def requirements() -> dict[str, list[dict[str, Any]]]:
@@ -193,12 +198,14 @@ def library(text: str) -> str:
 
 
 def _library() -> Iterator[str]:
+    yield from (WIDE, "")
     yield "| scene | purpose | source | theory | finite elements |"
     yield "|---|---|---|---|---|"
     for scene in map(load_scene, scene_names()):
         purpose = f"{scene.title}. {scene.purpose[0].upper()}{scene.purpose[1:]}."
         numbers = [_numbers(scene, engine, digits) for engine, digits in (("half-plane theory", 9), ("finite elements", 6))]
         yield f"| {' | '.join([f'`{scene.name}`', cell(purpose), cell(scene.source), *numbers])} |"
+    yield from ("", "</div>")
 
 
 def _numbers(scene: Scene, engine: str, digits: int) -> str:

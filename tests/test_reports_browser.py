@@ -233,7 +233,7 @@ def test_no_page_of_the_manual_is_wider_than_its_column(browser: Any, name: str)
     for width in WIDTHS:
         page.set_viewport_size({"width": width, "height": 900})
         page.wait_for_timeout(100)
-        assert page.evaluate(WIDER, "pre, .formula, .toc-drawer, .sidebar-drawer") == [], width
+        assert page.evaluate(WIDER, "pre, .formula, .wide, .toc-drawer, .sidebar-drawer") == [], width
     page.close()
 
 
