@@ -87,3 +87,26 @@ def test_each_phrase_is_seen_through_line_breaks_and_names_are_not() -> None:
     assert {"README.md", "docs/index.md", "reports/templates/scene.toml", "scenes/library/blocks.toml"} <= {
         name for name, _ in pages()
     }
+
+
+# Pages that commands write as a whole: evidence, which has a limit of its own, and lists of what the library and the models hold.
+EVIDENCE = ("numbers", "verification", "scenes", "performance", "stress")
+LISTS = ("scene-keys", "gallery", "misprints", "changelog")
+NOT_BY_HAND = re.compile(r"<!-- ([\w ]+): written by `make pages` -->.*?<!-- end of \1 -->|^```.*?^```|<!--.*?-->", re.S | re.M)
+
+
+def count(text: str) -> int:
+    """Words of a page, outside code blocks, comments and tables that commands write; a bar of a table is no word."""
+    return sum(bool(re.search(r"\w", word)) for word in NOT_BY_HAND.sub("", text).split())
+
+
+def test_the_manual_stays_short() -> None:
+    by_hand = [*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "api").glob("*.md")]
+    by_hand = [path for path in by_hand if path.stem not in {*EVIDENCE, *LISTS} or path.parent.name == "api"]
+    assert len(by_hand) > 30
+    assert sum(count(path.read_text(encoding="utf-8")) for path in by_hand) <= 20_000
+    evidence = [(ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in EVIDENCE]
+    assert sum(len(text.split()) for text in evidence) <= 15_000
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").split()) <= 900
+    table = "<!-- a table: written by `make pages` -->\n| one | two |\n<!-- end of a table -->"
+    assert count(f"a b | c <!-- n:x y -->1<!-- /n -->\n```sh\nd e\n```\n{table} f\n") == 5
