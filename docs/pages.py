@@ -46,6 +46,7 @@ def made(examples: Paper | None = None) -> dict[str, str]:
     """File name under docs/ -> content."""
     examples = examples or paper()
     written = {path.name: path.read_text(encoding="utf-8") for path in FOLDER.glob("*.md")}
+    written["../README.md"] = (ROOT / "README.md").read_text(encoding="utf-8")
     generated = {
         "verification.md": "\n".join([*verification()]) + "\n",
         "gallery.md": "\n".join([*gallery()]) + "\n",

@@ -1,6 +1,6 @@
 """Numbers in the text of a page, each between two marks: `<!-- n:KEY -->0.412<!-- /n -->`. What each key stands for.
 
-- `peak pressure, SCENE` and the like: reports/published/values.json
+- `peak pressure, SCENE` and the like: reports/published/values.json; `theory: ...`: theory/finite elements - 1 in %, unsigned
 - the paper's: its statements and misprints, computed again
 - `CLAIM`, or `SECTION: CLAIM` where two sections share it: docs/numbers.json, by make numbers
 - `limit: FILE`: how much of a file is read, from the code
@@ -60,6 +60,8 @@ def published_values(scenes: Mapping[str, Any]) -> dict[str, str]:
         for key in ("peak_pressure", "pressure", "shear", "dissipation"):
             if (shown := published_share(content, key)) is not None:
                 found[f"{key.replace('_', ' ')}, {name}"] = shown
+                error = 1 / (1 + content["frozen"][f"metric.{key}"]) - 1
+                found[f"theory: {key.replace('_', ' ')}, {name}"] = f"{100 * abs(error):.3f}"
     return found
 
 
