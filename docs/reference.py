@@ -98,6 +98,8 @@ def admitted(one: Mapping[str, Any]) -> str:
     """The values that a key takes, in words."""
     if "not" in one:
         return "function (Python only)"
+    if "$ref" in one:
+        return "table with a value for each column"
     if options := one.get("anyOf"):
         return " or ".join(admitted(option) for option in options if option.get("type") != "null")
     if "enum" in one or "const" in one:

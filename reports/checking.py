@@ -22,7 +22,7 @@ from scenes import (
     TimeSeriesLoad,
     sampled,
 )
-from scenes.scene import stress_in_pascal
+from scenes.unit_words import stress_in_pascal
 
 Array = NDArray[np.float64]
 
@@ -262,6 +262,13 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
         elif isinstance(body, Cylinder):
             found[f"{name} radius/a"] = body.radius / half
     return found
+
+
+def read_in_words(scene: Scene) -> list[str]:
+    """How each file beside the scene was read: what was found in it, what was stated, what was assumed."""
+    tables = (("load", scene.load), ("profile", scene.profile))
+    read = [(name, getattr(table, "read_as", None)) for name, table in tables]
+    return [f"{name}.file, read as: {'; '.join(': '.join(pair) for pair in pairs)}." for name, pairs in read if pairs]
 
 
 def in_words(scene: Scene, found: LargestContact) -> str:

@@ -5,7 +5,7 @@ The question::
     scene.py        all of it: friction, tolerances, units, tags, expected numbers
     bodies.py       materials, shapes, faces as they are made
     profiles.py     h(x) by formulas and Python functions
-    measured.py     tables of numbers, from files; h(x) through the rows of one
+    measured.py     tables of numbers, from files, in the scene's units; h(x) through the rows of one
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
     chebyshev.py    piecewise Chebyshev series that stand for functions
@@ -14,6 +14,8 @@ The question::
 Its files and the answer::
 
     reading.py      scene files and the library to scenes
+    text_tables.py  text tables of any program to columns of numbers: separators, headings, the line of a fault
+    unit_words.py   words for units, their sizes, whether they are one set
     files.py        files up to a stated size, whole or not at all: text, keys, NetCDF, source files
     errors.py       what can go wrong, as sentences
     solution.py     the form of every answer

@@ -261,8 +261,9 @@ def validated(given: M, wanted: type[Frozen]) -> M:
 
 
 def _checked(model: type[M], data: Any, where: str) -> M:
+    units = data.get("units") if isinstance(data, Mapping) else getattr(data, "units", None)
     try:
-        return model.model_validate(data)
+        return model.model_validate(data, context={"units": units} if isinstance(units, str) else {})
     except ValidationError as faults:
         raise InputError(f"{where}: {refusal(faults, _plain(data), model)}") from faults
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.frozen import Frozen, Positive, PythonFunction
-from scenes.measured import FromFile, RowError, Table
+from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, RowError, Table
 from scenes.segments import (
     ChebyshevSegment,
     HarmonicSegment,
@@ -209,6 +209,17 @@ class HarmonicLoad(Frozen):
         )
 
 
+T = TypeVar("T")
+
+
+class OfLoads(Frozen, Generic[T]):
+    """One of each column of a record; what is left out is not stated."""
+
+    time: T | None = None
+    P: T | None = None
+    Q: T | None = None
+
+
 class TimeSeriesLoad(FromFile):
     """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0, 0), unless it is (0, 0) itself.
 
@@ -219,12 +230,22 @@ class TimeSeriesLoad(FromFile):
     ([2.0, 0.5], -1.5)
     """
 
-    table, columns = "rows", ("time", "P", "Q")
+    table, quantities = "rows", {"time": "time", "P": "load", "Q": "load"}
 
     kind: Literal["time_series"] = "time_series"
-    file: str | None = Field(None, description="CSV file with the columns time, P, Q; path relative to the scene file")
+    file: str | None = Field(None, description="text table with the columns time, P, Q; path relative to the scene file")
     rows: Table = Field(description="the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)")
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats")
+    columns: OfLoads[str | int] | None = Field(None, description=COLUMNS)
+    units: OfLoads[str] | None = Field(None, description=UNITS)
+    thickness: Positive | None = Field(
+        None,
+        description="length of the contact out of the plane, by which forces of the file are divided, length units (library: mm)",
+    )
+    scale: OfLoads[Positive] | None = Field(None, description=SCALE)
+    zero: OfLoads[float] | None = Field(None, description=ZERO)
+    sign: OfLoads[Literal[1, -1]] | None = Field(None, description="-1 turns a column, such as P of a cell that counts tension")
+    read_as: ReadAs | None = Field(None, description=READ_AS)
 
     def check_rows(self) -> None:
         rows = self.rows.values

@@ -6,27 +6,29 @@ import abc
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo, model_validator
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
 from pydantic_core import CoreSchema, core_schema
 
 from scenes.errors import InputError, shown
-from scenes.files import TEXT, check_size
-from scenes.frozen import Frozen
+from scenes.frozen import Frozen, Positive
+from scenes.text_tables import LARGEST, text_table
+from scenes.unit_words import Kind, unit_factor
 
 Array = NDArray[np.float64]
-
-
-# Rows of a table, characters of a row: what is longer would take gigabytes on its way through the engines.
-MOST_ROWS, _LONGEST = 2_000_000, 100_000
-# UTF-8, and a mark of byte order, which spreadsheets put at the front, is no part of the first name or number.
-_ENCODING = "utf-8-sig"
-_CURE = "; commas between the columns, points in the numbers"
-# Of a number: the square of a larger one, in whatever units, would be none.
-LARGEST = 1e100
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,31 +91,64 @@ def _rows_may_stand_in_a_file(schema: dict[str, Any], model: type[FromFile]) -> 
     schema["required"].remove(model.table)
 
 
+def _in_tuples(pairs: Any) -> Any:
+    """JSON has no tuples, and a table that may read a file is checked as what Python made of it."""
+    return tuple(tuple(pair) if isinstance(pair, list) else pair for pair in pairs) if isinstance(pairs, list) else pairs
+
+
+ReadAs = Annotated[tuple[tuple[str, str], ...], BeforeValidator(_in_tuples)]
+# Keys that say how a file is read.
+READING = ("columns", "units", "thickness", "scale", "zero", "sign")
+# What each of them is, for descriptions.
+COLUMNS = "headings or numbers (from 1 on) of the columns in the file, where they are not found by their usual names"
+UNITS = "units of the columns in the file, where its headings do not state them; turned into those of the scene"
+SCALE, ZERO = "factors of the columns, such as a calibration", "numbers of the file that mean zero: taken off first, in its units"
+READ_AS = "how the file was read, found and assumed; written by the reader"
+
+
 class FromFile(Frozen):
-    """Keys of which one, `table`, is rows of numbers that may stand in a CSV `file` instead, relative to the scene file."""
+    """Keys of which one, `table`, is rows of numbers that may stand in a text `file` instead, relative to the scene file.
+
+    A number of the scene is sign x scale x unit x (number of the file - zero) / thickness.
+    """
 
     model_config = ConfigDict(json_schema_extra=_rows_may_stand_in_a_file)
 
     table: ClassVar[str]
-    columns: ClassVar[tuple[str, ...]]
+    quantities: ClassVar[dict[str, Kind]]
 
     kind: str
     file: str | None
+    read_as: ReadAs | None
 
     @model_validator(mode="before")
     @classmethod
     def _read(cls, data: Any, info: ValidationInfo) -> Any:
         if not isinstance(data, dict) or not isinstance(data.get("file"), str) or data.get(cls.table) is not None:
             return data
-        return data | {cls.table: read_table(_folder(info) / data["file"], cls.columns)}
+        stated = {key: data[key] for key in READING if key in cls.model_fields and data.get(key) is not None}
+        try:
+            for key, value in stated.items():
+                field = cls.model_fields[key]
+                adapter: TypeAdapter[Any] = TypeAdapter(Annotated[field.annotation, field])  # type: ignore[arg-type]
+                stated[key] = adapter.validate_python(value)
+        except ValidationError:  # said with its key when the fields are checked, for which rows are needed
+            return data | {cls.table: [[0.0] * len(cls.quantities)]}
+        units = (info.context or {}).get("units")
+        rows, read_as = _columns_of(
+            _folder(info) / data["file"], cls.quantities, stated, units if isinstance(units, str) else _UNITS
+        )
+        return data | {cls.table: rows, "read_as": read_as}
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """As for every table; rows of one file are not those of another, nor is a file the source of other rows."""
         data = super().merged(changes)
-        if changes.get("file") is not None and self.table not in changes:
-            del data[self.table]
         if self.table in changes and "file" not in changes:
-            data["file"] = None
+            for key in ("file", "read_as", *READING):
+                data.pop(key, None)
+        elif self.table not in changes and data.get("file") is not None and not changes.keys().isdisjoint(("file", *READING)):
+            for key in (self.table, "read_as"):
+                data.pop(key, None)
         return data
 
     @abc.abstractmethod
@@ -127,8 +162,14 @@ class FromFile(Frozen):
         except RowError as fault:
             path, place = _folder(info) / (self.file or ""), f"{self.table}, row {fault.row + 1}"
             if self.file is not None and path.is_file():  # where the rows came from
-                place = f"{path}, line {text_table(path, self.columns).lines[fault.row]}"
+                columns = getattr(self, "columns", None)
+                place = f"{path}, line {text_table(path, tuple(self.quantities), stated=_given(columns)).lines[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
+        unused = [key for key in READING if getattr(self, key, None) is not None]
+        if self.file is None and unused:
+            raise ValueError(
+                f"{unused[0]} says how a file is read, and `{self.table}` stand in the units of the scene: leave it out"
+            )
         return self
 
 
@@ -137,113 +178,79 @@ def _folder(info: ValidationInfo) -> Path:
     return Path((info.context or {}).get("folder", "."))
 
 
-def read_table(path: Path, names: tuple[str, ...]) -> Table:
-    """The columns `names` of a CSV file; a first line of these names may be there, lines that start with # are skipped.
+# Of the library; where nothing else is stated.
+_UNITS = "N, mm, MPa"
+_SCENE_UNITS = "units of the scene"
+
+
+def _given(table: Frozen | None) -> dict[str, Any]:
+    """What a table with a key for each column states of them."""
+    return {} if table is None else {name: value for name, value in table if value is not None}
+
+
+def _columns_of(path: Path, quantities: Mapping[str, Kind], stated: Mapping[str, Any], units: str) -> tuple[Table, ReadAs]:
+    """The rows of a file in the units of the scene, and how they were found: in pairs of words.
 
     Raises
     ------
     InputError
-        One sentence that names file, line and rule.
+        One sentence: what the reader refuses, and a unit that can't be right.
     """
-    return Table.of(text_table(path, names).values)
+    found = text_table(path, tuple(quantities), stated=_given(stated.get("columns")))
+    said = [
+        ("file", f"{path.name}: {len(found.lines):,} rows from line {found.lines[0]} on"),
+        ("columns separated by", found.separator),
+        ("decimal sign", found.decimal),
+    ]
+    if found.skipped:
+        said.append(("lines above the headings", f"{found.skipped} skipped"))
+    values, thickness, converted = found.values, stated.get("thickness"), False
+    factors, zeros, signs, words = (_given(stated.get(key)) for key in ("scale", "zero", "sign", "units"))
+    for k, (name, kind) in enumerate(quantities.items()):
+        heading, unit, where = found.headings[k], words.get(name) or found.units[k], "stated" if name in words else "in its heading"
+        how, factor, per_length = [f"{heading!r}" if found.head else heading], 1.0, None
+        if unit:
+            try:
+                factor, per_length = unit_factor(unit, kind, units)
+            except ValueError as reason:
+                if name in words:
+                    raise InputError(f"units.{name}: {reason}") from reason
+                how.append(f"{unit!r} {where} is no unit that is known: taken as it stands")
+            else:
+                converted = converted or kind != "time"
+                how.append(f"{unit} ({where})" + (f", times {factor:.9g}" if factor != 1 else ""))
+        elif kind != "time":
+            how.append("no unit stated: taken to be in that of the scene")
+        if kind == "load" and per_length is False and thickness is None:
+            raise InputError(
+                f"{path}: {name} is in {unit} ({where}), a force, and loads are per unit thickness: state the key thickness, the "
+                "length of the contact out of the plane, by which it is divided"
+            )
+        if kind == "load" and per_length and thickness is not None:
+            raise InputError(f"{path}: {name} is in {unit} ({where}), per length already: leave out the key thickness")
+        if name in zeros:
+            how.append(f"zero at {zeros[name]:.9g} of the file")
+        if name in factors:
+            how.append(f"times {factors[name]:.9g} (scale)")
+        if kind == "load" and thickness is not None:
+            how.append(f"over the thickness {thickness:.9g}")
+        if signs.get(name, 1) < 0:
+            how.append("sign turned")
+        factor *= factors.get(name, 1.0) * signs.get(name, 1) / (thickness if kind == "load" and thickness is not None else 1.0)
+        if name in zeros:
+            values[:, k] -= zeros[name]
+        if factor != 1:
+            with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused with its row
+                values[:, k] *= factor
+        said.append((name, ", ".join(how)))
+    if converted:
+        said.append((_SCENE_UNITS, units))
+    return Table.of(values), tuple(said)
 
 
-@dataclass(frozen=True, eq=False)
-class TextTable:
-    """The numbers of a text file: `names` of its columns, `values` (n_rows, n_columns), `lines` (n_rows,) where they stand."""
-
-    names: tuple[str, ...]
-    values: Array
-    lines: tuple[int, ...]
-
-    def column(self, name: str) -> Array:
-        """The first column of that name, (n_rows,)."""
-        return np.asarray(self.values[:, self.names.index(name)])
-
-
-def text_table(path: Path, columns: tuple[str, ...] = (), what: str = "the table", cure: str = "thin it out") -> TextTable:
-    """Rows of finite numbers below a line of names; lines that start with # or ** are remarks.
-
-    Parameters
-    ----------
-    columns : names that the file must have, commas between them; the line of names may then be left out, and a # in a row
-        begins a remark. Without: whatever the first line names, with commas, semicolons (then a decimal comma will do), tabs or
-        blanks between
-    what, cure : what the file is to the user, and what to do about one that is too large
-
-    Raises
-    ------
-    InputError
-        One sentence that names file, line and rule.
-    """
-    longest = _LONGEST if columns else TEXT  # a row of a foreign table may hold all the frames of a point
-    try:
-        check_size(path, what, TEXT, cure)
-        with path.open("rb") as lines:  # counted before anything of it is kept
-            for number, line in enumerate(iter(lambda: lines.readline(longest + 1), b""), 1):
-                if len(line) > longest:
-                    raise InputError(f"{path}, line {number}: more than {longest:,} characters are no row of a table")
-                if number > MOST_ROWS:
-                    raise InputError(f"{path}: {what} has more than {MOST_ROWS:,} lines, the most that are read; {cure}")
-        text = path.read_text(encoding=_ENCODING)
-    except (OSError, UnicodeDecodeError) as reason:
-        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
-        raise InputError(f"{path}: the file can't be read: {why}") from reason
-    bare = ((number, line.split("#", 1)[0] if columns else line) for number, line in enumerate(text.split("\n"), 1))
-    rows = [(number, line.strip(" \r")) for number, line in bare if line.strip() and not line.lstrip().startswith(("#", "**"))]
-    del text
-    wanted = f"{len(columns)} columns {', '.join(columns)}" if columns else "a line of names and rows of numbers"
-    if not rows:
-        raise InputError(f"{path}: the file is empty; {wanted} are needed")
-    first, head = rows[0]
-    mark = "," if columns else next((sign for sign in ("\t", ";", ",") if sign in head), None)
-    names = tuple(cell.strip().strip('"').strip() for cell in head.split(mark))
-    if not columns and all(_is_number(name) for name in names):
-        raise InputError(
-            f"{path}, line {first}: the first line must name the columns, such as time,x,pressure,shear; it has numbers only"
-        )
-    if not columns or not any(_is_number(name) for name in names):
-        if columns and [name.lower() for name in names] != [name.lower() for name in columns]:
-            semicolons = _CURE if ";" in head or "\t" in head else ""
-            raise InputError(f"{path}, line {first}: the columns are {', '.join(columns)}, not {shown(head)}{semicolons}")
-        del rows[0]
-    names = columns or names
-    if not rows:
-        raise InputError(
-            f"{path}: no row of numbers{f'; {wanted} are needed' if columns else ' below the names ' + ', '.join(names)}"
-        )
-    try:
-        values = np.loadtxt([line for _, line in rows], delimiter=mark, comments=None, ndmin=2)
-        sound = values.shape == (len(rows), len(names)) and bool((np.abs(values) <= LARGEST).all())
-    except ValueError:
-        sound = False
-    if not sound:  # one by one: decimal commas, a comma at the end of each row; else the first fault
-        values = np.array([_numbers(path, number, line, mark, names) for number, line in rows])
-    return TextTable(names, values, tuple(number for number, _ in rows))
-
-
-def _numbers(path: Path, line: int, text: str, mark: str | None, names: tuple[str, ...]) -> list[float]:
-    """The numbers of one row; InputError for another count, or a cell that is none."""
-    cells = [cell.strip().strip('"') for cell in text.split(mark)]
-    if len(cells) == len(names) + 1 and not cells[-1]:
-        cells.pop()
-    if len(cells) != len(names):
-        listed = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
-        cure = _CURE if mark == "," and len(cells) == 2 * len(names) else ""  # as many as decimal commas would make
-        raise InputError(f"{path}, line {line}: {len(names)} numbers ({listed}) are needed, not {shown(text)}{cure}")
-    for name, cell in zip(names, cells, strict=True):
-        number = cell.replace(",", ".") if mark == ";" else cell
-        if not _is_number(number) or not abs(float(number)) <= LARGEST:
-            raise InputError(f"{path}, line {line}: {name} = {shown(cell)} is not a finite number of at most {LARGEST:g}")
-    return [float(cell.replace(",", ".")) for cell in cells]
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+def read_for(read_as: ReadAs | None) -> str:
+    """The units into which the columns of a file were turned; empty where none was."""
+    return dict(read_as or ()).get(_SCENE_UNITS, "")
 
 
 _ALIKE = 1e-12
@@ -270,6 +277,16 @@ class Spline(NamedTuple):
     curvature: Array
 
 
+T = TypeVar("T")
+
+
+class OfProfile(Frozen, Generic[T]):
+    """One of each column of a profile; what is left out is not stated."""
+
+    x: T | None = None
+    h: T | None = None
+
+
 class Tabulated(FromFile):
     """Gap given by rows of x and h, joined by Schumaker's quadratic spline: it rises where the rows rise, bends up where they do.
 
@@ -280,12 +297,18 @@ class Tabulated(FromFile):
     [0.005, 0.5]
     """
 
-    table, columns = "points", ("x", "h")
+    table, quantities = "points", {"x": "length", "h": "length"}
 
     kind: Literal["tabulated"] = "tabulated"
-    file: str | None = Field(None, description="CSV file with the columns x, h; path relative to the scene file")
+    file: str | None = Field(None, description="text table with the columns x, h; path relative to the scene file")
     points: Table = Field(description="the rows themselves, [x, h] each, in place of a file, length units (library: mm)")
     asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides over the largest gap")
+    columns: OfProfile[str | int] | None = Field(None, description=COLUMNS)
+    units: OfProfile[str] | None = Field(None, description=UNITS)
+    scale: OfProfile[Positive] | None = Field(None, description=SCALE)
+    zero: OfProfile[float] | None = Field(None, description=ZERO)
+    sign: OfProfile[Literal[1, -1]] | None = Field(None, description="-1 turns a column, such as a height counted the other way")
+    read_as: ReadAs | None = Field(None, description=READ_AS)
 
     def check_rows(self) -> None:
         one_sided(self.points.values, self.asymmetry)

@@ -76,7 +76,7 @@ def load_scene(source: str | Path) -> Scene:
     try:
         # Strict, so that "1.0" and true are no numbers; as JSON, where strict still lets 1 be a float and a list a tuple.
         text = json.dumps({"name": name} | data, default=str)
-        return Scene.model_validate_json(text, strict=True, context={"folder": folder})
+        return Scene.model_validate_json(text, strict=True, context={"folder": folder, "units": data.get("units")})
     except ValidationError as faults:
         raise InputError(f"{path}: {refusal(faults, data, Scene)}") from faults
     except RecursionError as reason:  # JSON with brackets by the hundred

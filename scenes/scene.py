@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping
 from importlib import import_module
 from numbers import Real
@@ -18,7 +17,9 @@ from scenes.errors import InputError, shown
 from scenes.files import write_keys
 from scenes.frozen import Frozen, Positive, ShortForm
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
+from scenes.measured import READING, read_for
 from scenes.profiles import FlatRounded, Hertz, Profile
+from scenes.unit_words import inconsistent
 
 Tag = Literal[
     # where it comes from
@@ -99,47 +100,6 @@ class Expected(Frozen):
     )
     engine: Literal["half-plane theory", "finite elements"] = Field("half-plane theory", description="the engine that must meet it")
     source: str = Field(min_length=1, description="where the number comes from")
-
-
-# Of each word: its size in N, m and Pa.
-_FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kip": 4448.2216152605}
-_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6, "in": 0.0254}
-_STRESSES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168, "ksi": 6894757.293168}
-_ROUNDING = 1e-6
-
-
-def stress_in_pascal(word: str) -> float:
-    """What a unit of stress is in Pa; 0 for a word that nobody here knows.
-
-    >>> stress_in_pascal("MPa"), stress_in_pascal("stress")
-    (1000000.0, 0.0)
-    """
-    return _STRESSES.get(word, 0.0)
-
-
-def inconsistent(units: str) -> str:
-    """Why `units` can't be right, with what to do; empty for a consistent set, and for words that nobody here knows.
-
-    >>> inconsistent("N, mm, MPa"), inconsistent("kN, mm, GPa"), inconsistent("SI"), inconsistent("lbf, in, psi")
-    ('', '', '', '')
-    >>> inconsistent("N, mm, GPa")
-    "N/mm^2 is MPa, not GPa: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
-    >>> inconsistent("mm, N, MPa")
-    "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
-    """
-    words = [word for word in re.split(r"[,\s]+", units) if word]
-    known = _FORCES.keys() | _LENGTHS.keys() | _STRESSES.keys()
-    if len(words) != 3 or not known.issuperset(words):
-        return ""
-    force, length, stress = words
-    if units.count(",") != 2 or force not in _FORCES or length not in _LENGTHS or stress not in _STRESSES:
-        return "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
-    wanted = _FORCES[force] / _LENGTHS[length] ** 2
-    if abs(_STRESSES[stress] / wanted - 1) < _ROUNDING:
-        return ""
-    name = next((f" is {word}," for word, size in _STRESSES.items() if abs(size / wanted - 1) < _ROUNDING), " is")
-    fault = f"{force}/{length}^2{name} not {stress}"
-    return f"{fault}: one set of units is needed, such as 'N, mm, MPa', with every number of the scene in it"
 
 
 Load = Annotated[EllipseLoad | PolygonLoad | HarmonicLoad | TimeSeriesLoad | CallableLoad, Field(discriminator="kind")]
@@ -229,6 +189,16 @@ class Scene(Frozen):
         return units
 
     @model_validator(mode="after")
+    def _columns_were_turned_into_its_units(self) -> Self:
+        for name, table in (("load", self.load), ("profile", self.profile)):
+            if (own := read_for(getattr(table, "read_as", None))) and own != self.units:
+                raise ValueError(
+                    f"units = {self.units!r}, and the columns of {name}.file were turned into {own!r}: give file and units "
+                    "together in a scene file, or to Scene.vary"
+                )
+        return self
+
+    @model_validator(mode="after")
     def _faces_make_the_profile(self) -> Self:
         radius = self.bodies.relative_radius()
         if radius is not None and not (isinstance(self.profile, Hertz) and abs(self.profile.radius / radius - 1) <= 1e-9):
@@ -270,7 +240,8 @@ class Scene(Frozen):
         """
         keys = json.loads(self.model_dump_json(exclude_none=True))
         for table in (keys["profile"], keys["load"]):
-            table.pop("file", None)
+            for key in ("file", *READING):
+                table.pop(key, None)
         write_keys(Path(path), keys)
 
     def model_dump_json(self, **options: Any) -> str:

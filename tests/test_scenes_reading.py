@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import tomllib
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -27,11 +29,13 @@ from scenes import (
     Pad,
     Scene,
     Tabulated,
+    TimeSeriesLoad,
     load_scene,
     scene_names,
     scene_schema,
     scene_text,
 )
+from scenes.text_tables import text_table
 
 DOCS = Path(__file__).parents[1] / "docs"
 HERTZ = 'kind = "hertz"\nradius = 2.0'
@@ -259,19 +263,36 @@ def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_i
 
 # -------------------------------------------------------------------------------------------------- tables beside a scene
 SERIES, TRACE = (POLYGON, 'kind = "time_series"\nfile = "table.csv"'), (HERTZ, 'kind = "tabulated"\nfile = "table.csv"')
-COMMAS = "commas between the columns, points in the numbers"
+DECIMAL, THOUSANDS = "the decimal sign of this file is a", "write no marks between thousands"
 TABLES = [
     (SERIES, "time,P,Q\n0,1,0\n1,nan,0\n", ", line 3: P = 'nan' is not a finite number"),
     (SERIES, "time,P,Q\n0,1,0\n1,2,0\n1,3,0\n", ", line 4: time = 1 stands there twice"),
     (SERIES, "\ufefftime,P,Q\n0,1,0\n1,2,0\n1,3,0\n", ", line 4: time = 1 stands there twice"),
     (SERIES, "time,P,Q\n0,1,0\n2,2,0\n# late\n1,3,0\n", ", line 5: time = 1 comes after a later one"),
     (SERIES, "time,P,Q\n0,1\n", ", line 2: 3 numbers (time, P, Q) are needed"),
-    (SERIES, "t,P,Q\n0,1,2\n", ", line 1: the columns are time, P, Q"),
+    (SERIES, "t,N,Q\n0,1,2\n", ", line 1: the columns are time, P, Q, not 't,N,Q': none is P; say which by columns = {P = ...}"),
+    (
+        SERIES,
+        "0,1,2,3\n1,2,3,4\n",
+        ", line 1: 3 numbers (time, P, Q) are needed, not '0,1,2,3'; or say which by columns = {time = 1,",
+    ),
+    (SERIES, "time,FN,fn,Q\n0,1,1,2\n1,2,2,3\n", ", line 1: 'FN', 'fn' could each be P; say which by columns = {P = ...}"),
     (SERIES, "time,P,Q\n0,1,0\n", ", line 2: one row is no history"),
     (SERIES, "time,P,Q\n0,1,inf\n1,1,0\n", ", line 2: Q = 'inf' is not a finite number"),
-    (SERIES, "time\tP\tQ\n0\t1\t0\n", COMMAS),
-    (SERIES, "time;P;Q\n0;0,5;0\n", COMMAS),
-    (SERIES, "time,P,Q\n0,0,1,5,-0,3\n", COMMAS),
+    (SERIES, "time,P,Q\n0,0,1,5,-0,3\n", "commas between the columns leave points for the numbers"),
+    (
+        SERIES,
+        "time;P;Q\n0;1.234,5;2\n",
+        f", line 2: P = '1.234,5' is not a finite number of at most 1e+100; {DECIMAL} point: {THOUSANDS}",
+    ),
+    (SERIES, "time;P;Q\n0;1,5;2\n1;1.234;2\n", f", line 3: P = '1.234' is not a finite number of at most 1e+100; {DECIMAL} comma"),
+    (SERIES, "time;P;Q\n0;1.5;2\n1;1 234;2\n", f", line 3: P = '1 234' is not a finite number of at most 1e+100; {DECIMAL} point"),
+    (SERIES, "time;P;Q\n0;1;2\n1;1_000;2\n", ", line 3: P = '1_000' is not a finite number"),
+    (
+        SERIES,
+        "time,P [kN],Q\n0,1,0\n1,2,0\n",
+        ": P is in kN (in its heading), a force, and loads are per unit thickness: state the key thickness",
+    ),
     (TRACE, "", ": the file is empty"),
     (TRACE, None, ": the file can't be read: No such file"),
     (TRACE, "x,h\n", ": no row of numbers"),
@@ -296,6 +317,164 @@ def test_faults_in_tables_name_file_line_and_rule(edit: tuple[str, str], text: s
     sentence = refusal(tmp_path / "mine.toml")
     assert "table.csv" in sentence
     assert said in sentence
+
+
+# Text, keys of the table, units of the scene, rows that are found, words of the record.
+FORMS = {
+    "spreadsheet": (
+        "\ufeffTime [s];Normal force [kN];FT [N]\r\n0;1,5;5\r\n1;1,6;6,5\r\n",
+        "thickness = 10",
+        "N, mm, MPa",
+        [[0, 150, 0.5], [1, 160, 0.65]],
+        ("semicolon", "comma", "times 1000", "over the thickness 10"),
+    ),
+    "data logger": (
+        "Rig 7\nDate\t1.2.2026\nt / ms\tFN (N/mm)\tFT (N/mm)\tnote\n0\t1\t2\tok\n500\t2\t3\tok, fine\n",
+        "",
+        "N, mm, MPa",
+        [[0, 1, 2], [0.5, 2, 3]],
+        ("tab", "2 skipped", "times 0.001"),
+    ),
+    "units below": (
+        "time;P;Q\ns;kN;N\n0;1;0,5\n1;2;0,6\n",
+        "thickness = 2",
+        "N, mm, MPa",
+        [[0, 500, 0.25], [1, 1000, 0.3]],
+        ("kN", "over the thickness 2"),
+    ),
+    "numpy's headings": ("# time Q P\n0 1 2\n1 2 3\n", "", "N, mm, MPa", [[0, 2, 1], [1, 3, 2]], ("blanks",)),
+    "decimal commas and blanks": (
+        "Time  Normal force  Q\n0,0  1,5  2\n0,5  2,5  3\n",
+        "",
+        "N, mm, MPa",
+        [[0, 1.5, 2], [0.5, 2.5, 3]],
+        ("comma",),
+    ),
+    "words in other columns": ("state,time,P,Q\nn/a,0,1,2\n,1,2,3\n", "", "SI", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
+    "quotes": ('"time","P","Q"\n"0","1","2"\n"1","2","3"\n', "", "N, mm, MPa", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
+    "comma at each end": ("time,P,Q,\n0,1,2,\n1,2,3,\n", "", "N, mm, MPa", [[0, 1, 2], [1, 2, 3]], ("'P'",)),
+    "columns by heading": (
+        "a;b;c\n0;1;2\n1;2;3\n",
+        'columns = {time = "a", P = "c", Q = "b"}\nzero = {P = 1}\nscale = {P = 3}\nsign = {Q = -1}',
+        "N, mm, MPa",
+        [[0, 3, -1], [1, 6, -2]],
+        ("zero at 1 of the file, times 3 (scale)", "sign turned"),
+    ),
+    "columns by number": (
+        "junk\n0;1;2;9\n1;2;3;9\n",
+        "columns = {time = 1, P = 3, Q = 2}",
+        "N, mm, MPa",
+        [[0, 2, 1], [1, 3, 2]],
+        ("column 3",),
+    ),
+    "units stated": (
+        "0,1,2\n1,2,3\n",
+        'units = {P = "N/mm", time = "min"}',
+        "kN, mm, GPa",
+        [[0, 0.001, 2], [60, 0.002, 3]],
+        ("N/mm (stated), times 0.001",),
+    ),
+    "volts": (
+        "time,P [V],Q\n0,1,2\n1,2,3\n",
+        "scale = {P = 20}",
+        "N, mm, MPa",
+        [[0, 20, 2], [1, 40, 3]],
+        ("no unit that is known: taken as it stands",),
+    ),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_record_of_any_form_is_read_and_what_was_assumed_is_said(form: str, tmp_path: Path) -> None:
+    """And stays so when the scene is changed, saved, or sent as JSON; the keys that say how a file is read go with the file."""
+    text, keys, units, rows, words = FORMS[form]
+    (tmp_path / "table.csv").write_bytes(text.encode())
+    (tmp_path / "mine.toml").write_text(f'units = "{units}"\n' + PLAIN.replace(SERIES[0], f"{SERIES[1]}\n{keys}"), encoding="utf-8")
+    scene = load_scene(tmp_path / "mine.toml")
+    np.testing.assert_allclose(scene.load.rows.values, rows, rtol=1e-15)
+    said = "; ".join(": ".join(pair) for pair in scene.load.read_as)
+    assert all(word in said for word in words), said
+    assert Scene.model_validate_json(scene.model_dump_json()) == scene.vary(friction=scene.friction.coefficient) == scene
+    scene.save(tmp_path / "saved.toml")
+    again = load_scene(tmp_path / "saved.toml").load
+    assert (again.rows, again.read_as, again.file, again.columns, again.scale) == (
+        scene.load.rows,
+        scene.load.read_as,
+        None,
+        None,
+        None,
+    )
+    other = scene.vary(load={"rows": [[0, 1, 0], [1, 2, 0]]}).load
+    assert (other.file, other.read_as, other.thickness, other.units) == (None, None, None, None)
+
+
+def test_reading_keys_without_a_file_and_units_that_came_later_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(
+        ValueError, match="thickness says how a file is read, and `rows` stand in the units of the scene: leave it out"
+    ):
+        TimeSeriesLoad(rows=[[0, 1, 0], [1, 2, 0]], thickness=2.0)
+    (tmp_path / "table.csv").write_text("time,P [kN/m],Q\n0,1,0\n1,2,0\n", encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(PLAIN.replace(*SERIES), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    scene = load_scene("mine.toml")
+    with pytest.raises(InputError, match=r"columns of load\.file were turned into 'N, mm, MPa': give file and units together"):
+        scene.vary(units="kN, mm, GPa")
+    both = scene.vary(units="kN, mm, GPa", load={"file": "table.csv"})
+    np.testing.assert_allclose(both.load.rows.values[:, 1], [1e-3, 2e-3])
+    with pytest.raises(InputError, match=r"P is in kN/m \(in its heading\), per length already: leave out the key thickness"):
+        scene.vary(load={"thickness": 2.0})
+    for words, said in (("volts", "units.P: 'volts' is no unit of force"), ("mm", "units.P: 'mm' is no unit of force")):
+        with pytest.raises(InputError, match=said):
+            scene.vary(load={"units": {"P": words}})
+
+
+def test_a_profile_has_the_same_keys(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("x [µm];z [nm]\n1000;20000,0\n1250;20500,0\n1500;22000,5\n", encoding="utf-8")
+    keys = "zero = {x = 1000, h = 20000}"
+    (tmp_path / "mine.toml").write_text(PLAIN.replace(TRACE[0], f"{TRACE[1]}\n{keys}"), encoding="utf-8")
+    profile = load_scene(tmp_path / "mine.toml").profile
+    np.testing.assert_allclose(profile.points.values, [[0, 0], [0.25, 5e-4], [0.5, 2.0005e-3]], rtol=1e-12)
+    assert dict(profile.read_as)["h"] == "'z [nm]', nm (in its heading), times 1e-06, zero at 20000 of the file"
+
+
+SPOILT = st.text("0123456789.,;\t -+eE\n#nan'\"", max_size=80)
+
+
+@settings(max_examples=150)
+@given(
+    text=SPOILT, head=st.sampled_from(["time,P,Q\n", "Time [s];FN [N/mm];FT [N/mm]\n", "time\tP\tQ\n", "", "\ufeff# time P Q\n"])
+)
+def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
+    text: str, head: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.csv"
+    path.write_text(head + text, encoding="utf-8")
+    try:
+        found = text_table(path, ("time", "P", "Q"))
+    except InputError as fault:
+        assert str(fault).startswith(str(path))  # noqa: PT017
+    else:
+        lines = (head + text).split("\n")
+        assert np.all(np.abs(found.values) <= 1e100)
+        assert found.values.shape == (len(found.lines), 3)
+        for row, line in zip(found.values.tolist(), found.lines.tolist(), strict=True):  # each number stands on its line
+            cells = re.split(
+                r"[;\t, ]+" if found.decimal == "point" else r"[;\t ]+", lines[line - 1].split("#")[0].replace('"', " ")
+            )
+            numbers = [float(cell.replace(",", ".")) for cell in cells if cell]
+            assert set(row) <= set(numbers)
+
+
+def test_two_million_rows_are_streamed(tmp_path: Path) -> None:
+    """A tenth of them here: what is held beside the numbers is that of some ten thousand rows."""
+    path, count = tmp_path / "long.csv", 200_000
+    path.write_text("time;P;Q\n" + "".join(f"{k};1,5;0,{k}\n" for k in range(count)), encoding="utf-8")
+    tracemalloc.start()
+    found = text_table(path, ("time", "P", "Q"))
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert (len(found.values), found.lines[-1]) == (count, count + 1)
+    assert most < 2.2 * found.values.nbytes + 2 * found.lines.nbytes + 16e6
 
 
 def test_tables_lie_beside_the_scene_file_and_their_rows_go_with_the_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -156,7 +156,7 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
 # ----------------------------------------------------------------------------------------------------------------------- check
 def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
-    from reports.checking import check_path, in_words, largest_contact, remarks
+    from reports.checking import check_path, in_words, largest_contact, read_in_words, remarks
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
     from scenes import TimeSeriesLoad
 
@@ -175,6 +175,7 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
         with naming(source):
             halfplane_fe.require_solvable(found)
     words = [question(found), *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found)))]
+    words += read_in_words(found)
     last = (
         f"{source}: the scene is well formed and its load path admissible: |Q|/(f P) is at most {path.ratio:.4g}, "
         f"in the {path.part} at time {path.time:.6g} (P = {path.normal_load:.6g}, Q = {path.tangential_load:.6g}); "

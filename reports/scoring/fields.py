@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes import FieldFrame, FieldPart, joined, read_frames
-from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed, plain, stated_times
+from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed, stated_times
 from reports.scoring.surface import SAME, SurfaceResult, extent, free_face, inside_out, material_above, one_plane, surface_result
 from scenes import InputError
+from scenes.text_tables import plain
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

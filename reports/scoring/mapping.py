@@ -14,24 +14,12 @@ from pydantic import Field, ValidationError
 from scenes import InputError
 from scenes.files import keys_of
 from scenes.frozen import Frozen, refusal
+from scenes.text_tables import ALIASES, plain
 
 Array = NDArray[np.float64]
 Quantity = Literal["time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"]
 
 _Factor = Annotated[float, Field(gt=0)]
-
-# Names under which programs write them, compared without case, blanks, underscores and what stands in brackets: see `plain`.
-ALIASES: dict[Quantity, tuple[str, ...]] = {
-    "time": ("time", "t", "step time", "total time", "time value", "steptime", "totaltime"),
-    "frame": ("frame", "increment", "inc", "step"),
-    "normal_load": ("normal_load", "P", "normal force", "Fn", "RF2", "load"),
-    "tangential_load": ("tangential_load", "Q", "tangential force", "shear force", "Ft", "RF1"),
-    "x": ("x", "X", "COORD1", "COOR1", "X coordinate", "true distance", "distance", "points:0", "position"),
-    "y": ("y", "Y", "COORD2", "COOR2", "Y coordinate", "points:1"),
-    "pressure": ("pressure", "p", "CPRESS", "contact_pressure", "normal_contact_stress"),
-    "shear": ("shear", "q", "CSHEAR1", "CSHEAR", "tangential_contact_stress", "contact_shear", "shear traction", "traction"),
-    "slip": ("slip", "s", "CSLIP1", "CSLIP", "tangential_slip", "relative_slip"),
-}
 
 
 class Columns(Frozen):
@@ -102,19 +90,6 @@ def load_mapping(source: str | Path | None) -> Mapping:
         return Mapping.model_validate(data)
     except ValidationError as faults:
         raise InputError(f"{path}: {refusal(faults, data, Mapping)}") from faults
-
-
-def plain(name: str) -> str:
-    """A column's name without case, blanks, underscores, quotes and what stands in brackets behind it.
-
-    A single letter keeps its case: P is a load and p a pressure.
-
-    >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)"), plain("P [N/mm]")
-    ('contactpressure', 'cshear1', 'P')
-    """
-    bare = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]
-    letters = "".join(letter for letter in bare if letter.isalnum() or letter == ":")
-    return letters if len(letters) == 1 else letters.lower()
 
 
 def find_column(mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False) -> str | None:

@@ -10,10 +10,10 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.scoring.mapping import ALIASES, Mapping, Quantity, converted, find_column, plain, stated_times
+from reports.scoring.mapping import Mapping, Quantity, converted, find_column, stated_times
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import InputError, Scene
-from scenes.measured import TextTable, text_table
+from scenes.text_tables import ALIASES, TextTable, plain, text_table
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,7 @@ READERS: dict[str, str] = {
 }
 _ROWS: tuple[Quantity, ...] = ("time", "frame", "normal_load", "tangential_load", "x", "pressure", "shear", "slip")
 _FIELDS: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip")
+_OTHERS = {plain(alias) for name in _ROWS for alias in ALIASES[name]}
 # "CPRESS Frame 12", "CSHEAR1 at t=0.5", "p_3": the name, then perhaps a word for what the figure counts, then the figure.
 _TAGGED = re.compile(
     r"^(?P<base>.+?)[\s_:@,.;\-(\[]+(?:at\s+)?(?P<word>step[\s_]?time|total[\s_]?time|time|frame|increment|inc|f|t|step)?[\s_:=#]*"
@@ -64,7 +65,12 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     InputError
         One sentence that names the file, the line or column, and what to do.
     """
-    table = text_table(path, what="the result", cure="write the contact surface alone, and fewer instants")
+    table = text_table(
+        path,
+        what="the result",
+        cure="write the contact surface alone, and fewer instants",
+        known=lambda name: _head(name, mapping)[0] is not None or plain(name) in _OTHERS,
+    )
     heads = [_head(name, mapping) for name in table.names]
     frames = [frame for quantity, frame, _ in heads if quantity == "pressure"]
     if len(frames) > 1 or any(frame is not None for frame in frames):

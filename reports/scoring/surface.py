@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from scenes import InputError, freeze
-from scenes.measured import LARGEST
+from scenes.text_tables import LARGEST
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

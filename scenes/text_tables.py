@@ -1,0 +1,415 @@
+"""Text tables that other programs write, to columns of numbers: separator, decimal sign, headings, units, the line of each fault.
+
+A table is a line of headings, perhaps a line of units, then rows of numbers. The first lines show which separator it has; the rows
+are streamed, so that two million of them take no more memory than their numbers.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.errors import InputError, shown
+from scenes.files import TEXT, check_size
+from scenes.unit_words import is_unit, unit_in
+
+Array = NDArray[np.float64]
+
+# Rows of a table, characters of a row: what is longer would take gigabytes on its way through the engines. A row of somebody else's
+# table may hold all the frames of a point.
+MOST_ROWS, _LONGEST, _LONGEST_OF_ALL = 2_000_000, 100_000, 10_000_000
+# UTF-8; a mark of byte order, which spreadsheets put at the front, is no part of the first name or number.
+_ENCODING = "utf-8-sig"
+# Lines that are looked at before the table is read, rows and characters that are read at a time: some MB of text.
+_LOOK, _CHUNK, _CHARACTERS = 200, 50_000, 20_000_000
+# Of a number: the square of a larger one, in whatever units, would be none.
+LARGEST = 1e100
+_REMARKS = ("#", "**", "%", "//")
+SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma", None: "blanks"}
+# A number whose digits stand in groups of three: 1,234.5 or 1.234,5 or 1 234 or 1'234.
+_GROUPED = re.compile(r"[-+]?\d{1,3}([.,'’ \u00a0\u202f]\d{3})+([.,]\d*)?$")
+
+# Names under which programs write them, compared by `plain`.
+ALIASES: dict[str, tuple[str, ...]] = {
+    "time": ("time", "t", "step time", "total time", "time value", "steptime", "totaltime"),
+    "frame": ("frame", "increment", "inc", "step"),
+    "normal_load": ("normal_load", "P", "normal force", "Fn", "RF2", "load", "normal", "contact force", "clamping force"),
+    "tangential_load": ("tangential_load", "Q", "tangential force", "shear force", "Ft", "RF1", "friction force", "tangential"),
+    "x": ("x", "X", "COORD1", "COOR1", "X coordinate", "true distance", "distance", "points:0", "point x", "position"),
+    "y": ("y", "Y", "COORD2", "COOR2", "Y coordinate", "points:1", "point y"),
+    "pressure": ("pressure", "p", "CPRESS", "contact_pressure", "normal_contact_stress"),
+    "shear": ("shear", "q", "CSHEAR1", "CSHEAR", "tangential_contact_stress", "contact_shear", "shear traction", "traction"),
+    "slip": ("slip", "s", "CSLIP1", "CSLIP", "tangential_slip", "relative_slip"),
+    "height": ("h", "height", "gap", "z", "profile", "profile height"),
+}
+# Of the columns that a scene asks for.
+_OF_SCENES = {"P": "normal_load", "Q": "tangential_load", "h": "height"}
+
+
+def plain(name: str) -> str:
+    """A column's name without case, blanks, underscores, quotes and what stands in brackets behind it.
+
+    A single letter keeps its case: P is a load and p a pressure.
+
+    >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)"), plain("P [N/mm]")
+    ('contactpressure', 'cshear1', 'P')
+    """
+    bare = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]
+    letters = "".join(letter for letter in bare if letter.isalnum() or letter == ":")
+    return letters if len(letters) == 1 else letters.lower()
+
+
+@dataclass(frozen=True, eq=False)
+class TextTable:
+    """The numbers of a text file, and how they were found in it.
+
+    Attributes
+    ----------
+    names : of the columns: those asked for, else the headings
+    values : (n_rows, n_columns)
+    lines : (n_rows,) the line of each row
+    headings : of these columns in the file; "column 2" where it has no line of headings
+    units : of these columns in the file, empty where none stands there
+    separator, decimal : words
+    head : number of the line of headings, 0 where there is none
+    skipped : number of lines above it that are no remarks
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    lines: NDArray[np.int64]
+    headings: tuple[str, ...]
+    units: tuple[str, ...]
+    separator: str
+    decimal: str
+    head: int
+    skipped: int
+
+    def column(self, name: str) -> Array:
+        """The first column of that name, (n_rows,)."""
+        return np.asarray(self.values[:, self.names.index(name)])
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Where the table stands in its file: `first` is the line of its first row, `used` are the columns that are read."""
+
+    separator: str | None
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    used: tuple[int, ...]
+    head: int
+    first: int
+    skipped: int
+
+
+Line = tuple[int, str]
+
+
+def text_table(
+    path: Path,
+    columns: tuple[str, ...] = (),
+    what: str = "the table",
+    cure: str = "thin it out",
+    stated: Mapping[str, str | int] | None = None,
+    known: Callable[[str], bool] = lambda _heading: False,
+) -> TextTable:
+    """Rows of finite numbers below a line of headings; lines that start with #, **, % or // are remarks.
+
+    Parameters
+    ----------
+    columns : names that are asked for, found by their `ALIASES`; the line of headings may be left out where the file has these
+        columns alone, in this order, and a # in a row begins a remark. Without: every column
+    what, cure : what the file is to the user, and what to do about one that is too large
+    stated : heading, or number from 1 on, of columns that the user named
+    known : whether a heading is one of those expected, where no columns are asked for
+
+    Raises
+    ------
+    InputError
+        One sentence that names file, line, column, value and rule.
+    """
+    longest = _LONGEST if columns else _LONGEST_OF_ALL
+    try:
+        check_size(path, what, TEXT, cure)
+        with path.open(encoding=_ENCODING) as stream:
+            lines: list[Line] = []
+            for line in islice(_lines(path, stream, longest), _LOOK):
+                lines.append(line)
+                if len(lines) > 2 and sum(len(text) for _, text in lines) > _CHARACTERS:
+                    break
+            layout = _layout(path, lines, columns, stated or {}, known)
+            stream.seek(0)
+            comma = layout.separator != "," and _has_decimal_comma(path, stream, layout)
+        with path.open(encoding=_ENCODING) as stream:
+            values, numbers = _stream(path, _lines(path, stream, longest), layout, comma, bool(columns), f"{what}; {cure}")
+    except (OSError, UnicodeDecodeError) as reason:
+        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
+        raise InputError(f"{path}: the file can't be read: {why}") from reason
+    headings, units = (tuple(each[k] for k in layout.used) for each in (layout.names, layout.units))
+    if not layout.head:
+        headings = tuple(f"column {k + 1}" for k in layout.used)
+    decimal = "comma" if comma else "point"
+    return TextTable(
+        columns or headings, values, numbers, headings, units, SEPARATORS[layout.separator], decimal, layout.head, layout.skipped
+    )
+
+
+def _lines(path: Path, stream: TextIO, longest: int) -> Iterator[Line]:
+    """Number and text of every line that is not empty."""
+    for number, line in enumerate(iter(partial(stream.readline, longest + 1), ""), 1):
+        if len(line) > longest:
+            raise InputError(f"{path}, line {number}: more than {longest:,} characters are no row of a table")
+        if line.strip():
+            yield number, line.strip(" \r\n")
+
+
+def _cells(text: str, separator: str | None) -> list[str]:
+    """The cells of a line; an empty one at its end is none."""
+    cells = [cell.strip().strip('"').strip() for cell in text.split(separator)]
+    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+
+
+def _number(text: str, comma: bool) -> float | None:
+    """None where it is no number as this file writes them."""
+    try:
+        return None if "_" in text or (comma and "." in text) else float(text.replace(",", ".") if comma else text)
+    except ValueError:
+        return None
+
+
+def _numeric(text: str, separator: str | None) -> bool:
+    return all(_number(cell, separator != "," and "," in cell) is not None for cell in _cells(text, separator))
+
+
+def _headings(text: str, separator: str | None) -> list[list[str]]:
+    """The ways to cut a line of headings: where blanks separate, a heading may hold single ones."""
+    ways = [_cells(text, separator)]
+    return ways if separator is not None else [[cell.strip('"') for cell in re.split(r"\s{2,}|\t", text)], *ways]
+
+
+def _layout(
+    path: Path, lines: list[Line], columns: tuple[str, ...], stated: Mapping[str, str | int], known: Callable[[str], bool]
+) -> _Layout:
+    """How the table stands in the file, from its first lines."""
+    bare = [(number, text) for number, text in lines if not text.startswith(_REMARKS)]
+    listed = ", ".join(columns)
+    wanted = f"{len(columns)} columns {listed}" if columns else "a line of names and rows of numbers"
+    if not bare:
+        raise InputError(f"{path}: the file is empty; {wanted} are needed")
+    least = max(len(columns), 1)
+    by_number = bool(columns) and all(isinstance(stated.get(name), int) for name in columns)
+    for place, (number, text) in enumerate(lines):
+        remark = text.startswith(_REMARKS)
+        if not remark and any(len(_cells(text, mark)) >= least and _numeric(text, mark) for mark in SEPARATORS):
+            break
+        following = [line for line in lines[place + 1 :] if not line[1].startswith(_REMARKS)]
+        uneven: list[_Layout] = []  # the rows do not have a cell for each heading: a fault of theirs, if nothing else fits
+        for mark in SEPARATORS:
+            for names in _headings(text.lstrip("#*%/ ") if remark else text, mark):
+                used = _used(path, number, names, columns, stated) if columns else tuple(range(len(names)))
+                if used is None or by_number or (not columns and (remark or sum(map(known, names)) < 2)):
+                    continue
+                units, first = _units_below(following, mark, len(names))
+                row = following[first][1] if len(following) > first else None
+                even = row is None or len(_cells(row, mark)) == len(names)
+                if remark and (row is None or not even or not _numeric(row, mark)):
+                    continue
+                own = [unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True)]
+                start = following[first][0] if row is not None else number + 1
+                skipped = sum(before < number for before, _ in bare)
+                found = _Layout(mark, tuple(names), tuple(own), used, number, start, skipped)
+                if even:
+                    return found
+                uneven.append(found)
+        if uneven:
+            return uneven[0]
+    return _plain_layout(path, bare, columns, stated, by_number)
+
+
+def _units_below(following: list[Line], mark: str | None, count: int) -> tuple[list[str], int]:
+    """The units in a line of their own below the headings, and how many lines that takes."""
+    cells = [cell.strip("[]() ") for cell in _cells(following[0][1], mark)] if following else []
+    if len(cells) == count and any(map(is_unit, cells)) and all(cell in ("", "-") or is_unit(cell) for cell in cells):
+        return ["" if cell == "-" else cell for cell in cells], 1
+    return [""] * count, 0
+
+
+def _used(
+    path: Path, line: int, names: Sequence[str], columns: tuple[str, ...], stated: Mapping[str, str | int]
+) -> tuple[int, ...] | None:
+    """Which of the headings `names` each wanted column has; None where one is not found."""
+    found: list[int] = []
+    for column in columns:
+        own = stated.get(column)
+        if isinstance(own, int):
+            places = [own - 1] if own <= len(names) else []
+        elif own is not None:
+            places = [k for k, name in enumerate(names) if own.strip() in (name, unit_in(name)[0])]
+        else:
+            aliases = (column, *ALIASES[_OF_SCENES.get(column, column)])
+            heads = [(plain(name).lower(), plain(unit_in(name)[0]).lower()) for name in names]
+            ways = ([k for k, head in enumerate(heads) if plain(alias).lower() in head] for alias in aliases)
+            places = next(filter(None, ways), [])
+        if len(places) > 1:
+            both = ", ".join(repr(names[k]) for k in places)
+            raise InputError(f"{path}, line {line}: {both} could each be {column}; say which by columns = {{{column} = ...}}")
+        found += places
+    return tuple(found) if len(found) == len(columns) == len(set(found)) else None
+
+
+def _plain_layout(
+    path: Path, bare: list[Line], columns: tuple[str, ...], stated: Mapping[str, str | int], by_number: bool
+) -> _Layout:
+    """Where no line of headings was recognised: rows alone, or headings that are taken as they stand; else what is wrong."""
+    (number, text), rest = bare[0], bare[1:]
+    listed = ", ".join(columns)
+    rows = [mark for mark in SEPARATORS if len(_cells(text, mark)) > 1 and _numeric(text, mark)]
+    if not columns:
+        if rows or _numeric(text, None):
+            raise InputError(
+                f"{path}, line {number}: the first line must name the columns, such as time,x,pressure,shear; it has numbers only"
+            )
+        mark = next(
+            (mark for mark in SEPARATORS if rest and 1 < len(_cells(text, mark)) == len(_cells(rest[0][1], mark))),
+            next((mark for mark in SEPARATORS if mark is not None and mark in text), None),
+        )
+        names = _headings(text, mark)[0] if rest and len(_headings(text, mark)[0]) == len(_cells(rest[0][1], mark)) else None
+        names = names or _cells(text, mark)
+        units = [unit_in(name)[1] for name in names]
+        return _Layout(mark, tuple(names), tuple(units), tuple(range(len(names))), number, rest[0][0] if rest else number + 1, 0)
+    mark = next((mark for mark in rows if len(_cells(text, mark)) == len(columns)), rows[0] if rows else None)
+    cells = _cells(text, mark)
+    if rows and (by_number or (len(cells) == len(columns) and not any(isinstance(own, str) for own in stated.values()))):
+        used = tuple(int(stated[name]) - 1 for name in columns) if by_number else tuple(range(len(columns)))
+        if max(used) >= len(cells):
+            raise InputError(f"{path}, line {number}: there is no column {max(used) + 1}: the line has {len(cells)}")
+        return _Layout(mark, _numbered(len(cells), used, columns), ("",) * len(cells), used, 0, number, 0)
+    if rows:
+        cure = "; semicolons between the columns where commas stand in the numbers" if len(cells) == 2 * len(columns) else ""
+        raise InputError(
+            f"{path}, line {number}: {len(columns)} numbers ({listed}) are needed, not {shown(text)}{cure}; or say which by "
+            f"columns = {{{', '.join(f'{name} = {k}' for k, name in enumerate(columns, 1))}}}"
+        )
+    below = next(
+        (
+            (k, mark)
+            for k, (_, row) in enumerate(rest)
+            for mark in SEPARATORS
+            if len(_cells(row, mark)) >= len(columns) and _numeric(row, mark)
+        ),
+        None,
+    )
+    if by_number and below is not None:
+        start, mark = below
+        count = len(_cells(rest[start][1], mark))
+        used = tuple(int(stated[name]) - 1 for name in columns)
+        if max(used) >= count:
+            raise InputError(f"{path}, line {rest[start][0]}: there is no column {max(used) + 1}: the line has {count}")
+        return _Layout(mark, _numbered(count, used, columns), ("",) * count, used, 0, rest[start][0], start + 1)
+    number, text = bare[below[0]] if below is not None else bare[0]  # the line above the first row of numbers, else the first
+    names = max((way for mark in SEPARATORS for way in _headings(text, mark)), key=len)
+    lacking = [name for name in columns if _used(path, number, names, (name,), stated) is None]
+    own = [shown(stated[name]) for name in lacking if name in stated]
+    which = f"no heading is {' or '.join(own)}" if own else f"none is {' or '.join(lacking or columns)}"
+    cure = f"{which}; say which by columns = {{{(lacking or columns)[0]} = ...}}, by its heading or its number from 1 on"
+    raise InputError(f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {cure}")
+
+
+def _numbered(count: int, used: Sequence[int], columns: Sequence[str]) -> tuple[str, ...]:
+    """Names of columns without headings."""
+    own = dict(zip(used, columns, strict=True))
+    return tuple(own.get(k, f"column {k + 1}") for k in range(count))
+
+
+def _has_decimal_comma(path: Path, stream: TextIO, layout: _Layout) -> bool:
+    """Whether commas are the decimal sign: the first row with either sign in a column that is read decides."""
+    for number, text in _lines(path, stream, _LONGEST_OF_ALL):
+        if number < layout.first or not ("," in text or "." in text):
+            continue
+        cells = _cells(text, layout.separator)
+        used = [cells[k] for k in layout.used if k < len(cells)]
+        points, commas = any("." in cell for cell in used), any("," in cell for cell in used)
+        if points or commas:
+            return commas and not points
+    return False
+
+
+def _stream(
+    path: Path, lines: Iterator[Line], layout: _Layout, comma: bool, remarks_in_rows: bool, too_many: str
+) -> tuple[Array, NDArray[np.int64]]:
+    """The numbers of the columns that are read and the line of each row, some ten thousand rows at a time."""
+    values: list[Array] = []
+    places: list[NDArray[np.int64]] = []
+    chunk: list[Line] = []
+    count = characters = 0
+    for number, text in lines:
+        if number < layout.first or text.startswith(_REMARKS):
+            continue
+        if remarks_in_rows and "#" in text:
+            text = text.split("#", 1)[0].rstrip()  # noqa: PLW2901 (the row without its remark)
+        chunk.append((number, text))
+        count, characters = count + 1, characters + len(text)
+        if count > MOST_ROWS:
+            what, _, cure = too_many.partition("; ")
+            raise InputError(f"{path}: {what} has more than {MOST_ROWS:,} rows, the most that are read; {cure}")
+        if len(chunk) == _CHUNK or characters > _CHARACTERS:
+            values.append(_values(path, chunk, layout, comma))
+            places.append(np.array([place for place, _ in chunk]))
+            chunk, characters = [], 0
+    if chunk:
+        values.append(_values(path, chunk, layout, comma))
+        places.append(np.array([place for place, _ in chunk]))
+    if not count:
+        names = ", ".join(layout.names[k] for k in layout.used)
+        raise InputError(f"{path}: no row of numbers below the names {names}")
+    return np.concatenate(values), np.concatenate(places)
+
+
+def _values(path: Path, chunk: list[Line], layout: _Layout, comma: bool) -> Array:
+    """The numbers of some rows, (n, n_columns): at once where all is well, else one by one up to the first fault."""
+    mark, more = layout.separator, len(layout.names) - 1
+    texts = [text for _, text in chunk]
+    even = all((len(text.split()) - 1 if mark is None else text.count(mark)) == more for text in texts)
+    if comma:
+        even = even and not any("." in text for text in texts)
+        texts = [text.replace(",", ".") for text in texts]
+    if even:
+        try:
+            values = np.loadtxt(texts, delimiter=mark, comments=None, ndmin=2, usecols=layout.used)
+        except ValueError:
+            values = np.empty(0)
+        if len(values) and bool((np.abs(values) <= LARGEST).all()):
+            return values
+    return np.array([_row(path, number, text, layout, comma) for number, text in chunk])
+
+
+def _row(path: Path, line: int, text: str, layout: _Layout, comma: bool) -> list[float]:
+    """The numbers of one row; InputError for another count, or a cell that is none."""
+    cells = _cells(text, layout.separator)
+    if len(cells) != len(layout.names):
+        listed = ", ".join(layout.names[:6]) + (", ..." if len(layout.names) > 6 else "")
+        cure = ""
+        if layout.separator == "," and len(cells) > len(layout.names):
+            cure = "; commas between the columns leave points for the numbers, without marks between thousands"
+        raise InputError(f"{path}, line {line}: {len(layout.names)} numbers ({listed}) are needed, not {shown(text)}{cure}")
+    found: list[float] = []
+    for k in layout.used:
+        number = _number(cells[k], comma)
+        if number is None or not abs(number) <= LARGEST:
+            cure = ""
+            if _GROUPED.match(cells[k]):
+                cure = f"; the decimal sign of this file is a {'comma' if comma else 'point'}: write no marks between thousands"
+            raise InputError(
+                f"{path}, line {line}: {layout.names[k]} = {shown(cells[k])} is not a finite number of at most {LARGEST:g}{cure}"
+            )
+        found.append(number)
+    return found
