@@ -264,13 +264,6 @@ def _ratios(scene: Scene, half: float) -> dict[str, float]:
     return found
 
 
-def read_in_words(scene: Scene) -> list[str]:
-    """How each file beside the scene was read: what was found in it, what was stated, what was assumed."""
-    tables = (("load", scene.load), ("profile", scene.profile))
-    read = [(name, getattr(table, "read_as", None)) for name, table in tables]
-    return [f"{name}.file, read as: {'; '.join(': '.join(pair) for pair in pairs)}." for name, pairs in read if pairs]
-
-
 def in_words(scene: Scene, found: LargestContact) -> str:
     """The same as a sentence."""
     _, length, stress = units(scene)

@@ -7,6 +7,7 @@ The question::
     profiles.py     h(x) by formulas and Python functions
     measured.py     tables of numbers, from files, in the scene's units; h(x) through the rows of one
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions
+    reduction.py    fewer rows for a long record: turning points above a hysteresis threshold, or a tolerance on P and Q
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
     chebyshev.py    piecewise Chebyshev series that stand for functions
     frozen.py       what every table of keys has in common: checked at every door, changed by `vary`, refused in one sentence

@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.frozen import Frozen, Positive, PythonFunction
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, RowError, Table
+from scenes.reduction import Reduction, reduced
 from scenes.segments import (
     ChebyshevSegment,
     HarmonicSegment,
@@ -220,10 +221,18 @@ class OfLoads(Frozen, Generic[T]):
     Q: T | None = None
 
 
+class Threshold(Frozen):
+    """Of a record that is reduced: one number of each load."""
+
+    P: float = Field(0.0, ge=0, description="of P, force per unit thickness (library: N/mm)")
+    Q: float = Field(0.0, ge=0, description="of Q, force per unit thickness (library: N/mm)")
+
+
 class TimeSeriesLoad(FromFile):
     """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0, 0), unless it is (0, 0) itself.
 
-    With `repeats` the rows are one cycle, which must end with the loads that it starts with.
+    With `repeats` the rows are one cycle, which must end with the loads that it starts with. With `reduce` the path goes through
+    some of the rows only: `series` has them, `rows` all.
 
     >>> load = TimeSeriesLoad(rows=[[0, 2, 0], [1, 2, 1], [3, 2, 0]])
     >>> [float(v) for v in load.path().at(2.0)], load.path().start
@@ -246,6 +255,27 @@ class TimeSeriesLoad(FromFile):
     zero: OfLoads[float] | None = Field(None, description=ZERO)
     sign: OfLoads[Literal[1, -1]] | None = Field(None, description="-1 turns a column, such as P of a cell that counts tension")
     read_as: ReadAs | None = Field(None, description=READ_AS)
+    average: int = Field(1, ge=1, description="how many neighbouring rows one mean stands for: it takes noise out")
+    reduce: Reduction | None = Field(
+        None,
+        description="rows that the path goes through: turning_points of P or Q above the threshold, or as few as keep it within "
+        "the threshold as a tolerance; without, all",
+    )
+    threshold: Threshold | None = Field(
+        None, description="of turning_points the largest swing that is left out, of tolerance the largest distance in P and in Q"
+    )
+
+    @model_validator(mode="after")
+    def _threshold_has_a_use(self) -> Self:
+        if self.threshold is not None and self.reduce is None:
+            raise ValueError('threshold has a use with reduce = "turning_points" or reduce = "tolerance" only: add one of them')
+        if self.average > 1 and self.repeats:
+            raise ValueError("average goes with records that do not repeat: means have no row at which the cycle closes")
+        if self.average > 1 and len(self.rows) < 2 * self.average:
+            raise ValueError(f"average = {self.average} leaves one of {len(self.rows)} rows: two at least are needed")
+        if self.reduce == "tolerance" and (self.threshold is None or not max(self.threshold.P, self.threshold.Q)):
+            raise ValueError('reduce = "tolerance" needs a threshold, such as {P = 1.0, Q = 0.5}')
+        return self
 
     def check_rows(self) -> None:
         rows = self.rows.values
@@ -264,9 +294,16 @@ class TimeSeriesLoad(FromFile):
         if self.repeats and np.any(rows[0, 1:] != rows[-1, 1:]):
             raise RowError(len(rows) - 1, "a cycle that repeats must end with the loads of its first row")
 
+    def kept_rows(self) -> NDArray[np.float64]:
+        """The rows (m, 3) that the path goes through, after means and reduction."""
+        if self.average == 1 and self.reduce is None:
+            return self.rows.values
+        size = self.threshold or Threshold()
+        return reduced(self.rows, self.average, self.reduce, size.P, size.Q)
+
     def series(self) -> NDArray[np.float64]:
-        """The rows (n, 3), from (0, 0) on: the initial loading is the first step."""
-        rows = self.rows.values
+        """The rows that the path goes through, (n, 3), from (0, 0) on: the initial loading is the first step."""
+        rows = self.kept_rows()
         if not np.any(rows[0, 1:]):
             return rows
         duration = (rows[-1, 0] - rows[0, 0]) / (len(rows) - 1)
@@ -279,9 +316,17 @@ class TimeSeriesLoad(FromFile):
     def in_words(self, unit: str) -> str:
         low, high = np.min(self.rows.values, axis=0), np.max(self.rows.values, axis=0)
         again = ", again and again" if self.repeats else ""
+        which = f"{len(self.rows)} rows of a record"
+        if self.average > 1 or self.reduce is not None:
+            which = f"{len(self.kept_rows())} of the {which}"
+        which += f", means of {self.average} each" if self.average > 1 else ""
+        size = self.threshold or Threshold()
+        if self.reduce == "turning_points":
+            which += f", turning points with swings above {size.P:.6g} in P or {size.Q:.6g} in Q"
+        elif self.reduce == "tolerance":
+            which += f", which pass the others within {size.P:.6g} in P and {size.Q:.6g} in Q"
         return (
-            f"the loads follow {len(self.rows)} rows of a record, P from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to "
-            f"{high[2]:.6g} {unit}{again}"
+            f"the loads follow {which}, P from {low[1]:.6g} to {high[1]:.6g} and Q from {low[2]:.6g} to {high[2]:.6g} {unit}{again}"
         )
 
 

@@ -418,7 +418,7 @@ def own_series(scene: Scene, time: Array | None) -> LoadSeries | None:
     """
     friction, load, long = scene.friction.coefficient, scene.load, False
     if isinstance(load, TimeSeriesLoad):  # a leg for each of a million rows would take a gigabyte
-        rows, long = load.series(), len(load.rows) > _MANY
+        rows, long = load.series(), len(load.kept_rows()) > _MANY
         loading, cycle = (rows[:2], rows[1:]) if load.repeats else (rows, rows[:0])
     else:
         path = load.path()

@@ -13,6 +13,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+import semi_analytic
 from scenes import (
     NORMAL_LOAD,
     TANGENTIAL_LOAD,
@@ -26,9 +27,11 @@ from scenes import (
     StraightSegment,
     TimeSeriesLoad,
     ellipse_segment,
+    load_scene,
     parabola_segment,
     sampled,
 )
+from scenes.reduction import turning_points, within
 
 TURN = 2 * math.pi
 ELLIPSE = ellipse_segment(4.0, 4.0 + TURN, (3.0, 1.1), (1.0, 0.7), 1.3)
@@ -375,3 +378,108 @@ def test_a_series_starts_from_nothing():
     assert (cycle.cycle_start, cycle.period) == (5.0, 3.0)
     # A row that repeats the loads of the one before is a pause, not a fault.
     assert len(TimeSeriesLoad(rows=[[0, 2, 1], [1, 2, 1], [2, 2, 0]]).path().initial_loading) == 3
+
+
+# ------------------------------------------------------------------------------------------------------------- reduction
+SWINGS = st.lists(st.integers(-6, 6), min_size=2, max_size=40)
+
+
+@settings(max_examples=200)
+@given(values=SWINGS, threshold=st.sampled_from([0.0, 0.5, 1.0, 2.0, 5.0]))
+@example([0, 0, 3, 3, 1, 1, 4], 0.0)
+def test_turning_points_are_those_of_the_definition(values: list[int], threshold: float) -> None:
+    """They turn by more than the threshold each, and between two of them nothing turns back by more."""
+    array = np.array(values, dtype=float)
+    found = turning_points(array, threshold)
+    ends = np.unique([0, *found, len(values) - 1])
+    inner = array[found[found > 0]] if len(found) else array[:0]
+    assert np.all(np.diff(found) > 0)
+    assert np.all(np.abs(np.diff(inner)) > threshold)
+    assert np.all(np.diff(inner)[:-1] * np.diff(inner)[1:] < 0)
+    for first, last in pairwise(ends.tolist()):
+        swing = array[first : last + 1] * (1 if array[last] >= array[first] else -1)
+        back = float(np.max(np.maximum.accumulate(swing) - swing))
+        open_end = last == len(values) - 1  # the last swing has not left its extreme by more yet
+        assert back <= threshold or (open_end and array[last] == array[first])
+    if threshold == 0:
+        steps = [step for step in np.diff(array) if step]
+        assert len(found[found > 0]) == sum(one * other < 0 for one, other in pairwise(steps))
+
+
+def distance_in_order(path: np.ndarray, kept: np.ndarray) -> float:
+    """By brute force: the least size at which a walk along the kept lines, never back, is that near each point of the path."""
+    worst = 0.0
+    for first, last in pairwise(kept.tolist()):
+        share = np.linspace(0, 1, 2001)
+        line = path[first] + share[:, None] * (path[last] - path[first])
+        reached = np.zeros(1)
+        for point in path[first + 1 : last]:  # the best walk to each place on the line: minimax over what came before
+            near = np.max(np.abs(line - point), axis=1)
+            reached = np.maximum(near, np.minimum.accumulate(np.broadcast_to(reached, near.shape)))
+        worst = max(worst, float(np.min(reached)))
+    return worst
+
+
+@settings(max_examples=60)
+@given(
+    points=st.lists(st.tuples(st.integers(-5, 5), st.integers(-5, 5)), min_size=2, max_size=25),
+    size=st.sampled_from([0.5, 1, 2, 4]),
+)
+@example([(0, 0), (4, 0), (0, 0), (4, 0)], 1)
+def test_a_reduced_path_stays_within_its_tolerance_in_order(points: list[tuple[int, int]], size: float) -> None:
+    path = np.array(points, dtype=float)
+    kept = within(path, np.array([size, size]))
+    assert (kept[0], kept[-1]) == (0, len(path) - 1)
+    assert np.all(np.diff(kept) > 0)
+    assert distance_in_order(path, kept) <= size + 0.01  # of the samples on a line of at most 10
+    other = within(path * [1, 0.25], np.array([size, size / 4]))  # each load has its own tolerance
+    assert other.tolist() == kept.tolist()
+
+
+def test_a_reversal_that_the_ends_hide_is_seen_by_that_test() -> None:
+    """Distances to a line without order miss that the path runs to and fro on it."""
+    path = np.array([(0, 0), (4, 0), (0, 0), (4, 0)], dtype=float)
+    assert distance_in_order(path, np.array([0, 3])) >= 2
+    assert within(path, np.array([1.0, 1.0])).tolist() == [0, 1, 2, 3]
+
+
+def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
+    time = np.linspace(0, 6, 1200)
+    rows = np.column_stack([time, 90 + 8 * np.sin(2 * np.pi * time + 0.4), 20 * np.sin(2 * np.pi * time)])
+    base = load_scene("hertz-paper").vary(friction=0.6, load=TimeSeriesLoad(rows=rows.tolist()))
+
+    def work(**keys: object) -> tuple[float, int]:
+        scene = base.vary(load=keys)
+        ends = scene.load.series()[[0, -1], 0]
+        return semi_analytic.solve(scene, x=[0.0], time=ends, fields=("dissipation",)).dissipation, len(scene.load.kept_rows())
+
+    whole, _ = work()
+    for keys, most, kept in (
+        ({"reduce": "tolerance", "threshold": {"P": 0.02, "Q": 0.02}}, 2e-3, 350),
+        ({"reduce": "tolerance", "threshold": {"P": 0.2, "Q": 0.2}}, 2e-2, 120),
+        ({"reduce": "turning_points"}, 0.2, 30),
+        ({"average": 4}, 1e-2, 300),
+    ):
+        found, count = work(**keys)
+        assert abs(found / whole - 1) < most, keys
+        assert count <= kept, keys
+    words = base.vary(load={"reduce": "turning_points", "threshold": {"Q": 0.5}}).load.in_words("N/mm")
+    assert "of the 1200 rows of a record, turning points with swings above 0 in P or 0.5 in Q, P from" in words
+    assert base.vary(load={"average": 4}).load.rows == base.load.rows  # all rows stay in the scene
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"threshold": {"P": 1}}, "threshold has a use with reduce"),
+        ({"reduce": "tolerance"}, "needs a threshold, such as"),
+        ({"reduce": "tolerance", "threshold": {}}, "needs a threshold, such as"),
+        ({"reduce": "turning_points", "threshold": {"P": -1}}, "greater than or equal to 0"),
+        ({"average": 2, "repeats": True}, "average goes with records that do not repeat"),
+        ({"average": 2}, "average = 2 leaves one of 3 rows"),
+        ({"average": 0}, "greater than or equal to 1"),
+    ],
+)
+def test_what_can_not_be_reduced_is_refused(keys: dict[str, object], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        TimeSeriesLoad(rows=[[0, 1, 0], [1, 2, 0.1], [2, 1, 0]], **keys)

@@ -156,16 +156,17 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
 # ----------------------------------------------------------------------------------------------------------------------- check
 def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
-    from reports.checking import check_path, in_words, largest_contact, read_in_words, remarks
+    from reports.checking import check_path, in_words, largest_contact, remarks
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
+    from reports.measured import check_record, read_in_pairs, record_in_words
     from scenes import TimeSeriesLoad
 
     source, found = scene, read(scene)
     largest, path = largest_contact(found, source), check_path(found)
     doubts = remarks(found, largest)
-    if isinstance(found.load, TimeSeriesLoad) and len(found.load.rows) > _MOST_ROWS:
+    if isinstance(found.load, TimeSeriesLoad) and (count := len(found.load.kept_rows())) > _MOST_ROWS:
         doubts.append(
-            f"The record has {len(found.load.rows)} rows, and finite elements take at least two increments a row: solve it by "
+            f"The record has {count} rows, and finite elements take at least two increments a row: solve it by "
             "half-plane theory alone, `halfplane exact`."
         )
     else:
@@ -175,7 +176,10 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
         with naming(source):
             halfplane_fe.require_solvable(found)
     words = [question(found), *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found)))]
-    words += read_in_words(found)
+    words += [f"{name}, as it was read: {'; '.join(map(': '.join, pairs))}." for name, pairs in read_in_pairs(found).items()]
+    if record := check_record(found):
+        for sentence, warning in record_in_words(found, record):
+            (doubts if warning else words).append(sentence)
     last = (
         f"{source}: the scene is well formed and its load path admissible: |Q|/(f P) is at most {path.ratio:.4g}, "
         f"in the {path.part} at time {path.time:.6g} (P = {path.normal_load:.6g}, Q = {path.tangential_load:.6g}); "

@@ -451,11 +451,16 @@ def show_verdict(report: Report) -> None:
 def _show_uncertainty(report: Report) -> None:
     """What the dissipation is uncertain by, what the finite elements note, and where the errors come from if that was measured."""
     from reports.comparison.words import uncertain_work
+    from reports.measured import check_record, record_in_words
 
     if words := uncertain_work(report.comparison):
         say(words)
     for note in report.comparison.result.record.notes:
         say(f"Note: {note}.")
+    scene = report.comparison.scene
+    if record := check_record(scene):
+        for sentence, warning in record_in_words(scene, record):
+            say(f"{'Warning' if warning else 'Note'}: {sentence}")
     if report.budget is not None:
         from reports.comparison.words import cost, heads, narrow, rows
 
@@ -540,7 +545,7 @@ def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stag
 
 _OF_ONE_ENGINE = (
     *("engine", "converged", "message", "notes", "dissipation", "dissipation_uncertainty", "dissipation_drift"),
-    *("loop_work", "permanent_stick_half_width"),
+    *("loop_work", "load_cycles", "permanent_stick_half_width"),
     *("largest_half_width", "largest_pressure", "certificates", "counts"),
 )
 
@@ -558,6 +563,7 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
 
     from reports.comparison.laws import certificates
     from reports.comparison.metrics import name_of, normal_work
+    from reports.measured import load_cycles
     from reports.units import energy_unit, load_unit, units
 
     def or_none(value: float) -> str:
@@ -589,6 +595,9 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         rows.append((f"closed integral of Q dU [{work}]", f"{solution.loop_work:.10g}"))
         if (normal := normal_work(solution)) is not None:
             rows.append((f"closed integral of P dV, V the approach [{work}]", f"{normal:.10g}"))
+    if cycles := load_cycles(solution):
+        rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
+        rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
     rows.append(("laws of contact", f"violated: {', '.join(broken)}" if broken else f"all {len(checks)} hold"))
     rows.extend(("note", note) for note in solution.record.notes)
     rows.extend((f"{name.replace('_', ' ')} (work)", str(count)) for name, count in solution.work.counts.items())

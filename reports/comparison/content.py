@@ -26,6 +26,8 @@ from reports.comparison.words import (
     unlike_materials,
     verdict,
 )
+from reports.measured import content as cycles_content
+from reports.measured import record_content
 from scenes import ContactSolution
 
 FORMAT = "halfplane comparison 2"
@@ -92,6 +94,7 @@ def _content(report: Report, command: str, seconds: Mapping[str, float]) -> dict
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),
         "polygon_reference": solution_content(comparison.polygon_reference, ()) if comparison.polygon_reference else None,
+        "measured": record_content(comparison.scene),
         "interpolation": comparison.expected.interpolation,
         "notes": comparison.notes,
         "guesses": report.guesses,
@@ -145,6 +148,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "dissipation_drift": solution.dissipation_drift,
         "loop_work": solution.loop_work,
         "cycle_dissipation": solution.cycle_dissipation,
+        "load_cycles": cycles_content(solution),
         "permanent_stick_half_width": solution.permanent_stick_half_width,
         "largest_half_width": np.nanmax(solution.contact_half_width),
         "largest_pressure": np.max(solution.pressure),

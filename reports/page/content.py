@@ -41,6 +41,7 @@ from reports.comparison.words import (
     value_of,
     verdict,
 )
+from reports.measured import section
 from reports.page.live import as_script, carried
 from reports.units import energy_unit, minus, signed, units
 from scenes import ContactSolution
@@ -94,6 +95,7 @@ def render(
         scales=_scales(comparison),
         energy=energy_unit(scene),
         dissipations=_dissipations(comparison),
+        measured=section(scene, (comparison.reference, comparison.result)),
         checks=_checks(comparison),
         figures={drawing.name: drawing for drawing in drawings},
         engines=[_engine(comparison.reference), _engine(comparison.result)],
