@@ -1,6 +1,7 @@
 """A result of another code: read into one form, put beside a reference, judged by the same metrics, its likely faults named.
 
 reading.py         which reader takes which file; tables of text (their numbers: `scenes.text_tables.text_table`)
+abaqus.py          reports of field output; reports of XY data are tables
 fields.py          VTU, VTK, XDMF and their collections
 calculix.py        CalculiX' results as tractions; calculix_files.py: the forms .frd and .dat
 mapping.py         names of columns, factors of units, signs

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import cast
@@ -10,6 +11,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.scoring.abaqus import is_field_report, read_field_report
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, stated_times
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import InputError, Scene
@@ -65,6 +67,10 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     InputError
         One sentence that names the file, the line or column, and what to do.
     """
+    if path.suffix.lower() == ".rpt" and path.is_file() and is_field_report(path):
+        columns, notes = read_field_report(path, mapping)
+        found = _rows(str(path), mapping, columns)
+        return replace(found, notes=(*notes, *found.notes))
     table = text_table(
         path,
         what="the result",
@@ -77,7 +83,7 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         wide = _frames(str(path), table, mapping, heads)
         if wide is not None:
             return wide
-    columns: dict[Quantity, Array] = {}
+    columns = {}
     for quantity in _ROWS:
         name = find_column(mapping, quantity, table.names, str(path), needed=quantity in ("x", "pressure", "shear"))
         if name is not None:

@@ -1,8 +1,9 @@
-"""One small file of each kind that loads and profiles are read from, as spreadsheets, data loggers and scripts write them.
+"""One small file of each kind that is read: loads and profiles of spreadsheets, data loggers and scripts; reports of Abaqus.
 
     python docs/examples/measured/make.py FOLDER
 
-No rig stands behind them: the numbers are formulas with noise from a seed. `SCENES` has the keys that each file needs.
+No rig stands behind them: the numbers are formulas with noise from a seed. `SCENES` has the keys that each file needs. Nor was
+Abaqus run: its reports are laid out like those of its users, and hold half-plane theory of the scene `RESULT`.
 """
 
 from __future__ import annotations
@@ -20,9 +21,12 @@ SCENES = {
     "logger.txt": 'kind = "time_series"\nthickness = 10.0\nzero = {P = 0.02, Q = -3.5}\nsign = {P = -1}',
     "script.txt": 'kind = "time_series"',
     "channels.csv": 'kind = "time_series"\ncolumns = {time = 1, P = 3, Q = 2}\nthickness = 10.0',
-    "noisy.csv": 'kind = "time_series"\naverage = 4\nreduce = "tolerance"\nthreshold = {P = 1.0, Q = 0.5}',
+    "noisy.csv": 'kind = "time_series"\naverage = 7\nreduce = "tolerance"\nthreshold = {P = 0.4, Q = 0.2}',
     "trace.txt": 'kind = "tabulated"\nzero = {x = 1500.0}',
 }
+
+# Scene, times and reports of a result.
+RESULT, TIMES, REPORTS = "cattaneo-mindlin", (1.0, 1.5, 2.0), ("field.rpt", "xy.rpt")
 
 
 def record(rows: int, noise: float = 0.0) -> NDArray[np.float64]:
@@ -63,6 +67,54 @@ def main(folder: Path) -> None:
     place = np.linspace(-1.5, 1.5, 61)
     lines = ["x [µm];z [nm]", *(f"{1e3 * x + 1500:.0f};{1e6 * x**2 / 2000:.3f}".replace(".", ",") for x in place)]
     (folder / "trace.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    reports(folder)
+
+
+def figure(value: float) -> str:
+    """As Abaqus writes it: powers of ten by threes.
+
+    >>> figure(0.0), figure(-1.1), figure(0.0123456)
+    ('0.', '-1.10000', '12.3456E-03')
+    """
+    if value == 0:
+        return "0."
+    power = 3 * int(np.floor(np.log10(abs(value)) / 3))
+    return f"{value / 10.0**power:.6g}E{power:+03d}" if power else f"{value:.5f}"
+
+
+def reports(folder: Path) -> None:
+    """`field.rpt`: nodal values of both parts, nodes within them too, at three frames. `xy.rpt`: along the path, side by side."""
+    import semi_analytic
+    from scenes import load_scene
+
+    x = np.linspace(-1.2, 1.2, 61)
+    found = semi_analytic.solve(load_scene(RESULT), x=x, time=TIMES, fields=("pressure", "shear"))
+    text = []
+    for k, time in enumerate(TIMES):
+        for part, sign in (("BLOCK-1", -1.0), ("PAD-1", 1.0)):
+            text += ["*" * 80, "Field Output Report, written Tue Feb  3 10:00:00 2026", "", "Source 1", "---------", ""]
+            text += [
+                "   ODB: C:/temp/fretting.odb",
+                "   Step: Step-1",
+                f"   Frame: Increment     {k + 5}: Step Time =    {time:.3f}",
+            ]
+            text += ["", "Loc 1 : Nodal values from source 1", "", 'Output sorted by column "Node Label".', ""]
+            text += [f"Field Output reported at nodes for part: {part}", ""]
+            heads = (("Node", "COORD.COORD1", "COORD.COORD2", "CPRESS", "CSHEAR1"), ("Label", *["@Loc 1"] * 4))
+            text += ["".join(f"{head:>18}" for head in line) for line in heads]
+            text.append("-" * 90)
+            for depth in (0.0, 0.1):  # the face, and a row of nodes beneath
+                for node, place in enumerate(x):
+                    slave = part == "BLOCK-1" and depth == 0
+                    values = (place, sign * depth, found.pressure[k, node] * slave, found.shear[k, node] * slave)
+                    text.append(f"{node + 1 + (1000 if depth else 0):>18}" + "".join(f"{figure(float(v)):>18}" for v in values))
+            text += ["", "", "  Minimum              -1.20000", "      At Node                 1", ""]
+    (folder / "field.rpt").write_text("\n".join(text) + "\n", encoding="utf-8")
+    names = ["X", *(f"{name} Frame {k + 5}" for k in range(len(TIMES)) for name in ("CPRESS", "CSHEAR1"))]
+    columns = [x, *(values[k] for k in range(len(TIMES)) for values in (found.pressure, found.shear))]
+    lines = ["", "".join(f"{name:>20}" for name in names), ""]
+    lines += ["".join(f"{figure(float(value)):>20}" for value in row) for row in zip(*columns, strict=True)]
+    (folder / "xy.rpt").write_text("\n".join(lines) + "\n\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
