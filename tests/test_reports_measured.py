@@ -16,7 +16,10 @@ import reports
 import semi_analytic
 from command_line import halfplane
 from reports.measured import check_record, counted, load_cycles, noise_of, record_in_words, with_work
-from scenes import PolygonLoad, Scene, TimeSeriesLoad, load_scene
+from reports.scoring.against import score_file
+from reports.scoring.mapping import Mapping
+from reports.scoring.reading import read
+from scenes import InputError, PolygonLoad, Scene, TimeSeriesLoad, load_scene
 
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / "docs" / "examples" / "measured" / "make.py"
@@ -160,6 +163,53 @@ def test_every_example_file_is_read_as_the_record_that_it_holds(tmp_path: Path) 
         else:
             np.testing.assert_allclose(scene.load.rows.values, made.record(161), atol=6e-3, err_msg=name)
         assert dict(getattr(scene, table).read_as)["file"].startswith(name)
+
+
+def test_reports_of_abaqus_are_scored_as_the_theory_that_they_hold(tmp_path: Path) -> None:
+    """One made like those of its users: both parts, nodes within them, three frames."""
+    made = examples()
+    made.main(tmp_path)
+    scene = load_scene(made.RESULT)
+    x = np.linspace(-1.2, 1.2, 61)
+    exact = semi_analytic.solve(scene, x=x, time=made.TIMES, fields=("pressure", "shear"))
+    for name in made.REPORTS:
+        found = read(tmp_path / name, Mapping(times=made.TIMES))
+        for quantity in ("x", "time", "pressure", "shear"):
+            np.testing.assert_allclose(getattr(found, quantity), getattr(exact, quantity), rtol=1e-5, atol=1e-5, err_msg=name)
+        report = score_file(tmp_path / name, Mapping(times=made.TIMES), scene)
+        assert report.comparison.passed
+        assert abs(report.metric("peak_pressure").value) < 1e-5
+    field = read(tmp_path / "field.rpt", Mapping())
+    assert field.time.tolist() == list(made.TIMES)
+    assert field.notes[:2] == (
+        "the nodal values of BLOCK-1 were taken, at 3 frames",
+        "61 nodes that do not lie on the contact surface were left out",
+    )
+
+
+REPORTED = {
+    "two surfaces": (("PAD-1", "BLOCK-1"), "'BLOCK-1', 'PAD-1' carry pressure, master and slave perhaps: say which by surface"),
+    "elements": (("at nodes for part", "at integration points for part"), "its values are reported at integration points"),
+    "no places": (("COORD.COORD1", "S.S11"), "the nodes of BLOCK-1 have no places: report COORD with COORD1 beside CPRESS"),
+    "no pressure": (("CPRESS", "S.S22"), "no pressure that is not zero everywhere (looked for CPRESS)"),
+    "a word": (("-1.16000", "NoValue"), "COORD1 = 'NoValue' is not a finite number"),
+    "a short row": (("          -1.16000", ""), "5 values (Node Label, COORD1, COORD2, CPRESS, CSHEAR1) are needed, not"),
+    "no table": (("-" * 90, "="), "the report holds no table of values below a line of dashes"),
+}
+
+
+@pytest.mark.parametrize("fault", REPORTED)
+def test_each_fault_of_a_report_is_one_sentence(fault: str, tmp_path: Path) -> None:
+    examples().main(tmp_path)
+    path = tmp_path / "field.rpt"
+    (old, new), words = REPORTED[fault]
+    text = path.read_text("utf-8")
+    # Of two surfaces: what is the block's at the first frame is the pad's.
+    path.write_text(text.replace(new, old, 1) if fault == "two surfaces" else text.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read(path, Mapping())
+    assert words in str(caught.value)
+    assert str(caught.value).startswith(str(path))
 
 
 def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles_dissipate(tmp_path: Path) -> None:

@@ -121,3 +121,25 @@ def test_which_files_of_a_folder_are_results(tmp_path: Path, case: str) -> None:
         (tmp_path / "fine.pvd").write_text("<VTKFile", encoding="utf-8")
         with pytest.raises(InputError, match=r"fine\.pvd: this can't be read as a \.pvd file"):
             results_in(tmp_path)
+
+
+def test_what_can_not_be_read_in_a_folder_is_listed_and_the_rest_is_scored(tmp_path: Path) -> None:
+    scene, stages = exact().scene, Stages(quiet=True)
+    written(rows(exact()), tmp_path / "run_h0.02.csv")
+    (tmp_path / "spoilt_h0.1.csv").write_text("x,pressure,shear\n0,1,oops\n", encoding="utf-8")
+    (tmp_path / "junk_h0.2.vtu").write_text("no XML", encoding="utf-8")
+    one = score_folder(tmp_path, Mapping(), scene, stages)
+    told = [note for note in one.comparison.notes if note.startswith("Not scored: ")]
+    assert one.study is None
+    assert one.comparison.result.engine == "run_h0.02.csv"
+    assert told[1] == "Not scored: spoilt_h0.1.csv, line 2: shear = 'oops' is not a finite number of at most 1e+100."
+    assert told[0].startswith("Not scored: junk_h0.2.vtu: ")
+    written(rows(exact(points=53)), tmp_path / "run_h0.04.csv")
+    both = score_folder(tmp_path, Mapping(), scene, stages)
+    assert both.study is not None
+    assert [level.name for level in both.study.levels] == ["run_h0.02.csv", "run_h0.04.csv"]
+    assert [note for note in both.study.notes if note.startswith("Not scored: ")] == told
+    for good in tmp_path.glob("run*"):
+        good.unlink()
+    with pytest.raises(InputError, match=r"junk_h0\.2\.vtu: .*\(1 other files of the folder can't be scored either\)"):
+        score_folder(tmp_path, Mapping(), scene, stages)

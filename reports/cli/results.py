@@ -109,6 +109,9 @@ def show_score(report: Report) -> None:
             reasons.setdefault(metric.note, []).append(metric.label)
     for reason, labels in reasons.items():
         say(f"Not scored: {', '.join(labels)} ({reason}).")
+    for note in report.comparison.notes:
+        if note.startswith("Not scored: "):  # a file of the folder
+            say(note)
     if report.diagnoses:
         say("Likely causes:")
     for number, one in enumerate(report.diagnoses, 1):

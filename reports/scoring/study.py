@@ -32,6 +32,7 @@ _SIZE = re.compile(r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.
 # Sizes closer than this are one mesh twice.
 DISTINCT = 1.02
 ROUNDING = 1e-12
+UNREAD = "Not scored"
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,13 +225,33 @@ def score_folder(
     against: Against = "exact",
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """The report of the finest mesh, with the study over all of them."""
-    (files, notes), levels, reports = results_in(folder), [], []
+    """The report of the finest mesh, with the study over all of them; files that can't be scored are named in its notes.
+
+    Raises
+    ------
+    InputError
+        Where no file can be scored, with the reason for the first; where two are of one mesh.
+    """
+    (files, left), levels, reports = results_in(folder), [], []
+    faults: dict[str, InputError] = {}
     for path in files:
         with stages.stage(path.name):
-            report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
+            try:
+                report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
+                level = Level(path.name, *element_size(path, mapping, report.comparison), report.comparison)
+            except InputError as fault:
+                faults[path.name] = fault
+                continue
             reports.append(report)
-            levels.append(Level(path.name, *element_size(path, mapping, report.comparison), report.comparison))
+            levels.append(level)
+    if not levels:
+        more = f" ({len(faults) - 1} other files of the folder can't be scored either)" if len(faults) > 1 else ""
+        raise InputError(f"{next(iter(faults.values()))}{more}")
+    notes = (*left, *(f"{UNREAD}: {str(fault).replace(str(folder / name), name)}." for name, fault in faults.items()))
+    if faults and len(levels) == 1:  # a result, and no study
+        (report,) = reports
+        with stages.stage("diagnosis"):
+            return diagnosed(replace(report, comparison=replace(report.comparison, notes=(*notes, *report.comparison.notes))))
     known = study(levels, notes)
     with stages.stage("diagnosis"):
         finest = next(report for report in reports if report.comparison is known.levels[0].comparison)
