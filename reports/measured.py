@@ -39,7 +39,7 @@ class RecordCheck:
     Attributes
     ----------
     rows, kept : of the record, and those that the path goes through
-    dissipation, unreduced, half_threshold : W of the path, of all rows, of the path with half the threshold
+    dissipation, unreduced, all_rows, half_threshold : W of the path, of it without reduction, of all rows, with half the threshold
     noise : (sigma of P, sigma of Q), 0 where none is seen
     average, averaged : how many rows a mean may stand for before it blurs the loads; W of all rows in such means
     """
@@ -48,6 +48,7 @@ class RecordCheck:
     kept: int
     dissipation: float | None
     unreduced: float | None
+    all_rows: float | None
     half_threshold: float | None
     noise: tuple[float, float]
     average: int
@@ -56,7 +57,7 @@ class RecordCheck:
     @property
     def by_noise(self) -> float | None:
         """Share of W that the noise makes at least; None where no noise is seen."""
-        return self.unreduced / self.averaged - 1 if self.unreduced and self.averaged else None
+        return self.all_rows / self.averaged - 1 if self.all_rows and self.averaged else None
 
 
 def check_record(scene: Scene) -> RecordCheck | None:
@@ -67,16 +68,17 @@ def check_record(scene: Scene) -> RecordCheck | None:
     rows, kept = load.rows.values, len(load.kept_rows())
     sigma = (noise_of(rows[:, 1]), noise_of(rows[:, 2]))
     if len(rows) > _MOST_ROWS or load.repeats:
-        return RecordCheck(len(rows), kept, None, None, None, sigma, 1, None)
-    plain, half, average, averaged = {"average": 1, "reduce": None, "threshold": None}, None, 1, None
+        return RecordCheck(len(rows), kept, None, None, None, None, sigma, 1, None)
+    whole, half, average, averaged = {"reduce": None, "threshold": None}, None, 1, None
     own = _work(scene)
-    whole = own if kept == len(rows) else _work(scene, **plain)
+    unreduced = own if load.reduce is None else _work(scene, **whole)
+    every = unreduced if load.average == 1 else _work(scene, average=1, **whole)
     if load.threshold is not None and max(load.threshold.P, load.threshold.Q) > 0:
         half = _work(scene, threshold={"P": load.threshold.P / 2, "Q": load.threshold.Q / 2})
     if any(sigma):
         average = longest_means(rows, sigma)
-        averaged = _work(scene, **plain | {"average": average}) if average > 1 else None
-    return RecordCheck(len(rows), kept, own, whole, half, sigma, average, averaged)
+        averaged = _work(scene, average=average, **whole) if average > 1 else None
+    return RecordCheck(len(rows), kept, own, unreduced, every, half, sigma, average, averaged)
 
 
 def _work(scene: Scene, **changes: Any) -> float | None:
@@ -128,33 +130,40 @@ def record_in_words(scene: Scene, found: RecordCheck) -> Iterator[tuple[str, boo
     """Sentences, and whether each is a warning."""
     load, unit, energy = scene.load, load_unit(scene), energy_unit(scene)
     assert isinstance(load, TimeSeriesLoad)
-    if found.kept < found.rows:
+
+    def change(value: float | None, before: float | None) -> tuple[str, bool]:
+        """In per cent, and whether it is worth a warning."""
+        share = value / before - 1 if value is not None and before else 0.0
+        return minus(f"{100 * share:+.2g} %"), abs(share) > WARNED
+
+    if load.reduce is not None:
         words = f"The path goes through {found.kept:,} of {found.rows:,} rows"
-        if found.dissipation is None:
+        all_of = "all of them" if load.average == 1 else f"all means of {load.average}"
+        if found.dissipation is None and found.unreduced is None:
             yield f"{words}; what that changes in W was not computed.", False
         elif found.unreduced is None:
-            yield f"{words}; all of them have no solution, so the change of W is not known.", True
+            yield f"{words}; {all_of} have no solution, so the change of W is not known.", True
         else:
-            change = found.dissipation / found.unreduced - 1 if found.unreduced else 0.0
+            by, much = change(found.dissipation, found.unreduced)
             yield (
-                f"{words}: by half-plane theory W = {number(found.dissipation)} {energy}, and {number(found.unreduced)} with all "
-                f"rows ({100 * change:+.2g} %).",
-                abs(change) > WARNED,
+                f"{words}: by half-plane theory W = {number(found.dissipation or 0.0)} {energy}, and "
+                f"{number(found.unreduced)} with {all_of} ({by}).",
+                much,
             )
     if found.half_threshold is not None and found.dissipation:
-        change = found.half_threshold / found.dissipation - 1
-        yield f"With half the threshold W changes by {100 * change:+.2g} %.", abs(change) > WARNED
+        by, much = change(found.half_threshold, found.dissipation)
+        yield f"With half the threshold W changes by {by}.", much
     if any(found.noise):
         seen = f"The rows look noisy: standard deviation {found.noise[0]:.2g} of P and {found.noise[1]:.2g} {unit} of Q"
-        share = found.by_noise
-        if share is None:
+        if load.average > 1:
+            by, _ = change(found.unreduced, found.all_rows)
+            yield f"{seen}. The means of {load.average} rows change W by {by}.", False
+        elif found.by_noise is None:
             yield f"{seen}; what it makes of W can't be told from the loads.", False
         else:
-            cure = f"; load.average = {found.average} takes it out" if abs(share) > WARNED and load.average == 1 else ""
-            yield (
-                f"{seen}. Means of {found.average} rows change W by {-100 * share / (1 + share):+.2g} %{cure}.",
-                abs(share) > WARNED,
-            )
+            by, much = change(found.averaged, found.all_rows)
+            cure = f"; load.average = {found.average} takes it out" if much else ""
+            yield f"{seen}. Means of {found.average} rows change W by {by}{cure}.", much
 
 
 # --------------------------------------------------------------------------------------------------- cycles and their work

@@ -105,6 +105,7 @@ def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned
         assert mended is not None
         assert mended.dissipation is not None
         assert mended.dissipation == pytest.approx(work(noisy(0.0)), rel=0.02)
+        assert not any(warning for _, warning in record_in_words(scene.vary(load={"average": found.average}), mended))
 
 
 def test_coarse_or_clean_rows_are_not_taken_for_noise() -> None:
