@@ -28,11 +28,13 @@ Arrays of ellipses in one call::
 
     batches.py              `dissipation` and `peak_dissipation` of arrays of loads and profiles, the maxima of W(x)
     steady_ellipse.py       W and W(x) of a steady ellipse, its permanent stick zone
+    measured_friction.py    `friction_from`: every coefficient of friction that gives a measured W
 """
 
 from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipation, peak_dissipation
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.event_times import Event, event, events
+from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
 from semi_analytic.request import FIELDS
 from semi_analytic.solution import solve
 
@@ -40,13 +42,16 @@ __all__ = [
     "FIELDS",
     "DissipationBatch",
     "Event",
+    "FrictionBatch",
     "Hysteresis",
+    "NoFriction",
     "PeakBatch",
     "Reason",
     "compliance",
     "dissipation",
     "event",
     "events",
+    "friction_from",
     "hysteresis",
     "peak_dissipation",
     "solve",
