@@ -13,6 +13,8 @@ BEGIN, END = "<!-- scene keys: written by `make pages` -->", "<!-- end of scene 
 # The unit as a description states it: "..., length units (library: mm)".
 _UNIT = re.compile(r"(?:, (?:both )?(?:length units|stress units|force per unit thickness|any time unit))? \(library: ([^)]*)\)")
 _NONE = "–"
+# Tables of keys within a table.
+_TABLES = {"ProfileFit": "table of keys: see `profile.fit`", "Fitted": "table, written by the fit"}
 _BOUNDS = (("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<"))
 _Row = tuple[str, str, str, str, str, str]
 
@@ -45,6 +47,10 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
         if found:
             rows = [_row(_kind(model), key, model) for model in found for key in model["properties"] if key != "kind"]
             yield from _section("" if kinds else title, rows)
+        if name == "profile":
+            yield from _section(
+                "`profile.fit`", [_row("", key, models["ProfileFit"]) for key in models["ProfileFit"]["properties"]]
+            )
 
 
 def _models(one: Mapping[str, Any], models: Mapping[str, Any]) -> list[Any]:
@@ -99,7 +105,7 @@ def admitted(one: Mapping[str, Any]) -> str:
     if "not" in one:
         return "function (Python only)"
     if "$ref" in one:
-        return "table with a value for each column"
+        return _TABLES[one["$ref"].rpartition("/")[2]]
     if options := one.get("anyOf"):
         return " or ".join(admitted(option) for option in options if option.get("type") != "null")
     if "enum" in one or "const" in one:

@@ -5,7 +5,8 @@ The question::
     scene.py        all of it: friction, tolerances, units, tags, expected numbers
     bodies.py       materials, shapes, faces as they are made
     profiles.py     h(x) by formulas and Python functions
-    measured.py     tables of numbers, from files, in the scene's units; h(x) through the rows of one
+    measured.py     tables of numbers, from files; h(x) through the rows of one
+    fitting.py      convex curves through noisy rows: parabola, flat and rounded, polynomial, smoothing spline
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions
     reduction.py    fewer rows for a long record: turning points above a hysteresis threshold, or a tolerance on P and Q
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
@@ -26,7 +27,7 @@ from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LoadPath, PolygonLoad, TimeSeriesLoad
 from scenes.measured import Tabulated
-from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge
+from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge, fit_profile
 from scenes.reading import load_scene, scene_companions, scene_names, scene_of, scene_schema, scene_text
 from scenes.scene import Expected, Friction, Scene, Tolerances, tags
 from scenes.segments import (
@@ -94,6 +95,7 @@ __all__ = [
     "Wedge",
     "Work",
     "ellipse_segment",
+    "fit_profile",
     "freeze",
     "load_scene",
     "scene_companions",

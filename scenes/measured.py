@@ -6,7 +6,7 @@ import abc
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,17 +16,16 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
-    TypeAdapter,
-    ValidationError,
+    PrivateAttr,
     ValidationInfo,
     model_validator,
 )
 from pydantic_core import CoreSchema, core_schema
 
 from scenes.errors import InputError, shown
+from scenes.files import TEXT, check_size
+from scenes.fitting import UnfitRowError, fitted_keys
 from scenes.frozen import Frozen, Positive
-from scenes.text_tables import LARGEST, text_table
-from scenes.unit_words import Kind, unit_factor
 
 Array = NDArray[np.float64]
 
@@ -143,6 +142,10 @@ class FromFile(Frozen):
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """As for every table; rows of one file are not those of another, nor is a file the source of other rows."""
         data = super().merged(changes)
+        if "fitted" not in changes:
+            data.pop("fitted", None)
+        if changes.get("file") is not None and self.table not in changes:
+            del data[self.table]
         if self.table in changes and "file" not in changes:
             for key in ("file", "read_as", *READING):
                 data.pop(key, None)
@@ -277,14 +280,50 @@ class Spline(NamedTuple):
     curvature: Array
 
 
-T = TypeVar("T")
+def _in_tuples(pairs: Any) -> Any:
+    """Pairs of words from JSON, which has no tuples."""
+    return tuple(tuple(pair) if isinstance(pair, list) else pair for pair in pairs) if isinstance(pairs, list) else pairs
 
 
-class OfProfile(Frozen, Generic[T]):
-    """One of each column of a profile; what is left out is not stated."""
+FitKind = Literal["even_polynomial", "smoothing_spline", "flat_rounded", "hertz"]
 
-    x: T | None = None
-    h: T | None = None
+
+class ProfileFit(Frozen):
+    """How a smooth, convex and symmetric curve is laid through measured rows; the scene then holds that curve in their place."""
+
+    kind: FitKind = Field(
+        description="what is fitted: `hertz`, `flat_rounded`, `even_polynomial` (powers 2 to 8) or `smoothing_spline` (no formula)"
+    )
+    noise: Positive | None = Field(
+        None, description="standard deviation of h, length units (library: mm); left out, that of the residuals"
+    )
+    centre: float | None = Field(
+        None, description="x of the middle of the contact, length units (library: mm); fitted if left out, 0 if no row has x < 0"
+    )
+    extent: Positive | None = Field(
+        None, description="rows farther from the middle are left out, length units (library: mm); all count if left out"
+    )
+
+
+class Fitted(Frozen):
+    """Where fitted numbers came from: written by the fit, so that a saved scene gives the same answer without the file."""
+
+    kind: FitKind = Field(description="what was fitted")
+    source: str = Field(description="file with the rows, or `points`")
+    rows: Table = Field(description="the rows that were fitted, [x, h] each, length units (library: mm)")
+    noise: Positive = Field(description="standard deviation of h, length units (library: mm)")
+    noise_stated: bool = Field(description="whether that was stated, or is that of the residuals")
+    centre: float = Field(description="x of the middle, length units (library: mm)")
+    centre_fitted: bool = Field(description="whether that was fitted")
+    offset: float = Field(description="fitted h there, length units (library: mm)")
+    residual: float = Field(ge=0, description="root mean square of rows minus curve, length units (library: mm)")
+    freedom: int = Field(gt=0, description="rows less fitted numbers")
+    extent: Positive = Field(description="distance from the middle that the rows reach on every side that has any (library: mm)")
+    weight: float = Field(0.0, ge=0, description="of the smoothing against the rows")
+    left_out: int = Field(0, ge=0, description="rows beyond the extent")
+    read_as: Annotated[tuple[tuple[str, str], ...] | None, BeforeValidator(_in_tuples)] = Field(
+        None, description="how the file was read"
+    )
 
 
 class Tabulated(FromFile):
@@ -303,14 +342,18 @@ class Tabulated(FromFile):
     file: str | None = Field(None, description="text table with the columns x, h; path relative to the scene file")
     points: Table = Field(description="the rows themselves, [x, h] each, in place of a file, length units (library: mm)")
     asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides over the largest gap")
-    columns: OfProfile[str | int] | None = Field(None, description=COLUMNS)
-    units: OfProfile[str] | None = Field(None, description=UNITS)
-    scale: OfProfile[Positive] | None = Field(None, description=SCALE)
-    zero: OfProfile[float] | None = Field(None, description=ZERO)
-    sign: OfProfile[Literal[1, -1]] | None = Field(None, description="-1 turns a column, such as a height counted the other way")
-    read_as: ReadAs | None = Field(None, description=READ_AS)
+    fit: ProfileFit | None = Field(None, description="a curve through noisy rows, to be taken in their place")
+    fitted: Fitted | None = Field(None, description="where fitted numbers came from; written by `fit`")
+
+    _keys: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     def check_rows(self) -> None:
+        if self.fit is not None:
+            try:
+                self._keys = fitted_keys(*self.points.values.T, **dict(self.fit))
+            except UnfitRowError as fault:
+                raise RowError(fault.row, fault.rule) from fault
+            return
         one_sided(self.points.values, self.asymmetry)
 
     @property
@@ -327,8 +370,15 @@ class Tabulated(FromFile):
         """The profile as part of a sentence; `length` is the unit."""
         return f"a profile of {len(self.points)} tabulated rows up to {self.datum_length:.6g} {length}"
 
+    def curve(self) -> dict[str, Any]:
+        """The keys of the profile that `fit` makes of the rows: what stands in a scene in place of this one."""
+        more = {"source": self.file or self.table, "rows": self.points, "read_as": getattr(self, "read_as", None)}
+        return self._keys | {"fitted": self._keys["fitted"] | more}
+
     def spline(self) -> Spline:
-        """The curve for x >= 0."""
+        """The curve for x >= 0; InputError for rows that are to be fitted, which are another profile in a scene."""
+        if self.fit is not None:
+            raise InputError("profile: rows with the key `fit` are to be part of a scene; without one take scenes.fit_profile")
         return rising_spline(*one_sided(self.points.values, self.asymmetry))
 
     def row_before(self, distance: float) -> int:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable
-from typing import Annotated, Literal, Self
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, TypeAdapter, ValidationError, ValidationInfo, model_validator
 
 from scenes.chebyshev import NODES, Pieces, Unresolved, fit, series, tail, values_of
-from scenes.frozen import Frozen, Positive, PythonFunction
-from scenes.measured import Tabulated
+from scenes.errors import InputError
+from scenes.frozen import Frozen, Positive, PythonFunction, refusal
+from scenes.measured import Fitted, Tabulated
 
 Array = NDArray[np.float64]
 
@@ -36,7 +37,20 @@ class Gap(Frozen):
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
 
 
-class Hertz(Gap):
+class MayBeFitted(Gap):
+    """A profile whose numbers may be fitted to measured rows."""
+
+    fitted: Fitted | None = Field(None, description="where fitted numbers came from; written by `fit` of a tabulated profile")
+
+    def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """As for every table; other numbers are fitted to nothing."""
+        data = super().merged(changes)
+        if "fitted" not in changes:
+            data.pop("fitted", None)
+        return data
+
+
+class Hertz(MayBeFitted):
     """Parabola: h = x^2 / (2 R), R being the relative radius (1/R = 1/R1 + 1/R2).
 
     >>> float(Hertz(radius=1000.0).height(2.0))
@@ -54,7 +68,7 @@ class Hertz(Gap):
         return np.square(np.asarray(x, dtype=float)) / (2 * self.radius)
 
 
-class FlatRounded(Gap):
+class FlatRounded(MayBeFitted):
     """Flat face |x| < b with parabolic edges: h = (|x| - b)^2 / (2 R) beyond.
 
     >>> FlatRounded(radius=10.0, flat_half_length=1.0).height([0.5, 3.0]).tolist()
@@ -180,7 +194,7 @@ def first_fall(coefficients: Array) -> float | None:
     return float(falls[0]) if len(falls) else None
 
 
-class EvenPolynomial(Gap):
+class EvenPolynomial(MayBeFitted):
     """Even polynomial: h = sum over k of rises[k] (x / length)^(2 k + 2), rising for x > 0.
 
     >>> EvenPolynomial(length=2.0, rises=(0.5, 0.25)).height([2.0, 4.0]).tolist()
@@ -379,6 +393,60 @@ def _integral(pieces: Pieces) -> Pieces:
     return Pieces(pieces.edges, primitive)
 
 
+def _curve_of_rows(data: Any, info: ValidationInfo) -> Any:
+    """The keys of the curve through rows that come with the key `fit`; anything else as it is.
+
+    What has passed a function in Python is checked as Python's, where a list is no tuple, wherever it came from.
+    """
+    if isinstance(data, Mapping):
+        data = {
+            key: tuple(value) if key in ("rises", "breaks") and isinstance(value, list) else value for key, value in data.items()
+        }
+    wanted = isinstance(data, Mapping) and data.get("kind") == "tabulated" and data.get("fit") is not None
+    if not wanted and not (isinstance(data, Tabulated) and data.fit is not None):
+        return data
+    try:
+        return Tabulated.model_validate(data, context=info.context).curve()
+    except ValidationError:
+        return data  # refused in what follows, by key and row
+
+
 Profile = Annotated[
-    Hertz | FlatRounded | PowerLaw | Compound | Wedge | EvenPolynomial | Tabulated | CallableProfile, Field(discriminator="kind")
+    Annotated[
+        Hertz | FlatRounded | PowerLaw | Compound | Wedge | EvenPolynomial | Tabulated | CallableProfile,
+        Field(discriminator="kind"),
+    ],
+    BeforeValidator(_curve_of_rows),
 ]
+_ANY: TypeAdapter[Profile] = TypeAdapter(Profile)
+
+
+def fit_profile(
+    points: ArrayLike, kind: str, *, noise: float | None = None, centre: float | None = None, extent: float | None = None
+) -> Hertz | FlatRounded | EvenPolynomial | Tabulated:
+    """The profile fitted to measured rows (n, 2) of x and h: convex, symmetric about a middle that need not be at x = 0.
+
+    Parameters
+    ----------
+    kind, noise, centre, extent : keys of `fit` of a tabulated profile
+
+    Returns
+    -------
+    The profile, with `fitted` saying what it was fitted to. A `smoothing_spline` is a `Tabulated` of the curve's own rows.
+
+    Raises
+    ------
+    InputError
+        One sentence with the row: too few rows, x that does not ascend, rows that do not bend up.
+
+    >>> x = np.linspace(-1.4, 1.6, 31)
+    >>> profile = fit_profile(np.stack([x, (x - 0.1) ** 2 / 2000], axis=1), "hertz", noise=1e-9)
+    >>> round(profile.radius, 6), round(profile.fitted.centre, 9)
+    (1000.0, 0.1)
+    """
+    fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent}
+    data = {"kind": "tabulated", "points": points, "fit": fit}
+    try:
+        return _ANY.validate_python(data)  # type: ignore[return-value]
+    except ValidationError as faults:
+        raise InputError(f"fit_profile: {refusal(faults, data, Tabulated)}") from faults

@@ -400,6 +400,7 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
     if not as_json:
         return code
     from reports.comparison.words import first_table, headline, honest_of, how_judged, lead, verdict
+    from reports.profile_fit import content as fit_content
 
     content = {
         "headline": headline(report),
@@ -426,6 +427,7 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
         },
         **{name: getattr(result, name) for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")},
         "expected": expected.content(findings),
+        "profile_fit": fit_content(scene),
         "notes": comparison.notes,
         "page": str(page),
         "seconds": stages.seconds,
@@ -524,6 +526,8 @@ def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stag
         from reports.comparison import expected
         from reports.comparison.content import solution_content
         from reports.comparison.laws import certificates
+        from reports.profile_fit import content as fit_content
+        from reports.profile_fit import findings as fit_findings
 
         load_engines(stages)
         solution = solve(scene, stages)
@@ -534,8 +538,10 @@ def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stag
             whole = solution_content(solution, certificates(solution))
             content = {"passed": code == WITHIN, "admissible": admissible, **{key: whole[key] for key in _OF_ONE_ENGINE}}
             more = {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
-            return answer(name, code, content | more, scene.name)
+            return answer(name, code, content | more | {"profile_fit": fit_content(scene)}, scene.name)
         show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+        for sentence in fit_findings(scene)[0]:
+            say(sentence)
         show_expected(findings)
         say(str(path))
         return code

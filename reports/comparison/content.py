@@ -26,8 +26,7 @@ from reports.comparison.words import (
     unlike_materials,
     verdict,
 )
-from reports.measured import content as cycles_content
-from reports.measured import record_content
+from reports.profile_fit import content as fit_content
 from scenes import ContactSolution
 
 FORMAT = "halfplane comparison 2"
@@ -70,6 +69,7 @@ def _content(report: Report, command: str, seconds: Mapping[str, float]) -> dict
         "bodies": bodies_in_words(comparison.scene),
         "unlike_materials": unlike_materials(comparison.scene),
         "idealisation": beyond_theory(comparison),
+        "profile_fit": fit_content(comparison.scene),
         "verdict": {
             "passed": comparison.passed,
             "accurate": comparison.accurate,

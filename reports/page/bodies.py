@@ -1,4 +1,4 @@
-"""The sketch of a scene: both bodies to scale, what holds them, the loads."""
+"""The sketch of a scene: both bodies to scale, what holds them, the loads; a measured profile beside its fit."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.marks import Arrow, Axis, Curve, Dot, Frame, Mark, Note, Segments
+from reports.charts.marks import Arrow, Axis, Band, Curve, Dot, Frame, Mark, Note, Rule, Segments
 from reports.charts.plate import Panel, Plate
-from reports.charts.scale import Scale
+from reports.charts.scale import Scale, limits
 from reports.charts.table import Table
 from reports.comparison.words import bodies_in_words
+from reports.profile_fit import fit_of
 from reports.units import load_unit, number, units
 from scenes import Cylinder, HalfPlane, Scene, Shape, sampled
 from scenes.bodies import face_of
@@ -25,6 +26,8 @@ _WIDE_ENOUGH = 0.62
 # What the longest line of a label in four lines needs [units of the drawing].
 _LETTERS = 122.0
 _WIDTH, _MOST, _ROOM = 440.0, 310.0, 62.0
+# Rows of a measured profile that are drawn.
+_MOST_DOTS = 400
 
 
 def sketch(scene: Scene, half_width: float) -> Plate:
@@ -60,6 +63,41 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     axes = Axis(0.0, frame.width, ""), Axis(frame.height, 0.0, "")
     panel = Panel("bodies", *axes, marks, alt, frame.width, frame.height, bare=True, room=(0.0, 0.0, 0.0, 0.0))
     return Plate("bodies", "Bodies, supports and loads", caption, alt, (panel,), columns, columns=1)
+
+
+def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
+    """Rows minus the curve fitted to them, beside twice their noise; None of a profile that is not fitted.
+
+    Parameters
+    ----------
+    half_width : of the largest contact [length]
+    """
+    fitted = fit_of(scene)
+    if fitted is None:
+        return None
+    length = units(scene)[1]
+    x = fitted.rows.values[:, 0] - fitted.centre
+    rest = fitted.rows.values[:, 1] - fitted.offset - scene.profile.height(x)
+    used = np.abs(x) <= np.sort(np.abs(x))[len(x) - fitted.left_out - 1]
+    shown = np.flatnonzero(used)[:: -(-int(used.sum()) // _MOST_DOTS)]
+    most = 1.1 * max(float(np.abs(rest[used]).max()), 2.2 * fitted.noise)
+    across = Axis(*limits(x[used], margin=0.02), f"x from the middle  [{length}]")
+    wide = np.full(int(used.sum()), 2 * fitted.noise)
+    marks: list[Mark] = [Band(x[used], -wide, wide, "band pale-stick")]
+    marks += [Rule(0.0, "zero"), *(Rule(side * half_width, "cycle-line", upright=True) for side in (-1, 1))]
+    marks += [Dot(float(x[k]), float(rest[k]), "p0", 2.2, f"x = {x[k]:.4g}, {rest[k]:.3g} {length}") for k in shown]
+    left_out = f" One row in {shown[1] - shown[0]} is drawn; the CSV holds all." if len(shown) < used.sum() else ""
+    return Plate(
+        "profile_fit",
+        "Measured profile minus its fit",
+        f"Residuals of the {used.sum()} fitted rows, root mean square {fitted.residual:.3g} {length}. Band: twice the noise of "
+        f"{fitted.noise:.3g} {length}. Broken lines: edges of the largest contact. A pattern says that the kind of fit is wrong."
+        f"{left_out}",
+        "Residuals of the measured rows over the distance from the middle, with a band of twice the noise.",
+        (Panel("profile-fit", across, Axis(-most, most, f"row − fit  [{length}]"), marks, "Residuals of the fit", height=260.0),),
+        {f"x [{length}]": x, f"row - fit [{length}]": rest, "fitted": used.astype(float)},
+        columns=1,
+    )
 
 
 def _frame(outlines: dict[str, Array]) -> Frame:

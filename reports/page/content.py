@@ -43,6 +43,7 @@ from reports.comparison.words import (
 )
 from reports.measured import section
 from reports.page.live import as_script, carried
+from reports.profile_fit import findings
 from reports.units import energy_unit, minus, signed, units
 from scenes import ContactSolution
 
@@ -75,7 +76,7 @@ def render(
         scene=scene,
         claim=CLAIM,
         question=question(scene),
-        bodies=[bodies_in_words(scene), unlike_materials(scene)],
+        bodies=[bodies_in_words(scene), unlike_materials(scene), *findings(scene)[0]],
         idealisation=beyond_theory(comparison),
         headline=headline(report),
         columns=columns,

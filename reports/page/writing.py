@@ -132,6 +132,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
     chosen, (time, words) = chosen_instants(comparison), time_axis(comparison)
     drawings: list[Plate | None] = [
         bodies.sketch(comparison.scene, comparison.scales.half_width),
+        bodies.fit_residuals(comparison.scene, float(np.nanmax(comparison.expected.contact_edges))),
         figures.load_path(comparison.result, comparison.found, chosen),
         figures.now(comparison, chosen),
         figures.hysteresis(comparison, chosen),

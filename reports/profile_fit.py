@@ -1,0 +1,191 @@
+"""A profile fitted to measured rows: what it rests on in words, and what the noise of the rows leaves open in W, a and p0."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import semi_analytic
+from reports.checking import largest_contact
+from reports.units import number, units
+from scenes import EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, Scene, TimeSeriesLoad
+from scenes.fitting import resampled
+from scenes.measured import Fitted
+
+# Other measurements that the noise could have given. Twice their root mean square is known to 7 %, and a normal spread lies within
+# it in 95 %.
+RESAMPLES = 100
+# Fewer of a load that is no ellipse, each of which takes a march of its own; none of a longer record.
+_MARCHES, _MOST_ROWS = 30, 2_000
+# Of residuals over the noise: chance alone gives so much in one case of 1,000, as a share of the expected spread.
+_CHANCE = 3.3
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A value and its 95 % uncertainty from the noise of the rows."""
+
+    value: float
+    uncertainty: float
+
+
+@dataclass(frozen=True)
+class FitUncertainty:
+    """What the noise of the rows leaves open.
+
+    Attributes
+    ----------
+    dissipation : W of the last whole cycle; None where it was not resampled
+    half_width, peak_pressure : at the largest load
+    resamples, failed : how many other measurements were fitted, and how many of those did not bend up or were too narrow
+    seed : of the random numbers
+    """
+
+    dissipation: Spread | None
+    half_width: Spread
+    peak_pressure: Spread
+    resamples: int
+    failed: int
+    seed: int
+
+
+def fit_of(scene: Scene) -> Fitted | None:
+    """What the scene's profile was fitted to, if it was."""
+    return getattr(scene.profile, "fitted", None)
+
+
+def fit_uncertainty(scene: Scene, resamples: int = RESAMPLES, seed: int = 0) -> FitUncertainty:
+    """W, a and p0 with their 95 % uncertainty: twice the root mean square of what other noise on the fitted curve changes.
+
+    Raises
+    ------
+    InputError
+        For a scene whose profile is not fitted.
+    """
+    if fit_of(scene) is None:
+        raise InputError(f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow")
+    marched = not isinstance(scene.load, EllipseLoad)
+    skipped = marched and isinstance(scene.load, TimeSeriesLoad) and len(scene.load.rows) > _MOST_ROWS
+    count = min(resamples, _MARCHES) if marched and not skipped else resamples
+    first, rows = _values(scene, marched, skipped), []
+    for keys in resampled(scene.profile, count, seed):
+        try:
+            rows.append(_values(scene.vary(profile={**keys, "fitted": None}), marched, skipped))
+        except InputError:  # a contact wider than the rows
+            continue
+    if len(rows) < max(2, count // 2):
+        raise InputError(
+            f"{scene.name}: of {count} other measurements with this noise only {len(rows)} can carry the load: measure a wider "
+            "stretch, or more closely"
+        )
+    spread = 2 * np.sqrt(np.mean(np.square(np.array(rows) - first), axis=0))
+    work, half, peak = (Spread(value, float(size)) for value, size in zip(first.tolist(), spread, strict=True))
+    return FitUncertainty(None if skipped else work, half, peak, count, count - len(rows), seed)
+
+
+def _values(scene: Scene, marched: bool, skipped: bool) -> NDArray[np.float64]:
+    """W, a, p0."""
+    contact = largest_contact(scene, scene.name)
+    work = 0.0
+    if marched and not skipped:
+        work = semi_analytic.solve(scene, x=0.0, fields="dissipation").dissipation
+    elif not marched:
+        load = scene.load
+        names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
+        batch = semi_analytic.dissipation(
+            profile=scene.profile,
+            material=scene.material,
+            friction_coefficient=scene.friction.coefficient,
+            **{name: getattr(load, name) for name in names},
+        )
+        if batch.reason:
+            raise InputError(f"{scene.name}: the dissipation has no value: {semi_analytic.Reason(int(batch.reason)).name.lower()}")
+        work = float(batch.value)
+    return np.array([work, contact.half_width, contact.peak_pressure])
+
+
+def fit_in_words(scene: Scene, half_width: float) -> list[str]:
+    """What was fitted to which rows, how well, and how far they reach; none for another profile.
+
+    Parameters
+    ----------
+    half_width : of the largest contact
+    """
+    fitted, profile = fit_of(scene), scene.profile
+    if fitted is None:
+        return []
+    _, length, _ = units(scene)
+    match profile:
+        case Hertz(radius=radius):
+            shape = f"a parabola of radius {number(radius)} {length}"
+        case FlatRounded(radius=radius, flat_half_length=half):
+            shape = f"a flat of half-length {number(half)} {length} with edges of radius {number(radius)} {length}"
+        case EvenPolynomial(rises=rises):
+            shape = f"an even polynomial of {np.count_nonzero(rises)} terms"
+        case _:
+            shape = "a smoothing spline"
+    centre = f"{'fitted' if fitted.centre_fitted else 'given'} middle x = {number(fitted.centre)} {length}"
+    more = f", {fitted.left_out} beyond the extent left out" if fitted.left_out else ""
+    stated = "stated" if fitted.noise_stated else "taken from these residuals"
+    said = [
+        f"The profile is {shape}, fitted to {len(fitted.rows) - fitted.left_out} rows of {fitted.source}{more}: {centre}, "
+        f"residuals {fitted.residual:.3g} {length} (root mean square), noise {fitted.noise:.3g} {length} ({stated})."
+    ]
+    excess = (fitted.residual / fitted.noise) ** 2 * (len(fitted.rows) - fitted.left_out) / fitted.freedom
+    if fitted.noise_stated and abs(excess - 1) > _CHANCE * np.sqrt(2 / fitted.freedom):
+        more = "this kind of profile does not describe the rows, or the noise is larger; its uncertainty does not cover that"
+        less = "the noise is smaller than stated, or the rows were smoothed before"
+        said.append(
+            f"The residuals are {np.sqrt(excess):.2g} times what the stated noise explains: {more if excess > 1 else less}."
+        )
+    if half_width > fitted.extent:
+        said.append(
+            f"The largest contact, a = {half_width:.4g} {length}, is wider than the rows, which reach {fitted.extent:.4g} {length} "
+            "from the middle: beyond them the fit is an extrapolation."
+        )
+    return said
+
+
+def uncertainty_in_words(scene: Scene, found: FitUncertainty) -> str:
+    """The three values, with what makes them uncertain."""
+    _, length, stress = units(scene)
+
+    def share(one: Spread) -> str:
+        return f"{one.value:.6g} ± {100 * one.uncertainty / one.value:.2g} %" if one.value else "0"
+
+    work = f"W = {share(found.dissipation)}, " if found.dissipation else ""
+    failed = f", {found.failed} of them unfit" if found.failed else ""
+    return (
+        f"The noise of the rows leaves open, in 95 % ({found.resamples} other measurements with this noise{failed}): {work}"
+        f"a = {share(found.half_width)} {length}, p0 = {share(found.peak_pressure)} {stress}."
+    )
+
+
+@lru_cache(maxsize=4)
+def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
+    """The sentences about a fitted profile and what its noise leaves open; none, and None, of another scene.
+
+    The page, its JSON and the terminal ask for the same, which takes up to some seconds: it is worked out once.
+    """
+    if fit_of(scene) is None:
+        return (), None
+    said = fit_in_words(scene, largest_contact(scene, scene.name).half_width)
+    try:
+        found = fit_uncertainty(scene)
+    except InputError as fault:
+        return (*said, f"The uncertainty from the noise has no value: {fault}."), None
+    return (*said, uncertainty_in_words(scene, found)), found
+
+
+def content(scene: Scene) -> dict[str, Any] | None:
+    """The same for JSON; None of a scene whose profile is not fitted."""
+    fitted = fit_of(scene)
+    if fitted is None:
+        return None
+    said, found = findings(scene)
+    fit = fitted.model_dump(mode="json", exclude={"rows"}) | {"count": len(fitted.rows) - fitted.left_out}
+    return {"sentences": said, "fit": fit, "uncertainty_95": asdict(found) if found else None}
