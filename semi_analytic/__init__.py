@@ -21,6 +21,7 @@ From a request to an answer::
     friction_work.py        global and pointwise dissipation W and W(x), the area of the loop of Q over U
     quadrature.py           Gauss' rule; trapezoidal rule for singular ends
     solution.py             `solve`: all of it together
+    subsurface.py           stress inside the bodies (McEwen), tension at the trailing edge
     errors.py               error estimates
     damping.py              hysteresis: secant stiffness, damping ratio, tangential compliance
 
@@ -37,6 +38,7 @@ from semi_analytic.event_times import Event, event, events
 from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
 from semi_analytic.request import FIELDS
 from semi_analytic.solution import solve
+from semi_analytic.subsurface import edge_tension, stress
 
 __all__ = [
     "FIELDS",
@@ -49,12 +51,14 @@ __all__ = [
     "Reason",
     "compliance",
     "dissipation",
+    "edge_tension",
     "event",
     "events",
     "friction_from",
     "hysteresis",
     "peak_dissipation",
     "solve",
+    "stress",
 ]
 
 

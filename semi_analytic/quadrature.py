@@ -35,6 +35,9 @@ ROOTS = _rule(-36.0, 36.0)
 INVERSE_ROOT = _rule(-75.0, 36.0)
 """For an inverse root at the lower end too: its integral over what is left out there, 3e-33 of the range, is 1e-16."""
 
+INVERSE_ROOTS = _rule(-75.0, 75.0)
+"""The same for an inverse root at either end."""
+
 NODES = len(ROOTS.up)
 """Nodes of `graded`."""
 

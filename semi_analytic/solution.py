@@ -177,6 +177,23 @@ def solve(
     )
 
 
+def memory_at(scene: Scene, time: Array) -> tuple[Contact, Snapshot]:
+    """Normal contact of a scene, and its memory curves at instants (n,) of its load path.
+
+    Raises
+    ------
+    InputError, InadmissibleLoadError
+        As `solve`.
+    """
+    contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient
+    series = own_series(scene, time)
+    if series is None:
+        return contact, history_of(scene.load.path(), friction, scene.cycles, time).snapshot(time)
+    point, fold = folded(np.zeros(1))
+    request = Request(contact, composite_modulus(scene.material), time, point, point, fold, frozenset({"shear"}))
+    return contact, _along_series(series, request).snapshot
+
+
 # --------------------------------------------------------------------------------------- what a path leaves for an answer
 @dataclass(frozen=True, eq=False)
 class Along:

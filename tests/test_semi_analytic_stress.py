@@ -1,0 +1,171 @@
+"""Stress in the half-planes: closed forms of the literature, quadrature of the tractions, laws of elasticity, refusals."""
+
+import math
+
+import numpy as np
+import pytest
+
+import semi_analytic
+from scenes import InputError, load_scene
+from semi_analytic import edge_tension, stress
+from semi_analytic.quadrature import graded
+from semi_analytic.solution import memory_at
+from semi_analytic.subsurface import _lines
+from semi_analytic_cases import extreme
+
+
+def mcewen(x, depth, a, p0):
+    """s_xx, s_yy, s_xy (y upwards) below a Hertz contact: McEwen (1949), as Johnson (1985), (4.49), has it."""
+    b = a * a - x * x + depth * depth
+    root = np.hypot(b, 2 * x * depth)
+    # The smaller of the two squares from their product, (x z)^2, without cancellation.
+    larger = (root + np.abs(b)) / 2
+    smaller = (x * depth) ** 2 / larger
+    m2, n2 = np.where(b >= 0, larger, smaller), np.where(b >= 0, smaller, larger)
+    m, n, share = np.sqrt(m2), np.sign(x) * np.sqrt(n2), (depth**2 + n2) / (m2 + n2)
+    return np.stack(
+        [-p0 / a * (m * (1 + share) - 2 * depth), -p0 / a * m * (1 - share), p0 / a * n * (m2 - depth**2) / (m2 + n2)], -1
+    )
+
+
+def places(a):
+    """Points at the face, next to it, next to the edges and deep, (n,) each."""
+    rng = np.random.default_rng(7)
+    x = np.concatenate([rng.uniform(-3, 3, 200), 1 + rng.uniform(-1e-3, 1e-3, 50), np.full(12, -1.0)])
+    return a * x, -a * np.concatenate([10 ** rng.uniform(-9, 0.7, 200), 10 ** rng.uniform(-9, -3, 50), 10.0 ** -np.arange(12)])
+
+
+def test_hertz_is_mcewen():
+    """Measured 4e-12 of the peak pressure, from the face to six half-widths below it."""
+    a, p0 = 1.0, 2 * 90.62286500739786 / math.pi
+    x, y = places(a)
+    found = stress("hertz-normal", x, y, 1.0)[0]
+    assert np.abs(found[:, :3] - mcewen(x, -y, a, p0)).max() < 1e-10 * p0
+    np.testing.assert_allclose(found[:, 3], 0.3 * (found[:, 0] + found[:, 1]))
+
+
+@pytest.mark.parametrize("share", [0.1, 0.6, 0.95])
+def test_tension_at_the_trailing_edge_of_cattaneo_and_mindlin(share):
+    """2 f p0 sqrt(Q/(f P)) at the left edge of the lower body and the right edge of the upper one; pressed by as much opposite."""
+    scene = load_scene("cattaneo-mindlin")
+    load, f = scene.load.cycle[0][0], scene.friction.coefficient
+    scene = scene.vary(load={"cycle": [[load, share * f * load], [load, -share * f * load]]})
+    pressed = semi_analytic.solve(scene, x=0.0, time=2.0)
+    a, p0 = float(pressed.contact_half_width[0]), float(pressed.pressure[0, 0])
+    wanted = 2 * f * p0 * math.sqrt(share)
+    assert edge_tension(scene, 2.0)[0] == pytest.approx(wanted, rel=1e-12)
+    assert edge_tension(pressed, 2.0)[0] == edge_tension(scene, 2.0)[0]
+    for body, sign in (("lower", 1), ("upper", -1)):
+        edges = stress(scene, [-a, a], 0.0, 2.0, body=body)[0]
+        np.testing.assert_allclose(edges[:, 0], [sign * wanted, -sign * wanted], rtol=1e-7)  # a itself is rounded
+
+
+def test_after_reversals_the_stress_is_the_sum_of_mindlins_tractions():
+    """Half-way back: two knots in the memory curve. Both ellipses of q have McEwen's form in closed complex form."""
+    scene = load_scene("cattaneo-mindlin")
+    time = 2.4
+    there = semi_analytic.solve(scene, x=[0.0], time=[time])
+    load, f, a, p0 = there.normal_load[0], scene.friction.coefficient, there.contact_half_width[0], there.pressure[0, 0]
+    turn = scene.load.cycle
+    peak, now = max(q for _, q in turn), float(there.tangential_load[0])
+    x, y = places(a)
+    z = x + 1j * y
+    terms = ((1.0, f, 0.0), (-1.0, f, peak / f), (-2.0, f, 0.0), (2.0, f, (peak - now) / (2 * f)))
+    potential, slope = np.zeros(len(x), complex), np.zeros(len(x), complex)
+    for sign, friction, less in terms:  # q0 sqrt(c^2 - x^2)/c has Muskhelishvili's integral q0/(2 c) (sqrt(z^2 - c^2) - z)
+        c = a * math.sqrt(1 - less / load)
+        root = np.sqrt(z - c) * np.sqrt(z + c)
+        potential += sign * friction * p0 / a / 2 * (z - root)
+        slope += sign * friction * p0 / a / 2 * (1 - z / root)
+    # Phi of q alone: -(1/2 pi) int q/(z - t) dt, s_xx + s_yy = 4 Re Phi.
+    phi, rate = -potential, -slope
+    total = 4 * phi.real
+    corner = 2j * phi.imag + 2j * y * rate.conj()
+    wanted = np.stack([total - corner.real, corner.real, -corner.imag], -1)
+    found = stress(scene, x, y, time)[0, :, :3] - mcewen(x, -y, a, p0)
+    assert np.abs(found - wanted).max() < 1e-10 * p0
+
+
+CASES = [("hertz", "ellipse"), ("hertz", "polygon"), ("long flat", "polygon"), ("polynomial", "rows")]
+SLOW = [("short flat", "ellipse"), ("|x|^3.5", "harmonics"), ("compound", "harmonics"), ("table", "ellipse")]
+
+
+@pytest.mark.parametrize(("profile", "load"), [*CASES, *(pytest.param(*case, marks=pytest.mark.slow) for case in SLOW)])
+def test_stress_is_the_integral_of_the_tractions(profile, load):
+    """Flamant's point forces below, principal value on the face: p and q by another route, quadrature graded to their roots."""
+    scene = extreme(profile, load)
+    whole = semi_analytic.solve(scene, x=[0.0], fields=())
+    for time in whole.time[[len(whole.time) // 5, len(whole.time) * 4 // 7, len(whole.time) - 9]]:
+        contact, snapshot = memory_at(scene, np.array([time]))
+        a = float(contact.half_width(snapshot.load[0]))
+        knots = [float(contact.half_width(end)) for line in _lines(snapshot, 0) for end in line[:2]]
+        knots += [b for b in contact.breaks if b < a]
+        x = a * np.array([-1.7, -0.93, -0.4, 0.1, 0.61, 0.87, 1.2])
+        y = -a * np.array([0.2, 0.5, 0.11, 2.0, 0.3, 0.08, 0.15])
+        found, face = stress(scene, x, y, time)[0], stress(scene, x, 0.0, time)[0]
+        for k, (point, height) in enumerate(zip(x, y, strict=True)):
+            marks = np.unique(np.clip([-a, a, point, *knots, *(-knot for knot in knots)], -a, a))
+            t, weight = (part.ravel() for part in graded(marks[:-1], marks[1:]))
+            t, weight = t[weight > 0], weight[weight > 0]
+            at = semi_analytic.solve(scene, x=np.unique([*t, point]), time=time, fields=("pressure", "shear"))
+            p, q = (np.interp(t, at.x, values[0]) for values in (at.pressure, at.shear))
+            here = [float(np.interp(point, at.x, values[0])) for values in (at.pressure, at.shear)]
+            size = float(at.pressure.max())
+            across = point - t
+            r2 = across**2 + height**2
+            radial = -2 / math.pi * (-p * height + q * across) / r2**2 * weight
+            wanted = [np.sum(radial * across**2), np.sum(radial * height**2), np.sum(radial * across * height)]
+            assert np.abs(found[k, :3] - wanted).max() < 1e-10 * size
+            inside = abs(point) < a
+            tangential = np.sum(weight * (q - here[1] * inside) / np.where(across == 0, np.inf, -across))
+            tangential += here[1] * math.log((a - point) / (a + point)) if inside else 0.0
+            wanted = [-here[0] + 2 / math.pi * tangential, -here[0], here[1]]
+            assert np.abs(face[k, :3] - wanted).max() < 2e-9 * size  # the quotient of the principal value keeps no more
+
+
+def test_the_upper_body_is_the_mirror_image_with_opposite_shear():
+    scene = load_scene("hertz-paper")
+    x, y = places(1.0)
+    lower, upper = stress(scene, x, y, [9.0, 11.0]), stress(scene, -x, -y, [9.0, 11.0], body="upper")
+    # Turned by half a circle the pair is itself again, loads included.
+    np.testing.assert_allclose(upper, lower, atol=1e-12 * np.abs(lower).max())
+
+
+def test_equilibrium_inside_the_body():
+    """Both divergences vanish, by central differences."""
+    scene, h = load_scene("flat-rounded-paper"), 1e-4
+    x, y = np.array([-0.7, 0.2, 0.95]), np.array([-0.3, -0.12, -0.5])
+    right, left = (stress(scene, x + d, y, 9.0)[0] for d in (h, -h))
+    above, below = (stress(scene, x, y + d, 9.0)[0] for d in (h, -h))
+    along, up = (right - left) / (2 * h), (above - below) / (2 * h)
+    size = np.abs(along).max()
+    assert np.abs(along[:, 0] + up[:, 2]).max() < 1e-6 * size
+    assert np.abs(along[:, 2] + up[:, 1]).max() < 1e-6 * size
+
+
+def test_out_of_contact_there_is_none_and_far_below_it_is_that_of_a_force():
+    scene = load_scene("cattaneo-mindlin")
+    load = scene.load.cycle[0][0]
+    assert not stress(scene, [0.0, 1.0], -1.0, 0.0).any()
+    assert not edge_tension(scene, 0.0).any()
+    deep = stress(scene, 0.0, -1e4, 1.0)[0, 0]
+    assert deep[1] == pytest.approx(-2 * load / (math.pi * 1e4), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ((0.0, 1.0, 1.0), "y: 1 is outside the lower body"),
+        ((0.0, -1.0, 99.0), "time: outside the load path"),
+        ((0.0, float("nan"), 1.0), "y: a list of finite numbers"),
+        (([0.0, 1.0], [0.0, -1.0, -2.0], 1.0), "x and y: 2 and 3 places"),
+    ],
+)
+def test_refusals(arguments, sentence):
+    with pytest.raises(InputError, match=sentence):
+        stress("hertz-normal", *arguments)
+
+
+def test_no_other_body():
+    with pytest.raises(InputError, match="neither 'lower' nor 'upper'"):
+        stress("hertz-normal", 0.0, 0.0, 1.0, body="both")
