@@ -18,10 +18,10 @@ In the order in which a scene passes through::
     edges.py, visible.py                   edges of contact and stick, states as a reader sees them
     answer.py, solve.py                    the answer: `solve`; datum of approach and tangential displacement
     penalty.py, resolution.py, dundurs.py  what the layer costs, what the mesh can't see, how unlike the bodies are
-    fields.py                              displacement and stress inside the bodies
+    fields.py, face_stress.py              displacement and stress inside the bodies; stress next to the contact from the tractions
 """
 
-from halfplane_fe.fields import BodyFields, Snapshot, fields
+from halfplane_fe.fields import BodyFields, Snapshot, edge_tension, fields
 from halfplane_fe.path import check_admissible
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.solve import FiniteElementSolution, require_solvable, solve
@@ -32,6 +32,7 @@ __all__ = [
     "Snapshot",
     "SolverSettings",
     "check_admissible",
+    "edge_tension",
     "fields",
     "require_solvable",
     "solve",

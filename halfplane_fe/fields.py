@@ -1,9 +1,13 @@
-"""Displacement and stress in both bodies at chosen instants, from the stored interface states."""
+"""Displacement and stress in both bodies at chosen instants, from the stored interface states.
+
+Stress is that of the elements, averaged at the nodes; next to the contact that of the tractions, see `face_stress`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import skfem
@@ -11,14 +15,24 @@ from numpy.typing import NDArray
 from skfem.helpers import sym_grad
 
 from halfplane_fe.elasticity import CondensedBody, displacement_fields, scalar_element, split_lame
+from halfplane_fe.face_stress import Nodal, Rest, Tractions, fitted_rest, with_uncertainty
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
-from scenes import InputError
+from scenes import HalfPlane, InputError
+from scenes.bodies import Cylinder, Shape, face_of
 
 Array = NDArray[np.float64]
 
 # VTK's order of an element's nodes the other way round, by number of nodes.
 _REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+
+# Distance from the middle of the contact over its half-width up to which the stress at nodes is that of the tractions, but no
+# further than this share of the way to the nearest support or side; over the last share of it the elements' takes its place.
+_OUTER, _OF_BODY, _STEP = 3.0, 0.8, 0.2
+# Depth and distance over the half-width from which on elements are good for what the size of the body adds.
+_BELOW, _BESIDE = 0.15, 1.2
+# Instants at which that is found for a whole cycle.
+_SAMPLED = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +45,11 @@ class BodyFields:
     points : (n, 2) undeformed places [length]
     cells : (n_elements, 3, 6, 4 or 9): corners counter-clockwise, mid-side nodes, middle
     displacement : (n, 2) [length]; that of the upper body includes its tangential displacement and approach
-    stress : (n, 4) xx, yy, xy, zz [stress], carried to each node from its elements and averaged there
+    stress : (n, 4) xx, yy, xy, zz [stress]: beside the contact that of the tractions, further away carried to each node from its
+        elements and averaged there
     von_mises : (n,) [stress]
+    edges : (2,) x of the left and right edge of contact, by the tractions; NaN out of contact [length]
+    edge_tension, edge_tension_uncertainty : (2,) xx of the face at those edges, which lie between nodes [stress]
     """
 
     name: str
@@ -41,6 +58,9 @@ class BodyFields:
     displacement: Array
     stress: Array
     von_mises: Array
+    edges: Array
+    edge_tension: Array
+    edge_tension_uncertainty: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,12 +84,9 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
     steps = [_step(solution, float(instant)) for instant in instants]
     if not steps:
         return ()
-    nodal = (
-        np.stack([getattr(solution.states[step], name) for step in steps], axis=1) * solution.scales.load
-        for name in ("pressure", "shear")
-    )
-    forces = body_forces(*solution.condensed, *nodal)
-    bodies = {name: _body_fields(name, solution.condensed[name == "upper"], forces[name], solution) for name in forces}
+    pairs = [_tractions(solution, step) for step in steps]
+    forces = _forces(solution, steps)
+    bodies = {name: _body_fields(name, forces[name], solution, pairs) for name in forces}
     return tuple(
         Snapshot(
             float(solution.time[step]),
@@ -88,24 +105,138 @@ def _step(solution: FiniteElementSolution, instant: float) -> int:
     return int(np.argmin(np.abs(solution.time - instant)))
 
 
-def _body_fields(name: str, condensed: CondensedBody, forces: Array, solution: FiniteElementSolution) -> list[BodyFields]:
+def edge_tension(solution: FiniteElementSolution, steps: Sequence[int]) -> tuple[Array, Array]:
+    """Stress s_xx of both faces at the edges of contact at stored steps, and its uncertainty [stress].
+
+    Its largest value in a cycle is the tension on which lives in fretting fatigue are built: at the trailing edge.
+
+    Returns
+    -------
+    values, uncertainties : (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact
+    """
+    pairs = [_tractions(solution, step) for step in steps]
+    values, uncertain = np.zeros((len(steps), 2, 2)), np.zeros((len(steps), 2, 2))
+    there = [k for k, (found, _) in enumerate(pairs) if found is not None]
+    for k in there:
+        found, apart = pairs[k]
+        assert found is not None  # for the type checker
+        values[k], uncertain[k] = np.outer([1.0, -1.0], found.edge_tension()), apart
+    moments = np.array([found.moments() for found, _ in pairs if found is not None]).reshape(-1, 6)
+    for body, name in enumerate(("lower", "upper")):
+        if not there or isinstance(getattr(solution.scene.bodies, name), HalfPlane):
+            continue
+        # What the body adds is linear in the tractions and hardly depends on more than their moments: found at a few instants.
+        chosen = sorted({there[k] for k in np.linspace(0, len(there) - 1, _SAMPLED).round().astype(int)})
+        at = [there.index(k) for k in chosen]
+        forces = _forces(solution, [steps[k] for k in chosen])[name]
+        _, rest = _stress(name, forces, solution, [pairs[k] for k in chosen])[1:]
+        if rest is None:
+            uncertain[there, body] = np.nan
+            continue
+        scale = np.abs(moments).max(axis=0) + 1e-300
+        slopes = np.linalg.lstsq(moments[at] / scale, rest.coefficients.T, rcond=1e-8)[0]
+        whole = replace(rest, coefficients=(moments / scale @ slopes).T)
+        for number, k in enumerate(there):
+            found = pairs[k][0]
+            assert found is not None  # for the type checker
+            values[k, body] += whole.stress(np.array(found.edges), np.zeros(2))[:, 0, number]
+        missed = rest.stress(np.array([0.0]), np.zeros(1)) - whole.stress(np.array([0.0]), np.zeros(1))[..., at]
+        uncertain[there, body] += float(rest.error.max() + np.abs(missed[:, 0]).max())
+    return values, uncertain
+
+
+def _forces(solution: FiniteElementSolution, steps: Sequence[int]) -> dict[str, Array]:
+    """Nodal forces on each body in its own frame, (2, n, n_steps)."""
+    states = [solution.states[step] for step in steps]
+    nodal = (np.stack([getattr(state, name) for state in states], axis=1) * solution.scales.load for name in ("pressure", "shear"))
+    return body_forces(*solution.condensed, *nodal)
+
+
+def _tractions(solution: FiniteElementSolution, step: int) -> tuple[Tractions | None, Array]:
+    """Tractions at a stored step as series, and the uncertainty of the tension at either edge."""
+    x, pressure, shear, friction = solution.x, solution.pressure[step], solution.shear[step], solution.scene.friction.coefficient
+    closed, before = pressure > 0, max(step - 1, 0)
+    loads = (solution.normal_load, solution.tangential_load)
+    rise, drag = (float(load[step] - load[before]) for load in loads)
+    (left, right), (first, last) = solution.stick_edges[step].tolist(), solution.contact_edges[step].tolist()
+    carried, growing = float(shear @ solution.weights), rise > 0 and abs(drag) <= friction * rise
+    edges = (left, right), (first, last)
+    return with_uncertainty(Nodal(x[closed], pressure[closed], shear[closed], *edges, friction, carried, growing))
+
+
+def _body_fields(
+    name: str, forces: Array, solution: FiniteElementSolution, pairs: Sequence[tuple[Tractions | None, Array]]
+) -> list[BodyFields]:
     """Fields of a body for each column of `forces` (2, n, k); the upper body is reflected into the common frame."""
-    basis, displacements, tensions = displacement_fields(condensed, forces, solution.scene.profile.datum_length)
-    flip = np.array([1.0, 1.0 if name == "lower" else -1.0])
-    nodes = _node_dofs(basis)
-    points = basis.mesh.p.T * flip
+    (basis, displacements), stresses, rest = _stress(name, forces, solution, pairs)
+    side = 1.0 if name == "lower" else -1.0
+    flip = np.array([1.0, side])
+    nodes, points = _node_dofs(basis), basis.mesh.p.T * flip
     cells = _counter_clockwise(points, _cells(basis))
     found = []
-    for values, tension in zip(displacements.T, tensions.T, strict=True):
-        stress = _nodal_stress(basis, values, tension, condensed)
-        stress[:, 2] *= flip[1]
-        found.append(BodyFields(name, points, cells, values[nodes].T * flip, stress, _von_mises(stress)))
+    for k, (values, (series, apart)) in enumerate(zip(displacements.T, pairs, strict=True)):
+        stress = stresses[..., k] * [1.0, 1.0, side, 1.0]
+        edges = np.array(series.edges if series is not None else (np.nan, np.nan))
+        tension, uncertain = side * series.edge_tension() if series is not None else np.zeros(2), apart
+        if rest is not None and series is not None:
+            tension = tension + rest.stress(edges, np.zeros(2))[:, 0, k]
+            uncertain = uncertain + rest.error[k]
+        parts = (cells, values[nodes].T * flip, stress, _von_mises(stress), edges, tension, uncertain)
+        found.append(BodyFields(name, points, *parts))
     return found
+
+
+def _stress(
+    name: str, forces: Array, solution: FiniteElementSolution, pairs: Sequence[tuple[Tractions | None, Array]]
+) -> tuple[tuple[skfem.Basis, Array], Array, Rest | None]:
+    """Basis and displacements of a body; its stress (n, 4, k) at the nodes in its own frame; what its size adds, None if unknown.
+
+    Beside the contact stress is that of the tractions on a half-plane and what the size of the body adds; further away that of
+    the elements; a smooth step leads from the one to the other. Faces that are not flat are flattened for it.
+    """
+    condensed, shape = solution.condensed[name == "upper"], getattr(solution.scene.bodies, name)
+    basis, displacements, tensions = displacement_fields(condensed, forces, solution.scene.profile.datum_length)
+    nodal = [_nodal_stress(basis, *case, condensed) for case in zip(displacements.T, tensions.T, strict=True)]
+    stress, weights = np.stack([part for part, _ in nodal], axis=-1), nodal[0][1]
+    touching = [found.half_width for found, _ in pairs if found is not None]
+    if not touching:
+        return (basis, displacements), stress, None
+    edge = max(touching)
+    far = min(_OUTER * edge, _OF_BODY * _room(shape))
+    if far < 1.5 * edge:  # so thin that all of it is next to the contact: the elements alone
+        return (basis, displacements), stress, None
+    x, y = basis.mesh.p[0], np.minimum(basis.mesh.p[1] + face_of(shape, solution.scene.profile).depth(np.abs(basis.mesh.p[0])), 0.0)
+    near = np.flatnonzero(np.hypot(x, y) < far)
+    x, y, side = x[near], y[near], 1.0 if name == "lower" else -1.0
+    of_half_plane = np.zeros((len(near), 3, len(pairs)))
+    for k, (found, _) in enumerate(pairs):
+        if found is not None:
+            of_half_plane[..., k] = replace(found, shear=side * found.shear).stress(x, y)
+    rest = None
+    if isinstance(shape, HalfPlane):
+        local = of_half_plane
+    else:
+        good = (y < -_BELOW * edge) | ((np.abs(x) > _BESIDE * edge) & (y < 0))
+        beyond = stress[near][good, :3] - of_half_plane[good]
+        rest = fitted_rest(x[good], y[good], beyond, weights[near][good], far, edge)
+        local = of_half_plane + rest.stress(x, y)
+    share = np.clip((far - np.hypot(x, y)) / (_STEP * far), 0.0, 1.0)
+    share = (share**2 * (3 - 2 * share))[:, None, None]
+    stress[near, :3] = (1 - share) * stress[near, :3] + share * local
+    stress[near, 3] = condensed.material.poisson_ratio * (stress[near, 0] + stress[near, 1])
+    return (basis, displacements), stress, rest
+
+
+def _room(shape: Shape) -> float:
+    """Distance from the middle of the face to the nearest support or side of a body [length]."""
+    if isinstance(shape, HalfPlane):
+        return math.inf
+    return shape.radius if isinstance(shape, Cylinder) else min(shape.width / 2, shape.height)
 
 
 def _moved(body: BodyFields, solution: FiniteElementSolution, step: int) -> BodyFields:
     rigid = np.array([solution.tangential_displacement[step], -solution.normal_approach[step]])
-    return BodyFields(body.name, body.points, body.cells, body.displacement + rigid, body.stress, body.von_mises)
+    return replace(body, displacement=body.displacement + rigid)
 
 
 def _node_dofs(basis: skfem.Basis) -> NDArray[np.int64]:
@@ -133,8 +264,11 @@ def _counter_clockwise(points: Array, cells: NDArray[np.int64]) -> NDArray[np.in
     return np.where(twice_area[:, None] < 0, cells[:, _REFLECTED[cells.shape[1]]], cells)
 
 
-def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody) -> Array:
-    """(n_nodes, 4) xx, yy, xy, zz: element stresses carried to each node and averaged there with the elements' areas as weights."""
+def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody) -> tuple[Array, Array]:
+    """(n_nodes, 4) xx, yy, xy, zz: element stresses carried to each node and averaged there with the elements' areas as weights.
+
+    And (n_nodes,) the sum of these areas.
+    """
     # notation: lam, mu are Lame's constants, the part of lam that enters through `tension` left out
     lam, _, mu = split_lame(condensed.material, condensed.order)
     strain = sym_grad(basis.interpolate(displacement))
@@ -144,7 +278,8 @@ def _nodal_stress(basis: skfem.Basis, displacement: Array, tension: Array, conde
     at_nodes = parts @ _to_nodes(basis, condensed.order).T
     area, cells, n_nodes = basis.dx.sum(axis=1)[:, None], _cells(basis).ravel(), basis.mesh.p.shape[1]
     weights = np.bincount(cells, np.broadcast_to(area, at_nodes.shape[1:]).ravel(), n_nodes)
-    return np.column_stack([np.bincount(cells, (area * part).ravel(), n_nodes) / weights for part in at_nodes])
+    stress = np.column_stack([np.bincount(cells, (area * part).ravel(), n_nodes) / weights for part in at_nodes])
+    return stress, np.asarray(weights, dtype=float)
 
 
 def _to_nodes(basis: skfem.Basis, order: int) -> Array:

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from halfplane_fe import SolverSettings, fields
+from halfplane_fe import SolverSettings, edge_tension, fields
 from halfplane_fe.edges import contact_edge, contact_edges, contact_uncertainty, fitted_stick_edge, stick_edges, stick_uncertainty
+from halfplane_fe.face_stress import Nodal, fitted_rest, rest_basis, tractions
 from halfplane_fe.visible import _slow_rim
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
-from scenes import Elastic, InputError, Materials, SurfaceState, load_scene
+from scenes import Block, Bodies, Elastic, InputError, Materials, SurfaceState, load_scene
 from tolerances import check
 
 UNLIKE = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=Elastic(young_modulus=210e3, poisson_ratio=0.3))
@@ -152,7 +153,7 @@ def test_nearest_step_is_taken_and_instants_outside_are_refused():
 def test_tension_of_the_face_behind_the_trailing_edge():
     """s_xx = 2 f p0 (sqrt(x^2 - c^2) - sqrt(x^2 - a^2))/a there: the closed integrals of the two ellipses of the shear.
 
-    The face carries nothing else. At the edge itself, where that has an infinite slope, nodes see a share of it.
+    The face carries nothing else. At the edge itself that has an infinite slope.
     """
     scene = load_scene("cattaneo-mindlin")
     answer = fe_run(scene, MeshSettings(), FEW_STEPS)
@@ -169,8 +170,104 @@ def test_tension_of_the_face_behind_the_trailing_edge():
         check("tension behind the trailing edge", float(np.abs(stress[behind, 0] - exact).max() / peak))
         check("tension behind the trailing edge", float(np.abs(stress[behind, 1]).max() / peak))
         assert stress[before, 0].max() < 0
-        assert 0.9 * peak < stress[:, 0].max() < peak
-        assert x[np.argmax(stress[:, 0])] == pytest.approx(a, rel=0.01)
+        trailing = 0 if side < 0 else 1
+        assert body.edges[trailing] == pytest.approx(side * a, rel=2e-4)
+        assert body.edge_tension[trailing] == pytest.approx(peak, rel=1e-3)
+        assert body.edge_tension[1 - trailing] == pytest.approx(-peak, rel=1e-3)
+        assert stress[:, 0].max() < body.edge_tension[trailing]
+
+
+@pytest.mark.parametrize("share", [0.1, 0.6, 0.95])
+def test_tension_at_the_trailing_edge_on_a_coarse_mesh(share):
+    """2 f p0 sqrt(Q/(f P)): to 2e-3 with elements of a/40, opposite at the other edge and body; nodes have 71 to 88 % of it."""
+    scene = load_scene("cattaneo-mindlin")
+    load, f = scene.load.cycle[0][0], scene.friction.coefficient
+    scene = scene.vary(load={"cycle": [[load, share * f * load], [load, -share * f * load]]})
+    answer = fe_run(scene, MeshSettings(edge_element_size=0.025), FEW_STEPS)
+    step = int(np.argmax(answer.tangential_load))
+    (values,), (uncertain,) = edge_tension(answer, [step])
+    exact = semi_analytic.edge_tension(scene, answer.time[step])[0]
+    check("tension at the trailing edge", float(np.abs(values / (exact * np.array([[1, -1], [-1, 1]])) - 1).max()))
+    assert np.all(np.abs(np.abs(values) - exact) <= uncertain)
+    assert np.all(uncertain < 0.02 * exact)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["hertz-paper", "flat-rounded-paper"])
+def test_largest_tension_of_the_papers_cycles(name):
+    """On the default mesh: the largest to 1e-3, nine tenths of the instants to 2e-2 of it, and 95 in 100 within what is stated."""
+    answer = fe_run(load_scene(name), MeshSettings(), SolverSettings())
+    steps = np.arange(len(answer.time))[answer.last_cycle]
+    values, uncertain = edge_tension(answer, steps)
+    exact = semi_analytic.edge_tension(answer.scene, answer.time[steps])
+    peak = np.abs(exact).max()
+    sure = np.unravel_index(np.argmax(values - uncertain), values.shape)
+    assert values[sure] == pytest.approx(peak, rel=1e-3)
+    off = np.abs(values[:, 0, 0] - exact)
+    assert np.quantile(off, 0.9) < 0.02 * peak
+    assert np.mean(off <= uncertain[:, 0, 0]) >= 0.95
+    assert np.median(uncertain) < 4e-3 * peak
+
+
+def nodal_of(shear, stick, x, load, f=0.4):
+    """Exact tractions of a Hertz contact, a = 1 and p0 = 1, at nodes."""
+    inside = x[np.abs(x) < 1]
+    return Nodal(inside, np.sqrt(1 - inside**2), shear(inside), stick, (-1.0, 1.0), f, load, False)
+
+
+def test_series_of_exact_tractions_are_mcewen_and_mindlin():
+    """Nodes at a/50: Hertz and Mindlin's q inside the body and on its face; measured 2e-4 p0."""
+    f, c = 0.4, 0.6
+    x = np.linspace(-1.2, 1.2, 121)
+
+    def shear(x):
+        return f * (np.sqrt(np.maximum(1 - x**2, 0)) - np.sqrt(np.maximum(c**2 - x**2, 0)))
+
+    series = tractions(nodal_of(shear, (-c, c), x, f * np.pi / 2 * (1 - c**2)))
+    assert np.abs(np.array(series.edges) - [-1, 1]).max() < 1e-6
+    assert series.edge_tension() == pytest.approx(np.array([1, -1]) * 2 * f * np.sqrt(1 - c**2), rel=1e-3)
+    places = np.array(
+        [[0.3, -0.2], [0.97, -1e-3], [-0.5, -1e-6], [-1.1, -0.01], [0.62, -0.02], [2.0, -3.0], [1.4, 0.0], [0.2, 0.0]]
+    )
+    z = places[:, 0] + 1j * np.minimum(places[:, 1], -1e-14)
+    root, inner = np.sqrt(z - 1) * np.sqrt(z + 1), np.sqrt(z - c) * np.sqrt(z + c)
+    phi = 0.5j * (z - root) - 0.5 * f * (inner - root)
+    slope = 0.5j * (1 - z / root) - 0.5 * f * (z / inner - z / root)
+    other = 0.5j * (z - root).conj() - 0.5 * f * (inner - root).conj()
+    corner = phi - other + 2j * z.imag * slope.conj()
+    exact = np.stack([4 * phi.real - corner.real, corner.real, -corner.imag], axis=-1)
+    assert np.abs(series.stress(*places.T) - exact).max() < 1e-3
+
+
+def test_what_the_size_of_a_body_adds_is_found_from_places_beside_the_contact():
+    """A field without tractions on the face, of which a strip below it is hidden, comes back at the face."""
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(-3, 3, 2000), -rng.uniform(0, 3, 2000)
+    field = rest_basis(x + 1j * y, 3.0) @ rng.normal(size=(13, 2))
+    seen = (y < -0.15) | (np.abs(x) > 1.2)
+    rest = fitted_rest(x[seen], y[seen], field[seen], np.ones(seen.sum()), 3.0, 1.0)
+    np.testing.assert_allclose(rest.stress(x, y), field, atol=1e-9)
+    assert np.abs(rest.stress(x, 0 * y)[:, 1:]).max() < 1e-9
+    assert rest.error.max() < 1e-9
+
+
+@pytest.mark.slow
+def test_tension_between_blocks_does_not_depend_on_the_mesh():
+    """Blocks three half-widths high: a fifth more than theory has; a/40 against a/160, and nodal stress beside the edge."""
+    shape = Bodies(lower=Block(width=8.0, height=3.0), upper=Block(width=20.0, height=10.0))
+    scene = load_scene("cattaneo-mindlin").vary(bodies=shape)
+    found = []
+    for size in (0.025, 0.00625):
+        answer = fe_run(scene, MeshSettings(edge_element_size=size), FEW_STEPS)
+        step = int(np.argmax(answer.tangential_load))
+        values, uncertain = edge_tension(answer, [step])
+        found.append(values[0])
+        (snapshot,) = fields(answer, [answer.time[step]])
+        for one, body in enumerate(snapshot.bodies):
+            np.testing.assert_allclose(body.edge_tension, values[0, one], atol=float(uncertain.max()))
+    theory = semi_analytic.edge_tension(scene, 2.0)[0]
+    assert theory / found[1][0, 0] == pytest.approx(0.806, abs=0.003)
+    assert np.abs(found[0] - found[1]).max() < 2e-3 * theory
 
 
 # ------------------------------------------------------------------------------------------------------------- edges

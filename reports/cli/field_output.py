@@ -105,6 +105,7 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
                     "tangential_load": one.tangential_load,
                     "largest_nodal_von_mises": asdict(one.von_mises),
                     "largest_nodal_tension": asdict(one.tension),
+                    "tension_at_edge": None if one.at_edge is None else asdict(one.at_edge),
                 }
                 for one in done
             ]
@@ -120,20 +121,24 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
 
 def _show(scene: Scene, instants: Sequence[Written], files: Sequence[str], notes: Sequence[str]) -> None:
     """The instants with their largest nodal stress, the largest of all where they are many, and what was written."""
+    from reports.comparison.words import with_uncertainty
     from reports.field_output.files import NO_PEAK
     from reports.units import load_unit, number, units
 
     _, length, stress = units(scene)
     load, many, rows = load_unit(scene), len(instants) > _ROWS, []
     for one in [max(instants, key=lambda one: one.von_mises.value)] if many else instants:
-        largest = [
-            f"{number(found.value)} at ({', '.join(number(float(f'{place:.3g}')) for place in found.place)}), {found.body}"
-            for found in (one.von_mises, one.tension)
-        ]
-        rows.append((one.instant.label, *map(number, (one.time, one.normal_load, one.tangential_load)), *largest))
-    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"nodal von Mises [{stress}]", f"nodal tension, no peak [{stress}]")
+        place = ", ".join(number(float(f"{place:.3g}")) for place in one.von_mises.place)
+        nodal, edge = f"{number(one.von_mises.value)} at ({place}), {one.von_mises.body}", one.at_edge
+        at_edge = (
+            "–"
+            if edge is None
+            else f"{with_uncertainty(edge.value, edge.uncertainty)} at {number(float(f'{edge.x:.3g}'))}, {edge.body}"
+        )
+        rows.append((one.instant.label, *map(number, (one.time, one.normal_load, one.tangential_load)), nodal, at_edge))
+    heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"nodal von Mises [{stress}]", f"tension at the edge [{stress}]")
     show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3))
-    say(f"places (x, y) in {length}, on the undeformed bodies; tension is the largest principal stress")
+    say(f"places x, y in {length}, on the undeformed bodies; tension: the largest stress along a face at an edge of contact")
     say(NO_PEAK)
     if many:
         say(f"shown: of {len(instants)} instants the one with the largest stress; all are in fields/fields.json")

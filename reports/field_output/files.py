@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,10 +23,10 @@ Report = Callable[[int, int | None, str], None]
 COLLECTION = "fields.pvd"
 # Snapshots that are computed at once: the bodies are factorised once for all of them, and each takes about a megabyte.
 _AT_ONCE = 64
-# Beside every largest stress: on the unsafe side. Measured against theory's 2 f p0 sqrt(Q/(f P)), see docs/bodies.md.
+# Beside every largest stress.
 NO_PEAK = (
-    "These are nodal stresses, not peaks: at the trailing edge of the contact the true tension is higher. On the default mesh "
-    "nodes give about 93 % of it at Q = 0.6 f P and about 85 % at 0.1 f P; on a coarser mesh they give less."
+    "The largest stresses are values at nodes, not peaks between them. The tension at the edges of contact lies between nodes: it "
+    "comes from the tractions, and its uncertainty is stated."
 )
 
 
@@ -196,10 +196,32 @@ def tension(body: BodyFields) -> Array:
 
 
 @dataclass(frozen=True)
+class EdgeTension:
+    """The largest s_xx of the faces at the edges of contact with its uncertainty [stress], its body and place x [length]."""
+
+    value: float
+    uncertainty: float
+    body: str
+    x: float
+
+
+def edge_tension(snapshot: Snapshot) -> EdgeTension | None:
+    """Where it is largest; None out of contact."""
+    found = [
+        EdgeTension(float(body.edge_tension[side]), float(body.edge_tension_uncertainty[side]), body.name, float(x))
+        for body in snapshot.bodies
+        for side, x in enumerate(body.edges)
+        if np.isfinite(x)
+    ]
+    return max(found, key=lambda one: one.value, default=None)
+
+
+@dataclass(frozen=True)
 class Written:
     """An instant that was written: what was requested, the stored time taken, its loads [force/length], its largest stresses.
 
-    `von_mises` and `tension` are the largest nodal values of von Mises' stress and of the principal stresses.
+    `von_mises` and `tension` are the largest nodal values of von Mises' stress and of the principal stresses; `at_edge` is the
+    tension at the edges of contact.
     """
 
     instant: Instant
@@ -208,12 +230,13 @@ class Written:
     tangential_load: float
     von_mises: Peak
     tension: Peak
+    at_edge: EdgeTension | None
 
 
 def written(instant: Instant, snapshot: Snapshot) -> Written:
     """What is stated of a snapshot once it is on disk."""
     loads = snapshot.normal_load, snapshot.tangential_load
-    return Written(instant, snapshot.time, *loads, peak(snapshot), peak(snapshot, tension))
+    return Written(instant, snapshot.time, *loads, peak(snapshot), peak(snapshot, tension), edge_tension(snapshot))
 
 
 def record(
@@ -245,6 +268,7 @@ def record(
                 "tangential_load": one.tangential_load,
                 "largest_nodal_von_mises": placed(one.von_mises),
                 "largest_nodal_tension": placed(one.tension),
+                "tension_at_edge": None if one.at_edge is None else asdict(one.at_edge),
             }
             for one in instants
         ],
@@ -255,7 +279,8 @@ def record(
         "animation": animation,
         "point data": {
             "displacement": "of each body; the upper one's with its movement as a whole; on the contact line the lower one's",
-            "stress": "xx, yy, zz, xy, yz, xz, carried to each node from its elements and averaged there",
+            "stress": "xx, yy, zz, xy, yz, xz: beside the contact from the tractions, further away carried to each node from its "
+            "elements and averaged there",
             "von_mises": "of that stress",
             "pressure": "on the contact line, positive in compression",
             "shear": "on the contact line, positive along x on the lower body",
