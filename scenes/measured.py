@@ -6,7 +6,7 @@ import abc
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,15 +17,18 @@ from pydantic import (
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     PrivateAttr,
+    TypeAdapter,
+    ValidationError,
     ValidationInfo,
     model_validator,
 )
 from pydantic_core import CoreSchema, core_schema
 
 from scenes.errors import InputError, shown
-from scenes.files import TEXT, check_size
 from scenes.fitting import UnfitRowError, fitted_keys
 from scenes.frozen import Frozen, Positive
+from scenes.text_tables import LARGEST, text_table
+from scenes.unit_words import Kind, unit_factor
 
 Array = NDArray[np.float64]
 
@@ -144,8 +147,6 @@ class FromFile(Frozen):
         data = super().merged(changes)
         if "fitted" not in changes:
             data.pop("fitted", None)
-        if changes.get("file") is not None and self.table not in changes:
-            del data[self.table]
         if self.table in changes and "file" not in changes:
             for key in ("file", "read_as", *READING):
                 data.pop(key, None)
@@ -280,9 +281,14 @@ class Spline(NamedTuple):
     curvature: Array
 
 
-def _in_tuples(pairs: Any) -> Any:
-    """Pairs of words from JSON, which has no tuples."""
-    return tuple(tuple(pair) if isinstance(pair, list) else pair for pair in pairs) if isinstance(pairs, list) else pairs
+T = TypeVar("T")
+
+
+class OfProfile(Frozen, Generic[T]):
+    """One of each column of a profile; what is left out is not stated."""
+
+    x: T | None = None
+    h: T | None = None
 
 
 FitKind = Literal["even_polynomial", "smoothing_spline", "flat_rounded", "hertz"]
@@ -321,9 +327,7 @@ class Fitted(Frozen):
     extent: Positive = Field(description="distance from the middle that the rows reach on every side that has any (library: mm)")
     weight: float = Field(0.0, ge=0, description="of the smoothing against the rows")
     left_out: int = Field(0, ge=0, description="rows beyond the extent")
-    read_as: Annotated[tuple[tuple[str, str], ...] | None, BeforeValidator(_in_tuples)] = Field(
-        None, description="how the file was read"
-    )
+    read_as: ReadAs | None = Field(None, description=READ_AS)
 
 
 class Tabulated(FromFile):
@@ -342,6 +346,12 @@ class Tabulated(FromFile):
     file: str | None = Field(None, description="text table with the columns x, h; path relative to the scene file")
     points: Table = Field(description="the rows themselves, [x, h] each, in place of a file, length units (library: mm)")
     asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides over the largest gap")
+    columns: OfProfile[str | int] | None = Field(None, description=COLUMNS)
+    units: OfProfile[str] | None = Field(None, description=UNITS)
+    scale: OfProfile[Positive] | None = Field(None, description=SCALE)
+    zero: OfProfile[float] | None = Field(None, description=ZERO)
+    sign: OfProfile[Literal[1, -1]] | None = Field(None, description="-1 turns a column, such as a height counted the other way")
+    read_as: ReadAs | None = Field(None, description=READ_AS)
     fit: ProfileFit | None = Field(None, description="a curve through noisy rows, to be taken in their place")
     fitted: Fitted | None = Field(None, description="where fitted numbers came from; written by `fit`")
 

@@ -26,6 +26,8 @@ from reports.comparison.words import (
     unlike_materials,
     verdict,
 )
+from reports.measured import content as cycles_content
+from reports.measured import record_content
 from reports.profile_fit import content as fit_content
 from scenes import ContactSolution
 
