@@ -93,12 +93,10 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
 
 
 def _loop_work(scene: Scene, run: PathRun) -> float:
-    """Closed integral of Q dU over the last revolution, trapezoidal; NaN where that revolution is not closed."""
-    period = scene.load.path().period
-    if period is None or run.steady_from is None:
+    """Closed integral of Q dU over the last revolution; NaN where that revolution is not closed."""
+    if scene.load.path().period is None or run.steady_from is None:
         return float("nan")
-    last = [state for state in run.states if state.time > run.states[-1].time - period * (1 + 1e-9)]
-    return float(np.trapezoid([state.tangential_load for state in last], [state.shift for state in last]))
+    return sum(energy.loop for energy in run.energies[run.cycle_starts[-1] :])
 
 
 def _edges(problem: ContactProblem, state: InterfaceState, visible: States) -> tuple[tuple[float, float], ...]:
@@ -153,7 +151,7 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
     checks = {name: freeze(between(np.maximum, (check[name] for check in run.checks))) for name in names}
     energies = {
         name: np.array([getattr(energy, name) for energy in run.energies])
-        for name in ("external", "external_end_of_step", "elastic", "interface", "end_of_step", "step_error", "layer")
+        for name in ("external", "external_end_of_step", "curve", "elastic", "interface", "end_of_step", "step_error", "layer")
     }
     if note is None:
         del energies["layer"]

@@ -127,6 +127,19 @@ class ContactProblem:
         """The state at `loads` if no node touched, let go, or changed between stick and slip."""
         return self._with_states(history.state, history, time, loads)
 
+    def exchanged(self, states: States) -> tuple[Array, float]:
+        """p_Q s_P - p_P s_Q (n,) of given node states, subscripts being derivatives by the loads, and dU/dP."""
+        none = np.zeros_like(self.height)
+        if self._coupled:
+            by_p, by_q = (self._systems.both(states, none, none, loads) for loads in ((1.0, 0.0), (0.0, 1.0)))
+            slips = [self._systems.slip(forces) for forces in (by_p, by_q)]
+            return by_q.pressure * slips[0] - by_p.pressure * slips[1], by_p.shift
+        pressure, _ = self._systems.pressure_alone(states != OPEN, none, 1.0)
+        shear, shift = self._systems.shear_alone(states, none, none, 1.0)
+        found = -pressure * self._systems.slip(Forces(none, shear, 0.0, shift))
+        # Work is an exact form: dU/dP, the normal approach of like bodies not depending on Q, is the friction work of it all.
+        return found, self.friction * float(slip_sign(states) @ found)
+
     def _active_set(
         self, states: States, history: InterfaceState, time: float, loads: tuple[float, float]
     ) -> tuple[InterfaceState | None, int, int]:

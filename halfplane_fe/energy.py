@@ -5,9 +5,16 @@ With loads, forces and displacements taken at the middle of the increment the ba
     P d(delta) + Q dU = d(elastic energy) + sum q ds - sum p dg
 
 is an identity of the discrete problem: a check of the algebra. What the increment itself costs shows in the three ways to write the
-friction work: at its middle (f p ds, second order), trapezoidal (q ds), at its end (first order). The work of the loads at its end,
+friction work: at its middle (f p ds), trapezoidal (q ds), at its end (first order). The work of the loads at its end,
 P d(delta) + Q dU with the new P and Q, has the normal part of that error in it: on the interface there is none, because increments
 land on each touch and release, so that p dg is zero in each.
+
+The loads follow a curve where the increment solves its chord. While the states of the nodes stay, p and s are linear in P and Q, and the
+friction work along the curve is that along the chord plus, node by node,
+
+    f (p_Q s_P - p_P s_Q) (int Q dP of the curve - of the chord),
+
+subscripts being derivatives by the loads. The sum over the nodes is the work of the loads, (U_P - delta_Q) times that area.
 """
 
 from __future__ import annotations
@@ -29,20 +36,23 @@ class IncrementEnergy:
 
     Attributes
     ----------
-    dissipation : (n,) f p |ds| of each sliding node, p being the mean of the increment
-    external : work of P and Q
+    dissipation : (n,) f p |ds| of each sliding node, p being the mean of the increment, and what the curve of the loads adds
+    loop : integral of Q dU along the curve of the loads
+    external : work of P and Q along the chord
+    curve : what the curve of the loads adds to it, all of it friction work
     external_end_of_step : the same with the loads at the end of the increment
     elastic : change of elastic energy, that of the penalty layer included
     layer : change of the energy of the penalty layer
     interface : trapezoidal work of shear less that of pressure
     end_of_step : the same with the forces at the end of the increment
-    step_error : estimate of the error of the increment's dissipation: friction work at its middle less trapezoidal, node by node.
-        They differ at the nodes that start to slide in it.
+    step_error : bound of the error of the increment's dissipation: f |dp| |ds| / 2 of the nodes that start to slide in it
     """
 
     dissipation: Array
+    loop: float
     external: float
     external_end_of_step: float
+    curve: float
     elastic: float
     layer: float
     interface: float
@@ -65,25 +75,33 @@ def layer_energy(problem: ContactProblem, state: InterfaceState) -> float:
     return float(layer.normal @ state.pressure**2 + layer.tangential @ state.shear**2) / 2
 
 
-def increment_energy(problem: ContactProblem, before: InterfaceState, after: InterfaceState) -> IncrementEnergy:
-    """Energies between two states that follow each other."""
+def increment_energy(problem: ContactProblem, before: InterfaceState, after: InterfaceState, enclosed: float) -> IncrementEnergy:
+    """Energies between two states that follow each other; `enclosed`: integral of Q dP of the curve minus that of the chord."""
     slip, gap = after.slip - before.slip, after.gap - before.gap
     approach, shift = after.approach - before.approach, after.shift - before.shift
     mean_p, mean_q = (before.pressure + after.pressure) / 2, (before.shear + after.shear) / 2
-    external = (before.normal_load + after.normal_load) / 2 * approach + (
-        before.tangential_load + after.tangential_load
-    ) / 2 * shift
-    dissipation = problem.friction * mean_p * np.maximum(slip_sign(after.state) * slip, 0.0)
-    trapezoidal = np.where(slip_sign(after.state) != 0, mean_q * slip, 0.0)
+    mean_load = (before.tangential_load + after.tangential_load) / 2
+    sign = slip_sign(after.state)
+    dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
+    # The shear of a node that starts to slide has a kink in the increment, and the work of Q with it.
+    loop = mean_load * shift + float(np.sum(dissipation - np.where(sign != 0, mean_q * slip, 0.0)))
+    curve = np.zeros_like(slip)
+    if enclosed and sign.any():
+        exchanged, shift_by_load = problem.exchanged(after.state)
+        curve, loop = problem.friction * sign * exchanged * enclosed, loop + shift_by_load * enclosed
+    starting = (sign != 0) & (sign != slip_sign(before.state))
+    changed = np.abs((after.pressure - before.pressure) * slip)
     return IncrementEnergy(
-        dissipation=dissipation,
-        external=external,
+        dissipation=dissipation + curve,
+        loop=loop,
+        external=(before.normal_load + after.normal_load) / 2 * approach + mean_load * shift,
         external_end_of_step=after.normal_load * approach + after.tangential_load * shift,
+        curve=float(curve.sum()),
         elastic=elastic_energy(problem, after) - elastic_energy(problem, before),
         layer=layer_energy(problem, after) - layer_energy(problem, before),
         interface=float(mean_q @ slip - mean_p @ gap),
         end_of_step=float(after.shear @ slip - after.pressure @ gap),
-        step_error=float(np.abs(dissipation - trapezoidal).sum()),
+        step_error=problem.friction * float(changed[starting].sum()) / 2,
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from scenes import InadmissibleLoadError, LoadPath, LoadSegment, sampled
+from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, InadmissibleLoadError, LoadPath, LoadSegment, sampled
 
 Array = NDArray[np.float64]
 
@@ -72,6 +72,20 @@ def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stre
         n = max(2, int(np.ceil(increments * (end - start) / (leg.end - leg.start))))
         pieces.append(Stretch(leg, start, tuple(np.linspace(start, end, n + 1)[1:])))
     return pieces
+
+
+# Gauss points on an increment: the rest of an ellipse's area is below round-off from 24 increments a revolution on.
+_GAUSS = np.polynomial.legendre.leggauss(8)
+
+
+def enclosed(leg: LoadSegment, start: float, end: float) -> float:
+    """Integral of Q dP along the leg from start to end, minus that along the chord: the area between the two, 0 of a straight leg."""
+    if leg.is_straight:
+        return 0.0
+    times = (start + end) / 2 + (end - start) / 2 * _GAUSS[0]
+    rise = float(leg.change_of(TANGENTIAL_LOAD, end, start))
+    above = leg.change_of(TANGENTIAL_LOAD, times, start) - rise / 2
+    return float(np.sum(_GAUSS[1] * above * leg.rate_of(NORMAL_LOAD, times))) * (end - start) / 2
 
 
 def check_admissible(path: LoadPath, friction: float) -> None:

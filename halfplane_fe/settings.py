@@ -28,7 +28,7 @@ class SolverSettings:
     method: Literal["augmented_lagrangian", "penalty"] = "augmented_lagrangian"
     normal_stiffness: float = 1e3
     tangential_stiffness: float = 1e3
-    steps_per_cycle: int = 96
+    steps_per_cycle: int = 24
     step_tolerance: float = 2e-4
     max_iterations: int = 100
 

@@ -20,7 +20,7 @@ from halfplane_fe.answer import answer_arrays, from_datum, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import CondensedBody
-from halfplane_fe.interface import Interface, check_supports, condensed_pair, couple, initial_gap, meshed_pair
+from halfplane_fe.interface import Interface, check_supports, condensed_pair, couple, initial_gap, meshed_pair, without_local_difference
 from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
@@ -165,7 +165,7 @@ def _solve(
     datum = max(scene.profile.datum_length, scales.reach)
     condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
-    faces = couple(*condensed)
+    faces = without_local_difference(couple(*condensed))
     problem = _contact_problem(scene, mesh, settings, scales, faces, work)
     solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if mirrored(faces) else problem
     pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)

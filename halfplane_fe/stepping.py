@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import IncrementEnergy, increment_energy
 from halfplane_fe.events import Event, Landing, LoadsAt, arrive, landed, next_event
-from halfplane_fe.path import Stretch
+from halfplane_fe.path import Stretch, enclosed
 from scenes import ConvergenceError
 
 # Share of a regular increment below which a failure is passed on, and a step error accepted (and counted), instead of halved.
@@ -59,18 +59,21 @@ def follow(
         p, q = stretch.leg.loads(time)
         return float(p) / scale, float(q) / scale
 
+    def area(end: float) -> float:
+        return enclosed(stretch.leg, history.time, end) / scale**2
+
     regular = stretch.ends[0] - stretch.start
 
     def too_long(solved: InterfaceState) -> bool:
         duration = solved.time - history.time
-        error = increment_energy(problem, history, solved).step_error
+        error = increment_energy(problem, history, solved, 0.0).step_error
         return error > allowed(duration) and duration > _SHORTEST_FOR_ERROR * regular
 
     landing = Landing(_LANDING_TOLERANCE * (stretch.leg.end - stretch.leg.start), too_long)
     for end in stretch.ends:
         targets = [end]  # the first is to be reached, those after it are what halving has put before it
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
-            attempt = _attempt(problem, history, loads_at, targets[-1], landing, regular)
+            attempt = _attempt(problem, history, (loads_at, area), targets[-1], landing, regular)
             if isinstance(attempt, float):
                 targets.append((history.time + attempt) / 2)
                 continue
@@ -88,9 +91,15 @@ def follow(
 
 
 def _attempt(
-    problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float, landing: Landing, regular: float
+    problem: ContactProblem,
+    history: InterfaceState,
+    loads: tuple[LoadsAt, Callable[[float], float]],
+    end: float,
+    landing: Landing,
+    regular: float,
 ) -> Increment | float:
     """The increment to the first event or to `end`, or the instant to which it was tried where it shall be halved."""
+    loads_at, area = loads
     predicted = next_event(problem, history, loads_at, end)
     try:
         solved, event, iterations = arrive(problem, history, loads_at, predicted, end, landing)
@@ -103,4 +112,5 @@ def _attempt(
         problem.work["increments halved, step error"] += 1
         return solved.time
     share = (solved.time - history.time) / regular
-    return Increment(solved, landed(solved, event), increment_energy(problem, history, solved), iterations, event, share)
+    energy = increment_energy(problem, history, solved, area(solved.time))
+    return Increment(solved, landed(solved, event), energy, iterations, event, share)
