@@ -9,8 +9,8 @@ friction work: at its middle (f p ds), trapezoidal (q ds), at its end (first ord
 P d(delta) + Q dU with the new P and Q, has the normal part of that error in it: on the interface there is none, because increments
 land on each touch and release, so that p dg is zero in each.
 
-The loads follow a curve where the increment solves its chord. While the states of the nodes stay, p and s are linear in P and Q, and the
-friction work along the curve is that along the chord plus, node by node,
+The loads follow a curve where the increment solves its chord. While the states of the nodes stay, p and s are linear in P and Q,
+and the friction work along the curve is that along the chord plus, node by node,
 
     f (p_Q s_P - p_P s_Q) (int Q dP of the curve - of the chord),
 

@@ -114,17 +114,17 @@ _LEAST_NODES = 21
 
 
 def without_local_difference(faces: Interface) -> Interface:
-    r"""The faces with T as much stiffer or softer than N next to its diagonal as it is some nodes away from it.
+    r"""The faces without the part of N - T that only the mesh makes, taken off T.
 
-    On the smooth surface of an isotropic body the displacement along a force is -(2/pi E') ln|x - x'| for either direction, and the
-    rest is smooth: N - T is. On a mesh of quadratic elements it is not: over the next nodes N - T has a part of its own, the same at
-    every size of element. N finds the nodes that touch and T the compliance of those that stick, so that the same set is longer by a
-    share of an element for the one than for the other, and W has an error of first order wherever edges move. Here that part goes:
+    On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x - x'| along itself, whether it
+    presses or shears: N and T have one singular part, and N - T is smooth. On a mesh of quadratic elements N - T has a part of its
+    own over the next nodes, the same for every size of element. N finds the nodes that touch, T the compliance of those that stick:
+    the same set is longer for the one than for the other by a share of an element, and wherever edges move W has an error of first
+    order. Here that part goes:
 
         T_ij += D_ij - (m_i + m_j)/2,   D = N - T,   |i - j| <= 8,   m_i the mean of D_ij at |i - j| = 9 and 10.
 
-    K jumps at its diagonal and is smooth on either side; sides of unlike meshes get its plateaus in the same way. What it takes from
-    elasticity is the equality of the singular parts alone, which is thereby imposed, not tested.
+    All that it takes from elasticity is that the singular parts are equal: that is imposed thereby, and not tested any more.
     """
     n = len(faces.x)
     if n < _LEAST_NODES:

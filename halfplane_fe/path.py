@@ -79,7 +79,7 @@ _GAUSS = np.polynomial.legendre.leggauss(8)
 
 
 def enclosed(leg: LoadSegment, start: float, end: float) -> float:
-    """Integral of Q dP along the leg from start to end, minus that along the chord: the area between the two, 0 of a straight leg."""
+    """Integral of Q dP along the leg from start to end, minus that along the chord: 0 of a straight leg."""
     if leg.is_straight:
         return 0.0
     times = (start + end) / 2 + (end - start) / 2 * _GAUSS[0]

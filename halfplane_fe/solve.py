@@ -20,7 +20,15 @@ from halfplane_fe.answer import answer_arrays, from_datum, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import CondensedBody
-from halfplane_fe.interface import Interface, check_supports, condensed_pair, couple, initial_gap, meshed_pair, without_local_difference
+from halfplane_fe.interface import (
+    Interface,
+    check_supports,
+    condensed_pair,
+    couple,
+    initial_gap,
+    meshed_pair,
+    without_local_difference,
+)
 from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import IncrementEnergy, increment_energy
-from halfplane_fe.events import Event, Landing, LoadsAt, arrive, landed, next_event
+from halfplane_fe.events import Event, landed, next_event, up_to_event
 from halfplane_fe.path import Stretch, enclosed
 from scenes import ConvergenceError
 
 # Share of a regular increment below which a failure is passed on, and a step error accepted (and counted), instead of halved.
 _SHORTEST = 2.0**-12
 _SHORTEST_FOR_ERROR = 2.0**-5
-# Share of the leg within which an event is met.
-_LANDING_TOLERANCE = 2e-11
 # Trials of a regular increment: all of its halves down to the shortest and as many refused; and of each contact node, eight events.
 _MOST_TRIALS, _MOST_EVENTS = 2**14, 8
 
@@ -55,29 +53,20 @@ def follow(
         Where halving does not help, or events do not end.
     """
 
-    def loads_at(time: float) -> tuple[float, float]:
-        p, q = stretch.leg.loads(time)
-        return float(p) / scale, float(q) / scale
-
-    def area(end: float) -> float:
-        return enclosed(stretch.leg, history.time, end) / scale**2
-
     regular = stretch.ends[0] - stretch.start
-
-    def too_long(solved: InterfaceState) -> bool:
-        duration = solved.time - history.time
-        error = increment_energy(problem, history, solved, 0.0).step_error
-        return error > allowed(duration) and duration > _SHORTEST_FOR_ERROR * regular
-
-    landing = Landing(_LANDING_TOLERANCE * (stretch.leg.end - stretch.leg.start), too_long)
     for end in stretch.ends:
         targets = [end]  # the first is to be reached, those after it are what halving has put before it
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
-            attempt = _attempt(problem, history, (loads_at, area), targets[-1], landing, regular)
+            attempt = _attempt(problem, history, stretch, scale, targets[-1])
             if isinstance(attempt, float):
                 targets.append((history.time + attempt) / 2)
                 continue
-            if attempt.energy.step_error > allowed(attempt.solved.time - history.time):
+            duration = attempt.solved.time - history.time
+            if attempt.energy.step_error > allowed(duration):
+                if duration > _SHORTEST_FOR_ERROR * regular:
+                    problem.work["increments halved, step error"] += 1
+                    targets.append(history.time + duration / 2)
+                    continue
                 problem.work["increments above the step tolerance"] += 1
             history = attempt.state
             problem.work[f"{attempt.event} increments"] += 1
@@ -90,27 +79,22 @@ def follow(
             raise ConvergenceError(f"the increment that ends at time {end:.6g} was not reached: nodes touch and let go without end")
 
 
-def _attempt(
-    problem: ContactProblem,
-    history: InterfaceState,
-    loads: tuple[LoadsAt, Callable[[float], float]],
-    end: float,
-    landing: Landing,
-    regular: float,
-) -> Increment | float:
-    """The increment to the first event or to `end`, or the instant to which it was tried where it shall be halved."""
-    loads_at, area = loads
-    predicted = next_event(problem, history, loads_at, end)
+def _attempt(problem: ContactProblem, history: InterfaceState, stretch: Stretch, scale: float, end: float) -> Increment | float:
+    """The increment to the first event or to `end`; the instant to which it was tried where that does not converge."""
+
+    def loads_at(time: float) -> tuple[float, float]:
+        p, q = stretch.leg.loads(time)
+        return float(p) / scale, float(q) / scale
+
+    regular = stretch.ends[0] - stretch.start
+    event, time = next_event(problem, history, loads_at, end)
     try:
-        solved, event, iterations = arrive(problem, history, loads_at, predicted, end, landing)
+        solved, iterations = problem.equilibrium(history, time, loads_at(time))
     except ConvergenceError:
-        if predicted[1] - history.time < _SHORTEST * regular:
+        if time - history.time < _SHORTEST * regular:
             raise
         problem.work["increments halved, not converged"] += 1
-        return predicted[1]
-    if landing.too_long(solved):
-        problem.work["increments halved, step error"] += 1
-        return solved.time
-    share = (solved.time - history.time) / regular
-    energy = increment_energy(problem, history, solved, area(solved.time))
-    return Increment(solved, landed(solved, event), energy, iterations, event, share)
+        return time
+    solved = up_to_event(history, solved)
+    energy = increment_energy(problem, history, solved, enclosed(stretch.leg, history.time, time) / scale**2)
+    return Increment(solved, landed(solved, event), energy, iterations, event, (time - history.time) / regular)
