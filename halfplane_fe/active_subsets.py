@@ -292,7 +292,7 @@ class CoupledFactor:
         right = np.concatenate([np.where(rows.closed, gap, 0.0), np.where(rows.stick, slip, 0.0), loads])
         wanted = right[change.changed]
         right[change.changed] = 0.0
-        found = self._solve(change.base, right)
+        found = self._solve(change.base, right[:, None])[:, 0]
         if change.factors is not None:
             lacking = wanted - self._values(rows, change.changed, found[:, None])[:, 0]
             found += change.columns @ lu_solve(change.factors, lacking, check_finite=False)
@@ -340,10 +340,10 @@ class CoupledFactor:
         if not len(changed):
             return _Change(base, changed, np.empty((2 * n + 2, 0)), None)
         self.work["factor updates"] += 1
-        for row in set(changed.tolist()) - base.columns.keys():
-            unit = np.zeros(2 * n + 2)
-            unit[row] = 1.0
-            base.columns[row] = self._solve(base, unit)
+        missing = np.array(sorted(set(changed.tolist()) - base.columns.keys()), dtype=np.int64)
+        units = np.zeros((2 * n + 2, len(missing)))
+        units[missing, np.arange(len(missing))] = 1.0
+        base.columns.update(zip(missing.tolist(), self._solve(base, units).T, strict=True))
         columns = np.stack([base.columns[int(row)] for row in changed], axis=1)
         return _Change(base, changed, columns, _lu(self._values(rows, changed, columns)))
 
@@ -366,20 +366,20 @@ class CoupledFactor:
         return matrix
 
     def _solve(self, base: _Base, right: Array) -> Array:
-        """A_0^-1 right, both (2 n + 2,)."""
+        """A_0^-1 right, both (2 n + 2, k)."""
         closed, stick, traction = base.rows
-        n = len(closed)
-        pressure, shear = np.where(closed, 0.0, right[:n]), np.where(stick, 0.0, right[n : 2 * n])
-        gap, slip, loads = right[:n], right[n : 2 * n], right[2 * n :]
-        if pressure.any() or shear.any():
-            gap = gap - self.normal @ pressure + self.coupling.T @ shear
-            slip = slip - self.coupling @ pressure + self.tangential @ shear
-            loads = loads - self.interface.carried(pressure, shear)
-        found = lu_solve(base.factors, np.concatenate([gap[closed], slip[stick], loads]), check_finite=False)
+        n, traction = len(closed), traction[:, None]
+        pressure, shear = np.where(closed[:, None], 0.0, right[:n]), np.where(stick[:, None], 0.0, right[n : 2 * n])
+        i, j = (np.flatnonzero(known.any(axis=1)) for known in (pressure, shear))  # few, or none
+        gap = right[:n] - self.normal[:, i] @ pressure[i] + self.coupling[j].T @ shear[j]
+        slip = right[n : 2 * n] - self.coupling[:, i] @ pressure[i] + self.tangential[:, j] @ shear[j]
+        n_x, n_y = self.interface.normals
+        loads = right[2 * n :] - [n_y[i] @ pressure[i] + n_x[j] @ shear[j], n_y[j] @ shear[j] - n_x[i] @ pressure[i]]
+        found = lu_solve(base.factors, np.vstack([gap[closed], slip[stick], loads]), check_finite=False)
         n_closed = int(closed.sum())
         pressure[closed] = found[:n_closed]
         shear[stick] = found[n_closed:-2]
-        return np.concatenate([pressure, shear + traction * pressure, found[-2:]])
+        return np.vstack([pressure, shear + traction * pressure, found[-2:]])
 
     def _values(self, rows: Rows, changed: Indices, found: Array) -> Array:
         """The changed rows of a set times `found` (2 n + 2, k)."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +61,17 @@ def untouched(height: Array, time: float) -> InterfaceState:
     return InterfaceState(time, 0.0, 0.0, zero, zero, freeze(gap), zero, freeze(state, np.int8), float(height.min()), 0.0)
 
 
+class Rate(NamedTuple):
+    """Derivatives of the interface by a load, as its fields."""
+
+    pressure: Array
+    shear: Array
+    approach: float
+    shift: float
+    gap: Array
+    slip: Array
+
+
 @dataclass(eq=False)
 class ContactProblem:
     """What does not change along a load path. Factorisations are kept; history is not.
@@ -89,14 +101,13 @@ class ContactProblem:
 
     def __post_init__(self) -> None:
         self._systems = Systems(self.interface, self.layer, self.friction, self.work)
+        self._rates: tuple[bytes, tuple[Rate, Rate]] | tuple[None, None] = (None, None)
         self._coupled = self.tangential and self.interface.coupling is not None
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
         self._share = 1.0 if self._coupled else min(1.0, self.friction)
 
-    def equilibrium(
-        self, history: InterfaceState, time: float, loads: tuple[float, float], start: States | None = None
-    ) -> tuple[InterfaceState, int]:
-        """The state at `loads` that follows `history` in one increment (active set), from states `start`, and its iterations.
+    def equilibrium(self, history: InterfaceState, time: float, loads: tuple[float, float]) -> tuple[InterfaceState, int]:
+        """The state at `loads` that follows `history` in one increment (active set), and its iterations.
 
         Raises
         ------
@@ -111,7 +122,7 @@ class ContactProblem:
         >>> pressed.pressure.tolist(), sheared.shear.round(12).tolist(), sheared.state.tolist()  # the second node slips at f p
         ([2.0, 1.0], [0.7, 0.5], [1, 2])
         """
-        answer, iterations, changing = self._active_set(history.state if start is None else start, history, time, loads)
+        answer, iterations, changing = self._active_set(history, time, loads)
         if answer is None and self.tangential:
             answer, more, changing = self._alternating(history, time, loads)
             iterations += more
@@ -124,42 +135,52 @@ class ContactProblem:
         return answer, iterations
 
     def holding(self, history: InterfaceState, time: float, loads: tuple[float, float]) -> InterfaceState:
-        """The state at `loads` if no node touched, let go, or changed between stick and slip."""
-        return self._with_states(history.state, history, time, loads)
+        """The state at `loads` if no node touched, let go, or changed between stick and slip: `history` plus its rates."""
+        change = (loads[0] - history.normal_load, loads[1] - history.tangential_load)
+        by_load = self.rates(history.state)
+        moved = {
+            name: getattr(history, name) + sum(d * getattr(rate, name) for d, rate in zip(change, by_load, strict=True))
+            for name in ("pressure", "shear", "gap", "slip", "approach", "shift")
+        }
+        return InterfaceState(time, *loads, **moved, state=history.state)
 
-    def exchanged(self, states: States) -> tuple[Array, float]:
-        """p_Q s_P - p_P s_Q (n,) of given node states, subscripts being derivatives by the loads, and dU/dP."""
-        none = np.zeros_like(self.height)
-        if self._coupled:
-            by_p, by_q = (self._systems.both(states, none, none, loads) for loads in ((1.0, 0.0), (0.0, 1.0)))
-            slips = [self._systems.slip(forces) for forces in (by_p, by_q)]
-            return by_q.pressure * slips[0] - by_p.pressure * slips[1], by_p.shift
-        pressure, _ = self._systems.pressure_alone(states != OPEN, none, 1.0)
-        shear, shift = self._systems.shear_alone(states, none, none, 1.0)
-        found = -pressure * self._systems.slip(Forces(none, shear, 0.0, shift))
-        # Work is an exact form: dU/dP, the normal approach of like bodies not depending on Q, is the friction work of it all.
-        return found, self.friction * float(slip_sign(states) @ found)
+    def rates(self, states: States) -> tuple[Rate, Rate]:
+        """Derivatives of the interface by P and by Q while the nodes keep their states; the last ones are kept."""
+        key = states.tobytes()
+        if key != self._rates[0]:
+            none = np.zeros_like(self.height)
+            found = []
+            for loads in ((1.0, 0.0), (0.0, 1.0)):
+                forces = self._forces(states, none, none, loads)
+                found.append(Rate(*forces, self._systems.gap(none, forces), self._systems.slip(forces)))
+            self.work["rates"] += 1
+            self._rates = key, (found[0], found[1])
+        return self._rates[1]
 
     def _active_set(
-        self, states: States, history: InterfaceState, time: float, loads: tuple[float, float]
+        self, history: InterfaceState, time: float, loads: tuple[float, float]
     ) -> tuple[InterfaceState | None, int, int]:
-        """Semismooth Newton: states -> forces that meet them -> states that these want, until they agree."""
+        """Semismooth Newton: states -> forces that meet them -> states that these want, until they agree.
+
+        The first step is by the rates of the states that the history has.
+        """
         seen: set[bytes] = set()
-        changing = 0
-        for iteration in range(1, self.max_iterations + 1):
-            try:
+        changing, states = 0, history.state
+        try:
+            states = self._wanted(self.holding(history, time, loads), history)
+            for iteration in range(1, self.max_iterations + 1):
                 answer = self._with_states(states, history, time, loads)
-            except SingularSet:
-                return None, iteration, changing
-            wanted = self._wanted(answer, history)
-            changing = int(np.count_nonzero(wanted != states))
-            self.work["slip iterations"] += bool(np.any(slip_sign(wanted) != slip_sign(states)))
-            if not changing:
-                return answer, iteration, 0
-            if wanted.tobytes() in seen:
-                return None, iteration, changing
-            seen.add(wanted.tobytes())
-            states = wanted
+                wanted = self._wanted(answer, history)
+                changing = int(np.count_nonzero(wanted != states))
+                self.work["slip iterations"] += bool(np.any(slip_sign(wanted) != slip_sign(history.state)))
+                if not changing:
+                    return answer, iteration, 0
+                if wanted.tobytes() in seen:
+                    return None, iteration, changing
+                seen.add(wanted.tobytes())
+                states = wanted
+        except SingularSet:
+            return None, max(len(seen), 1), changing
         return None, self.max_iterations, changing
 
     def _alternating(
@@ -211,15 +232,7 @@ class ContactProblem:
 
     def _with_states(self, states: States, history: InterfaceState, time: float, loads: tuple[float, float]) -> InterfaceState:
         """Forces that meet the equalities of the given states (the linear step of the active set)."""
-        if self._coupled:
-            forces = self._systems.both(states, self.height, history.slip, loads)
-        else:
-            closed = states != OPEN
-            pressure, approach = self._systems.pressure_alone(closed, self.height, loads[0])
-            shear, shift = np.zeros_like(pressure), 0.0
-            if self.tangential:
-                shear, shift = self._systems.shear_alone(states, pressure, history.slip, loads[1])
-            forces = Forces(pressure, shear, approach, shift)
+        forces = self._forces(states, self.height, history.slip, loads)
         return InterfaceState(
             time,
             *loads,
@@ -231,3 +244,13 @@ class ContactProblem:
             forces.approach,
             forces.shift,
         )
+
+    def _forces(self, states: States, height: Array, slip: Array, loads: tuple[float, float]) -> Forces:
+        """Forces of given states over an initial gap, sticking nodes at a known slip."""
+        if self._coupled:
+            return self._systems.both(states, height, slip, loads)
+        pressure, approach = self._systems.pressure_alone(states != OPEN, height, loads[0])
+        shear, shift = np.zeros_like(pressure), 0.0
+        if self.tangential:
+            shear, shift = self._systems.shear_alone(states, pressure, slip, loads[1])
+        return Forces(pressure, shear, approach, shift)

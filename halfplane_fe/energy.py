@@ -87,8 +87,9 @@ def increment_energy(problem: ContactProblem, before: InterfaceState, after: Int
     loop = mean_load * shift + float(np.sum(dissipation - np.where(sign != 0, mean_q * slip, 0.0)))
     curve = np.zeros_like(slip)
     if enclosed and sign.any():
-        exchanged, shift_by_load = problem.exchanged(after.state)
-        curve, loop = problem.friction * sign * exchanged * enclosed, loop + shift_by_load * enclosed
+        by_p, by_q = problem.rates(after.state)
+        curve = problem.friction * sign * enclosed * (by_q.pressure * by_p.slip - by_p.pressure * by_q.slip)
+        loop += by_p.shift * enclosed
     starting = (sign != 0) & (sign != slip_sign(before.state))
     changed = np.abs((after.pressure - before.pressure) * slip)
     return IncrementEnergy(
