@@ -20,8 +20,9 @@ Unknowns z = (p, q, delta, U); each node has two rows, by its state:
     stick   gap = 0,           slip = known
     slip    gap = 0,           q - (+-f) p = 0
 
-and two rows for the loads. A state of a node is a choice of rows, so that the matrix A of a set differs from that of a base set,
-A_0, in a few rows R alone. With E the unit columns of those rows and R_1 the rows as the set has them,
+and two rows for the loads; U = 0 is the second where Q is zero by symmetry. A state of a node is a choice of rows, so that the
+matrix A of a set differs from that of a base set, A_0, in a few rows R alone. With E the unit columns of those rows and R_1 the
+rows as the set has them,
 
     z = A_0^-1 (b - E E^T b) + A_0^-1 E y,    (R_1 A_0^-1 E) y = b_R - R_1 A_0^-1 (b - E E^T b),
 
@@ -362,7 +363,10 @@ class CoupledFactor:
         matrix[n : n + m, n : n + m] = -self.tangential[np.ix_(stick, stick)]
         matrix[n : n + m, n + m], matrix[n : n + m, n + m + 1] = n_x[stick], n_y[stick]
         matrix[n + m, :n], matrix[n + m, n : n + m] = (n_y + traction * n_x)[closed], n_x[stick]
-        matrix[n + m + 1, :n], matrix[n + m + 1, n : n + m] = (traction * n_y - n_x)[closed], n_y[stick]
+        if self.interface.guided:
+            matrix[n + m + 1, n + m + 1] = 1.0
+        else:
+            matrix[n + m + 1, :n], matrix[n + m + 1, n : n + m] = (traction * n_y - n_x)[closed], n_y[stick]
         return matrix
 
     def _solve(self, base: _Base, right: Array) -> Array:
@@ -374,7 +378,8 @@ class CoupledFactor:
         gap = right[:n] - self.normal[:, i] @ pressure[i] + self.coupling[j].T @ shear[j]
         slip = right[n : 2 * n] - self.coupling[:, i] @ pressure[i] + self.tangential[:, j] @ shear[j]
         n_x, n_y = self.interface.normals
-        loads = right[2 * n :] - [n_y[i] @ pressure[i] + n_x[j] @ shear[j], n_y[j] @ shear[j] - n_x[i] @ pressure[i]]
+        tangential = 0.0 if self.interface.guided else n_y[j] @ shear[j] - n_x[i] @ pressure[i]
+        loads = right[2 * n :] - np.stack(np.broadcast_arrays(n_y[i] @ pressure[i] + n_x[j] @ shear[j], tangential))
         found = lu_solve(base.factors, np.vstack([gap[closed], slip[stick], loads]), check_finite=False)
         n_closed = int(closed.sum())
         pressure[closed] = found[:n_closed]

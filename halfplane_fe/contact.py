@@ -199,7 +199,8 @@ class ContactProblem:
             systems, height = self._systems, self.height - coupling.T @ shear + n_x * shift
             pressure, approach, closed = pressure_at_known_shear(systems, height, loads[0] - float(n_x @ shear), closed, ROUNDING)
             known_slip, load = history.slip - coupling @ pressure - n_x * approach, loads[1] + float(n_x @ pressure)
-            shear, shift, states = shear_at_known_pressure(systems, np.maximum(pressure, 0.0), known_slip, load, ROUNDING)
+            carried = None if self.interface.guided else load
+            shear, shift, states = shear_at_known_pressure(systems, np.maximum(pressure, 0.0), known_slip, carried, ROUNDING)
             if not np.any(states == STICK):
                 continue
             answer = self._with_states(states, history, time, loads)

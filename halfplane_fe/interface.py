@@ -43,6 +43,7 @@ class Interface:
     normal, tangential : (n, n) N and T [length per force per thickness]
     coupling : (n, n) K, or None where it is exactly zero
     nearest : x and initial distance where the faces are nearest to each other [length]
+    guided : whether this is one half of faces that p and q leave as mirror images (`mirror`): U is zero by symmetry, and so is Q
     """
 
     x: Array
@@ -53,6 +54,7 @@ class Interface:
     tangential: Array
     coupling: Array | None
     nearest: tuple[float, float] = (0.0, 0.0)
+    guided: bool = False
 
     @property
     def flat(self) -> bool:
@@ -61,15 +63,15 @@ class Interface:
 
     def scaled(self, length: float, compliance: float) -> Interface:
         """The same interface in other units: lengths over `length`, compliances over `compliance`."""
-        return Interface(
-            freeze(self.x / length),
-            freeze(self.weights / length),
-            self.normals,
-            freeze(self.gap / length),
-            freeze(self.normal / compliance),
-            freeze(self.tangential / compliance),
-            None if self.coupling is None else freeze(self.coupling / compliance),
-            (self.nearest[0] / length, self.nearest[1] / length),
+        return replace(
+            self,
+            x=freeze(self.x / length),
+            weights=freeze(self.weights / length),
+            gap=freeze(self.gap / length),
+            normal=freeze(self.normal / compliance),
+            tangential=freeze(self.tangential / compliance),
+            coupling=None if self.coupling is None else freeze(self.coupling / compliance),
+            nearest=(self.nearest[0] / length, self.nearest[1] / length),
         )
 
     def moved(self, approach: float, shift: float) -> tuple[Array, Array]:
@@ -80,7 +82,7 @@ class Interface:
     def carried(self, pressure: Array, shear: Array) -> tuple[float, float]:
         """P and Q that nodal forces p and q carry."""
         n_x, n_y = self.normals
-        return float(n_y @ pressure + n_x @ shear), float(n_y @ shear - n_x @ pressure)
+        return float(n_y @ pressure + n_x @ shear), 0.0 if self.guided else float(n_y @ shear - n_x @ pressure)
 
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:

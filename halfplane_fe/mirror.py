@@ -1,9 +1,10 @@
 r"""Faces that are their own mirror image, solved on one half and written out on both.
 
-Where nothing couples p and q, both are even in x at every instant: the problem has one answer and its mirror image is another. With
-F_k the force on a node and its image together, S the matrix that shares it (1/2 and 1/2; 1 in the middle), f = S F,
+Where the load path and the faces are their own mirror image in x = 0, so is the answer: p is even in x. So is q where nothing
+couples the two; without a tangential load q is odd, pressed out of p alone, and U = 0. With F_k the force on a node and its image
+together, S the matrix that shares it (1/2 and +-1/2; in the middle 1, or 0 of an odd q), f = S F,
 
-    N F -> S^T N S F,   sum f = sum F,   gap and slip those of either node,
+    N F -> S^T N S F,   sum f = sum F,   gap and slip those of the node with x > 0,
 
 so that the same contact problem is solved with half the nodes, a quarter of the numbers in each matrix.
 """
@@ -18,8 +19,9 @@ from numpy.typing import NDArray
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.energy import IncrementEnergy
 from halfplane_fe.interface import Interface
+from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
-from scenes import freeze
+from scenes import SLIP_FORWARD, SLIP_REVERSE, freeze
 
 Array = NDArray[np.float64]
 
@@ -27,56 +29,66 @@ Array = NDArray[np.float64]
 _ALIKE = 1e-9
 
 
-def mirrored(faces: Interface) -> bool:
-    """Whether the faces are their own mirror image in x = 0, with a node there, and nothing couples p and q."""
-    odd = len(faces.x) % 2 == 1
-    if faces.coupling is not None or not faces.flat or not odd:
+def mirrored(faces: Interface, sheared: bool) -> bool:
+    """Whether the answer is its own mirror image in x = 0, and a node lies there; `sheared`: whether there is a tangential load."""
+    if len(faces.x) % 2 == 0 or (faces.coupling is None and not faces.flat) or (faces.coupling is not None and sheared):
         return False
     pairs = [(faces.x, -faces.x[::-1]), (faces.weights, faces.weights[::-1]), (faces.gap, faces.gap[::-1])]
+    pairs += [(faces.normals[0], -faces.normals[0, ::-1]), (faces.normals[1], faces.normals[1, ::-1])]
     pairs += [(matrix, matrix[::-1, ::-1]) for matrix in (faces.normal, faces.tangential)]
+    if faces.coupling is not None:
+        pairs.append((faces.coupling, -faces.coupling[::-1, ::-1]))
     return all(bool(np.abs(one - image).max() <= _ALIKE * np.abs(one).max()) for one, image in pairs)
 
 
 def half(faces: Interface) -> Interface:
     """The faces on x >= 0, forces being those of a node and its image together."""
-    place, _ = _images(len(faces.x))
+    place, _, _ = _images(faces)
     right = slice(len(faces.x) // 2, None)
-    return Interface(
-        freeze(faces.x[right]),
-        freeze(np.bincount(place, faces.weights)),
-        freeze(faces.normals[:, right]),
-        freeze(faces.gap[right]),
-        freeze(_folded(faces.normal)),
-        freeze(_folded(faces.tangential)),
-        None,
+    coupled = faces.coupling is not None
+    tangential = _folded(faces.tangential, -1.0 if coupled else 1.0, -1.0 if coupled else 1.0)
+    if coupled:  # an odd q is zero in the middle
+        tangential[0, 0] = faces.tangential.diagonal().max()
+    return replace(
+        faces,
+        x=freeze(faces.x[right]),
+        weights=freeze(np.bincount(place, faces.weights)),
+        normals=freeze(faces.normals[:, right]),
+        gap=freeze(faces.gap[right]),
+        normal=freeze(_folded(faces.normal, 1.0, 1.0)),
+        tangential=freeze(tangential),
+        coupling=freeze(_folded(faces.coupling, -1.0, 1.0)) if faces.coupling is not None else None,
+        guided=coupled,
     )
 
 
-def _images(n: int) -> tuple[NDArray[np.int64], Array]:
-    """Of each of n nodes in ascending order its place in the right half, and its share of that node's force."""
-    place = np.abs(np.arange(n) - n // 2)
-    return place, np.where(place == 0, 1.0, 0.5)
+def _images(faces: Interface) -> tuple[NDArray[np.int64], Array, Array]:
+    """Of each node in ascending order its place in the right half, its share of that node's p, and the sign of its q."""
+    number = np.arange(len(faces.x)) - len(faces.x) // 2
+    odd = faces.coupling is not None
+    return np.abs(number), np.where(number == 0, 1.0, 0.5), np.where((number < 0) & odd, -1.0, 1.0)
 
 
-def _folded(matrix: Array) -> Array:
-    """S^T M S."""
+def _folded(matrix: Array, of_rows: float, of_columns: float) -> Array:
+    """S^T M S, rows and columns even (1) or odd (-1)."""
     middle = len(matrix) // 2
-    rows = (matrix[middle:] + matrix[middle::-1]) / 2  # the middle is its own image
-    return np.asarray((rows[:, middle:] + rows[:, middle::-1]) / 2)
+    rows = (matrix[middle:] + of_rows * matrix[middle::-1]) / 2  # the middle is its own image
+    return np.asarray((rows[:, middle:] + of_columns * rows[:, middle::-1]) / 2)
 
 
-def whole(run: PathRun, n: int) -> PathRun:
-    """A run of the half on all n nodes."""
-    place, share = _images(n)
+def whole(run: PathRun, faces: Interface) -> PathRun:
+    """A run of the half on all nodes of the faces."""
+    place, share, sign = _images(faces)
 
     def state(one: InterfaceState) -> InterfaceState:
-        found = replace(one, slip=freeze(one.slip[place]), state=freeze(one.state[place], np.int8))
+        states = one.state[place]
+        turned = (sign < 0) & (slip_sign(states) != 0)
+        states = np.where(turned, np.where(states == SLIP_FORWARD, SLIP_REVERSE, SLIP_FORWARD), states)
+        found = replace(one, slip=freeze(one.slip[place] * sign), state=freeze(states, np.int8))
         if not len(one.pressure):  # dropped
             return found
-        pressure, shear, gap = (
-            freeze(values) for values in (one.pressure[place] * share, one.shear[place] * share, one.gap[place])
-        )
-        return replace(found, pressure=pressure, shear=shear, gap=gap)
+        pressure, shear = freeze(one.pressure[place] * share), freeze(one.shear[place] * share * sign)
+        return replace(found, pressure=pressure, shear=shear, gap=freeze(one.gap[place]))
 
     def energy(one: IncrementEnergy) -> IncrementEnergy:
         nodal = one.dissipation

@@ -175,11 +175,11 @@ def _solve(
     watch.lap("condensation")
     faces = without_local_difference(couple(*condensed))
     problem = _contact_problem(scene, mesh, settings, scales, faces, work)
-    solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if mirrored(faces) else problem
+    solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if mirrored(faces, sheared(scene)) else problem
     pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)
     run = run_path(solved, scene.load.path(), pace, scene.cycles, report)
     if solved is not problem:
-        run = whole(run, len(faces.x))
+        run = whole(run, faces)
     if datum > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum)
     watch.lap("load path")
@@ -383,8 +383,8 @@ def _work(
         skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
     if stored := problem.work["condensations from the store"]:
         skipped["condensations, stored"] = (stored, "this body of this material was condensed before: read from the store")
-    if mirrored(problem.interface):
-        skipped["contact nodes"] = (len(problem.interface.x) // 2, "p and q are even in x: solved on one half")
+    if mirrored(problem.interface, sheared(scene)):
+        skipped["contact nodes"] = (len(problem.interface.x) // 2, "p is even in x, q even or odd: solved on one half")
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.energies), "no shear can arise")
     if problem.tangential and not problem.work["slip iterations"]:

@@ -53,11 +53,11 @@ def pressure_at_known_shear(
 
 
 def shear_at_known_pressure(
-    systems: Systems, pressure: Array, known_slip: Array, load: float, rounding: float
+    systems: Systems, pressure: Array, known_slip: Array, load: float | None, rounding: float
 ) -> tuple[Array, float, States]:
     """Shear (n,), shift and states of |q| <= f p, slip n_y U - T q - known_slip only where |q| = f p and along q, n_y q = load.
 
-    The sum of n_y q grows with the shift U from -f P to f P, so U is found by bracketing.
+    The sum of n_y q grows with the shift U from -f P to f P, so U is found by bracketing; without a `load` it is zero.
 
     >>> from halfplane_fe.interface import Interface
     >>> from halfplane_fe.systems import Layer
@@ -79,6 +79,8 @@ def shear_at_known_pressure(
         found, states = _bounded(systems, limit, known_slip - n_y * shift, states, rounding)
         return found
 
+    if load is None:
+        return shear(0.0), 0.0, states
     shift = float(brentq(lambda u: float(n_y @ shear(u)) - load, -most, most, xtol=1e-13 * max(most, 1e-300), rtol=8.9e-16))
     return shear(shift), shift, states
 
