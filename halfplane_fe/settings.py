@@ -29,7 +29,7 @@ class SolverSettings:
     normal_stiffness: float = 1e3
     tangential_stiffness: float = 1e3
     steps_per_cycle: int = 24
-    step_tolerance: float = 2e-4
+    step_tolerance: float = 5e-4
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
