@@ -85,12 +85,13 @@ def increment_energy(problem: ContactProblem, before: InterfaceState, after: Int
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with it.
     loop = mean_load * shift + float(np.sum(dissipation - np.where(sign != 0, mean_q * slip, 0.0)))
-    curve = np.zeros_like(slip)
-    if enclosed and sign.any():
+    curve, starting = np.zeros_like(slip), sign != slip_sign(before.state)  # of what starts, the curve is left out
+    if enclosed and not starting[sign != 0].all():
         by_p, by_q = problem.rates(after.state)
-        curve = problem.friction * sign * enclosed * (by_q.pressure * by_p.slip - by_p.pressure * by_q.slip)
-        loop += by_p.shift * enclosed
-    starting = (sign != 0) & (sign != slip_sign(before.state))
+        exchanged = by_q.pressure * by_p.slip - by_p.pressure * by_q.slip
+        curve = problem.friction * np.where(starting, 0.0, sign) * exchanged * enclosed
+        curve = np.maximum(curve, -dissipation)  # friction only takes
+        loop += float(curve.sum()) + by_q.approach * enclosed
     changed = np.abs((after.pressure - before.pressure) * slip)
     return IncrementEnergy(
         dissipation=dissipation + curve,
@@ -102,7 +103,7 @@ def increment_energy(problem: ContactProblem, before: InterfaceState, after: Int
         layer=layer_energy(problem, after) - layer_energy(problem, before),
         interface=float(mean_q @ slip - mean_p @ gap),
         end_of_step=float(after.shear @ slip - after.pressure @ gap),
-        step_error=problem.friction * float(changed[starting].sum()) / 2,
+        step_error=problem.friction * float(changed[starting & (sign != 0)].sum()) / 2,
     )
 
 

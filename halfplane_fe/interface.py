@@ -104,39 +104,58 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         n = len(lower.x)
         normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]
         weights, normals, gap, nearest = sides.weights, sides.normals, sides.gap, sides.nearest
-    parts = {"x": lower.x, "weights": weights, "normals": normals, "gap": gap, "normal": normal, "tangential": tangential}
-    arrays = {name: freeze(part) for name, part in parts.items()}
-    return Interface(**arrays, coupling=freeze(coupling) if coupling.any() else None, nearest=nearest)
+    return Interface(
+        freeze(lower.x),
+        freeze(weights),
+        freeze(normals),
+        freeze(gap),
+        freeze(normal),
+        freeze(tangential),
+        freeze(coupling) if coupling.any() else None,
+        nearest,
+    )
 
 
-# Nodes within which the parts of N and T that only the mesh makes die out, and those whose mean is the plateau behind them.
+# Nodes within which what only the mesh makes of N - T and K dies out, and those behind them whose mean is the plateau there.
 _LOCAL, _PLATEAU = 8, (9, 10)
 # Nodes of the contact side below which there is no such plateau.
 _LEAST_NODES = 21
 
 
 def without_local_difference(faces: Interface) -> Interface:
-    r"""The faces without the part of N - T that only the mesh makes, taken off T.
+    r"""The faces without the parts of N - T and of K that only the mesh makes.
 
     On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x - x'| along itself, whether it
-    presses or shears: N and T have one singular part, and N - T is smooth. On a mesh of quadratic elements N - T has a part of its
-    own over the next nodes, the same for every size of element. N finds the nodes that touch, T the compliance of those that stick:
-    the same set is longer for the one than for the other by a share of an element, and wherever edges move W has an error of first
-    order. Here that part goes:
+    presses or shears: N and T have one singular part, N - T is smooth, and K jumps at x = x', smooth on either side. On a mesh of
+    quadratic elements they have parts of their own over the next nodes, the same for every size of element. N finds the nodes
+    that touch, T the compliance of those that stick: the same set is longer for the one than for the other by a share of an
+    element, and wherever edges move W has an error of first order. Here these parts go, T being what is changed:
 
-        T_ij += D_ij - (m_i + m_j)/2,   D = N - T,   |i - j| <= 8,   m_i the mean of D_ij at |i - j| = 9 and 10.
+        D_ij = (m_i + m_j)/2,   D = N - T,   |i - j| <= 8,   m_i the mean of D_ij at |i - j| = 9 and 10,
 
-    All that it takes from elasticity is that the singular parts are equal: that is imposed thereby, and not tested any more.
+    and K likewise on each side of its diagonal, which is the mean of both. All that it takes from elasticity is that the singular
+    parts are equal: that is imposed thereby, and not tested any more.
     """
     n = len(faces.x)
     if n < _LEAST_NODES:
         return faces
-    apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
-    band, behind = apart <= _LOCAL, np.isin(apart, _PLATEAU)
-    difference = faces.normal - faces.tangential
-    plateau = (difference * behind).sum(axis=1) / behind.sum(axis=1)
-    smooth = np.add.outer(plateau, plateau) / 2
-    return replace(faces, tangential=freeze(faces.tangential + np.where(band, difference - smooth, 0.0)))
+    ahead = np.subtract.outer(np.arange(n), np.arange(n))
+    band = np.abs(ahead) <= _LOCAL
+    tangential = np.where(band, faces.normal - _plateau(faces.normal - faces.tangential, np.abs(ahead)), faces.tangential)
+    coupling = faces.coupling
+    if coupling is not None:
+        left, right = _plateau(coupling, ahead), _plateau(coupling, -ahead)
+        smooth = np.where(ahead == 0, (left + right) / 2, np.where(ahead > 0, left, right))
+        coupling = freeze(np.where(band, smooth, coupling))
+    return replace(faces, tangential=freeze(tangential), coupling=coupling)
+
+
+def _plateau(matrix: Array, ahead: NDArray[np.int64]) -> Array:
+    """(n, n) means of the row and of the column of each entry over those 9 and 10 nodes ahead; their mean, or the one there is."""
+    behind: NDArray[np.bool_] = np.isin(ahead, _PLATEAU)
+    rows, columns = ((matrix * behind).sum(axis=axis) / np.maximum(behind.sum(axis=axis), 1) for axis in (1, 0))
+    there = np.add.outer(np.any(behind, axis=1).astype(float), np.any(behind, axis=0).astype(float))  # the sums are 0 where none is
+    return np.asarray(np.add.outer(rows, columns) / np.maximum(there, 1.0))
 
 
 def body_forces(lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array) -> dict[str, Array]:

@@ -1,6 +1,6 @@
 """What the mesh can't see, in sentences: contacts, slip zones and flanks of the pressure that are too few elements wide.
 
-And the coarse mesh beside it, from which the dissipation differs by what it is uncertain by at least.
+And the uncertainty of the dissipation, from the difference to the coarse run and from the steps.
 
 # notation: h element at the edges of contact and stick, of the coarser side; a half-width; A = 2/E*; f coefficient of friction
 
@@ -13,13 +13,11 @@ elements of a/16 to a/160 dissipate 0.024 to 0.04 (h/a)^2 A f^2 P^2.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.settings import SolverSettings
-from meshes import MeshSettings
 from scenes import Scene
 
 Array = NDArray[np.float64]
@@ -144,25 +142,37 @@ def _of_slip(seen: Seen) -> Iterator[str]:
         )
 
 
-def coarse(mesh: MeshSettings, settings: SolverSettings) -> tuple[MeshSettings, SolverSettings] | None:
-    """A mesh as much coarser as the coarse preset is than the default; a penalty layer stays the same layer.
+# Error of W on the coarse run over that of the answer falls as the square of the element; the difference of the two, divided so and
+# times this, is the share of the mesh in the uncertainty. Chosen on 26 random half-plane scenes, tested on others
+# (benchmarks/uncertainty.py). Linear elements and penalty layers have errors of their own: there the whole difference counts.
+_SAFETY = 4.0
+# Refinement from the coarse run below which their difference says nothing.
+_LEAST_REFINEMENT = 1.4
 
-    None where the surface elements are as large as any.
 
-    >>> coarse(MeshSettings(), SolverSettings())[0] == MeshSettings.coarse()
-    True
+def uncertainty(difference: float, refinement: float, plain: bool) -> float:
+    """Share of the mesh in the uncertainty of W, from its difference to W of the coarse run; NaN on a mesh hardly finer than that.
+
+    Parameters
+    ----------
+    refinement : element of the coarse run over that of the answer
+    plain : linear elements or a penalty layer
+
+    >>> uncertainty(0.01, 10.0, plain=False)
+    0.0004
     """
-    preset, default = MeshSettings.coarse(), MeshSettings()
-    times = {name: getattr(preset, name) / getattr(default, name) for name in ("element_size", "edge_element_size", "growth")}
-    made = replace(
-        mesh,
-        element_size=min(0.25, mesh.element_size * times["element_size"]),
-        edge_element_size=min(0.25, mesh.edge_element_size * times["edge_element_size"]),
-        far_radius=max(2.0, mesh.far_radius * preset.far_radius / default.far_radius),
-        growth=min(1.0, mesh.growth * times["growth"]),
-    )
-    if settings.method == "penalty":
-        wider = made.edge_element_size / mesh.edge_element_size  # the stiffness is over E* and this size
-        stiffness = [min(1e9, k * wider) for k in (settings.normal_stiffness, settings.tangential_stiffness)]
-        settings = replace(settings, normal_stiffness=stiffness[0], tangential_stiffness=stiffness[1])
-    return None if made.edge_element_size == mesh.edge_element_size else (made, settings)
+    if refinement < _LEAST_REFINEMENT:
+        return float("nan")
+    share = _SAFETY / refinement**2
+    return difference * (max(share, 1.0) if plain else share)
+
+
+def uncertainty_note(dissipation: float, uncertain: float, tolerance: float) -> Iterator[str]:
+    """That W is uncertain by more than its tolerance, or by an unknown amount."""
+    if np.isnan(dissipation):
+        return
+    if np.isnan(uncertain):
+        yield "the dissipation has no uncertainty estimate: the elements are hardly smaller than those of the coarse run"
+    elif uncertain > tolerance * dissipation and uncertain > 0:
+        share = f" ({uncertain / dissipation:.2%}, for a tolerance of {tolerance:.2%})" if dissipation else ""
+        yield f"the dissipation is uncertain by {uncertain:.3g}{share}: make edge_element_size or step_tolerance smaller"

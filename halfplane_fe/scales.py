@@ -14,7 +14,16 @@ from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
-from halfplane_fe.interface import Interface, condensed_pair, couple, face_room, initial_gap, meshed_pair, shapes_alike
+from halfplane_fe.interface import (
+    Interface,
+    condensed_pair,
+    couple,
+    face_room,
+    initial_gap,
+    meshed_pair,
+    shapes_alike,
+    without_local_difference,
+)
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
@@ -28,7 +37,7 @@ _MESH = MeshSettings(growth=0.4)
 # Of the side that may touch the contact shall take between the two fractions; and that side at most a share of the face.
 _FRACTION = (0.6, 0.85)
 _OF_THE_FACE = 0.97
-_COARSE_STEPS = 48
+_ELEMENTS, _COARSE_STEPS = 24, 48
 # The innermost edge is rounded down to this share of the half-width: no last digit of the coarse run shall move the mesh.
 _ROUGH = 100
 # By how much and how often the coarse body grows where the contact reaches its end; `solve` finds out if that was not enough.
@@ -48,6 +57,9 @@ class Scales:
     reach : largest distance from x = 0 at which the faces touch [length]
     load : largest normal load of the path [force per thickness]
     modulus : E* [stress]
+    element : surface elements of the coarse run, over the half-width
+    dissipation : of its last revolution [energy / thickness]
+    largest_pressure : at the largest load [stress]
     """
 
     half_width: float
@@ -55,6 +67,9 @@ class Scales:
     reach: float
     load: float
     modulus: float
+    element: float
+    dissipation: float
+    largest_pressure: float
 
 
 def contact_modulus(lower: Elastic, upper: Elastic) -> float:
@@ -104,7 +119,8 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
             raise _past_the_end(scene)
         size = min(size * _ENLARGED, pair.room)
         problem, run = _coarse_run(pair, size)
-    half_width = _half_width(problem, max(run.states, key=lambda state: state.normal_load))
+    pressed = max(run.states, key=lambda state: state.normal_load)
+    half_width = _half_width(problem, pressed)
     reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
     inner = 0.0
     if scene.load.path().period is not None:
@@ -113,7 +129,16 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
         inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[cycles], seen, strict=True))
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off
-    return Scales(size * half_width, min(size * inner, first_kink), size * max(reach, half_width), load, modulus)
+    return Scales(
+        half_width=size * half_width,
+        inner=min(size * inner, first_kink),
+        reach=size * max(reach, half_width),
+        load=load,
+        modulus=modulus,
+        element=1 / (_ELEMENTS * half_width),
+        dissipation=float(run.cycle_density[-1].sum()) * load**2 / modulus,
+        largest_pressure=float(np.max(pressed.pressure / problem.interface.weights)) * load / size,
+    )
 
 
 @dataclass(eq=False)
@@ -141,13 +166,13 @@ class _CoarsePair:
         made_at = 1.0 if self.scene.bodies.half_planes else size
         if self._made is None or self._made[0] != made_at:
             bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(made_at, ratio))
-            self._made = made_at, couple(*condensed_pair(self.scene, bodies, made_at, self.work))
+            self._made = made_at, without_local_difference(couple(*condensed_pair(self.scene, bodies, made_at, self.work)))
         interface = self._made[1]
         return interface if made_at == size else interface.scaled(made_at / size, 1.0)
 
 
 def _grading(size: float, ratio: float) -> SurfaceGrading:
-    return SurfaceGrading(inner=0.0, outer=size, size=ratio * size / 24, edge_size=ratio * size / 24, radius=5 * size)
+    return SurfaceGrading(inner=0.0, outer=size, size=ratio * size / _ELEMENTS, edge_size=ratio * size / _ELEMENTS, radius=5 * size)
 
 
 def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:

@@ -6,7 +6,7 @@ import platform
 import time as clock
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -32,14 +32,14 @@ from halfplane_fe.interface import (
 from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
-from halfplane_fe.resolution import Seen, coarse, resolution_notes
+from halfplane_fe.resolution import Seen, resolution_notes, uncertainty, uncertainty_note
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import Scales, contact_modulus, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
-from scenes import ContactSolution, ConvergenceError, InputError, Interrupted, Scene, Work, freeze, scene_of
+from scenes import ContactSolution, ConvergenceError, Scene, Work, freeze, scene_of
 
 Array = NDArray[np.float64]
 
@@ -57,6 +57,8 @@ class FiniteElementSolution(ContactSolution):
     normals : (2, n_points) of the line half-way between the faces, out of the lower body: pressure acts along it
     scales : what the coarse run found; with E* the units of `states`
     penalty : what the layer of the penalty method costs
+    largest_pressure_uncertainty : of the largest pressure at the points, a quarter of its difference from the
+        coarse run, or one and a half times that where the elements below the peak are not finer than there [stress]
     contact_edge_uncertainty, stick_edge_uncertainty : (n_steps, 2) how far each edge may be from the true one, by the mesh alone
         [length]; see `edges`
     """
@@ -68,6 +70,7 @@ class FiniteElementSolution(ContactSolution):
     normals: Array
     scales: Scales
     penalty: PenaltyAudit
+    largest_pressure_uncertainty: float
     contact_edge_uncertainty: Array
     stick_edge_uncertainty: Array
 
@@ -79,7 +82,6 @@ def solve(
     progress: Progress | None = None,
     *,
     scales: Scales | None = None,
-    coarse_mesh: bool = False,
 ) -> FiniteElementSolution:
     """Solve a scene by finite elements, on the mesh's own points and the stepping's own instants.
 
@@ -89,8 +91,6 @@ def solve(
     mesh, settings : how it is cut and iterated; defaults serve the paper's scenes
     progress : called with (done, total, text) as work goes on
     scales : those of an earlier solution of the same scene, on whatever mesh: spares the coarse run, moves no number
-    coarse_mesh : solve the scene on a coarse mesh too (a quarter more time), and state how far its dissipation is from the
-        answer's: `dissipation_uncertainty`, with a note where that is more than the scene's tolerance
 
     Raises
     ------
@@ -109,51 +109,7 @@ def solve(
     with threadpool_limits(limits=1, user_api="blas"):
         report = progress or (lambda _done, _total, _text: None)
         mesh, settings = mesh or MeshSettings(), settings or SolverSettings()
-        answer = _solve(scene_of(scene), mesh, settings, report, scales)
-        return _beside_a_coarse_mesh(answer, coarse(mesh, settings), report) if coarse_mesh else answer
-
-
-def _beside_a_coarse_mesh(
-    answer: FiniteElementSolution, settings: tuple[MeshSettings, SolverSettings] | None, report: Progress
-) -> FiniteElementSolution:
-    """The answer with how far its dissipation is from that of a coarse mesh, and a note where there is reason for doubt."""
-    noted, watch = partial(_noted, answer), _Watch()
-    if not needs_shear(answer.scene):
-        skipped = {**answer.work.skipped, "coarse mesh": (1, "no shear can arise: the dissipation is 0 on any mesh")}
-        return replace(answer, work=replace(answer.work, skipped=skipped))
-    if settings is None:
-        return noted("the dissipation has no uncertainty: no mesh is coarser than this one")
-    try:
-        other = _solve(
-            answer.scene, *settings, lambda done, total, text: report(done, total, f"coarse mesh, {text}"), answer.scales
-        )
-    except KeyboardInterrupt as stop:
-        raise Interrupted("interrupted on the coarse mesh, after the mesh that was asked for", answer) from stop
-    except (ConvergenceError, InputError) as failure:
-        return noted(f"the dissipation has no uncertainty: the coarse mesh that it is taken from has no answer: {failure}")
-    watch.lap("coarse mesh")
-    apart, tolerance = abs(other.dissipation - answer.dissipation), answer.scene.tolerances.limit("dissipation") or 0.0
-    counts = {f"coarse mesh, {name}": other.work.counts[name] for name in ("contact nodes", "steps solved", "contact iterations")}
-    found = replace(
-        answer,
-        dissipation_uncertainty=apart,
-        work=replace(answer.work, counts={**answer.work.counts, **counts}, seconds={**answer.work.seconds, **watch.seconds}),
-        settings={**answer.settings, "coarse_mesh": {**asdict(settings[0]), "dissipation": other.dissipation}},
-    )
-    if not apart > tolerance * answer.dissipation:
-        return found
-    share = f" ({apart / answer.dissipation:.2%}, for a tolerance of {tolerance:.2%})" if answer.dissipation else ""
-    elements = [f"{one.settings['element_size']:.3g}" for one in (other, answer)]
-    return _noted(
-        found,
-        f"the dissipation is uncertain by {apart:.3g} at least{share}: so far it is from that of a coarse mesh, with elements of "
-        f"{elements[0]} for {elements[1]} at the edges; make edge_element_size less",
-    )
-
-
-def _noted(answer: FiniteElementSolution, note: str) -> FiniteElementSolution:
-    """The answer with one note more."""
-    return replace(answer, record=replace(answer.record, notes=(*answer.record.notes, note)))
+        return _solve(scene_of(scene), mesh, settings, report, scales)
 
 
 def _solve(
@@ -290,6 +246,8 @@ def _solution(
     watch: _Watch,
 ) -> FiniteElementSolution:
     arrays = answer_arrays(scene, problem, run, scales)
+    apart = abs(float(np.max(arrays["pressure"])) - scales.largest_pressure)
+    uncertain = _uncertainty(scene, mesh, settings, scales, run, arrays)
     states = tuple(run.states[index] for index in run.kept)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     own: dict[str, Any] = {
@@ -300,12 +258,17 @@ def _solution(
         "normals": problem.interface.normals,
         "scales": scales,
         "penalty": audit,
+        "largest_pressure_uncertainty": apart * (1.5 if mesh.element_size > scales.element else 0.25),
     }
     grading = condensed[0].body.grading
+    tolerance = scene.tolerances.limit("dissipation") or 0.0
+    of_mesh = _notes(scene, mesh, run, arrays, grading.edge_size)
+    notes = (*refusals(problem.work), *of_mesh, *uncertainty_note(arrays["dissipation"], uncertain, tolerance))
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
-        record=record_of(run, scales, audit, (*refusals(problem.work), *_notes(scene, mesh, run, arrays, grading.edge_size))),
+        record=record_of(run, scales, audit, notes),
+        dissipation_uncertainty=uncertain,
         work=_work(scene, problem, run, condensed, watch.seconds),
         settings={
             "mesh": asdict(mesh),
@@ -320,6 +283,21 @@ def _solution(
         **arrays,
         **own,
     )
+
+
+def _uncertainty(
+    scene: Scene, mesh: MeshSettings, settings: SolverSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]
+) -> float:
+    """Of the dissipation [energy / thickness]: 0 where no shear can arise, NaN of a run that failed."""
+    if run.failure is not None:
+        return float("nan")
+    if not needs_shear(scene):
+        return 0.0
+    first = run.cycle_starts[-1] if run.cycle_starts else 0
+    steps = sum(energy.step_error for energy in run.energies[first:]) * scales.load**2 / scales.modulus
+    refinement = scales.element / (mesh.edge_element_size * max(mesh.upper_ratio, 1.0))
+    plain = mesh.order == 1 or settings.method == "penalty"
+    return steps + uncertainty(abs(arrays["dissipation"] - scales.dissipation), refinement, plain)
 
 
 def _notes(scene: Scene, mesh: MeshSettings, run: PathRun, arrays: Mapping[str, Any], element: float) -> tuple[str, ...]:

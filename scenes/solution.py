@@ -102,8 +102,8 @@ class ContactSolution:
         U = (A/pi) int M' ln(2 L/a) d eta
     dissipation_density : (n_points,) [energy / area], of the last whole cycle
     dissipation : energy per unit thickness, of the last whole cycle
-    dissipation_uncertainty : how far `dissipation` is from that of a coarse mesh, by which it is uncertain at least; NaN where no
-        such run was made
+    dissipation_uncertainty : of `dissipation`, by mesh and steps of finite elements [energy / thickness]; NaN where it is unknown,
+        as of other engines
     loop_work : closed integral of Q dU over the last whole cycle, between half-planes of like materials the second and
         independent way to the dissipation (of other bodies that of P dV, V the approach, comes to it);
         NaN where the last cycle does not end in the state it started from

@@ -705,7 +705,7 @@ def test_a_long_run_of_real_bodies_measures_no_uncertainty_unless_asked_and_says
     solved = semi_analytic.solve(tmp_path / "pad.toml")
     monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: solved)
     monkeypatch.setattr("reports.comparison.budget.climb", lambda *_: pytest.fail("a budget was measured"))
-    asked = ("run", "pad.toml", "--out", "out", "--no-coarse-mesh", "--json")
+    asked = ("run", "pad.toml", "--out", "out", "--json")
     for seconds, words, told in ((120.0, ["--no-budget"], False), (0.0, ["--no-budget"], False), (0.0, [], True)):
         monkeypatch.setattr("reports.cli.solving._LONG_FOR_A_BUDGET", seconds)
         done = halfplane(tmp_path, *asked, *words)

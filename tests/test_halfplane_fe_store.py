@@ -115,7 +115,7 @@ START: dict[type, dict[str, Any]] = {
 def of_setting(name: str) -> list[BodyMesh]:
     """The upper body cut with one mesh setting or the other."""
     start = MeshSettings(element_size=1 / 8, edge_element_size=1 / 20, far_radius=5.0, growth=0.5)
-    scales = Scales(half_width=1.0, inner=0.5, reach=1.0, load=1.0, modulus=1.0)
+    scales = Scales(half_width=1.0, inner=0.5, reach=1.0, load=1.0, modulus=1.0, element=0.1, dissipation=0.0, largest_pressure=1.0)
     settings = (start, replace(start, **{name: SETTINGS[name]}))
     return [meshed_pair(load_scene("hertz-paper"), mesh, partial(surface_grading, mesh, scales))[1] for mesh in settings]
 

@@ -69,18 +69,18 @@ def load_engines(stages: Stages) -> None:
             raise InputError(f"the engines can't be loaded: {reason}; `halfplane doctor` says what is missing") from reason
 
 
-def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages, *, coarse_mesh: bool = False) -> ContactSolution:
-    """The finite-element answer, with what its dissipation is uncertain by at least if a coarse mesh is wanted for that."""
+def solve_finite_elements(scene: Scene, options: FiniteElements, stages: Stages) -> ContactSolution:
+    """The finite-element answer; its cost is stated first where that is long."""
     import halfplane_fe
     from scenes import ConvergenceError, InputError
 
     mesh, settings = options.settings()
     with suppress(InputError, ConvergenceError):  # of theory: it is no reason to refuse finite elements
-        cost = cost_of(scene, mesh, settings, coarse_mesh=coarse_mesh)
+        cost = cost_of(scene, mesh, settings)
         if cost.seconds > LONG:
             stages.remark(f"finite elements: {cost} (an order of magnitude)")
     with stages.stage("finite elements") as report:
-        return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report, coarse_mesh=coarse_mesh)
+        return halfplane_fe.solve(scene, mesh=mesh, settings=settings, progress=report)
 
 
 # Of one increment, measured on one core of a 2026 server: 1 ms, and 15 ns for each pair of contact nodes; on one half where the
@@ -117,7 +117,7 @@ class Cost:
         return f"about {count:,} increments, {time}, {in_words(memory)} of memory"
 
 
-def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings, *, coarse_mesh: bool = False) -> Cost:
+def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     """What `halfplane_fe.solve` will take, from the steps of the path and the contact's size by half-plane theory.
 
     Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
@@ -154,7 +154,7 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings, *, coars
     nodes = 1.6 / spacing
     increments = halved + first + revolutions * again + (way + revolutions * travel) / (spacing * largest)
     each = _EACH + _PAIR * (nodes / 2) ** 2 if mirrored else 2 * (_EACH + _PAIR * nodes**2)
-    seconds = (_MESHES + increments * each) * (1.25 if coarse_mesh else 1.0)
+    seconds = _MESHES + increments * each
     straight = all(one.is_straight for one in (*path.initial_loading, *path.cycle))
     kept = min(increments, MOST_INSTANTS) if straight else increments
     return Cost(round(increments), seconds, _LIBRARIES + nodes * (_KEPT * kept + _PASSED * increments))
@@ -248,9 +248,6 @@ class RunOptions(FiniteElements):
         bool | None,
         Parameter(help="Measure where the difference comes from: coarser meshes, other far fields."),
     ] = None
-    coarse_mesh: Annotated[
-        bool, Parameter(help="Solve on a coarse mesh too: what that changes, the dissipation is uncertain by at least.")
-    ] = True
     vtu: Annotated[tuple[str, ...], several('Write both bodies for ParaView at these times, or at "events".')] = ()
     stress: Annotated[tuple[str, ...], several('Show von Mises stress on the page at these times, or at "events".')] = ()
     pdf: Annotated[bool, flag("Write report.pdf too; needs the extra halfplane[pdf].")] = False
@@ -263,6 +260,7 @@ class RunOptions(FiniteElements):
 
 
 _RUN = RunOptions()
+_FE = FiniteElements()
 
 
 def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
@@ -302,7 +300,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
             left_out = f"no uncertainty was measured: it would take about {float(f'{more:.1g}'):.0f} s more; --budget measures it"
             stages.remark(left_out)
         begun = time.process_time()
-        result = solve_finite_elements(scene, options, stages, coarse_mesh=options.coarse_mesh and not measured and not left_out)
+        result = solve_finite_elements(scene, options, stages)
         with _kept_if_interrupted(result):
             reference = solve_half_plane(scene, stages, result)
             # Of a thinned answer the steps are those of the path itself.
@@ -501,24 +499,9 @@ def exact(scene: SceneName, *, options: Output = _OUTPUT) -> int:
     return _alone("exact", scene, options, solve_half_plane)
 
 
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class AloneOptions(FiniteElements):
-    """How the finite elements are solved alone."""
-
-    coarse_mesh: Annotated[
-        bool, Parameter(help="Solve on a coarse mesh too: what that changes, the dissipation is uncertain by at least.")
-    ] = True
-
-
-_FE = AloneOptions()
-
-
-def fe(scene: SceneName, *, options: AloneOptions = _FE) -> int:
+def fe(scene: SceneName, *, options: FiniteElements = _FE) -> int:
     """Finite elements alone: summary and files; outside where a law of contact or an expected number is violated."""
-    return _alone(
-        "fe", scene, options, lambda scene, stages: solve_finite_elements(scene, options, stages, coarse_mesh=options.coarse_mesh)
-    )
+    return _alone("fe", scene, options, lambda scene, stages: solve_finite_elements(scene, options, stages))
 
 
 def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
@@ -581,7 +564,7 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     dissipation = or_none(solution.dissipation)
     if not np.isnan(apart):
         share = f" ({apart / solution.dissipation:.2%})" if solution.dissipation else ""
-        dissipation += f" ± at least {apart:.2g}{share}, the difference from a coarse mesh"
+        dissipation += f" ± {apart:.2g}{share}, by mesh and steps"
     # A path that does not repeat is one cycle.
     cycle = "of the whole path" if solution.scene.load.path().period is None else "of the last cycle"
     last = f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load}"

@@ -422,14 +422,14 @@ def how_judged(report: Report) -> str:
 
 
 def uncertain_work(comparison: Comparison) -> str:
-    """The result's dissipation with what it is uncertain by at least, in a sentence; empty where that was not looked for."""
+    """The result's dissipation with its uncertainty, in a sentence; empty where that is unknown."""
     found = comparison.result
     if math.isnan(found.dissipation_uncertainty):
         return ""
     share = f" ({percent(found.dissipation_uncertainty / found.dissipation, signed=False)})" if found.dissipation else ""
     return (
-        f"Dissipation of a cycle by {name_of(found.engine)}: {found.dissipation:.6g} {energy_unit(comparison.scene)} ± at least "
-        f"{found.dissipation_uncertainty:.2g}{share}: so far it is from that of a coarse mesh."
+        f"Dissipation of a cycle by {name_of(found.engine)}: {found.dissipation:.6g} {energy_unit(comparison.scene)} ± "
+        f"{found.dissipation_uncertainty:.2g}{share} by mesh and steps."
     )
 
 
