@@ -128,7 +128,8 @@ def scene_file(tmp_path: Path) -> str:
 def test_fe_says_so_in_words_and_in_json(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: unsettled())
+    found_before = unsettled()
+    monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: found_before)
     main(["fe", "hertz-paper", "--json", "--quiet", "--out", str(tmp_path / "out")])
     found = json.loads(capsys.readouterr().out)["result"]
     assert drift_note(unsettled()) in found["notes"]
