@@ -28,7 +28,8 @@ import skfem
 from claim import Row, table
 from numpy.typing import NDArray
 
-from halfplane_fe.elasticity import CondensedBody, condense, truncated_compliance
+from halfplane_fe.elasticity import CondensedBody, assemble, condense, factorise
+from halfplane_fe.far_field import surface_force_displacement
 from meshes import BodyMesh, SurfaceGrading, half_disc
 from scenes import Elastic
 
@@ -148,6 +149,24 @@ def solve(lower: Array, upper: Array, body: CondensedBody, materials: tuple[Elas
 
 
 # --------------------------------------------------------------------------------------------------------------- studies
+def truncated_compliance(body: BodyMesh, material: Elastic, datum_length: float, moments: int | None) -> Array:
+    """(2, n, 2, n) compliance with the displacement of the first `moments` of the nodal forces prescribed on the arc.
+
+    It is not made symmetric: the mean with its transpose would carry the error of the tangential
+    displacement, (a/L)^2, into the tractions.
+    """
+    system = assemble(body, material)
+    places, contact = system.basis.doflocs, system.contact.ravel()
+    young, nu = material.young_modulus, material.poisson_ratio
+    at_arc, forces = places[:, system.arc[0]], places[0, system.contact[0]]
+    moved = surface_force_displacement(*at_arc, forces, young, nu, datum_length, moments).reshape(system.arc.size, -1)
+    load = -(system.stiffness[:, system.arc.ravel()] @ moved)
+    load[contact] += np.eye(len(contact))
+    found = np.zeros_like(load)
+    found[system.free] = factorise(system.stiffness[system.free][:, system.free].tocsc()).solve(load[system.free])
+    return found[contact].reshape(*system.contact.shape, *system.contact.shape)
+
+
 @functools.cache
 def truncations(radii: tuple[float, ...] = RADII) -> dict[tuple[str, str, str, int], list[float]]:
     """(contact, pair, p or q, highest moment): L2 error at each of the radii against all moments on the same mesh."""

@@ -9,7 +9,7 @@ Taylor and Hood, and nothing locks at any nu < 1/2; below that the elements are 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -18,12 +18,12 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.linalg import LinAlgError, qr, solve_triangular
 from scipy.sparse.linalg import SuperLU, splu
 from skfem.helpers import ddot, div, sym_grad
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from halfplane_fe.far_field import arc_work, rigid_motions, surface_force_displacement
+from halfplane_fe.far_field import arc_work, rigid_motions
 from meshes import BodyMesh
 from scenes import ConvergenceError, Elastic, InputError, freeze
 
@@ -172,8 +172,6 @@ def surface_weights(basis: skfem.Basis, contact: Indices) -> Array:
     return np.asarray(along_x.assemble(facets))[contact[0]]
 
 
-Inside = Callable[[Array], Array]  # displacement of the contact and arc nodes -> that of all degrees of freedom (n_dofs,)
-
 # How far a compliance may be from that of its mesh under one load (`condensation_error`). Rounding leaves 1e-13; of a guided block
 # 1e4 times as high as wide 4e-8. With 1e-7 (free sides, 1e2 times as high) the contact iterations end nowhere.
 LARGEST_ERROR = 1e-6
@@ -192,7 +190,7 @@ class CondensedBody:
         symmetric [length per force per thickness]
     probe : (n_dofs,) of the whole body under the random load of `condensation_error`, which checks the compliance by it
     diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (`condensation_error`),
-        degrees_of_freedom, sparse_factorisations
+        degrees_of_freedom, sparse_factorisations (one for the order of elimination, one for each mode)
     """
 
     body: BodyMesh
@@ -210,61 +208,133 @@ class CondensedBody:
         return order_of(self.body.mesh)
 
 
-def _arc_displacement(system: System, material: Elastic, datum_length: float, moments: int | None = None) -> Array:
-    """(2 m, 2 n): displacement of the arc by unit forces on the contact nodes, half-plane theory."""
-    places, forces = system.basis.doflocs[:, system.arc[0]], system.basis.doflocs[0, system.contact[0]]
-    young, nu = material.young_modulus, material.poisson_ratio
-    kernel = surface_force_displacement(places[0], places[1], forces, young, nu, datum_length, moments)
-    return kernel.reshape(2 * places.shape[1], 2 * len(forces))
-
-
 def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> SuperLU:
     """Sparse factors of a stiffness that is symmetric, positive or quasi-definite [stress]: no pivoting, in the order asked for."""
     # Minimum degree on A + A^T is 5 times faster here than the default order.
     return splu(stiffness, permc_spec=ordering, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
-def _interface_stiffness(system: System) -> tuple[Array, Inside]:
-    """Schur complement: stiffness of the contact and arc nodes (2 n + 2 m), all others eliminated, and the way back to these.
+class _Mode(NamedTuple):
+    """Motions that are condensed by themselves: all of a body, or those of one parity of a body that is its own mirror image.
 
-    The kept nodes stand last in the order of elimination, so that their stiffness is the trailing block of the factors: three to
-    five times faster than solving for each unit force.
+    dofs : (k,) degrees of freedom that stand for themselves and for their mirror images
+    column, factor : (n_dofs,) which of them each one follows, and by how much, so that `motions` is orthonormal; 0 if it is at rest
     """
-    kept = np.concatenate([system.contact.ravel(), system.arc.ravel()])
-    stiffness = system.stiffness
-    inner = np.setdiff1d(system.free, system.contact.ravel())
-    inner_factors = factorise(stiffness[inner][:, inner].tocsc())
-    order = np.concatenate([inner[np.argsort(inner_factors.perm_c)], kept])
-    # A half-disc floats: stiffening the arc, eliminated last of all, keeps its pivots off zero.
-    stiffer = np.zeros(stiffness.shape[0])
-    stiffer[system.arc.ravel()] = stiffness.diagonal().max()
-    factors = factorise((stiffness + sparse.diags(stiffer))[order][:, order].tocsc(), "NATURAL")
+
+    dofs: Indices
+    column: Indices
+    factor: Array
+
+    @property
+    def motions(self) -> sparse.csr_matrix:
+        """(n_dofs, k) displacement of the body by each of `dofs`."""
+        n = len(self.column)
+        return sparse.csr_matrix((self.factor, self.column, np.arange(n + 1)), shape=(n, len(self.dofs)))
+
+
+def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
+    """Elements of the part x >= 0 and the modes of a body that is its own mirror image to the last bit; else all, and one mode.
+
+    In the symmetric mode u_x is odd in x, u_y and the pressure even; in the antisymmetric one the other way round. The two have no
+    energy in common, so that each has a stiffness of its own: twice that of the part x >= 0 in the mode's motions.
+    """
+    mesh, every, image = system.basis.mesh, np.arange(system.n_dofs), _mirror_images(system)
+    right = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
+    if image is None or 2 * len(right) != mesh.nelements:
+        return np.arange(mesh.nelements), (_Mode(every, every, np.ones(len(every))),)
+    here = mesh.p[0, _nodes_of_dofs(system)] >= 0
+    parity = np.ones(len(every))
+    parity[_node_dofs(system.basis)[0]] = -1.0
+    modes = []
+    for sign in (parity, -parity):
+        factor = np.where(image == every, (1 + sign) / 2, np.sqrt(0.5) * np.where(here, 1.0, sign))
+        dofs = np.flatnonzero(here & (factor != 0))
+        column = np.zeros_like(every)
+        column[dofs] = column[image[dofs]] = np.arange(len(dofs))
+        modes.append(_Mode(dofs, column, factor))
+    return right, tuple(modes)
+
+
+def _node_dofs(basis: skfem.Basis) -> Indices:
+    """(2, n_nodes) degrees of freedom of the displacement (x, y) of each node of the mesh."""
+    return np.hstack([dofs for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs) if dofs.size])
+
+
+def _nodes_of_dofs(system: System) -> Indices:
+    """(n_dofs,) node of each degree of freedom; those of r belong to the corners, which come first."""
+    node = np.concatenate([np.zeros(system.basis.N, dtype=np.int64), np.arange(system.n_dofs - system.basis.N)])
+    dofs = _node_dofs(system.basis)
+    node[dofs] = np.arange(dofs.shape[1])
+    return node
+
+
+def _mirror_images(system: System) -> Indices | None:
+    """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports are not mirror images."""
+    basis = system.basis
+    places, dofs = basis.mesh.p, _node_dofs(basis)
+    left, right = np.lexsort((places[1], places[0])), np.lexsort((places[1], -places[0]))
+    if places.shape[1] != dofs.shape[1] or not np.array_equal(places[:, left] * [[-1.0], [1.0]], places[:, right]):
+        return None
+    of_nodes = np.empty_like(left)
+    of_nodes[left] = right
+    image = np.concatenate([np.empty(basis.N, dtype=np.int64), basis.N + of_nodes[: system.n_dofs - basis.N]])
+    image[dofs] = dofs[:, of_nodes]
+
+    def as_sets(table: Indices) -> Indices:
+        rows = np.sort(table, axis=0)
+        return rows[:, np.lexsort(rows)]
+
+    alike = (as_sets(table) for table in (basis.element_dofs, system.contact, system.arc, system.held[None]))
+    mirrored = (as_sets(image[table]) for table in (basis.element_dofs, system.contact, system.arc, system.held[None]))
+    return image if all(np.array_equal(one, other) for one, other in zip(alike, mirrored, strict=True)) else None
+
+
+def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
+    """(n_dofs,) rank of each degree of freedom in an order of elimination that leaves the factors sparse: node by node.
+
+    That of the stiffness of the inner nodes along x alone: a quarter of the work of ordering all degrees of freedom.
+    """
+    along_x = _node_dofs(system.basis)[0]
+    present = np.flatnonzero(stiffness.diagonal()[along_x])
+    inner = present[~np.isin(along_x[present], np.concatenate([system.contact[0], system.arc[0]]))]
+    ranks = np.full(len(along_x), len(along_x))  # r of the contact comes last: first of all, it would fill the factors
+    if len(inner):
+        ranks[inner] = factorise(stiffness[along_x[inner]][:, along_x[inner]].tocsc()).perm_c
+    return ranks[_nodes_of_dofs(system)]
+
+
+def _condensed_mode(
+    system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads, probing: Array
+) -> tuple[Array, Array]:
+    """The compliance of a mode (k, k) by its own degrees of freedom of the contact, and its displacement (n_dofs,) under `probing`.
+
+    The nodes of arc and contact stand last in the order of elimination, so that their stiffness is that of the trailing block of
+    the factors L D L^T: three to five times faster than solving for each unit force. With B the loads on the arc the compliance is
+    (L^-1 [B; 1])^T D^-1 (L^-1 [B; 1]), and that of the half-plane around it is taken off.
+    """
+    contact, around = (np.flatnonzero(np.isin(mode.dofs, dofs)) for dofs in (system.contact, system.arc))
+    held = np.flatnonzero(np.isin(mode.dofs, system.held))
+    motions = mode.motions
+    if len(around):
+        # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid motions changes nothing.
+        rigid = motions[: system.basis.N, around].T @ rigid_motions(system.basis)
+        _, triangle, first = qr(rigid.T, mode="economic", pivoting=True)
+        n_rigid = np.count_nonzero(np.abs(triangle.diagonal()) > 1e-6 * np.abs(triangle[0, 0]))
+        held, around = around[first[:n_rigid]], np.sort(around[first[n_rigid:]])
+    inner = np.setdiff1d(np.arange(len(mode.dofs)), np.concatenate([held, around, contact]))
+    order = np.concatenate([inner[np.argsort(ranks[mode.dofs[inner]], kind="stable")], around, contact])
+    factors = factorise(stiffness[order][:, order].tocsc(), "NATURAL")
     last = slice(len(inner), None)
-    found = factors.L[last, last].toarray() @ factors.U[last, last].toarray() - np.diag(stiffer[kept])
-
-    def inside(displacement: Array) -> Array:
-        whole = np.zeros(stiffness.shape[0])
-        whole[kept] = displacement
-        whole[inner] = inner_factors.solve(-(stiffness[inner] @ whole))
-        return whole
-
-    return (found + found.T) / 2, inside
-
-
-def _compliance(system: System, stiffness: Array, arc: ArcLoads, probing: Array) -> tuple[Array, Array]:
-    """(2 n, 2 n): displacement of the contact nodes by unit forces on them; the arc carries the half-plane's tractions.
-
-    And the displacement of contact and arc nodes by the forces `probing` (2 n,).
-    """
-    if not system.arc.size:
-        compliance = cho_solve(cho_factor(stiffness), np.eye(len(stiffness)))
-        return compliance, compliance @ probing
-    loads = np.vstack([np.eye(system.contact.size), arc.by_nodes])
-    # The loads balance, so that holding the body in its three rigid motions changes nothing.
-    rigid, _ = np.linalg.qr(rigid_motions(system.basis)[np.concatenate([system.contact.ravel(), system.arc.ravel()])])
-    held = stiffness + np.abs(stiffness).max() * rigid @ rigid.T
-    displacements = cho_solve(cho_factor(held, overwrite_a=True), loads)
-    return loads.T @ displacements - arc.by_half_plane, displacements @ probing
+    lower, pivots = factors.L[last, last].toarray(), factors.U.diagonal()[last]
+    if not pivots.min() > 0:
+        raise LinAlgError("a stiffness of the contact nodes is not positive")
+    by_contact, by_arc = motions[system.contact.ravel()][:, contact], motions[system.arc.ravel()][:, around]
+    loads = np.vstack([by_arc.T @ (arc.by_nodes @ by_contact), np.eye(len(contact))])
+    root = solve_triangular(lower, loads, lower=True, unit_diagonal=True) / np.sqrt(pivots)[:, None]
+    compliance = root.T @ root - (arc.tractions @ by_contact).T @ (arc.displacements @ by_contact)
+    whole = np.zeros(len(order))
+    whole[last] = loads @ (by_contact.T @ probing)
+    return compliance, motions[:, order] @ factors.solve(whole)
 
 
 def _probing_forces(system: System) -> Array:
@@ -297,32 +367,38 @@ def condensation_error(system: System, arc: ArcLoads, compliance: Array, probe: 
     unbalanced = system.internal_forces(probe) - load
     held = np.setdiff1d(system.held, contact)  # contact nodes are free, at the corners of guided sides too
     unbalanced[held] = 0.0  # what the supports carry
-    moved = probe[contact] + arc.by_nodes.T @ probe[around] - arc.by_half_plane @ forces
+    moved = arc.contact_displacement(probe[contact], probe[around], forces)
     flat = compliance.reshape(len(forces), -1)
     apart = {
         "forces": np.abs(unbalanced).max() / np.abs(forces).max(),
         "supports": np.abs(probe[held]).max(initial=0.0) / np.abs(moved).max(),
         "contact nodes": np.abs(flat @ forces - moved).max() / np.abs(moved).max(),
-        "reciprocity": np.abs(flat - flat.T).max() / np.abs(flat).max(),
+        "reciprocity": (flat - flat.T).max() / max(flat.max(), -flat.min()),
     }
-    return float(max(apart.values()))
+    return float(np.max(list(apart.values())))
 
 
 class ArcLoads(NamedTuple):
-    """Work of the half-plane's tractions on the arc by unit forces on the contact nodes, see `far_field.arc_work`.
+    """The half-plane's tractions on the arc by unit forces on the contact nodes, see `far_field.arc_work`.
 
-    `by_nodes` (2 m, 2 n) on the nodes of the arc, `by_half_plane` (2 n, 2 n); zeros for a body without an arc.
+    `by_nodes` (2 m, 2 n) their work on the nodes of the arc; `tractions` and `displacements` (k, 2 n) of the half-plane at points
+    of the arc, whose product is their work in the half-plane's own displacement; zeros, and none, for a body without an arc.
     """
 
     by_nodes: Array
-    by_half_plane: Array
+    tractions: Array
+    displacements: Array
+
+    def contact_displacement(self, contact: Array, around: Array, forces: Array) -> Array:
+        """(2 n, ...) of the contact nodes under `forces` (2 n, ...), whatever rigid motion those of contact and arc nodes have."""
+        return np.asarray(contact + self.by_nodes.T @ around - self.tractions.T @ (self.displacements @ forces))
 
 
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Those of the body; `datum_length` as of `condense` [length]."""
     facets = np.concatenate([np.empty(0, dtype=np.int64), *(system.basis.mesh.boundaries[name] for name in system.around)])
     found = arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], system.material, datum_length)
-    return ArcLoads(found[0][system.arc.ravel()], found[1])
+    return ArcLoads(found[0][system.arc.ravel()], *found[1:])
 
 
 def _rigid_part(system: System, displacement: Array) -> Array:
@@ -331,24 +407,11 @@ def _rigid_part(system: System, displacement: Array) -> Array:
     return motions @ np.linalg.lstsq(motions[system.contact.ravel()], displacement, rcond=None)[0]
 
 
-def truncated_compliance(body: BodyMesh, material: Elastic, datum_length: float, moments: int | None) -> Array:
-    """(2, n, 2, n) compliance with the displacement of the first `moments` of the nodal forces prescribed on the arc: for studies.
-
-    It is not made symmetric: the mean with its transpose would carry the error of the tangential
-    displacement, (a/L)^2, into the tractions.
-    """
-    system = assemble(body, material)
-    stiffness, n = _interface_stiffness(system)[0], system.contact.shape[1]
-    by_contact, by_arc = stiffness[: 2 * n, : 2 * n], stiffness[: 2 * n, 2 * n :]
-    # f = S_cc u_c + S_ca u_a with u_a = G f, hence u_c = S_cc^-1 (1 - S_ca G) f.
-    right = np.eye(2 * n) - by_arc @ _arc_displacement(system, material, datum_length, moments)
-    return cho_solve(cho_factor(by_contact), right).reshape(2, n, 2, n)
-
-
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
     """Static condensation of a body to its contact nodes; the arc of a half-disc carries the half-plane's tractions.
 
     With i the inner and c the contact nodes: stiffness S = K_cc - K_ci K_ii^-1 K_ic (Schur complement), compliance S^-1.
+    A body that is its own mirror image is condensed on one half, in a symmetric and an antisymmetric mode (`_modes`).
 
     Parameters
     ----------
@@ -372,21 +435,29 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     [1.5, 1.5]
     """
     system = assemble(body, material)
-    stiffness, inside = _interface_stiffness(system)
-    arc = arc_loads(system, datum_length)
+    arc, probing = arc_loads(system, datum_length), _probing_forces(system)
+    elements, modes = _modes(system)
+    stiffness = len(modes) * _stiffness(system.basis.with_elements(elements), material, system.order)
+    ranks = _elimination_ranks(system, stiffness)
+    flat, probe, asymmetry = np.zeros((len(probing), len(probing))), np.zeros(system.n_dofs), 0.0
     try:
-        compliance, probed = _compliance(system, stiffness, arc, _probing_forces(system))
+        for mode in modes:
+            own, moved = _condensed_mode(system, mode, mode.motions.T @ stiffness @ mode.motions, ranks, arc, probing)
+            asymmetry = max(asymmetry, float((own - own.T).max() / np.abs(own).max()))
+            nodes = system.contact.ravel()
+            column, factor = np.unique(mode.column[nodes], return_inverse=True)[1], mode.factor[nodes]
+            flat += factor[:, None] * (own + own.T)[np.ix_(column, column)] * (factor / 2)
+            probe += moved
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
-    asymmetry = float(np.abs(compliance - compliance.T).max() / np.abs(compliance).max())
-    compliance, probe = (compliance + compliance.T).reshape(*system.contact.shape, *system.contact.shape) / 2, inside(probed)
+    compliance = flat.reshape(*system.contact.shape, *system.contact.shape)
     residual = condensation_error(system, arc, compliance, probe)
     if not residual <= LARGEST_ERROR:
         raise ConvergenceError(
             f"condensation: rounding leaves a compliance that differs from that of the mesh by {residual:.1e}: the body is too "
             "slender for its contact, or some of its elements are too thin"
         )
-    figures = {"asymmetry": asymmetry, "residual": residual, "sparse_factorisations": 2.0}
+    figures = {"asymmetry": asymmetry, "residual": residual, "sparse_factorisations": 1.0 + len(modes)}
     return condensed_body(body, system, compliance, probe, figures)
 
 
@@ -422,14 +493,16 @@ def displacement_fields(condensed: CondensedBody, forces: Array, datum_length: f
     cases = forces.reshape(-1, forces.shape[-1])
     load = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     load[system.contact.ravel()] = cases
-    load[system.arc.ravel()] += arc_loads(system, datum_length).by_nodes @ cases
+    arc = arc_loads(system, datum_length)
+    load[system.arc.ravel()] += arc.by_nodes @ cases
     # The ends of the arc hold a half-disc without a force, since the loads balance.
     free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, system.arc[:, :1].ravel(), system.arc[1, -1:]]))
     displacements = np.zeros_like(load)
     displacements[free] = factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
     if system.arc.size:
-        flat = condensed.compliance.reshape(len(cases), -1)
-        displacements[: system.basis.N] += _rigid_part(system, flat @ cases - displacements[system.contact.ravel()])
+        moved = displacements[system.contact.ravel()]
+        found = arc.contact_displacement(moved, displacements[system.arc.ravel()], cases)
+        displacements[: system.basis.N] += _rigid_part(system, found - moved)
     n_u, shear_modulus = system.basis.N, split_lame(condensed.material, condensed.order)[2]
     tension = np.zeros((system.basis.nodal_dofs.shape[1], forces.shape[-1]))
     if len(displacements) > n_u:

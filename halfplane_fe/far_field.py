@@ -113,7 +113,9 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     return np.einsum("inm,jnm,nm->injm", radius, radius, factor)
 
 
-def arc_work(basis: skfem.Basis, facets: NDArray, force_at: Array, material: Elastic, datum_length: float) -> tuple[Array, Array]:
+def arc_work(
+    basis: skfem.Basis, facets: NDArray, force_at: Array, material: Elastic, datum_length: float
+) -> tuple[Array, Array, Array]:
     """Work of the half-plane's tractions on the arc by unit forces on the contact nodes.
 
     Parameters
@@ -124,10 +126,11 @@ def arc_work(basis: skfem.Basis, facets: NDArray, force_at: Array, material: Ela
     Returns
     -------
     by_nodes : (basis.N, 2 m) per unit displacement of each node of the body
-    by_half_plane : (2 m, 2 m) in the half-plane's own displacement by unit forces [length per force per thickness]
+    tractions, displacements : (k, 2 m) of the half-plane along x and y at the points of the arc, tractions times their share of
+        its length; the product of the one, transposed, and the other is the work in the half-plane's own displacement
     """
     if not len(facets):
-        return np.zeros((basis.N, 2 * len(force_at))), np.zeros((2 * len(force_at), 2 * len(force_at)))
+        return np.zeros((basis.N, 2 * len(force_at))), *np.zeros((2, 0, 2 * len(force_at)))
     edge = skfem.FacetBasis(basis.mesh, basis.elem, facets=facets, intorder=_ARC_ORDER)
     x, y = np.asarray(edge.global_coordinates()).reshape(2, -1)
     normal, length = np.asarray(edge.normals).reshape(2, -1), edge.dx.ravel()
@@ -139,8 +142,7 @@ def arc_work(basis: skfem.Basis, facets: NDArray, force_at: Array, material: Ela
         value = np.asarray(edge.basis[function][0])
         work = np.einsum("ieq,ieqm->em", value, forces.reshape(*value.shape, -1), optimize=True)
         np.add.at(by_nodes, edge.element_dofs[function], work)
-    by_half_plane = np.tensordot(forces, displacement, axes=([0, 1], [0, 1]))
-    return by_nodes, by_half_plane
+    return by_nodes, forces.reshape(2 * len(x), -1), displacement.reshape(2 * len(x), -1)
 
 
 def rigid_motions(basis: skfem.Basis) -> Array:

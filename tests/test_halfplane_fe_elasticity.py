@@ -189,6 +189,65 @@ def test_arc_holds_the_nodal_forces_and_fields_are_those_of_the_compliance():
         np.testing.assert_allclose(found[ordered], by_compliance, atol=3e-6 * np.abs(by_compliance).max())
 
 
+def halves(kind):
+    """Meshes, materials and how many modes they have: bodies that are their own mirror image, and others."""
+    rubber = Elastic(young_modulus=2.0, poisson_ratio=0.4999)
+    if kind == "a node moved":
+        mesh = body(8).mesh
+        places = mesh.doflocs.copy()
+        places[0, np.argmin(np.hypot(places[0] - 0.5, places[1] + 2))] += 1e-15
+        return dataclasses.replace(body(8), mesh=dataclasses.replace(mesh, doflocs=places)), STEEL, 1
+    if kind == "one side held":
+        mesh = block("fixed", "free", 2, "triangles").mesh
+        left = mesh.facets_satisfying(lambda x: x[0] < -WIDTH / 2 + 1e-9)
+        names = mesh.boundaries | {"left": left}
+        return (
+            dataclasses.replace(
+                block("fixed", "free", 2, "triangles"),
+                mesh=mesh.with_boundaries(names),
+                supports={"base": "fixed", "left": "guided"},
+            ),
+            STEEL,
+            1,
+        )
+    if kind == "half-disc":
+        return body(8), STEEL, 2
+    if kind == "incompressible half-disc":
+        return body(8), rubber, 2
+    base, sides, order, cells = kind.split(", ")
+    return block(base, sides, int(order), cells), rubber if order == "2" else STEEL, 2
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "half-disc",
+        "incompressible half-disc",
+        "a node moved",
+        "one side held",
+        "rollers, free, 2, triangles",
+        "fixed, free, 2, quadrilaterals",
+        "rollers, guided, 1, triangles",
+        "fixed, guided, 1, quadrilaterals",
+    ],
+)
+def test_both_modes_of_a_half_give_the_compliance_of_the_whole(kind, monkeypatch):
+    """A body that is its own mirror image to the last bit is condensed on x >= 0; the answer is that of all its elements."""
+    mesh, material, modes = halves(kind)
+    by_half = condense(mesh, material, DATUM)
+    assert by_half.diagnostics["sparse_factorisations"] == 1 + modes
+    monkeypatch.setattr(elasticity, "_mirror_images", lambda _: None)
+    whole = condense(mesh, material, DATUM)
+    assert whole.diagnostics["sparse_factorisations"] == 2
+    np.testing.assert_allclose(by_half.compliance, whole.compliance, rtol=0, atol=2e-12 * np.abs(whole.compliance).max())
+    free = by_half.probe - whole.probe  # but for a rigid motion of a half-disc, which the loads on its arc do not see
+    basis = elasticity.assemble(mesh, material).basis
+    if "far_field" in mesh.supports:
+        rigid = elasticity.rigid_motions(basis)
+        free[: basis.N] -= rigid @ np.linalg.lstsq(rigid, free[: basis.N], rcond=None)[0]
+    np.testing.assert_allclose(free[: basis.N], 0.0, rtol=0, atol=2e-11 * np.abs(whole.probe[: basis.N]).max())
+
+
 def test_other_datum_is_a_rigid_translation_and_a_softer_body_moves_in_proportion():
     """The arc moved as a whole moves the body as a whole, by 2 (1 - nu^2)/(pi E) ln 2 for each unit of force along it."""
     change = condensed(datum=2 * DATUM).compliance - condensed().compliance
