@@ -7,7 +7,7 @@ Normal approach and tangential displacement of half-planes are counted from the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -59,8 +59,7 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
     every = visible_states(run.states, run.cycle_starts, problem.friction)
     seen = every[kept]
-    edges = np.array([_edges(problem, state, visible) for state, visible in zip(states, seen, strict=True)])
-    edges *= scales.half_width
+    edges = {name: found * scales.half_width for name, found in _edges(problem, states, seen).items()}
     forces = {name: np.array([getattr(s, name) for s in states]) * scales.load for name in ("pressure", "shear")}
     elastic_slip = np.array([problem.layer.tangential * s.shear for s in states]) * displacement
     per_step = {
@@ -77,12 +76,9 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "shear": freeze(forces["shear"] / weights),
         "slip": freeze(np.array([s.slip for s in states]) * displacement + elastic_slip),
         "state": freeze(seen, np.int8),
-        "contact_edges": freeze(edges[:, 0]),
-        "stick_edges": freeze(edges[:, 1]),
-        "contact_edge_uncertainty": freeze(edges[:, 2]),
-        "stick_edge_uncertainty": freeze(edges[:, 3]),
-        "contact_half_width": freeze(np.diff(edges[:, 0])[:, 0] / 2),
-        "stick_half_width": freeze(np.diff(edges[:, 1])[:, 0] / 2),
+        **{name: freeze(found) for name, found in edges.items()},
+        "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
+        "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
         "dissipation_density": freeze(densities[-1] / weights if len(densities) else np.zeros_like(weights)),
         "dissipation": float(densities[-1].sum()) if len(densities) else float("nan"),
         "cycle_dissipation": freeze(densities.sum(axis=1)),
@@ -99,24 +95,26 @@ def _loop_work(scene: Scene, run: PathRun) -> float:
     return sum(energy.loop for energy in run.energies[run.cycle_starts[-1] :])
 
 
-def _edges(problem: ContactProblem, state: InterfaceState, visible: States) -> tuple[tuple[float, float], ...]:
-    """Contact edges, stick edges, and the uncertainty of either."""
-    x, closed = problem.interface.x, state.closed
-    if not state.normal_load > 0:
-        touching = (float(x[closed].min()), float(x[closed].max())) if closed.any() else (0.0, 0.0)
-        return touching, touching, (0.0, 0.0), (0.0, 0.0)
-    gap = state.gap  # open nodes carry nothing, so the layer does not count there
-    pressure, shear = state.pressure / problem.interface.weights, state.shear / problem.interface.weights
+def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: States) -> dict[str, Array]:
+    """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2); without load the nodes that touch, or 0."""
+    x, weights = problem.interface.x, problem.interface.weights
+    pressure, shear, gap, law = (np.array([getattr(s, name) for s in states]) for name in ("pressure", "shear", "gap", "state"))
+    pressure, shear, closed, stick = pressure / weights, shear / weights, law != OPEN, seen == STICK
+    # The gap of open nodes, which carry nothing, so that the layer does not count there.
     contact = contact_edges(x, pressure, gap, closed, 1.0)
-    stick = visible == STICK
     edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear)
     of_contact = contact_uncertainty(x, pressure, closed, contact)
-    return (
-        contact,
-        edges,
-        of_contact,
-        stick_uncertainty(x, (stick, state.state == STICK), closed, contact, edges, of_contact),
-    )
+    of_stick = stick_uncertainty(x, (stick, law == STICK), closed, contact, edges, of_contact)
+    for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
+        touching = x[closed[row]]
+        contact[row] = edges[row] = (touching.min(), touching.max()) if len(touching) else (0.0, 0.0)
+        of_contact[row] = of_stick[row] = 0.0
+    return {
+        "contact_edges": contact,
+        "stick_edges": edges,
+        "contact_edge_uncertainty": of_contact,
+        "stick_edge_uncertainty": of_stick,
+    }
 
 
 def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States) -> float:
@@ -131,8 +129,8 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
         return float("nan")
     x = problem.interface.x
     ever_closed = np.any(seen[inside] != OPEN, axis=0)
-    left, right = stick_edges(x, always, ever_closed, (float(x[always].min()), float(x[always].max())))
-    return (right - left) / 2
+    ((left, right),) = stick_edges(x, always[None], ever_closed[None], np.array([[x[always].min(), x[always].max()]]))
+    return float(right - left) / 2
 
 
 def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()) -> Record:

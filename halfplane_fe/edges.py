@@ -1,56 +1,62 @@
-"""Contact and stick edges from nodal answers."""
+"""Contact and stick edges of many instants at once, from nodal answers.
+
+Arrays are (k, n): k instants, n nodes at ascending x. Edges and their uncertainties are (k, 2), left and right.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+# Share of the distance of two nodes by which an edge between them is uncertain whatever the fit says: the shape functions of
+# quadratic elements know no square root. Measured on hertz-paper, cattaneo-mindlin and flat-rounded-paper: 0.26 at most.
+_SHARE = 0.3
+# The same of a fitted stick edge, whose straight line is a chord: on elements of a/60 that costs flat-rounded-paper so much.
+_FITTED_SHARE = 0.5
+# Nodes that the second estimate of the contact edge takes, counted from the last closed one.
+_EXTRAPOLATED = 5
+# Nodes of a slip zone below which it may be none at all.
+_UNRESOLVED = 4
+# Nodes inside the stick zone that the two fits take, counted from its last one, which the singularity spoils.
+_FITTED = (7, 4)
+# Elements by which two fits of a stick edge may differ.
+_AGREE = 0.1
 
 
-def contact_edge(pressed_at: float, pressure: float, open_at: float, gap: float, modulus: float) -> float:
-    r"""Edge between the last closed and the first open node, from the form that every smooth edge has.
+def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:
+    r"""Ends of the contact, from the form that every smooth edge has; NaN without contact.
 
     With d the distance from the edge and one unknown factor beta, p = (E*/2) beta sqrt(d) inside, g = (2/3) beta d^(3/2) outside;
-    the two nodes give beta and the edge.
+    the last closed and the first open node give beta and the edge. With t the share of the open node in their distance s that is
+    t^3 + c t = c, c = (3 E* g/(4 p s))^2. The outermost node itself where no open node follows.
 
     Parameters
     ----------
-    pressed_at, open_at : places of the two nodes [length]
-    pressure, gap : pressure of the first [stress], gap of the second [length]; both >= 0
+    x : (n,) nodes in ascending order [length]
+    pressure, gap, closed : (k, n); pressure of the closed nodes [stress], gap of the open ones [length], both >= 0
     modulus : E* [stress]
     """
-    span = open_at - pressed_at
-    if pressure <= 0 or gap <= 0:
-        return pressed_at if pressure <= 0 else open_at
-
-    def mismatch(inside: float) -> float:  # grows with the share `inside` of the closed node
-        return pressure * 4 / (3 * modulus) * (abs(span) * (1 - inside)) ** 1.5 - gap * (abs(span) * inside) ** 0.5
-
-    return pressed_at + span * float(brentq(mismatch, 0.0, 1.0, xtol=1e-14))
-
-
-def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> tuple[float, float]:
-    """Left and right end of the contact; the outermost node itself where no open node follows.
-
-    Parameters
-    ----------
-    x, pressure, gap, closed : (n,) nodes in ascending order
-    """
-    inside = np.flatnonzero(closed)
-    edges = []
-    for last, step in ((int(inside[0]), -1), (int(inside[-1]), 1)):
-        following = last + step
-        if not 0 <= following < len(x):
-            edges.append(float(x[last]))
-            continue
-        edges.append(contact_edge(x[last], pressure[last], x[following], gap[following], modulus))
-    return edges[0], edges[1]
+    edges = np.empty((len(closed), 2))
+    for side, sign, x_out, (p, g, inside) in _sides(x, pressure, gap, closed):
+        last = _last(inside)
+        following = np.minimum(last + 1, len(x) - 1)
+        span, at_last, beyond = x_out[following] - x_out[last], _pick(p, last), _pick(g, following)
+        plain = (span > 0) & (at_last > 0) & (beyond > 0)
+        c = (3 * modulus * beyond[plain] / (4 * at_last[plain] * span[plain])) ** 2
+        share = np.where(at_last > 0, 0.0, 1.0)
+        share[plain] = 2 * np.sqrt(c / 3) * np.sinh(np.arcsinh(1.5 * np.sqrt(3 / c)) / 3)
+        edges[:, side] = sign * (x_out[last] + span * (1 - share))
+    edges[~closed.any(axis=1)] = np.nan
+    return edges
 
 
-def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: tuple[float, float]) -> tuple[float, float]:
+def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: Array) -> Array:
     """How far each contact edge may be from the true one, by the mesh.
 
     A share of the distance of the nodes around it, and how far the edge is from another estimate: the zero of a straight line
@@ -58,63 +64,55 @@ def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: tuple[
 
     Parameters
     ----------
-    x, pressure, closed : (n,) nodes in ascending order
-    contact : left and right end of the contact
+    x, pressure, closed : as of `contact_edges`
+    contact : (k, 2) ends of the contact
     """
-    inside = np.flatnonzero(closed)
-    if len(inside) <= len(_EXTRAPOLATED):
-        return (contact[1] - contact[0],) * 2
-    found = []
-    for last, step, edge in ((int(inside[0]), -1, contact[0]), (int(inside[-1]), 1, contact[1])):
-        nodes = last - step * _EXTRAPOLATED
-        slope, value = np.polyfit(step * (x[nodes] - x[last]), pressure[nodes] ** 2, 1)
-        other = x[last] - step * value / slope if slope < 0 else x[nodes[-1]]
-        found.append(_SHARE * _spacing(x, last) + min(abs(float(other) - edge), abs(x[nodes[-1]] - edge)))
-    return found[0], found[1]
+    found = np.repeat(contact[:, 1:] - contact[:, :1], 2, axis=1)
+    many = np.flatnonzero(np.count_nonzero(closed, axis=1) > _EXTRAPOLATED)
+    for side, sign, x_out, (p, inside) in _sides(x, pressure[many], closed[many]):
+        last = _last(inside)
+        edge, farthest = sign * contact[many, side], x_out[last - _EXTRAPOLATED]
+        zero = _zero_of_squares(x_out, p, last, _EXTRAPOLATED)
+        other = np.where(np.isnan(zero), farthest, zero)
+        found[many, side] = _SHARE * _spacing(x_out, last) + np.minimum(np.abs(other - edge), np.abs(farthest - edge))
+    return found
 
 
 def stick_edges(
-    x: Array, stick: Mask, closed: Mask, contact: tuple[float, float], limit: Array | None = None, shear: Array | None = None
-) -> tuple[float, float]:
-    """Left and right end of the stick zone; the contact edges where the whole contact sticks, NaN where nothing does.
+    x: Array, stick: Mask, closed: Mask, contact: Array, limit: Array | None = None, shear: Array | None = None
+) -> Array:
+    """Ends of the stick zone; the contact edges where the whole contact sticks, NaN where nothing does.
 
     By node status the edge lies half-way between the last node of the stick zone and the first one of the slip zone: on each side
     of the middle of the contact where the fewest nodes are on the wrong side of it (a node that has just come to touch sticks at
     the rim of the slip zone, and a single one may slide at the rim of a contact that sticks). Where `limit` (f p) and `shear` are
-    given, the edge is fitted where it can be, see `fitted_stick_edge`.
+    given, the edge is fitted where it can be: towards it the shear inside falls off the limit as the square root of the distance.
 
     Parameters
     ----------
-    x, stick, closed : (n,) nodes in ascending order and what they do
-    contact : left and right end of the contact
-    limit, shear : (n,) f p and q [stress]
+    x, closed, contact : as of `contact_uncertainty`
+    stick : (k, n) nodes that stick
+    limit, shear : (k, n) f p and q [stress]
     """
-    edges = []
-    for side, step, end in _halves(x, closed, contact):
-        n_stick = _fewest_wrong(stick[side])
-        if n_stick == 0 and len(side):
-            return float("nan"), float("nan")
-        if n_stick == len(side):
-            edges.append(end)
-            continue
-        last = int(side[n_stick - 1])
-        by_status = float(x[last] + x[last + step]) / 2
-        fitted = None
-        if limit is not None and shear is not None and n_stick > _FITTED.max():
-            fitted = fitted_stick_edge(x, limit - np.sign(shear[last + step]) * shear, last, step)
-        outside = fitted is not None and step * (fitted - end) > 0  # nothing sticks beyond the contact: a fit gone wrong
-        edges.append(by_status if fitted is None or outside else fitted)
-    return edges[0], edges[1]
+    edges, nothing = np.empty((len(closed), 2)), np.zeros(len(closed), dtype=bool)
+    tractions = () if limit is None or shear is None else (limit, shear)
+    for side, sign, x_out, (sticks, inside, *limit_and_shear) in _sides(x, stick, closed, *tractions):
+        half, end = _half(x_out, inside, sign), sign * contact[:, side]
+        last, n_stick, n_half = _last_sticking(sticks, half)
+        nothing |= (n_stick == 0) & (n_half > 0)
+        found = (x_out[last] + x_out[np.minimum(last + 1, len(x) - 1)]) / 2
+        row = np.flatnonzero((n_stick > _FITTED[0]) & (n_stick < n_half))
+        if limit_and_shear and len(row):
+            top, q = (values[row] for values in limit_and_shear)
+            fitted, good = _fitted_stick_edge(x_out, top - np.sign(_pick(q, last[row] + 1))[:, None] * q, last[row])
+            good &= fitted <= end[row]  # nothing sticks beyond the contact: a fit gone wrong
+            found[row[good]] = fitted[good]
+        edges[:, side] = sign * np.where(n_stick == n_half, end, found)
+    edges[nothing] = np.nan
+    return edges
 
 
-def stick_uncertainty(
-    x: Array,
-    seen: tuple[Mask, Mask],
-    closed: Mask,
-    contact: tuple[float, float],
-    edges: tuple[float, float],
-    of_contact: tuple[float, float],
-) -> tuple[float, float]:
+def stick_uncertainty(x: Array, seen: tuple[Mask, Mask], closed: Mask, contact: Array, edges: Array, of_contact: Array) -> Array:
     """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
 
     Where the whole contact sticks, a slip zone narrower than a node may be there unseen, and the contact edge itself is uncertain.
@@ -124,85 +122,93 @@ def stick_uncertainty(
 
     Parameters
     ----------
-    seen : (n,) nodes that stick, as the reader sees them and by the law alone
+    x, closed : as of `contact_uncertainty`
+    seen : (k, n) nodes that stick, as the reader sees them and by the law alone
     contact, edges : contact and stick edges as answered
     of_contact : uncertainty of the contact edges
     """
-    if np.isnan(edges[0]):
-        return float("nan"), float("nan")
     by_status, by_law = (stick_edges(x, sticking, closed, contact) for sticking in seen)
-    found = []
-    for side, (nodes, step, end) in enumerate(_halves(x, closed, contact)):
-        edge = edges[side]
-        apart = [abs(other[side] - edge) for other in (by_status, by_law) if np.isfinite(other[side])]
-        beyond = int(np.count_nonzero(step * (x[nodes] - edge) > 0))
-        spacing = _spacing(x, int(np.argmin(np.abs(x - edge))))
-        if edge == end:
-            found.append(max(spacing, of_contact[side], *apart))
-            continue
-        narrow = abs(end - edge) + of_contact[side] if beyond <= _UNRESOLVED else 0.0
-        share = 1.0 if edge == by_status[side] else _FITTED_SHARE
-        found.append(max(share * spacing + max(apart), narrow))
-    return found[0], found[1]
+    apart = np.fmax(np.abs(by_status - edges), np.abs(by_law - edges))
+    after = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
+    spacing = _spacing(x, np.where(np.abs(x[after - 1] - edges) <= np.abs(x[after] - edges), after - 1, after))
+    beyond = np.empty(edges.shape, dtype=np.int64)
+    for side, sign, x_out, (inside,) in _sides(x, closed):
+        half = _half(x_out, inside, sign)
+        beyond[:, side] = np.count_nonzero(half & (x_out > sign * edges[:, [side]]), axis=1)
+    narrow = np.where(beyond <= _UNRESOLVED, np.abs(contact - edges) + of_contact, 0.0)
+    share = np.where(edges == by_status, 1.0, _FITTED_SHARE)
+    partial = np.maximum(share * spacing + apart, narrow)
+    return np.where(edges == contact, np.maximum(np.maximum(spacing, of_contact), apart), partial)
 
 
-def _halves(x: Array, closed: Mask, contact: tuple[float, float]) -> tuple[tuple[NDArray[np.intp], int, float], ...]:
-    """Closed nodes left and right of the middle of the contact, from there outwards, with the direction and the contact edge."""
-    nodes = np.flatnonzero(closed)
-    middle = int(np.searchsorted(x[nodes], (x[nodes[0]] + x[nodes[-1]]) / 2))
-    return (nodes[:middle][::-1], -1, contact[0]), (nodes[middle:], 1, contact[1])
+Side = tuple[int, float, Array, tuple[NDArray, ...]]
 
 
-def _spacing(x: Array, node: int) -> float:
-    """The larger distance of a node from its neighbours."""
-    return float(np.max(np.abs(x[[max(node - 1, 0), min(node + 1, len(x) - 1)]] - x[node])))
+def _sides(x: Array, *rows: NDArray) -> Iterator[Side]:
+    """Left and right side, the left one reflected: column, sign, x outwards (n,), and the rows likewise."""
+    yield 0, -1.0, -x[::-1], tuple(row[:, ::-1] for row in rows)
+    yield 1, 1.0, x, rows
 
 
-# Share of the distance of two nodes by which an edge between them is uncertain whatever the fit says: the shape functions of
-# quadratic elements know no square root. Measured on hertz-paper, cattaneo-mindlin and flat-rounded-paper: 0.26 at most.
-_SHARE = 0.3
-# The same of a fitted stick edge, whose straight line is a chord: on elements of a/60 that costs flat-rounded-paper so much.
-_FITTED_SHARE = 0.5
-# Nodes that the second estimate of the contact edge takes, counted from the last closed one.
-_EXTRAPOLATED = np.arange(1, 6)
-# Nodes of a slip zone below which it may be none at all.
-_UNRESOLVED = 4
-# Nodes inside the stick zone that the fit takes, counted from its last one, which the singularity spoils.
-_FITTED = np.arange(1, 8)
-# Elements by which two fits of a stick edge may differ.
-_AGREE = 0.1
+def _pick(rows: NDArray, index: Indices) -> NDArray:
+    """(k,) of each row the value at its own node."""
+    return rows[np.arange(len(rows)), index]
 
 
-def fitted_stick_edge(x: Array, room: Array, last: int, step: int) -> float | None:
-    """Edge of the stick zone from the shear inside it: f p -+ q falls to zero as the square root of the distance.
+def _last(inside: Mask) -> Indices:
+    """(k,) the outermost node of each row that is `inside`."""
+    return np.asarray(inside.shape[1] - 1 - np.argmax(inside[:, ::-1], axis=1))
+
+
+def _half(x_out: Array, closed: Mask, sign: float) -> Mask:
+    """(k, n) closed nodes outwards of the middle of the contact; one in the middle belongs to the right side."""
+    middle = ((x_out[np.argmax(closed, axis=1)] + x_out[_last(closed)]) / 2)[:, None]
+    return np.asarray(closed & ((x_out >= middle) if sign > 0 else (x_out > middle)))
+
+
+def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
+    """(k,) last node of the stick zone on a side, how many nodes the zone has there, and how many the side.
+
+    Its end is where the fewest nodes are on the wrong side of it, the farthest out where it is a tie. Without nodes the last of
+    them says nothing.
+    """
+    sticking, rank = (np.cumsum(nodes, axis=1, dtype=np.int64) for nodes in (stick & half, half))
+    # Sliding nodes up to this one, and sticking ones behind it.
+    wrong = np.where(half, rank - 2 * sticking, len(half[0]) + 1)
+    last: Indices = half.shape[1] - 1 - np.argmin(wrong[:, ::-1], axis=1)
+    n_stick: Indices = np.where(_pick(wrong, last) <= 0, _pick(rank, last), 0)
+    return last, n_stick, rank[:, -1]
+
+
+def _spacing(x: Array, node: Indices) -> Array:
+    """The larger distance of nodes from their neighbours."""
+    apart = np.concatenate([[0.0], np.diff(x), [0.0]])
+    return np.maximum(apart[node], apart[node + 1])
+
+
+def _zero_of_squares(x_out: Array, values: Array, last: Indices, count: int) -> Array:
+    """(k,) zero of the straight line through the squares of `values` at `count` nodes before the last; NaN unless it falls."""
+    nodes = last[:, None] - np.arange(1, count + 1)
+    away, squares = x_out[nodes] - x_out[last][:, None], np.take_along_axis(values, nodes, axis=1) ** 2
+    mean, height = away.mean(axis=1, keepdims=True), squares.mean(axis=1)
+    slope = ((away - mean) * squares).sum(axis=1) / ((away - mean) ** 2).sum(axis=1)
+    return x_out[last] + mean[:, 0] - height / np.where(slope < 0, slope, np.nan)
+
+
+def _fitted_stick_edge(x_out: Array, room: Array, last: Indices) -> tuple[Array, Mask]:
+    """(k,) edge of the stick zone from the shear inside it: f p -+ q falls to zero as the square root of the distance.
 
     Parameters
     ----------
-    x : (n,) nodes
-    room : (n,) f p less the shear in the direction of the slip beyond the edge [stress]
-    last : last node of the stick zone by its status
-    step : 1 for a right edge, -1 for a left one
+    room : (k, n) f p minus the shear in the direction of the slip beyond the edge [stress]
+    last : (k,) last node of the stick zone by its status, at least seven nodes before it
 
     Returns
     -------
-    The zero of a straight line through the squares of `room` at seven nodes; None where they do not fall towards the edge, where
-    the line through the next four says something else (an older stick edge is near), or where the zero is not near the last node.
+    The zero of a straight line through the squares of `room` at seven nodes; and whether it is one: False where they do not fall
+    towards the edge, where the line through the next four says something else (an older stick edge is near), or where the zero is
+    not near the last node.
     """
-    element = abs(x[last] - x[last - 2 * step])
-    found = []
-    for count in (len(_FITTED), 4):
-        nodes = last - step * _FITTED[:count]
-        slope, value = np.polyfit(step * (x[nodes] - x[last]), room[nodes] ** 2, 1)
-        if slope >= 0:
-            return None
-        found.append(float(x[last] - step * value / slope))
-    agree = abs(found[0] - found[1]) <= _AGREE * element and abs(found[0] - x[last]) <= element
-    return found[0] if agree else None
-
-
-def _fewest_wrong(stick: Mask) -> int:
-    """How many of a row of nodes, from the middle outwards, to count as sticking; the more where it is a tie."""
-    sliding_inside = np.concatenate([[0], np.cumsum(~stick)])
-    sticking_outside = np.concatenate([np.cumsum(stick[::-1])[::-1], [0]])
-    wrong = sliding_inside + sticking_outside
-    return int(len(wrong) - 1 - np.argmin(wrong[::-1]))
+    element = x_out[last] - x_out[last - 2]
+    found, other = (_zero_of_squares(x_out, room, last, count) for count in _FITTED)
+    return found, (np.abs(found - other) <= _AGREE * element) & (np.abs(found - x_out[last]) <= element)

@@ -7,6 +7,7 @@ Bodies with a size of their own are meshed for each size.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,14 +120,13 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
             raise _past_the_end(scene)
         size = min(size * _ENLARGED, pair.room)
         problem, run = _coarse_run(pair, size)
-    pressed = max(run.states, key=lambda state: state.normal_load)
-    half_width = _half_width(problem, pressed)
+    half_width = _half_widths(problem, [max(run.states, key=lambda state: state.normal_load)])[0]
     reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
     inner = 0.0
     if scene.load.path().period is not None:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
         seen = visible_states(run.states, run.cycle_starts, scene.friction.coefficient)[cycles]
-        inner = min(_least_half_width(problem, state, row) for state, row in zip(run.states[cycles], seen, strict=True))
+        inner = _least_half_width(problem, run.states[cycles], seen)
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off
     return Scales(
@@ -215,17 +215,16 @@ def _past_the_end(scene: Scene) -> InputError:
     )
 
 
-def _half_width(problem: ContactProblem, state: InterfaceState) -> float:
-    if not state.closed.any():
-        return 0.0
+def _half_widths(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
+    """(k,) of the contact; 0 without one."""
     x, weights = problem.interface.x, problem.interface.weights
-    left, right = contact_edges(x, state.pressure / weights, state.gap, state.closed, 1.0)
-    return (right - left) / 2
+    pressure, gap, closed = (np.array([getattr(state, name) for state in states]) for name in ("pressure", "gap", "closed"))
+    return np.nan_to_num(np.diff(contact_edges(x, pressure / weights, gap, closed, 1.0))[:, 0] / 2)
 
 
-def _least_half_width(problem: ContactProblem, state: InterfaceState, seen: NDArray[np.int8]) -> float:
-    """The half-width of the contact or of its stick zone, whichever is less; 0 where nothing sticks."""
-    half = _half_width(problem, state)
-    stick = seen == STICK
-    left, right = stick_edges(problem.interface.x, stick, state.closed, (-half, half))
-    return min(half, (right - left) / 2) if stick.any() else 0.0
+def _least_half_width(problem: ContactProblem, states: Sequence[InterfaceState], seen: NDArray[np.int8]) -> float:
+    """The least half-width of the contact or of its stick zone; 0 where nothing sticks."""
+    contact, closed = _half_widths(problem, states), np.array([state.closed for state in states])
+    edges = stick_edges(problem.interface.x, seen == STICK, closed, np.column_stack([-contact, contact]))
+    stick = np.where((seen == STICK).any(axis=1), np.diff(edges)[:, 0] / 2, 0.0)
+    return float(np.minimum(contact, stick).min())

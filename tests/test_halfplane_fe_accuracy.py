@@ -126,14 +126,14 @@ def hertz_errors(elements, order):
         a = float(hertz_half_width(state.normal_load, RADIUS, 1.0))
         exact = hertz_pressure(sides.x, state.normal_load, RADIUS, 1.0)
         pressure = state.pressure / sides.weights
-        edges = contact_edges(sides.x, pressure, state.gap, state.closed, 1.0)
+        ((left, right),) = contact_edges(sides.x, pressure[None], state.gap[None], state.closed[None], 1.0)
         middle = np.abs(sides.x) < a / 4
         approach = hertz_approach(state.normal_load, RADIUS, 1.0, DATUM)
         found.append(
             (
                 rms((pressure - exact)[middle]) / exact.max(),
                 np.sqrt(sides.weights @ (pressure - exact) ** 2 / (sides.weights @ exact**2)),
-                (edges[1] - edges[0]) / 2 / a - 1,
+                (right - left) / 2 / a - 1,
                 state.approach / approach - 1,
             )
         )
@@ -155,9 +155,10 @@ def mindlin_errors(elements, order=2):
             exact = mindlin_shear(sides.x, 1.0, turns, FRICTION, RADIUS, 1.0)
             error = state.shear / sides.weights - exact
             shear_error.append(np.sqrt(sides.weights @ error**2 / (sides.weights @ pressure**2)) / FRICTION)
-            edges = stick_edges(sides.x, state.state == SurfaceState.STICK, state.closed, (-1.0, 1.0))
+            stick, closed = (state.state == SurfaceState.STICK)[None], state.closed[None]
+            ((left, right),) = stick_edges(sides.x, stick, closed, np.array([[-1.0, 1.0]]))
             c = mindlin_stick_half_width(1.0, (turns[1] - turns[0]) / 2, FRICTION, RADIUS, 1.0)
-            edge_error.append((edges[1] - edges[0]) / 2 - c)
+            edge_error.append((right - left) / 2 - c)
         dissipation = run.cycle_density[-1].sum() / mindlin_dissipation(1.0, q, FRICTION, 1.0) - 1
         found.append((rms(shear_error), rms(edge_error), dissipation))
     return dict(zip(("shear", "stick edge", "dissipation"), (rms(column) for column in zip(*found, strict=True)), strict=True))

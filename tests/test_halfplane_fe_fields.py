@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import functools
-import itertools
 
 import numpy as np
 import pytest
 
 import semi_analytic
-from halfplane_fe import SolverSettings, edge_tension, fields
-from halfplane_fe.edges import contact_edge, contact_edges, contact_uncertainty, fitted_stick_edge, stick_edges, stick_uncertainty
-from halfplane_fe.face_stress import Nodal, fitted_rest, rest_basis, tractions
+from halfplane_fe import SolverSettings, fields
+from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
 from halfplane_fe.visible import _slow_rim
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
@@ -320,53 +318,55 @@ def test_worst_stick_edge_of_the_paper_is_within_an_element():
     assert off.max() < 1.0
 
 
+def pair(half_width: float) -> np.ndarray:
+    """Edges of one instant."""
+    return np.array([[-half_width, half_width]])
+
+
 def test_the_form_that_every_smooth_edge_has_is_found_exactly():
     """p = (E*/2) beta sqrt(d) inside, g = (2/3) beta d^(3/2) outside, from the two nodes around the edge."""
     modulus, beta, spacing = 3.0, 0.7, 0.01
-    for share, side in itertools.product([0.02, 0.3, 0.5, 0.77, 0.98], [1.0, -1.0]):
-        inside, outside = share * spacing, (1 - share) * spacing
-        pressure, gap = modulus / 2 * beta * np.sqrt(inside), 2 / 3 * beta * outside**1.5
-        found = contact_edge(side * 1.0, pressure, side * (1.0 + spacing), gap, modulus)
-        assert found == pytest.approx(side * (1.0 + inside), abs=1e-12)
+    x, shares = np.array([-1.0 - spacing, -1.0, 1.0, 1.0 + spacing]), np.array([[1e-6, 0.98], [0.3, 0.77], [0.5, 0.02], [1.0, 0.0]])
+    pressure, gap = modulus / 2 * beta * np.sqrt(shares * spacing), 2 / 3 * beta * ((1 - shares) * spacing) ** 1.5
+    none, closed = 0 * shares, np.tile([False, True, True, False], (len(shares), 1))
+    pressures, gaps = (np.hstack([one[:, :1], two, one[:, 1:]]) for one, two in ((none, pressure), (gap, none)))
+    found = contact_edges(x, pressures, gaps, closed, modulus)
+    np.testing.assert_allclose(found, [-1.0, 1.0] * (1.0 + shares * spacing), rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(contact_edges(x, pressures, gaps, closed | True, modulus), np.tile(x[[0, -1]], (len(shares), 1)))
+    assert np.isnan(contact_edges(x, pressures, gaps, closed & False, modulus)).all()
 
 
 def test_a_known_contact_edge_lies_within_its_uncertainty_wherever_it_falls():
     """Exact nodal values of Hertz: pressure sqrt(a^2 - x^2)/2, gap from a on."""
     x = np.linspace(-1.5, 1.5, 121)
-    for a in np.linspace(0.9, 0.95, 23):
-        closed = np.abs(x) < a
-        outside = np.maximum(np.abs(x), a)
-        gap = (outside * np.sqrt(outside**2 - a**2) - a**2 * np.arccosh(outside / a)) / 2
-        pressure = np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2
-        found = contact_edges(x, pressure, gap, closed, 1.0)
-        uncertainty = contact_uncertainty(x, pressure, closed, found)
-        assert np.all(np.abs(np.array(found) - [-a, a]) <= uncertainty)
-        assert max(uncertainty) < 0.6 * (x[1] - x[0])
+    a = np.linspace(0.9, 0.95, 23)[:, None]
+    closed, outside = np.abs(x) < a, np.maximum(np.abs(x), a)
+    gap = (outside * np.sqrt(outside**2 - a**2) - a**2 * np.arccosh(outside / a)) / 2
+    pressure = np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2
+    found = contact_edges(x, pressure, gap, closed, 1.0)
+    uncertainty = contact_uncertainty(x, pressure, closed, found)
+    assert np.all(np.abs(found - [-1, 1] * a) <= uncertainty)
+    assert uncertainty.max() < 0.6 * (x[1] - x[0])
 
 
 def test_few_nodes_are_the_whole_contact_uncertain_and_nothing_sticks_nothing_is_said():
     x = np.linspace(-1, 1, 41)
-    closed, none = np.abs(x) < 0.11, np.zeros(41, dtype=bool)
-    assert contact_uncertainty(x, closed * 1.0, closed, (-0.12, 0.12)) == (0.24, 0.24)
-    wide = np.abs(x) < 0.91
-    assert np.isnan(stick_uncertainty(x, (none, none), wide, (-0.92, 0.92), (np.nan, np.nan), (0.01, 0.01))).all()
+    closed, wide, none = np.abs(x)[None] < 0.11, np.abs(x)[None] < 0.91, np.zeros((1, 41), dtype=bool)
+    assert contact_uncertainty(x, closed * 1.0, closed, pair(0.12)).tolist() == [[0.24, 0.24]]
+    assert np.isnan(stick_uncertainty(x, (none, none), wide, pair(0.92), pair(np.nan), np.abs(pair(0.01)))).all()
 
 
 def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
     x = np.linspace(-1, 1, 81)
-    contact, of_contact = (-0.91, 0.91), (0.004, 0.004)
-    closed = np.abs(x) < 0.91
-
-    def uncertainty(seen, law):
-        edges = stick_edges(x, seen, closed, contact)
-        return stick_uncertainty(x, (seen, law), closed, contact, edges, of_contact)
-
-    wide, wider, narrow = (np.abs(x) < width for width in (0.51, 0.31, 0.86))
     step = x[1] - x[0]
-    assert uncertainty(wide, wide) == pytest.approx((step, step))
-    assert uncertainty(wide, wider) == pytest.approx((step + 0.2, step + 0.2))  # the law has nodes sliding from 0.31 on
-    assert uncertainty(narrow, narrow) == pytest.approx((0.91 - 0.8625 + 0.004,) * 2)  # two nodes slide: perhaps none does
-    assert uncertainty(closed, closed) == pytest.approx((step, step))
+    # Half-widths seen and by the law, and the uncertainty: the law has nodes sliding from 0.31 on; two nodes slide, perhaps none.
+    table = [(0.51, 0.51, step), (0.51, 0.31, step + 0.2), (0.86, 0.86, 0.91 - 0.8625 + 0.004), (0.91, 0.91, step)]
+    seen, law, expected = np.array(table).T[:, :, None]
+    contact, of_contact = (np.tile(values, (len(table), 1)) for values in ((-0.91, 0.91), (0.004, 0.004)))
+    seen, law, closed = np.abs(x) < seen, np.abs(x) < law, np.abs(x) < 0.91 + 0 * seen
+    edges = stick_edges(x, seen, closed, contact)
+    found = stick_uncertainty(x, (seen, law), closed, contact, edges, of_contact)
+    np.testing.assert_allclose(found, np.repeat(expected, 2, axis=1), atol=1e-15)
 
 
 OPEN, STICK, FORWARD = SurfaceState.OPEN, SurfaceState.STICK, SurfaceState.SLIP_FORWARD
@@ -393,19 +393,26 @@ def test_a_slow_rim_sticks(sliding, fast, sticks):
 
 
 def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
-    x = np.linspace(0.0, 1.0, 201)
-    edge = 0.6037
-    room = np.sqrt(np.maximum(edge**2 - x**2, 0.0))
-    last = int(np.searchsorted(x, edge)) - 1
-    assert fitted_stick_edge(x, room, last, 1) == pytest.approx(edge, abs=0.05 * 2 * x[1])  # the squares are not quite straight
-    assert fitted_stick_edge(x, room[::-1].copy(), 100, 1) is None
+    """On either side, and not where the shear says nothing of an edge: then by the nodes' states."""
+    x, contact = np.linspace(-1.0, 1.0, 401), np.array([[-0.95, 0.95]])
+    edge, closed = 0.6037, np.abs(x)[None] < 0.95
+    stick = np.abs(x)[None] < edge
+    limit = 1.0 + 0.0 * closed
+    shear = limit - np.sqrt(np.maximum(edge**2 - x**2, 0.0))
+    found = stick_edges(x, stick, closed, contact, limit, shear)
+    np.testing.assert_allclose(found, pair(edge), atol=0.05 * 2 * (x[1] - x[0]))  # the squares are not quite straight
+    by_status = stick_edges(x, stick, closed, contact)
+    np.testing.assert_allclose(by_status, pair(0.6025), atol=1e-12)
+    np.testing.assert_array_equal(stick_edges(x, stick, closed, contact, limit, limit - np.abs(x)), by_status)  # rises outwards
+    np.testing.assert_array_equal(stick_edges(x, stick, closed, contact, limit, np.roll(shear, 9))[:, 0], by_status[:, 0])
 
 
 def test_stick_edge_by_status_forgives_single_nodes_at_the_rim() -> None:
     x = np.linspace(-1, 1, 41)
-    closed = np.abs(x) < 0.91
-    stick = np.abs(x) < 0.41
-    clean = stick_edges(x, stick, closed, (-0.92, 0.92))
-    stick[np.abs(np.abs(x) - 0.9) < 1e-9] = True  # just touched
-    assert stick_edges(x, stick, closed, (-0.92, 0.92)) == clean == pytest.approx((-0.425, 0.425))
-    assert np.isnan(stick_edges(x, stick & False, closed, (-0.92, 0.92))).all()
+    closed, stick, contact = np.abs(x)[None] < 0.91, np.abs(x)[None] < 0.41, pair(0.92)
+    clean = stick_edges(x, stick, closed, contact)
+    stick[0, np.abs(np.abs(x) - 0.9) < 1e-9] = True  # just touched
+    stick[0, np.abs(np.abs(x) - 0.1) < 1e-9] = False
+    np.testing.assert_array_equal(stick_edges(x, stick, closed, contact), clean)
+    np.testing.assert_allclose(clean, pair(0.425), atol=1e-12)
+    assert np.isnan(stick_edges(x, stick & False, closed, contact)).all()
