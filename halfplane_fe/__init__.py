@@ -21,7 +21,7 @@ In the order in which a scene passes through::
     fields.py, face_stress.py              displacement and stress inside the bodies; stress next to the contact from the tractions
 """
 
-from halfplane_fe.fields import BodyFields, Snapshot, edge_tension, fields
+from halfplane_fe.fields import BodyFields, LargestTension, Snapshot, edge_tension, fields, largest_edge_tension, stress
 from halfplane_fe.path import check_admissible
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.solve import FiniteElementSolution, require_solvable, solve
@@ -29,13 +29,16 @@ from halfplane_fe.solve import FiniteElementSolution, require_solvable, solve
 __all__ = [
     "BodyFields",
     "FiniteElementSolution",
+    "LargestTension",
     "Snapshot",
     "SolverSettings",
     "check_admissible",
     "edge_tension",
     "fields",
+    "largest_edge_tension",
     "require_solvable",
     "solve",
+    "stress",
 ]
 
 

@@ -41,6 +41,8 @@ _RATIOS = 8
 _OTHER_RIMS = ((2, 14), (4, 20))
 # Root mean square of the relative residual of p^2 above which fewer nodes are fitted: a corner of the profile is among them.
 _ROUGH = 0.02
+FEWEST = 3
+"""Fewest nodes in contact whose tractions have a series."""
 # Angles over nodes of the contact; at least and at most.
 _ANGLES, _FEW, _MANY = 8, 512, 8192
 # Size of w^k below which the series ends.
@@ -190,7 +192,7 @@ def with_uncertainty(nodal: Nodal) -> tuple[Tractions | None, Array]:
     What other rims give, or q/p as it is there; what was put at the stick edges; and where the load has turned but no node shows
     it yet, what slip as narrow as the rim would change: q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
     """
-    if len(nodal.x) < 3:
+    if len(nodal.x) < FEWEST:
         return None, np.zeros(2)
     found = tractions(nodal)
     own, spacing = found.edge_tension(), float(np.median(np.diff(nodal.x)))

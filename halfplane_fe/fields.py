@@ -8,14 +8,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import skfem
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from skfem.helpers import sym_grad
 
 from halfplane_fe.elasticity import CondensedBody, displacement_fields, scalar_element, split_lame
-from halfplane_fe.face_stress import Nodal, Rest, Tractions, fitted_rest, with_uncertainty
+from halfplane_fe.face_stress import FEWEST, Nodal, Rest, Tractions, fitted_rest, tractions, with_uncertainty
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
 from scenes import HalfPlane, InputError
@@ -31,8 +32,8 @@ _REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2,
 _OUTER, _OF_BODY, _STEP = 3.0, 0.8, 0.2
 # Depth and distance over the half-width from which on elements are good for what the size of the body adds.
 _BELOW, _BESIDE = 0.15, 1.2
-# Instants at which that is found for a whole cycle.
-_SAMPLED = 12
+# Instants at which that is found for a whole cycle; instants of a cycle among which the largest tension is looked for.
+_SAMPLED, _CANDIDATES = 12, 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +130,7 @@ def edge_tension(solution: FiniteElementSolution, steps: Sequence[int]) -> tuple
         chosen = sorted({there[k] for k in np.linspace(0, len(there) - 1, _SAMPLED).round().astype(int)})
         at = [there.index(k) for k in chosen]
         forces = _forces(solution, [steps[k] for k in chosen])[name]
-        _, rest = _stress(name, forces, solution, [pairs[k] for k in chosen])[1:]
+        _, rest = _stress(name, forces, solution, [pairs[k] for k in chosen], rest_alone=True)[1:]
         if rest is None:
             uncertain[there, body] = np.nan
             continue
@@ -145,6 +146,83 @@ def edge_tension(solution: FiniteElementSolution, steps: Sequence[int]) -> tuple
     return values, uncertain
 
 
+def stress(
+    solution: FiniteElementSolution, x: ArrayLike, y: ArrayLike, instants: ArrayLike, *, body: Literal["lower", "upper"] = "lower"
+) -> Array:
+    """Stress next to the contact at any place of one body, from the tractions, at the stored steps nearest to instants.
+
+    Parameters
+    ----------
+    x, y : (n_points,) places [length]; y points out of the lower body and counts from a face that is flattened, so that y <= 0
+        in the lower body, y >= 0 in the upper one
+    instants : (n_instants,) times
+    body : "lower" or "upper"
+
+    Returns
+    -------
+    (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz [stress]
+
+    Raises
+    ------
+    InputError
+        For an instant outside the solved time, a place outside the body, or one of a body of finite size that is further than
+        three half-widths from the contact, or close to a support or side: `fields` has the stress there.
+    """
+    steps = [_step(solution, float(instant)) for instant in np.atleast_1d(np.asarray(instants, dtype=float))]
+    side = 1.0 if body == "lower" else -1.0
+    across, depth = np.broadcast_arrays(np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(side * np.asarray(y, dtype=float)))
+    if np.any(depth > 0):
+        raise InputError(f"stress: y = {side * float(depth.max()):.6g} is outside the {body} body; y points out of the lower one")
+    pairs = [_tractions(solution, step) for step in steps]
+    found = np.zeros((len(steps), len(across), 4))
+    for k, (series, _) in enumerate(pairs):
+        if series is not None:
+            found[k, :, :3] = replace(series, shear=side * series.shear).stress(across, depth)
+    if not isinstance(getattr(solution.scene.bodies, body), HalfPlane) and any(series is not None for series, _ in pairs):
+        rest = _stress(body, _forces(solution, steps)[body], solution, pairs, rest_alone=True)[2]
+        if rest is None or np.any(np.hypot(across, depth) > rest.length * (1 + 1e-9)):
+            raise InputError(
+                f"stress: a place in the {body} body is further from the contact than where the tractions alone give its stress"
+            )
+        found[..., :3] += np.moveaxis(rest.stress(across, depth), -1, 0)
+    found[..., 2] *= side
+    found[..., 3] = solution.condensed[body == "upper"].material.poisson_ratio * (found[..., 0] + found[..., 1])
+    return found
+
+
+@dataclass(frozen=True)
+class LargestTension:
+    """The largest tension s_xx of a cycle at an edge of contact with its uncertainty [stress], its time, body and x [length]."""
+
+    value: float
+    uncertainty: float
+    time: float
+    body: str
+    x: float
+
+
+def largest_edge_tension(solution: FiniteElementSolution) -> LargestTension | None:
+    """The largest `edge_tension` of the last cycle; None out of contact.
+
+    That at which the value less its uncertainty is largest: where a load has just turned, elements see no more than that the new
+    slip zone is narrow, and the tension that they still have says little.
+    """
+    cycle = np.asarray(solution.last_cycle)
+    rough = np.full(len(cycle), -np.inf)
+    for number, step in enumerate(cycle.tolist()):
+        nodal = _nodal(solution, step)
+        if len(nodal.x) >= FEWEST:
+            rough[number] = np.abs(tractions(nodal).edge_tension()).max()
+    steps = np.sort(cycle[np.argsort(-rough, kind="stable")[: min(_CANDIDATES, int(np.isfinite(rough).sum()))]]).tolist()
+    if not steps:
+        return None
+    values, uncertain = edge_tension(solution, steps)
+    k, body, edge = (int(index) for index in np.unravel_index(np.argmax(values - np.nan_to_num(uncertain)), values.shape))
+    place = tractions(_nodal(solution, steps[k])).edges[edge]
+    size = float(values[k, body, edge]), float(uncertain[k, body, edge])
+    return LargestTension(*size, float(solution.time[steps[k]]), ("lower", "upper")[body], place)
+
+
 def _forces(solution: FiniteElementSolution, steps: Sequence[int]) -> dict[str, Array]:
     """Nodal forces on each body in its own frame, (2, n, n_steps)."""
     states = [solution.states[step] for step in steps]
@@ -152,16 +230,20 @@ def _forces(solution: FiniteElementSolution, steps: Sequence[int]) -> dict[str, 
     return body_forces(*solution.condensed, *nodal)
 
 
-def _tractions(solution: FiniteElementSolution, step: int) -> tuple[Tractions | None, Array]:
-    """Tractions at a stored step as series, and the uncertainty of the tension at either edge."""
+def _nodal(solution: FiniteElementSolution, step: int) -> Nodal:
+    """Nodal tractions at a stored step."""
     x, pressure, shear, friction = solution.x, solution.pressure[step], solution.shear[step], solution.scene.friction.coefficient
     closed, before = pressure > 0, max(step - 1, 0)
     loads = (solution.normal_load, solution.tangential_load)
     rise, drag = (float(load[step] - load[before]) for load in loads)
     (left, right), (first, last) = solution.stick_edges[step].tolist(), solution.contact_edges[step].tolist()
     carried, growing = float(shear @ solution.weights), rise > 0 and abs(drag) <= friction * rise
-    edges = (left, right), (first, last)
-    return with_uncertainty(Nodal(x[closed], pressure[closed], shear[closed], *edges, friction, carried, growing))
+    return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing)
+
+
+def _tractions(solution: FiniteElementSolution, step: int) -> tuple[Tractions | None, Array]:
+    """Tractions at a stored step as series, and the uncertainty of the tension at either edge."""
+    return with_uncertainty(_nodal(solution, step))
 
 
 def _body_fields(
@@ -187,9 +269,16 @@ def _body_fields(
 
 
 def _stress(
-    name: str, forces: Array, solution: FiniteElementSolution, pairs: Sequence[tuple[Tractions | None, Array]]
+    name: str,
+    forces: Array,
+    solution: FiniteElementSolution,
+    pairs: Sequence[tuple[Tractions | None, Array]],
+    rest_alone: bool = False,
 ) -> tuple[tuple[skfem.Basis, Array], Array, Rest | None]:
     """Basis and displacements of a body; its stress (n, 4, k) at the nodes in its own frame; what its size adds, None if unknown.
+
+    With `rest_alone` the stress is that of the elements alone.
+
 
     Beside the contact stress is that of the tractions on a half-plane and what the size of the body adds; further away that of
     the elements; a smooth step leads from the one to the other. Faces that are not flat are flattened for it.
@@ -208,18 +297,19 @@ def _stress(
     x, y = basis.mesh.p[0], np.minimum(basis.mesh.p[1] + face_of(shape, solution.scene.profile).depth(np.abs(basis.mesh.p[0])), 0.0)
     near = np.flatnonzero(np.hypot(x, y) < far)
     x, y, side = x[near], y[near], 1.0 if name == "lower" else -1.0
-    of_half_plane = np.zeros((len(near), 3, len(pairs)))
-    for k, (found, _) in enumerate(pairs):
-        if found is not None:
-            of_half_plane[..., k] = replace(found, shear=side * found.shear).stress(x, y)
+    series = [None if found is None else replace(found, shear=side * found.shear) for found, _ in pairs]
+
+    def of_half_plane(x: Array, y: Array) -> Array:
+        return np.stack([np.zeros((len(x), 3)) if one is None else one.stress(x, y) for one in series], axis=-1)
+
     rest = None
-    if isinstance(shape, HalfPlane):
-        local = of_half_plane
-    else:
+    if not isinstance(shape, HalfPlane):
         good = (y < -_BELOW * edge) | ((np.abs(x) > _BESIDE * edge) & (y < 0))
-        beyond = stress[near][good, :3] - of_half_plane[good]
+        beyond = stress[near][good, :3] - of_half_plane(x[good], y[good])
         rest = fitted_rest(x[good], y[good], beyond, weights[near][good], far, edge)
-        local = of_half_plane + rest.stress(x, y)
+    if rest_alone:
+        return (basis, displacements), stress, rest
+    local = of_half_plane(x, y) + (0.0 if rest is None else rest.stress(x, y))
     share = np.clip((far - np.hypot(x, y)) / (_STEP * far), 0.0, 1.0)
     share = (share**2 * (3 - 2 * share))[:, None, None]
     stress[near, :3] = (1 - share) * stress[near, :3] + share * local

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from halfplane_fe import SolverSettings, fields
-from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
+from halfplane_fe import SolverSettings, edge_tension, fields, stress
+from halfplane_fe.edges import contact_edge, contact_edges, contact_uncertainty, fitted_stick_edge, stick_edges, stick_uncertainty
+from halfplane_fe.face_stress import Nodal, fitted_rest, rest_basis, tractions
 from halfplane_fe.visible import _slow_rim
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
@@ -235,6 +236,31 @@ def test_series_of_exact_tractions_are_mcewen_and_mindlin():
     corner = phi - other + 2j * z.imag * slope.conj()
     exact = np.stack([4 * phi.real - corner.real, corner.real, -corner.imag], axis=-1)
     assert np.abs(series.stress(*places.T) - exact).max() < 1e-3
+
+
+@pytest.mark.parametrize("body", ["lower", "upper"])
+def test_stress_at_any_place_is_that_of_theory(body):
+    """At the face and below it, through a cycle between half-planes, on a coarse mesh; measured 4e-3 p0."""
+    answer = fe_run(load_scene("cattaneo-mindlin"), MeshSettings(edge_element_size=0.025), FEW_STEPS)
+    side = 1 if body == "lower" else -1
+    x = np.array([-2.0, -1.1, -0.9, -0.3, 0.0, 0.4, 0.8, 1.2])
+    y = -side * np.array([0.0, 0.01, 0.0, 0.3, 0.786, 0.0, 0.02, 0.0])
+    times = answer.time[answer.last_cycle][::3]
+    found = stress(answer, x, y, times, body=body)
+    exact = semi_analytic.stress(answer.scene, x, y, times, body=body)
+    off = np.abs(found - exact).max(axis=2) / answer.pressure.max()
+    assert off[:, y != 0].max() < 6e-3
+    assert np.quantile(off, 0.95) < 4e-3  # on the face more while the stick edge, where the slope is infinite, goes past
+    assert np.abs(found - stress(answer, -x, y, times, body=body)).max() > 0.3 * answer.pressure.max()
+
+
+def test_places_outside_are_refused():
+    answer = fe_run(load_scene("hertz-normal"), COARSE, FEW_STEPS)
+    with pytest.raises(InputError, match="y = 1 is outside the lower body"):
+        stress(answer, 0.0, 1.0, 1.0)
+    blocks = answer.scene.vary(bodies=Bodies(lower=Block(width=20.0, height=10.0), upper=Block(width=20.0, height=10.0)))
+    with pytest.raises(InputError, match="further from the contact"):
+        stress(fe_run(blocks, COARSE, FEW_STEPS), 0.0, -5.0, 1.0)
 
 
 def test_what_the_size_of_a_body_adds_is_found_from_places_beside_the_contact():

@@ -585,6 +585,42 @@ def _(pair: Pair) -> Measured:
     return _of_amounts(expected, found, pair.scales.dissipation / length, place=place)
 
 
+@metric(
+    "edge_tension",
+    "of the reference",
+    _FIGURE,
+    "both edges of contact, both bodies; last cycle",
+    "pressure",
+    "shear",
+    WHOLE_CYCLE,
+    quantity="stress",
+    absolute_unit="f p_ref",
+)
+def _(pair: Pair) -> Measured:
+    """Tension at the trailing edge: largest stress along a face at an edge of contact through the cycle, over that of the
+    reference, − 1; of half-plane theory and finite elements alone."""
+    if not pair.result.scene.friction.coefficient:
+        return _none("frictionless: nothing stretches the faces")
+    sides = [_largest_tension(solution, pair.found.time) for solution in (pair.reference, pair.result)]
+    lacking = [name_of(s.engine) for s, side in zip((pair.reference, pair.result), sides, strict=True) if side is None]
+    if lacking:
+        return _none(f"not known of {' and '.join(lacking)}")
+    (expected, known), (found, doubt) = [side for side in sides if side is not None]
+    measured = _of_amounts(expected, found, pair.scales.shear)
+    return replace(measured, uncertainty=(known + doubt) / (pair.scales.shear if measured.absolute else abs(expected)))
+
+
+def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, float] | None:
+    """The largest tension at an edge of contact and its uncertainty [stress]: of theory at the instants `time`."""
+    import halfplane_fe
+    import semi_analytic
+
+    if solution.engine == "semi_analytic":
+        return float(np.max(np.abs(semi_analytic.edge_tension(solution, time)), initial=0.0)), 0.0
+    largest = halfplane_fe.largest_edge_tension(solution) if isinstance(solution, halfplane_fe.FiniteElementSolution) else None
+    return None if largest is None else (largest.value, largest.uncertainty)
+
+
 # --------------------------------------------------------------------------------------------------- pressure and shear
 
 
