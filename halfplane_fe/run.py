@@ -21,7 +21,7 @@ Progress = Callable[[int, int | None, str], None]
 # stick zone go on creeping towards the steady cycle, each time a tenth as far; what they leave is far below the mesh error.
 REPEATS = 5e-4
 # Dissipation over f^2 P^2/E* below which the step error need not follow it down.
-_LEAST_DISSIPATION = 1e-3
+_LEAST_DISSIPATION = 3e-3
 # Instants of a path of straight legs that keep pressure, shear and gap: a record of 2,000 rows has 40,000 increments, which would
 # take gigabytes. No scene of the library comes near.
 MOST_INSTANTS = 4000

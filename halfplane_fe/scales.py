@@ -120,7 +120,8 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
             raise _past_the_end(scene)
         size = min(size * _ENLARGED, pair.room)
         problem, run = _coarse_run(pair, size)
-    half_width = _half_widths(problem, [max(run.states, key=lambda state: state.normal_load)])[0]
+    pressed = max(run.states, key=lambda state: state.normal_load)
+    half_width = _half_widths(problem, [pressed])[0]
     reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
     inner = 0.0
     if scene.load.path().period is not None:
