@@ -122,6 +122,16 @@ _LOCAL, _PLATEAU = 8, (9, 10)
 _LEAST_NODES = 21
 
 
+def smooth_over_nodes(scene: Scene, faces: Interface) -> bool:
+    """Whether ten nodes next to each other see no end of a face and no base: there N - T has parts that are not the mesh's."""
+    apart, nodes = np.diff(faces.x), max(_PLATEAU)
+    depth = min(
+        float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper)
+    )
+    at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
+    return len(faces.x) >= _LEAST_NODES and at_ends and depth >= 2 * nodes * float(apart.max())
+
+
 def without_local_difference(faces: Interface) -> Interface:
     r"""The faces without the parts of N - T and of K that only the mesh makes.
 
@@ -134,11 +144,9 @@ def without_local_difference(faces: Interface) -> Interface:
         D_ij = (m_i + m_j)/2,   D = N - T,   |i - j| <= 8,   m_i the mean of D_ij at |i - j| = 9 and 10,
 
     and K likewise on each side of its diagonal, which is the mean of both. All that it takes from elasticity is that the singular
-    parts are equal: that is imposed thereby, and not tested any more.
+    parts are equal: that is imposed thereby, and not tested any more. It is for faces that are `smooth_over_nodes`.
     """
     n = len(faces.x)
-    if n < _LEAST_NODES:
-        return faces
     ahead = np.subtract.outer(np.arange(n), np.arange(n))
     band = np.abs(ahead) <= _LOCAL
     tangential = np.where(band, faces.normal - _plateau(faces.normal - faces.tangential, np.abs(ahead)), faces.tangential)

@@ -23,6 +23,7 @@ from halfplane_fe.interface import (
     initial_gap,
     meshed_pair,
     shapes_alike,
+    smooth_over_nodes,
     without_local_difference,
 )
 from halfplane_fe.run import Pace, PathRun, run_path
@@ -167,7 +168,8 @@ class _CoarsePair:
         made_at = 1.0 if self.scene.bodies.half_planes else size
         if self._made is None or self._made[0] != made_at:
             bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(made_at, ratio))
-            self._made = made_at, without_local_difference(couple(*condensed_pair(self.scene, bodies, made_at, self.work)))
+            faces = couple(*condensed_pair(self.scene, bodies, made_at, self.work))
+            self._made = made_at, without_local_difference(faces) if smooth_over_nodes(self.scene, faces) else faces
         interface = self._made[1]
         return interface if made_at == size else interface.scaled(made_at / size, 1.0)
 

@@ -27,6 +27,7 @@ from halfplane_fe.interface import (
     couple,
     initial_gap,
     meshed_pair,
+    smooth_over_nodes,
     without_local_difference,
 )
 from halfplane_fe.mirror import half, mirrored, whole
@@ -129,7 +130,10 @@ def _solve(
     datum = max(scene.profile.datum_length, scales.reach)
     condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
-    faces = without_local_difference(couple(*condensed))
+    faces = couple(*condensed)
+    if smooth_over_nodes(scene, faces):
+        faces = without_local_difference(faces)
+        work["interfaces without the mesh's part of N - T"] += 1
     problem = _contact_problem(scene, mesh, settings, scales, faces, work)
     solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if mirrored(faces, sheared(scene)) else problem
     pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)
@@ -365,6 +369,11 @@ def _work(
         skipped["contact nodes"] = (len(problem.interface.x) // 2, "p is even in x, q even or odd: solved on one half")
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.energies), "no shear can arise")
+    if not problem.work["interfaces without the mesh's part of N - T"]:
+        skipped["the mesh's part of N - T"] = (
+            1,
+            "an end of a face or a base is within ten nodes: W is of first order in the element",
+        )
     if problem.tangential and not problem.work["slip iterations"]:
         skipped["slip iterations"] = (len(run.energies), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
