@@ -16,8 +16,8 @@ def interrupts_wait() -> Iterator[Sequence[int]]:
 
     Yields the signals that came so far, for loops that look there and end early.
 
-    Needed where it would be lost (in gmsh's size callback, and the size with it), or would leave half of a change (files that are
-    moved).
+    Needed where gmsh is at work, whose one global state has to be left in order, or where half of a change would be left (files
+    that are moved).
     """
     numbers = [number for name in _NAMES if (number := getattr(signal, name, None)) is not None]
     heard = {number: handler for number in numbers if callable(handler := signal.getsignal(number))}

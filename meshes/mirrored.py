@@ -85,7 +85,7 @@ class _Cells:
 
 def mirrored_mesh(
     draw: Callable[[], Mapping[str, list[int]]],
-    size: Callable[[float, float], float],
+    size: str,
     order: int,
     cells: Cells = "triangles",
     settle: Callable[[Array, dict[str, Indices]], Array] | None = None,
@@ -96,7 +96,8 @@ def mirrored_mesh(
     ----------
     draw : puts the half into gmsh's current model (geo kernel, lengths of order one) and says which curves have which name;
         curves without a name lie on the axis
-    size : element size at a point (x, y); for quadrilaterals twice the one wanted, and likewise each curve's elements
+    size : element size at a point (x, y), as a formula of gmsh's field MathEval; for quadrilaterals twice the one wanted, and
+        likewise each curve's elements
     order : 1 or 2, of elements and geometry
     settle : given the points (n, 2) of the half and those of each name, the points where they shall be
 
@@ -139,11 +140,13 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
         gmsh.finalize()
 
 
-def _half(draw: Callable[[], Mapping[str, list[int]]], size: Callable[[float, float], float], order: int, cells: Cells) -> _Cells:
+def _half(draw: Callable[[], Mapping[str, list[int]]], size: str, order: int, cells: Cells) -> _Cells:
     with interrupts_wait(), _gmsh_model(cells):
         named = draw()
         gmsh.model.geo.synchronize()
-        gmsh.model.mesh.setSizeCallback(lambda _dim, _tag, x, y, _z, _size: size(x, y))
+        field = gmsh.model.mesh.field.add("MathEval")
+        gmsh.model.mesh.field.setString(field, "F", size)
+        gmsh.model.mesh.field.setAsBackgroundMesh(field)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
         return _read(named)

@@ -21,6 +21,7 @@ from meshes.bodies import (
     rounded,
     scaled_grading,
     size_field,
+    size_formula,
     surface_points,
 )
 from meshes.mirrored import mesh_quality, mirrored_mesh
@@ -41,7 +42,7 @@ def half_disc(name: str, grading: SurfaceGrading, growth: float = 0.2, order: in
         quadrilaterals, MeshQuad.
     """
     unit = scaled_grading(grading, 1 / grading.outer).drawn_for(cells)
-    mesh = mirrored_mesh(lambda: _quarter(unit), size_field(unit, growth), order, cells).scaled(float(grading.outer))
+    mesh = mirrored_mesh(lambda: _quarter(unit), size_formula(unit, growth), order, cells).scaled(float(grading.outer))
     exact_area = np.pi * grading.radius**2 / 2
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, exact_area))
 
@@ -90,7 +91,7 @@ def solid(
     unit, length = scaled_grading(grading, 1 / grading.outer).drawn_for(cells), grading.outer
     outline = _Outline(face, half_width / length, height / length, length)
     size = size_field(unit, growth)
-    mesh = mirrored_mesh(lambda: outline.draw(unit, size), size, order, cells, outline.settle)
+    mesh = mirrored_mesh(lambda: outline.draw(unit, size), size_formula(unit, growth), order, cells, outline.settle)
     mesh = mesh.scaled(float(length))
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
 

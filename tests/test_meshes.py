@@ -13,6 +13,7 @@ import pytest
 import skfem
 
 from meshes import MeshSettings, SurfaceGrading, build, half_disc, mesh_quality, solid, write_vtu
+from meshes.bodies import size_field, size_formula
 from meshes.interrupts import interrupts_wait
 from scenes import Block, Cylinder, FlatRounded, HalfPlane, Hertz, InputError, Pad, Tabulated, Wedge
 from scenes.bodies import face_of
@@ -374,16 +375,25 @@ def test_an_interrupt_is_ignored_where_it_was_ignored_before():
         signal.signal(signal.SIGINT, before)
 
 
-def test_an_interrupt_inside_the_size_callback_is_not_lost(monkeypatch):
-    given = gmsh.model.mesh.setSizeCallback
+def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(monkeypatch):
+    given = gmsh.model.mesh.generate
 
-    def interrupted(callback):
-        def ask(*place):
-            os.kill(os.getpid(), signal.SIGINT)
-            return callback(*place)
+    def interrupted(dimension):
+        os.kill(os.getpid(), signal.SIGINT)
+        given(dimension)
 
-        given(ask)
-
-    monkeypatch.setattr(gmsh.model.mesh, "setSizeCallback", interrupted)
+    monkeypatch.setattr(gmsh.model.mesh, "generate", interrupted)
     with pytest.raises(KeyboardInterrupt):
         half_disc("body", SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0))
+    assert not gmsh.isInitialized()
+    monkeypatch.undo()
+    half_disc("body", SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0))
+
+
+@pytest.mark.parametrize("inner", [0.0, 0.6])
+def test_gmsh_reads_the_element_size_that_python_does(inner):
+    grading = SurfaceGrading(inner=inner, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)
+    words = {"Sqrt": np.sqrt, "Max": max, "Min": min}
+    formula, by_python = size_formula(grading, 0.3).replace("^", "**"), size_field(grading, 0.3)
+    for x, y in itertools.product((0.0, 0.3, 0.6, 0.9, 1.1, 4.0), (0.0, -0.2, -3.0)):
+        assert eval(formula, {}, {**words, "x": x, "y": y}) == pytest.approx(by_python(x, y), rel=1e-14)
