@@ -259,12 +259,16 @@ def _shear(at: Array, smooth: Array, nodal: Nodal, rim: int) -> Array:
 
 
 def _where_it_lacks(at: Array, smooth: Array, weights: Array, nodal: Nodal) -> Array:
-    """Where a missing force belongs, of unit resultant: within two nodes of the stick edges; as p where there are none."""
-    (low, high), spacing = nodal.stick, float(np.median(np.diff(nodal.x)))
+    """Where a missing force belongs, of unit resultant: within three nodes of the stick edges; as p where there are none.
+
+    As a smooth hump: a step of q would stretch the face without limit.
+    """
+    (low, high), width = nodal.stick, 3 * float(np.median(np.diff(nodal.x)))
     if nodal.slips(1):
-        near = ((at > low) & (at < low + 2 * spacing)) | ((at < high) & (at > high - 2 * spacing))
-        if near.any():
-            return np.asarray(near / (weights @ near))
+        share = np.clip(np.minimum(np.abs(at - low), np.abs(high - at)) / width, 0.0, 1.0)
+        hump = np.sin(math.pi * share) ** 2 * ((at > low) & (at < high))
+        if hump.any():
+            return np.asarray(hump / (weights @ hump))
     return np.asarray(smooth / (weights @ smooth))
 
 

@@ -16,13 +16,14 @@ from matplotlib import image
 from PIL import Image, ImageSequence
 
 import halfplane_fe
+import semi_analytic
 from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
 from reports.charts.style import style_of
 from reports.cli import main
 from reports.cli.field_output import FieldsOptions
-from reports.field_output import film
+from reports.field_output import fatigue, film
 from reports.field_output.files import (
     NO_PEAK,
     Instant,
@@ -165,6 +166,95 @@ class TestStress:
             assert abs(found.value - exact) <= found.uncertainty < 0.01 * exact
             assert peak(snapshot, tension).value < found.value
             assert abs(found.x) == pytest.approx(1.0, rel=1e-3)
+
+
+TURN = 2 * np.pi * np.arange(73) / 72
+
+
+def history(xx: Any = 0.0, yy: Any = 0.0, xy: Any = 0.0, zz: Any = 0.0) -> np.ndarray:
+    """Stress (73, 1, 4) through a turn from its components."""
+    return np.stack([np.broadcast_to(part, TURN.shape) for part in (xx, yy, xy, zz)], axis=-1)[:, None]
+
+
+class TestFatigue:
+    """Each measure against its closed value: s along one axis, s and t to and fro, pure shear, shear that turns round."""
+
+    E, NU = 200e3, 0.3
+
+    def test_one_axis_to_and_fro(self) -> None:
+        """Amplitude s: shear s/2, von Mises 2 s, SWT s^2/E, Findley s/2 (k + sqrt(1 + k^2)), Crossland s/sqrt(3) and s/3."""
+        s, k = 150.0, 0.3
+        stress = history(xx=s * np.cos(TURN))
+        assert fatigue.largest_principal(stress)[0] == pytest.approx(s)
+        assert fatigue.largest_shear(stress)[0] == pytest.approx(s / 2)
+        assert fatigue.von_mises_range(stress)[0] == pytest.approx(2 * s)
+        assert fatigue.smith_watson_topper(stress, self.E, self.NU)[0] == pytest.approx(s**2 / self.E)
+        assert fatigue.findley(stress, k)[0] == pytest.approx(s / 2 * (k + np.sqrt(1 + k**2)), rel=1e-3)
+        radius, hydrostatic = fatigue.crossland(stress)
+        assert (radius[0], hydrostatic[0]) == (pytest.approx(s / np.sqrt(3), rel=2e-3), pytest.approx(s / 3))
+
+    def test_a_mean_stress_counts_where_it_should(self) -> None:
+        """s from 0 to 2 s: SWT doubles, ranges and the amplitude of sqrt(J2) stay; all in compression SWT is 0."""
+        s = 150.0
+        pulled, pressed = history(xx=s * (1 + np.cos(TURN))), history(xx=s * (np.cos(TURN) - 1))
+        assert fatigue.smith_watson_topper(pulled, self.E, self.NU)[0] == pytest.approx(2 * s**2 / self.E)
+        assert fatigue.smith_watson_topper(pressed, self.E, self.NU)[0] < 1e-9
+        assert fatigue.von_mises_range(pulled)[0] == pytest.approx(2 * s)
+        assert fatigue.crossland(pulled)[0][0] == pytest.approx(s / np.sqrt(3), rel=2e-3)
+
+    def test_pure_shear(self) -> None:
+        """Amplitude t: Fatemi-Socie t/G cos(v) (1 + c sin(v)), sin(v) = (sqrt(1 + 8 c^2) - 1)/(4 c), c = k t/s_yield; SWT at 45
+        degrees t^2 (1 + nu)/E; von Mises range 2 sqrt(3) t; Crossland t, 0."""
+        t, k, limit = 120.0, 1.0, 400.0
+        stress, share = history(xy=t * np.cos(TURN)), k * t / limit
+        sine = (np.sqrt(1 + 8 * share**2) - 1) / (4 * share)
+        wanted = t / (self.E / (2 * (1 + self.NU))) * np.sqrt(1 - sine**2) * (1 + share * sine)
+        assert fatigue.fatemi_socie(stress, self.E, self.NU, k, limit)[0] == pytest.approx(wanted, rel=1e-3)
+        assert fatigue.smith_watson_topper(stress, self.E, self.NU)[0] == pytest.approx(t**2 * (1 + self.NU) / self.E)
+        assert fatigue.von_mises_range(stress)[0] == pytest.approx(2 * np.sqrt(3) * t)
+        radius, hydrostatic = fatigue.crossland(stress)
+        assert (radius[0], hydrostatic[0]) == (pytest.approx(t, rel=2e-3), pytest.approx(0.0, abs=1e-12))
+
+    def test_shear_that_turns_round(self) -> None:
+        """xx - yy and xy a quarter of a turn apart, of one size: every plane has the amplitude t, the path is a circle."""
+        t = 80.0
+        stress = history(xx=t * np.cos(TURN), yy=-t * np.cos(TURN), xy=t * np.sin(TURN))
+        assert fatigue.crossland(stress)[0][0] == pytest.approx(t, rel=2e-3)
+        assert fatigue.findley(stress, 0.0)[0] == pytest.approx(t, rel=1e-3)
+        assert fatigue.largest_shear(stress)[0] == pytest.approx(t)
+        # Half the longest chord is less than the radius where three corners of a triangle are all there is.
+        corners = stress[[0, 24, 48]]
+        assert fatigue.crossland(corners)[0][0] == pytest.approx(t, rel=2e-3)
+
+    @pytest.mark.slow
+    def test_both_engines_at_the_edge_of_a_known_contact(self) -> None:
+        """The largest principal stress is the tension at the trailing edge, and pushing equals pulling: SWT is its square over E'.
+
+        Along the face alone and in plane strain e = s (1 - nu^2)/E. On a coarse mesh every measure is theory's to half a per cent.
+        """
+        scene = load_scene("cattaneo-mindlin")
+        answer = fe_run(scene, MeshSettings(edge_element_size=0.025), FEW_STEPS)
+        peak = semi_analytic.edge_tension(scene, 2.0)[0]
+        for one in fatigue.survey(answer, fatigue.Criteria((1.0, 400.0), 0.3)):
+            found = dict(one.largest())
+            assert len(found) == 8
+            for words, (theory, elements) in found.items():
+                assert elements[0] == pytest.approx(theory[0], rel=5e-3), words
+            assert found["largest principal stress"][0][0] == pytest.approx(peak, rel=1e-6)
+            material = getattr(scene.material, one.body)
+            wanted = peak**2 * (1 - material.poisson_ratio**2) / material.young_modulus
+            # At the least the edge is pressed by as much: the range is twice the tension.
+            assert found["Smith-Watson-Topper"][0][0] == pytest.approx(wanted, rel=1e-4)
+            assert abs(found["Smith-Watson-Topper"][0][1]) == pytest.approx(1.0, abs=1e-9)
+        point, average = (fatigue.survey(answer, fatigue.Criteria(critical_distance=d))[0] for d in (1e-6, 0.1))
+        largest = [dict(one.largest())["largest principal stress"][0][0] for one in (point, average)]
+        assert largest[0] == pytest.approx(peak, rel=5e-3)
+        assert 0.3 * peak < largest[1] < 0.8 * peak
+
+    @pytest.mark.parametrize("option", ["--findley", "--critical-distance"])
+    def test_numbers_that_make_no_sense_are_refused(self, option: str, capsys: pytest.CaptureFixture[str]) -> None:
+        assert main(["fields", "cattaneo-mindlin", option, "-1"]) == 2
+        assert f"{option} -1: a number above 0 is needed" in capsys.readouterr().err
 
 
 class TestInstants:
@@ -326,7 +416,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "pads.toml").write_text(scene_text("cattaneo-mindlin").split("[[expected]]")[0] + TOML, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
-        arguments = ["fields", str(place / "pads.toml"), "--at", "2", "--frames", "2", "--animate", "--quiet", *ROUGH]
+        arguments = ["fields", str(place / "pads.toml"), "--at", "2", "--frames", "2", "--animate", "--fatigue", "--quiet", *ROUGH]
         assert main([*arguments, "--out", str(place / "out")]) == 0
     return place
 
@@ -342,6 +432,11 @@ class TestCommand:
         for name in ("largest_nodal_von_mises", "largest_nodal_tension"):
             assert all(instant[name]["value"] > 0 for instant in record["instants"])
         assert record["largest nodal stresses"] == NO_PEAK
+        assert "fields/fatigue.csv" in record["files"]
+        assert {row["body"] for row in record["fatigue"]} == {"lower", "upper"}
+        table = (out / "fields" / "fatigue.csv").read_text(encoding="utf-8").splitlines()
+        assert table[0].startswith("body,")
+        assert len(table) == 1 + 2 * 5 * 161
         assert record["bodies"]["upper"]["supports"] == {"base": "fixed", "sides": "guided"}
         assert record["gap"] == "in the shape of the faces"
         assert "--at 2" in record["command"]

@@ -18,6 +18,7 @@ from reports.console import Stages, say, show_table
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, Snapshot
+    from reports.field_output.fatigue import Criteria, Survey
     from reports.field_output.files import Instant, Written
     from scenes import Scene
 
@@ -40,6 +41,24 @@ class FieldsOptions(FiniteElements):
     ] = False
     pictures: Annotated[bool, Parameter(help="Draw the meshes and the von Mises stress at the instants of --at as PNG.")] = True
 
+    fatigue: Annotated[
+        bool, flag("Stress through the last cycle by both engines: ranges, Smith-Watson-Topper, Crossland; fields/fatigue.csv.")
+    ] = False
+    fatemi_socie: Annotated[tuple[float, float] | None, Parameter(help="k and yield stress: Fatemi and Socie's measure too.")] = (
+        None
+    )
+    findley: Annotated[float | None, Parameter(help="k: Findley too.")] = None
+    critical_distance: Annotated[float | None, Parameter(help="Depth over which the stress is averaged for --fatigue.")] = None
+
+    @property
+    def criteria(self) -> Criteria | None:
+        """What --fatigue needs; None where nothing of it is asked for."""
+        from reports.field_output.fatigue import Criteria
+
+        given = Criteria(self.fatemi_socie, self.findley, self.critical_distance)
+        given.require_valid()
+        return given if self.fatigue or given != Criteria() else None
+
     @property
     def series(self) -> bool:
         """Whether files for ParaView are wanted over the whole cycle."""
@@ -61,7 +80,7 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
     from reports.folder import filled
 
     files.require_series(options.every, options.frames)
-    options, source = replace(options, at=options.named), scene
+    options, source, criteria = replace(options, at=options.named), scene, options.criteria
 
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
         require_times(options.at, "--at", scene)
@@ -90,8 +109,11 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
             written = [f"fields/{name}" for name in names]
             drawn = _draw(solution, stills, staging / "pictures", stages) if options.pictures and stills else []
             film = _animate(solution, series, staging / "animation", stages, notes) if options.animate else None
+            surveys = _fatigue(solution, criteria, staging / "fields", stages) if criteria is not None else ()
+            written += ["fields/fatigue.csv"] if surveys else []
             command = options.command("fields", source, folder)
             content = files.record(solution, done, written, drawn, command, stages.seconds, film, notes)
+            content |= {"fatigue": _fatigue_rows(surveys)} if surveys else {}
             text = json.dumps(strict(content), allow_nan=False, indent=1)
             (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
         films = [f"animation/{name}" for name in film["files"]] if film else []
@@ -110,9 +132,11 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
                 for one in done
             ]
             shown = {"passed": True, "instants": rows, "largest nodal stresses": files.NO_PEAK}
-            more = {"notes": notes, "files": whole, "file": file, "seconds": stages.seconds}
+            more: dict[str, Any] = {"notes": notes, "files": whole, "file": file, "seconds": stages.seconds}
+            more |= {"fatigue": _fatigue_rows(surveys)} if surveys else {}
             return answer("fields", WITHIN, shown | more, scene.name)
         _show(scene, done, whole, notes)
+        _show_fatigue(scene, surveys)
         say(file)
         return WITHIN
 
@@ -148,6 +172,57 @@ def _show(scene: Scene, instants: Sequence[Written], files: Sequence[str], notes
     films = [name for name in files if name.startswith("animation/")]
     film = f", {' and '.join(films)}" if films else ""
     say(f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures{film}, and what they are in fields/fields.json")
+
+
+def _fatigue(solution: FiniteElementSolution, criteria: Criteria, folder: Path, stages: Stages) -> tuple[Survey, ...]:
+    """Measures of fatigue in both bodies; all of them at every place in fatigue.csv."""
+    import pandas as pd
+
+    from reports.field_output.fatigue import survey
+
+    with stages.stage("measures of fatigue"):
+        surveys = survey(solution, criteria)
+    tables = []
+    for one in surveys:
+        columns = {"body": one.body, "x, theory": one.x[0], "x, finite elements": one.x[1], "y": one.y}
+        for words, (theory, elements) in one.measures.items():
+            columns |= {f"{words}, theory": theory, f"{words}, finite elements": elements}
+        tables.append(pd.DataFrame(columns))
+    pd.concat(tables).to_csv(folder / "fatigue.csv", index=False, float_format="%.9g")
+    return surveys
+
+
+def _fatigue_rows(surveys: Sequence[Survey]) -> list[dict[str, Any]]:
+    """The largest value of each measure in each body, by both engines."""
+    rows = []
+    for one in surveys:
+        for words, sides in one.largest():
+            found = {
+                name: dict(zip(("value", "x", "y"), side, strict=True))
+                for name, side in zip(("theory", "finite_elements"), sides, strict=True)
+            }
+            rows.append({"body": one.body, "measure": words, **found})
+    return rows
+
+
+def _show_fatigue(scene: Scene, surveys: Sequence[Survey]) -> None:
+    """The largest value of each measure by both engines."""
+    from reports.units import minus, number, units
+
+    if not surveys:
+        return
+    _, length, stress = units(scene)
+    rows = []
+    for pair in zip(*(one.largest() for one in surveys), strict=True):
+        body, (words, sides) = max(zip((one.body for one in surveys), pair, strict=True), key=lambda row: row[1][1][1][0])
+        (theory, *_), (elements, x, y) = sides
+        unit = "–" if words == "Fatemi-Socie" else stress
+        apart = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
+        place = ", ".join(number(float(f"{at:.3g}")) for at in (x, y))
+        rows.append((f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), f"({place}), {body}"))
+    heads = ("largest through the last cycle", "theory", "finite elements", "difference", f"at (x, y) [{length}]")
+    show_table("Measures of fatigue", heads, rows, right=(1, 2, 3))
+    say("linear elastic stress of the contact alone, on planes that contain the z axis; places beside the contact, in fatigue.csv")
 
 
 def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snapshot]], folder: Path, stages: Stages) -> list[str]:

@@ -1,0 +1,236 @@
+"""Measures of fatigue of the stress through a cycle, at points of plane strain: critical planes, invariants, ranges.
+
+`survey` takes them beside the contact in both bodies, of both engines. The linear elastic stress of the contact alone is meant.
+
+Arrays of stress are (n_instants, n_points, 4): s_xx, s_yy, s_xy, s_zz, tension positive. Planes are those that contain the z axis,
+a degree apart; strains are elastic. Every formula is for the history as it is, whatever its phase.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import InputError
+
+if TYPE_CHECKING:
+    from halfplane_fe import FiniteElementSolution
+
+Array = NDArray[np.float64]
+
+# Angles of planes, half a turn in all, and steps towards the least sphere around a path, whose radius they leave 1e-3 too large.
+_PLANES, _STEPS = 180, 1000
+
+
+# Instants of the cycle, at most, beside those of the largest and least loads; places across the contact, over its half-width, and
+# depths below the face; Gauss' points of an average over depth.
+_INSTANTS = 40
+_ACROSS = np.arange(-80, 81) / 64
+_DEPTHS = np.array([0.0, 0.02, 0.1, 0.3, 0.8])
+_OVER_DEPTH = 8
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """What is needed beside the stress; None leaves a measure out.
+
+    Attributes
+    ----------
+    fatemi_socie : k and the yield stress [-], [stress]
+    findley : k
+    critical_distance : depth below the face over which the stress is averaged first, as by Taylor (1999) [length]; None: points
+    """
+
+    fatemi_socie: tuple[float, float] | None = None
+    findley: float | None = None
+    critical_distance: float | None = None
+
+    def require_valid(self) -> None:
+        """InputError for numbers that make no sense."""
+        given = [("--findley", self.findley), ("--critical-distance", self.critical_distance)]
+        given += [("--fatemi-socie", value) for value in self.fatemi_socie or ()]
+        for option, value in given:
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise InputError(f"{option} {value:g}: a number above 0 is needed")
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """Measures through the last cycle at places beside the contact in one body.
+
+    Attributes
+    ----------
+    body : "lower" or "upper"
+    x : (2, n) places in theory and finite elements: the same over their own half-widths at the largest tension, so that the
+        edges, where stress has an infinite slope, are among them in both [length]
+    y : (n,) out of the lower body; 0 for averages over depth [length]
+    measures : words of a measure -> (theory, finite elements), (n,) each
+    """
+
+    body: str
+    x: Array
+    y: Array
+    measures: Mapping[str, tuple[Array, Array]]
+
+    def largest(self) -> Iterator[tuple[str, list[tuple[float, float, float]]]]:
+        """Of each measure its words, and the largest value with its place (value, x, y) in theory and in finite elements."""
+        for words, sides in self.measures.items():
+            found = [(x, side, int(side.argmax())) for x, side in zip(self.x, sides, strict=True)]
+            yield words, [(float(side[at]), float(x[at]), float(self.y[at]) + 0.0) for x, side, at in found]
+
+
+def survey(solution: FiniteElementSolution, criteria: Criteria) -> tuple[Survey, Survey]:
+    """Measures in the lower and the upper body, of theory and finite elements at the same places and instants.
+
+    Raises
+    ------
+    InputError
+        For a body so thin, or a critical distance so long, that the stress beside the contact is not known.
+    """
+    import halfplane_fe
+    import semi_analytic
+
+    cycle = np.asarray(solution.last_cycle)
+    loads = solution.normal_load[cycle], solution.tangential_load[cycle]
+    turns = [index for load in loads for index in (int(load.argmax()), int(load.argmin()))]
+    evenly = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
+    times = solution.time[cycle[np.unique([*evenly, *turns])]]
+    largest = halfplane_fe.largest_edge_tension(solution)
+    if largest is None:
+        raise InputError("--fatigue: the bodies never touch in the last cycle")
+    times = np.unique([*times, largest.time])
+    at_largest = semi_analytic.solve(solution.scene, x=0.0, time=largest.time, fields=())
+    edges = float(at_largest.contact_half_width[0]), abs(largest.x)
+    averaged, shares = criteria.critical_distance is not None, np.ones((1, 1))
+    depths = edges[0] * _DEPTHS
+    if criteria.critical_distance is not None:
+        node, weight = np.polynomial.legendre.leggauss(_OVER_DEPTH)
+        depths, shares = criteria.critical_distance * (1 + node) / 2, weight[:, None] / 2
+    depth, across = (part.ravel() for part in np.meshgrid(depths, _ACROSS, indexing="ij"))
+    found = []
+    bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
+    for body in bodies:
+        y, material = -depth if body == "lower" else depth, getattr(solution.scene.material, body)
+        theory = semi_analytic.stress(solution.scene, edges[0] * across, y, times, body=body)
+        elements = halfplane_fe.stress(solution, edges[1] * across, y, times, body=body)
+        if averaged:
+            theory, elements = (
+                np.einsum("tdxc,da->txc", side.reshape(len(times), len(depths), -1, 4), shares) for side in (theory, elements)
+            )
+        sides = [measures(side, criteria, material.young_modulus, material.poisson_ratio) for side in (theory, elements)]
+        places, heights = (_ACROSS, np.zeros(len(_ACROSS))) if averaged else (across, y)
+        both = {words: (sides[0][words], sides[1][words]) for words in sides[0]}
+        found.append(Survey(body, np.outer(edges, places), heights, both))
+    return found[0], found[1]
+
+
+def measures(stress: Array, criteria: Criteria, young_modulus: float, poisson_ratio: float) -> dict[str, Array]:
+    """Every measure by its words, (n_points,) each [stress], but Fatemi and Socie's, a strain."""
+    found = {
+        "largest principal stress": largest_principal(stress),
+        "largest shear stress": largest_shear(stress),
+        "range of von Mises stress": von_mises_range(stress),
+        "Smith-Watson-Topper": smith_watson_topper(stress, young_modulus, poisson_ratio),
+    }
+    if criteria.fatemi_socie is not None:
+        elastic = young_modulus, poisson_ratio
+        found["Fatemi-Socie"] = fatemi_socie(stress, *elastic, *criteria.fatemi_socie)
+    if criteria.findley is not None:
+        found["Findley"] = findley(stress, criteria.findley)
+    found["Crossland, amplitude of sqrt(J2)"], found["Crossland, largest hydrostatic stress"] = crossland(stress)
+    return found
+
+
+def principal(stress: Array) -> Array:
+    """Principal stresses in descending order, (..., 3) from (..., 4).
+
+    >>> principal(np.array([3.0, 1.0, 0.0, 2.0])).tolist()
+    [3.0, 2.0, 1.0]
+    """
+    xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
+    mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    return -np.sort(-np.stack([mean + radius, mean - radius, zz], axis=-1), axis=-1)
+
+
+def largest_principal(stress: Array) -> Array:
+    """Largest principal stress of the cycle, (n_points,)."""
+    return np.asarray(principal(stress)[..., 0].max(axis=0))
+
+
+def largest_shear(stress: Array) -> Array:
+    """Largest shear stress (s_1 - s_3)/2 of the cycle, (n_points,)."""
+    found = principal(stress)
+    return np.asarray(((found[..., 0] - found[..., 2]) / 2).max(axis=0))
+
+
+def von_mises_range(stress: Array) -> Array:
+    """Largest von Mises stress of the difference of two instants, (n_points,)."""
+    found = np.zeros(stress.shape[1])
+    for instant in stress:
+        xx, yy, xy, zz = np.moveaxis(stress - instant, -1, 0)
+        squares = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2
+        found = np.maximum(found, np.sqrt(squares.max(axis=0)))
+    return found
+
+
+def smith_watson_topper(stress: Array, young_modulus: float, poisson_ratio: float) -> Array:
+    """Largest over the planes of s_n,max (range of e_n)/2, tension only, (n_points,) [stress].
+
+    Source: Smith, Watson and Topper (1970); on critical planes Socie (1987).
+    """
+    found = np.zeros(stress.shape[1])
+    for normal, shear_strain, strain in _planes(stress, young_modulus, poisson_ratio):
+        del shear_strain
+        found = np.maximum(found, np.maximum(normal.max(axis=0), 0.0) * np.ptp(strain, axis=0) / 2)
+    return found
+
+
+def fatemi_socie(stress: Array, young_modulus: float, poisson_ratio: float, k: float, yield_stress: float) -> Array:
+    """Largest over the planes of (range of gamma)/2 (1 + k s_n,max/s_yield), (n_points,) [strain].
+
+    Compression across the plane reduces it. Source: Fatemi and Socie (1988).
+    """
+    found = np.zeros(stress.shape[1])
+    for normal, gamma, _ in _planes(stress, young_modulus, poisson_ratio):
+        found = np.maximum(found, np.ptp(gamma, axis=0) / 2 * (1 + k * normal.max(axis=0) / yield_stress))
+    return found
+
+
+def findley(stress: Array, k: float) -> Array:
+    """Largest over the planes of (range of tau)/2 + k s_n,max, (n_points,) [stress]. Source: Findley (1959)."""
+    found = np.full(stress.shape[1], -np.inf)
+    for normal, gamma, _ in _planes(stress, 2.0, 0.0):  # G = 1: gamma is tau
+        found = np.maximum(found, np.ptp(gamma, axis=0) / 2 + k * normal.max(axis=0))
+    return found
+
+
+def crossland(stress: Array) -> tuple[Array, Array]:
+    """Amplitude of sqrt(J2), the radius of the least sphere around the path of the deviator, and largest hydrostatic stress.
+
+    Source: Crossland (1956); the sphere as by Papadopoulos (1994), found by the steps of Badoiu and Clarkson (2003).
+    """
+    xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
+    mean = (xx + yy + zz) / 3
+    # Coordinates in which distances are sqrt(J2): half the double product of the deviator.
+    path = np.stack([(xx - yy) / 2, xy, (zz - mean) * np.sqrt(0.75)], axis=-1)
+    centre = path.mean(axis=0)
+    for step in range(_STEPS):
+        away = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
+        centre = centre + (path[away, np.arange(path.shape[1])] - centre) / (step + 2)
+    return np.sqrt(np.sum((path - centre) ** 2, axis=-1).max(axis=0)), np.asarray(mean.max(axis=0))
+
+
+def _planes(stress: Array, young_modulus: float, poisson_ratio: float) -> Iterator[tuple[Array, Array, Array]]:
+    """Normal stress, shear strain gamma and normal strain (n_instants, n_points) on each plane."""
+    xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
+    shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
+    for angle in np.pi * np.arange(_PLANES) / _PLANES:
+        cosine, sine = np.cos(2 * angle), np.sin(2 * angle)
+        normal = (xx + yy) / 2 + (xx - yy) / 2 * cosine + xy * sine
+        across = xx + yy - normal
+        tau = -(xx - yy) / 2 * sine + xy * cosine
+        yield normal, tau / shear_modulus, (normal - poisson_ratio * (across + zz)) / young_modulus
