@@ -19,7 +19,7 @@ from halfplane_fe.elasticity import CondensedBody, displacement_fields, scalar_e
 from halfplane_fe.face_stress import FEWEST, Nodal, Rest, Tractions, fitted_rest, tractions, with_uncertainty
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
-from scenes import HalfPlane, InputError
+from scenes import ContactSolution, HalfPlane, InputError
 from scenes.bodies import Cylinder, Shape, face_of
 
 Array = NDArray[np.float64]
@@ -106,15 +106,23 @@ def _step(solution: FiniteElementSolution, instant: float) -> int:
     return int(np.argmin(np.abs(solution.time - instant)))
 
 
-def edge_tension(solution: FiniteElementSolution, steps: Sequence[int]) -> tuple[Array, Array]:
+def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array, Array]:
     """Stress s_xx of both faces at the edges of contact at stored steps, and its uncertainty [stress].
 
     Its largest value in a cycle is the tension on which lives in fretting fatigue are built: at the trailing edge.
 
     Returns
     -------
-    values, uncertainties : (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact
+    values, uncertainties : (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact; an uncertainty is NaN
+        in a body so thin that what its size adds is not known
+
+    Raises
+    ------
+    InputError
+        For bodies of finite size whose meshes are not there: answers that were read back from disk have none.
     """
+    if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
+        raise InputError("edge_tension: the answer has no meshes, so what the size of its bodies adds is not known; solve it again")
     pairs = [_tractions(solution, step) for step in steps]
     values, uncertain = np.zeros((len(steps), 2, 2)), np.zeros((len(steps), 2, 2))
     there = [k for k, (found, _) in enumerate(pairs) if found is not None]
@@ -126,6 +134,7 @@ def edge_tension(solution: FiniteElementSolution, steps: Sequence[int]) -> tuple
     for body, name in enumerate(("lower", "upper")):
         if not there or isinstance(getattr(solution.scene.bodies, name), HalfPlane):
             continue
+        assert isinstance(solution, FiniteElementSolution)  # for the type checker
         # What the body adds is linear in the tractions and hardly depends on more than their moments: found at a few instants.
         chosen = sorted({there[k] for k in np.linspace(0, len(there) - 1, _SAMPLED).round().astype(int)})
         at = [there.index(k) for k in chosen]
@@ -201,12 +210,14 @@ class LargestTension:
     x: float
 
 
-def largest_edge_tension(solution: FiniteElementSolution) -> LargestTension | None:
-    """The largest `edge_tension` of the last cycle; None out of contact.
+def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
+    """The largest `edge_tension` of the last cycle; None out of contact, and for bodies of finite size without their meshes.
 
     That at which the value less its uncertainty is largest: where a load has just turned, elements see no more than that the new
     slip zone is narrow, and the tension that they still have says little.
     """
+    if not (solution.scene.bodies.half_planes or isinstance(solution, FiniteElementSolution)):
+        return None
     cycle = np.asarray(solution.last_cycle)
     rough = np.full(len(cycle), -np.inf)
     for number, step in enumerate(cycle.tolist()):
@@ -230,18 +241,21 @@ def _forces(solution: FiniteElementSolution, steps: Sequence[int]) -> dict[str, 
     return body_forces(*solution.condensed, *nodal)
 
 
-def _nodal(solution: FiniteElementSolution, step: int) -> Nodal:
+def _nodal(solution: ContactSolution, step: int) -> Nodal:
     """Nodal tractions at a stored step."""
     x, pressure, shear, friction = solution.x, solution.pressure[step], solution.shear[step], solution.scene.friction.coefficient
     closed, before = pressure > 0, max(step - 1, 0)
     loads = (solution.normal_load, solution.tangential_load)
     rise, drag = (float(load[step] - load[before]) for load in loads)
     (left, right), (first, last) = solution.stick_edges[step].tolist(), solution.contact_edges[step].tolist()
-    carried, growing = float(shear @ solution.weights), rise > 0 and abs(drag) <= friction * rise
+    carried = float(solution.tangential_load[step])
+    if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):
+        carried = float(shear @ solution.weights)  # on curved faces p carries a part of Q
+    growing = rise > 0 and abs(drag) <= friction * rise
     return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing)
 
 
-def _tractions(solution: FiniteElementSolution, step: int) -> tuple[Tractions | None, Array]:
+def _tractions(solution: ContactSolution, step: int) -> tuple[Tractions | None, Array]:
     """Tractions at a stored step as series, and the uncertainty of the tension at either edge."""
     return with_uncertainty(_nodal(solution, step))
 

@@ -617,7 +617,7 @@ def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, flo
 
     if solution.engine == "semi_analytic":
         return float(np.max(np.abs(semi_analytic.edge_tension(solution, time)), initial=0.0)), 0.0
-    largest = halfplane_fe.largest_edge_tension(solution) if isinstance(solution, halfplane_fe.FiniteElementSolution) else None
+    largest = halfplane_fe.largest_edge_tension(solution) if solution.engine == "halfplane_fe" else None
     return None if largest is None else (largest.value, largest.uncertainty)
 
 
