@@ -50,7 +50,8 @@ class BodyFields:
         elements and averaged there
     von_mises : (n,) [stress]
     edges : (2,) x of the left and right edge of contact, by the tractions; NaN out of contact [length]
-    edge_tension, edge_tension_uncertainty : (2,) xx of the face at those edges, which lie between nodes [stress]
+    edge_tension, edge_tension_uncertainty : (2,) xx of the face at those edges, which lie between nodes [stress]; NaN in a body so
+        thin that what its size adds is not known
     """
 
     name: str
@@ -113,8 +114,8 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
 
     Returns
     -------
-    values, uncertainties : (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact; an uncertainty is NaN
-        in a body so thin that what its size adds is not known
+    values, uncertainties : (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact; NaN in a body so thin
+        that what its size adds is not known
 
     Raises
     ------
@@ -141,7 +142,7 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
         forces = _forces(solution, [steps[k] for k in chosen])[name]
         _, rest = _stress(name, forces, solution, [pairs[k] for k in chosen], rest_alone=True)[1:]
         if rest is None:
-            uncertain[there, body] = np.nan
+            values[there, body] = uncertain[there, body] = np.nan
             continue
         scale = np.abs(moments).max(axis=0) + 1e-300
         slopes = np.linalg.lstsq(moments[at] / scale, rest.coefficients.T, rcond=1e-8)[0]
@@ -211,7 +212,7 @@ class LargestTension:
 
 
 def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
-    """The largest `edge_tension` of the last cycle; None out of contact, and for bodies of finite size without their meshes.
+    """The largest `edge_tension` of the last cycle; None where it is not known, and out of contact.
 
     That at which the value less its uncertainty is largest: where a load has just turned, elements see no more than that the new
     slip zone is narrow, and the tension that they still have says little.
@@ -228,7 +229,9 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     if not steps:
         return None
     values, uncertain = edge_tension(solution, steps)
-    k, body, edge = (int(index) for index in np.unravel_index(np.argmax(values - np.nan_to_num(uncertain)), values.shape))
+    if np.isnan(values).any():
+        return None
+    k, body, edge = (int(index) for index in np.unravel_index(np.argmax(values - uncertain), values.shape))
     place = tractions(_nodal(solution, steps[k])).edges[edge]
     size = float(values[k, body, edge]), float(uncertain[k, body, edge])
     return LargestTension(*size, float(solution.time[steps[k]]), ("lower", "upper")[body], place)
@@ -277,6 +280,8 @@ def _body_fields(
         if rest is not None and series is not None:
             tension = tension + rest.stress(edges, np.zeros(2))[:, 0, k]
             uncertain = uncertain + rest.error[k]
+        elif series is not None and not isinstance(getattr(solution.scene.bodies, name), HalfPlane):
+            tension, uncertain = np.full(2, np.nan), np.full(2, np.nan)  # too thin: what its size adds is not known
         parts = (cells, values[nodes].T * flip, stress, _von_mises(stress), edges, tension, uncertain)
         found.append(BodyFields(name, points, *parts))
     return found

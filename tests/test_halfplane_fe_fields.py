@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from halfplane_fe import SolverSettings, edge_tension, fields, stress
-from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
+from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
+from halfplane_fe.edges import contact_edge, contact_edges, contact_uncertainty, fitted_stick_edge, stick_edges, stick_uncertainty
 from halfplane_fe.face_stress import Nodal, fitted_rest, rest_basis, tractions
 from halfplane_fe.interface import couple, without_local_difference
 from halfplane_fe.visible import _slow_rim
@@ -270,6 +270,12 @@ def test_places_outside_are_refused():
     answer = fe_run(load_scene("hertz-normal"), COARSE, FEW_STEPS)
     with pytest.raises(InputError, match="y = 1 is outside the lower body"):
         stress(answer, 0.0, 1.0, 1.0)
+    thin = answer.scene.vary(bodies=Bodies(lower=Block(width=20.0, height=1.5)))
+    flat = fe_run(thin, COARSE, FEW_STEPS)
+    lower, upper = fields(flat, [1.0])[0].bodies
+    assert np.isnan(lower.edge_tension).all()
+    assert np.isfinite(upper.edge_tension).all()
+    assert largest_edge_tension(flat) is None
     blocks = answer.scene.vary(bodies=Bodies(lower=Block(width=20.0, height=10.0), upper=Block(width=20.0, height=10.0)))
     with pytest.raises(InputError, match="further from the contact"):
         stress(fe_run(blocks, COARSE, FEW_STEPS), 0.0, -5.0, 1.0)

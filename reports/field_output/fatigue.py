@@ -101,7 +101,9 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> tuple[Survey,
     times = solution.time[cycle[np.unique([*evenly, *turns])]]
     largest = halfplane_fe.largest_edge_tension(solution)
     if largest is None:
-        raise InputError("--fatigue: the bodies never touch in the last cycle")
+        raise InputError(
+            "--fatigue: no stress is known beside the contact: a body is too thin, or nothing touches in the last cycle"
+        )
     times = np.unique([*times, largest.time])
     at_largest = semi_analytic.solve(solution.scene, x=0.0, time=largest.time, fields=())
     edges = float(at_largest.contact_half_width[0]), abs(largest.x)

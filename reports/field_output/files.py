@@ -206,14 +206,15 @@ class EdgeTension:
 
 
 def edge_tension(snapshot: Snapshot) -> EdgeTension | None:
-    """Where it is largest; None out of contact."""
+    """Where it is largest; None out of contact, and where it is not known of a body."""
     found = [
         EdgeTension(float(body.edge_tension[side]), float(body.edge_tension_uncertainty[side]), body.name, float(x))
         for body in snapshot.bodies
         for side, x in enumerate(body.edges)
         if np.isfinite(x)
     ]
-    return max(found, key=lambda one: one.value, default=None)
+    known = all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies)
+    return max(found, key=lambda one: one.value, default=None) if known else None
 
 
 @dataclass(frozen=True)
