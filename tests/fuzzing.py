@@ -160,7 +160,7 @@ ENTRANCES: dict[str, Callable[[Path], object]] = {
     "profile.csv": _beside_a_scene("profile"),
     "mapping.toml": load_mapping,
     "result.csv": _scored,
-    **dict.fromkeys((*(f"result.{kind}" for kind in ("vtu", "vtk", "xdmf", "pvd", "series", "frd")), "printed.dat"), _read),
+    **dict.fromkeys((*(f"result.{kind}" for kind in ("vtu", "vtk", "xdmf", "pvd", "series", "frd", "rpt")), "printed.dat"), _read),
     "heavy.h5": lambda path: _read(path.with_name("heavy.xdmf")),  # the numbers of an XDMF file
     "result.nc": lambda path: own_solution(path, load_scene("hertz-paper")),
     "study.toml": load_study,
@@ -181,9 +181,22 @@ ADDRESS = "0" * 64
 AXIS = {"name": "f", "key": "friction.coefficient", "values": [0.5, 1.0]}
 STUDY = {"scene": "hertz-paper", "engines": ["exact"], "figures": ["exact.dissipation"], "axes": [AXIS]}
 POINTS = [{"number": 0, "address": ADDRESS, "coordinates": {"f": 0.5}}]
+# Field output of Abaqus: four nodes, two of them in contact, at two frames.
+REPORT = "\n".join(
+    f"{'*' * 80}\nField Output Report, written Tue Feb  3 2026\n\n   Step: Step-1\n   Frame: Increment {k}: Step Time = {k}.5\n\n"
+    "Field Output reported at nodes for part: BLOCK-1\n\n"
+    + "".join(f"{head:>16}" for head in ("Node", "COORD.COORD1", "CPRESS", "CSHEAR1"))
+    + f"\n           Label{'@Loc 1':>16}{'@Loc 1':>16}{'@Loc 1':>16}\n{'-' * 64}\n"
+    + "".join(f"{n:>16}{n / 4:>16}{(n in (1, 2)) * 9.5e01:>16}{k * (n == 1) * 1.5:>16}\n" for n in range(4))
+    for k in (1, 2)
+)
 # Those that are the same every time.
 PLAIN = {
-    "series.csv": ["time,P,Q\n0,0,0\n1,2.5,0.5\n2,2,1\n3,1.5,-0.25\n"],
+    "series.csv": [
+        "time,P,Q\n0,0,0\n1,2.5,0.5\n2,2,1\n3,1.5,-0.25\n",
+        "Rig 1\nTime [s];FN [N/mm];FT [N/mm]\n0;0;0\n0,5;2,5;0,5\n2;2;1\n",
+    ],
+    "result.rpt": [REPORT],
     "profile.csv": ["x,h\n0,0\n0.5,0.1\n1,0.5\n2.0,2\n", "-2,2\n-1,0.5\n0,0\n1,0.5\n2,2\n"],
     "mapping.toml": [
         'code = "mine"\nthickness = 2.0\ntimes = [0.0, 1.0]\n[columns]\npressure = "p"\n[factors]\nlength = 1000\n'

@@ -82,6 +82,7 @@ LIMITS = {
     ".toml": "1.05 MB",
     ".json": "268 MB",
     ".csv": "268 MB",
+    ".rpt": "268 MB",
     ".frd": "537 MB",
     ".dat": "537 MB",
     ".nc": "2.15 GB",

@@ -16,10 +16,13 @@ import semi_analytic
 from meshes import MeshSettings
 from reports import compare
 from reports.comparison import Comparison
-from reports.scoring.diagnosis import FAULTS, UNKNOWN, Diagnosis, diagnose, sentence_of
+from reports.scoring.against import score_surface
+from reports.scoring.diagnosis import FAULTS, NOISE, UNKNOWN, Diagnosis, diagnose, scatter, sentence_of
 from reports.scoring.flaws import Flaws, Model, NotSettledError
 from reports.scoring.hypotheses import Hypothesis, discrepancy, stiffer, with_friction
-from scenes import Materials, load_scene
+from reports.scoring.mapping import Mapping
+from reports.scoring.surface import surface_result
+from scenes import Materials, Scene, load_scene
 from semi_analytic.elasticity import coupling_constant
 
 SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")
@@ -248,3 +251,47 @@ def test_the_model_without_a_flaw_is_hertz_and_cattaneo() -> None:
     assert np.abs(q - (exact - np.sqrt(np.maximum(0.36 - on.x**2, 0)) / 2)).max() < 0.02
     with pytest.raises(NotSettledError, match="slides"):
         on.march(Flaws(), np.array([[1.0, 1.5]]))
+
+
+def scattered() -> tuple[Scene, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Scene, x, time, and tractions with noise of a hundredth of the largest pressure where they are not 0."""
+    scene, x = load_scene("cattaneo-mindlin"), np.linspace(-1.2, 1.2, 61)
+    exact = semi_analytic.solve(scene, x=x, time=np.linspace(1, 5, 25), fields=("pressure", "shear"))
+    random, size = np.random.default_rng(3), 0.01 * exact.pressure.max()
+    noise = size * random.normal(size=(2, *exact.pressure.shape)) * (exact.pressure > 0)
+    return scene, x, exact.time, np.maximum(exact.pressure + noise[0], 0), exact.shear + noise[1]
+
+
+def judged(scene: Scene, x: np.ndarray, time: np.ndarray, p: np.ndarray, q: np.ndarray) -> tuple[Comparison, list[Diagnosis]]:
+    fields: dict[str, Any] = {"pressure": p, "shear": q}
+    comparison = score_surface(surface_result("arrays", "", x, fields, {"time": time}), Mapping(), scene).comparison
+    what = discrepancy(comparison)
+    assert what is not None
+    return comparison, list(scatter(what))
+
+
+def test_scattered_points_beyond_the_coulomb_limit_are_one_finding_with_a_count() -> None:
+    """What one point exceeds by far is more than noise; a wave over the whole contact is none."""
+    scene, x, time, p, q = scattered()
+    comparison, (only,) = judged(scene, x, time, p, q)
+    assert only.fault == NOISE
+    sizes = [float(word) for word in re.findall(r"([\d.]+) in [pq]/", only.sentence.replace("(f p_ref)", ""))]
+    assert sizes == pytest.approx([0.01, 0.02], rel=0.1)
+    counts = re.findall(r"^(\d+) of (\d+) points in contact exceed the Coulomb limit", only.evidence[0])[0]
+    touching = (p > 0) & np.isin(time, comparison.found.time)[:, None]  # the instants of the last cycle are judged
+    beyond = (np.abs(q) > scene.friction.coefficient * p) & touching
+    assert [int(word) for word in counts] == [beyond.sum(), touching.sum()]
+    assert only.evidence[0].endswith("no more than noise makes: no fault of the contact law")
+    wrong = q.copy()
+    wrong[12, 30] = 0.8 * p.max()
+    _, found = judged(scene, x, time, p, wrong)
+    assert not found or found[0].evidence[0].endswith("more than noise alone makes")
+    exact = semi_analytic.solve(scene, x=x, time=time, fields=("pressure", "shear"))
+    wave = 1 + 0.02 * np.sin(9 * x)
+    assert judged(scene, x, time, exact.pressure * wave, exact.shear * wave)[1] == []
+
+
+@pytest.mark.slow
+def test_noise_is_named_where_no_fault_of_the_set_is_found() -> None:
+    comparison, _ = judged(*scattered())
+    assert keys(diagnose(comparison)) == [NOISE]

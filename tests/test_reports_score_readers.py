@@ -9,6 +9,7 @@ from typing import Any
 
 import meshio
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 from meshes import foreign, read_frames, write_pvd
 from meshes.files import PvdEntry
 from reports.scoring import calculix_files
+from reports.scoring.against import diagnosed, score_file
 from reports.scoring.calculix import CalculixMesh
 from reports.scoring.calculix_files import read_dat, read_frd
 from reports.scoring.guesses import oddities
@@ -109,7 +111,7 @@ def _set(row: int, name: str, value: object) -> Callable[[Any], Any]:
 
 
 TABLES: dict[str, tuple[Callable[[Any], Any] | str, str]] = {
-    "missing shear": (lambda t: t.drop(columns="shear"), "no column for shear (looked for shear, q, CSHEAR1"),
+    "missing pressure": (lambda t: t.drop(columns="pressure"), "no column for pressure (looked for pressure, p, CPRESS"),
     "missing x": (lambda t: t.drop(columns="x"), "no column for x"),
     "word in a cell": (_set(7, "pressure", "n/a"), "line 9: pressure = 'n/a' is not a finite number"),
     "NaN": (_set(7, "shear", "nan"), "line 9: shear = 'nan' is not a finite number"),
@@ -141,6 +143,32 @@ def test_each_fault_of_a_table_is_one_sentence(fault: str, tmp_path: Path) -> No
     else:
         written(change(LONG.astype(object)), path)
     refused(path, re.escape(words))
+
+
+@pytest.mark.parametrize("layout", ["rows", "frames"])
+def test_a_pressure_without_a_shear_is_scored_for_what_it_has(layout: str, tmp_path: Path) -> None:
+    """Its stick edges, states, slip and work are not in the result, and no instant is found by a load that is not there."""
+    path, scene = tmp_path / "pressure.csv", exact().scene
+    if layout == "rows":
+        written(LONG[["time", "x", "pressure"]], path)
+    else:
+        columns = {f"CPRESS t={time!r}": row for time, row in zip(exact().time.tolist(), exact().pressure, strict=True)}
+        written(pd.DataFrame({"X": exact().x} | columns), path)
+    report = score_file(path, Mapping(), scene)
+    comparison = report.comparison
+    for key in ("peak_pressure", "pressure", "contact_edge"):
+        assert abs(comparison.metric(key).value) < 1e-9, key
+    for key in ("shear", "stick_edge", "stick_edge_left", "state", "permanent_stick", "dissipation", "resultant_tangential"):
+        assert comparison.metric(key).value is None, key
+        assert "not in the result" in comparison.metric(key).note
+    assert comparison.passed
+    assert diagnosed(report).diagnoses == ()
+    assert [check.name for check in comparison.result_certificates] == ["tension"]
+    wrong = score_file(path, Mapping(times=exact().time.tolist(), factors={"stress": 1.1}), scene)
+    assert diagnosed(wrong).diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")
+    written(LONG[["x", "pressure"]].iloc[:105], path)
+    with pytest.raises(InputError, match="without a shear the pressure alone does not say which instant is which"):
+        score_file(path, Mapping(), scene)
 
 
 def test_files_that_no_reader_takes(tmp_path: Path) -> None:

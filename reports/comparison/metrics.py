@@ -681,7 +681,7 @@ def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
 
 
-@metric("stick_edge", "of a_ref", _WORST_INSTANT, f"{_INSTANTS} at which both have one")
+@metric("stick_edge", "of a_ref", _WORST_INSTANT, f"{_INSTANTS} at which both have one", "stick_edges")
 def _(pair: Pair) -> Measured:
     """Stick edge: outward shift of the worse edge, where both have one (in full stick: the contact edge)."""
     # Instants at which the two differ in full stick, partial slip or full slip are counted, not
@@ -847,7 +847,8 @@ def resultants(cycle: Cycle, weights: Array | None, normals: Array | None) -> tu
     """
     surface = shares(cycle.x) if weights is None else weights
     along, across = (np.zeros_like(cycle.x), np.ones_like(cycle.x)) if normals is None else normals
-    normal = cycle.pressure @ (surface * across) + cycle.shear @ (surface * along)
+    # Zero times no shear, which a pressure alone has, is nothing of P.
+    normal = cycle.pressure @ (surface * across) + (cycle.shear @ (surface * along) if along.any() else 0.0)
     return normal, cycle.shear @ (surface * across) - cycle.pressure @ (surface * along)
 
 
@@ -908,7 +909,8 @@ for _kind in ("contact", "stick"):
         _words += "result's points, and with the uncertainty that the result states."
         _where = _INSTANTS if _kind == "contact" else f"{_INSTANTS} at which both have one"
         _measure = partial(_edge_of_side, kind=_kind, side=_side)
-        metric(f"{_kind}_edge_{_side}", "of a_ref", _WORST_INSTANT, _where, words=_words)(_measure)
+        _needs = ("stick_edges",) if _kind == "stick" else ()
+        metric(f"{_kind}_edge_{_side}", "of a_ref", _WORST_INSTANT, _where, *_needs, words=_words)(_measure)
 
 
 @metric(

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 TITLE = "Field Output Report"
 _STEP = re.compile(r"\s*Step:\s*(?P<step>.+?)\s*$")
 _FRAME = re.compile(r"\s*Frame:\s*(?P<frame>.+?)\s*$")
-_TIME = re.compile(r"(?:Step )?Time\s*=\s*(?P<time>[-+.\deE]+)")
+_TIME = re.compile(r"(?:Step )?Time\s*=\s*(?P<time>[-+]?\d+\.?\d*(?:[eE][-+]?\d{1,2})?)(?!\S)")
 _REGION = re.compile(
     r"\s*Field Output reported at (?P<where>.+?) for (?:part|region|element set|node set|set|surface):\s*(?P<name>.+?)\s*$"
 )

@@ -27,7 +27,7 @@ OWN = ".nc"
 def score(
     x: ArrayLike,
     p: ArrayLike,
-    q: ArrayLike,
+    q: ArrayLike | None,
     *,
     scene: Scene | str | Path,
     time: ArrayLike | None = None,
@@ -43,7 +43,8 @@ def score(
     Parameters
     ----------
     x : (n_points,) places on the surface, 0 in the middle of the contact [length]
-    p, q : (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression, q along +x on the lower body
+    p, q : (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression, q along +x on the lower body.
+        q None: the pressure is scored alone
     scene : the question, or its name or file
     time : (n_steps,) times of the scene's load path; left out, `loads` tell the instants, else the integrals of p and q
     loads : (P, Q), (n_steps,) each [force / thickness]

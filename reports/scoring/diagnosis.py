@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reports.comparison import Comparison
+from reports.measured import noise_of
 from reports.scoring.flaws import model_faults
 from reports.scoring.hypotheses import (
     Discrepancy,
@@ -34,7 +35,9 @@ ROUNDS = 3
 LEAST_STRENGTH = 0.05
 # Behind a fault that was mended, tolerances that the rest must exceed to be looked at: a fit is not exact.
 REST = 2.0
-UNKNOWN = "unknown"
+UNKNOWN, NOISE = "unknown", "noise"
+# Standard deviations of the noise by which a point may exceed the Coulomb limit and the contact law still be kept.
+BY_NOISE = 5.0
 MODEL = {"coarse_edge", "coupling", "small_body", "soft_normal", "elastic_slip", "steps"}
 # What a hypothesis must explain more than a plainer one, for each figure fitted: of two that explain all, the plainer is named.
 # Flaws that move edges of contact lean on a fitted stiffness; a coarse edge and an odd part take what they find, point by point.
@@ -81,6 +84,10 @@ FAULTS = {
     "make the elements there smaller than {spacing:.2g} a_ref.",
 }
 
+_SCATTER = (
+    "The tractions scatter from point to point, with a standard deviation of {size}: noise of a measurement, of extrapolated nodal "
+    "values or of printed digits; average neighbouring points, or write more digits."
+)
 _NO_COUPLING = 1e-9
 _OWN_COUPLING = (
     "The difference is odd in x, as the scene's own materials make it, which have {own:.2g} of Dundurs' beta: half-plane theory "
@@ -107,7 +114,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     """Likely causes of the discrepancy of `comparison`, the strongest first.
 
     Empty where its tractions and its dissipation are within the scene's tolerances, or where it has no number to judge; a
-    single "unknown" where they are not, and no fault of the set explains half of it.
+    single "noise" or "unknown" where they are not, and no fault of the set explains half of it.
     """
     whole = discrepancy(comparison)
     if whole is None:
@@ -134,12 +141,36 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     pressure, shear = whole.errors()
     size = f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times that, at the worst instant"
     unknown = "The discrepancy fits no known pattern: look at where and when it is largest."
-    first, *others = sorted(found, key=lambda one: -one.strength) or [Diagnosis(UNKNOWN, unknown, (size,), 0.0)]
+    known = sorted(found, key=lambda one: -one.strength) or list(scatter(whole))
+    first, *others = known or [Diagnosis(UNKNOWN, unknown, (size,), 0.0)]
     if untried:
         names = ", ".join(sorted(untried)).replace("_", " ")
         words = f"not all was tried: a model with this fault does not settle ({names})"
         first = replace(first, evidence=(*first.evidence, words))
     return (first, *others)
+
+
+def scatter(what: Discrepancy) -> Iterator[Diagnosis]:
+    """Tractions that scatter from point to point, where that is most of the discrepancy; how many exceed the Coulomb limit."""
+    scales, inside = what.comparison.scales, (what.expected[0] > 1e-3 * what.comparison.scales.pressure) & (what.weight > 0)
+    pairs = [(what.found[0] - what.expected[0], scales.pressure), (what.found[1] - what.expected[1], scales.shear)]
+    pairs = pairs[: 1 + (what.sheared and scales.friction > 0)]
+    sigma = [noise_of((off / scale)[inside]) for off, scale in pairs]
+    whole = sum(float(np.mean((off / scale)[inside] ** 2)) for off, scale in pairs)
+    share = sum(one**2 for one in sigma) / whole if whole else 0.0
+    if share < LEAST_EXPLAINED:
+        return
+    evidence = [f"noise from point to point makes {min(share, 1.0):.0%} of the square of the discrepancy"]
+    if len(pairs) > 1:
+        every, touching = what.comparison.found, what.comparison.expected.pressure > 1e-3 * scales.pressure  # at all instants
+        beyond = (np.abs(every.shear) / scales.shear - every.pressure / scales.pressure)[touching]
+        count, most, limit = int(np.sum(beyond > 0)), float(np.max(beyond)), BY_NOISE * sum(one**2 for one in sigma) ** 0.5
+        kept = "no more than noise makes: no fault of the contact law" if most <= limit else "more than noise alone makes"
+        evidence.insert(
+            0, f"{count} of {len(beyond)} points in contact exceed the Coulomb limit, by {most:.2g} of f p_ref at most: {kept}"
+        )
+    words = f"{sigma[0]:.2g} in p/p_ref" + (f" and {sigma[1]:.2g} in q/(f p_ref)" if len(sigma) > 1 else "")
+    yield Diagnosis(NOISE, _SCATTER.format(size=words), tuple(evidence), min(share, 1.0))
 
 
 def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple[float, Hypothesis]]:

@@ -81,6 +81,11 @@ def _by_resultants(result: SurfaceResult, scene: Scene) -> History:
     import semi_analytic
 
     by = "the integrals of its pressure and shear over x"
+    if not result.sheared:
+        raise InputError(
+            f"{result.source}: without a shear the pressure alone does not say which instant is which: state the times of the "
+            "scene's path, by a column or by times of a mapping, or P and Q"
+        )
     normal, tangential = resultants(result)
     normal, integrated = (normal, 1.0) if result.normal_load is None else (result.normal_load, 0.0)
 

@@ -137,6 +137,9 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
         return None
     rows = usable[np.unique(np.linspace(0, len(usable) - 1, min(len(usable), MOST_INSTANTS)).round().astype(int))]
     expected, found = ((side.pressure[rows], side.shear[rows]) for side in (comparison.expected, comparison.found))
+    sheared = not np.isnan(found[1]).all()
+    if not sheared:  # a file without shear: it counts for nothing
+        found = found[0], np.nan_to_num(expected[1])
     known = np.all([np.isfinite(field) for field in (*expected, *found)], axis=0)
     if not known.any():
         return None
@@ -144,7 +147,8 @@ def discrepancy(comparison: Comparison) -> Discrepancy | None:
     expected = np.nan_to_num(expected[0]), np.nan_to_num(expected[1])
     filled = np.where(known, found[0], expected[0]), np.where(known, found[1], expected[1])
     exact = comparison.reference.engine == "semi_analytic"
-    return Discrepancy(comparison, rows, expected, filled, weight / weight.sum(), float(1 - known.mean()), comparison.scene, exact)
+    left_out = float(1 - known.mean())
+    return Discrepancy(comparison, rows, expected, filled, weight / weight.sum(), left_out, comparison.scene, exact, sheared)
 
 
 @dataclass(frozen=True, eq=False)

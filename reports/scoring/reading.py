@@ -85,7 +85,7 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
             return wide
     columns = {}
     for quantity in _ROWS:
-        name = find_column(mapping, quantity, table.names, str(path), needed=quantity in ("x", "pressure", "shear"))
+        name = find_column(mapping, quantity, table.names, str(path), needed=quantity in ("x", "pressure"))
         if name is not None:
             columns[quantity] = converted(mapping, quantity, table.column(name))
     return _rows(str(path), mapping, columns)
@@ -184,8 +184,6 @@ def _frames(source: str, table: TextTable, mapping: Mapping, heads: list[_Head])
         return np.array([found[frame] for frame in frames])
 
     fields: dict[str, Array | None] = {name: stack(name) for name in _FIELDS[1:]}
-    if fields["shear"] is None:
-        raise InputError(f"{source}: the frames have a pressure and no shear; a column such as CSHEAR1 is needed for each of them")
     places = stack("x") if len(grouped["x"]) > 1 else grouped["x"][0][1]
     assert places is not None
     times = None

@@ -57,6 +57,9 @@ def contact_solution(
     result, guesses = guessed(result, mapping, whole)
     history = matched(result, scene, sure_of_times=sure_of_times)
     found = zones(result.x, result.pressure, result.shear, result.slip, scene.friction.coefficient, history.time)
+    if not result.sheared:
+        words = f"in contact is a point with more than {TOUCHES:g} of the instant's largest pressure"
+        found = replace(found, notes=(f"{words}; without a shear nothing says what slips, and what touches is drawn as sticking",))
     steps = _last_cycle(scene, history.time)
     density, skipped, notes = np.full(len(result.x), np.nan), _skipped(result, history.time, steps), list(found.notes)
     if "dissipation" not in skipped:
@@ -76,6 +79,7 @@ def contact_solution(
         normal, tangential, more = history.normal_load, history.tangential_load, ["normal_load", "tangential_load"]
         notes.append("P and Q are the scene's at its instants")
     nothing = np.full(len(history.time), np.nan)
+    blank = np.full((len(nothing), 2), np.nan)
     said = (*result.notes, *history.notes, *notes)
     solution = ContactSolution(
         engine=result.code or Path(result.source).name,
@@ -83,7 +87,11 @@ def contact_solution(
         time=freeze(history.time),
         normal_load=freeze(normal),
         tangential_load=freeze(tangential),
-        **_edges_of(found),
+        **(
+            _edges_of(found)
+            if result.sheared
+            else _edges_of(found) | {"stick_edges": freeze(blank), "stick_half_width": freeze(nothing)}
+        ),
         tangential_displacement=freeze(nothing),
         normal_approach=freeze(nothing),
         x=result.x,
@@ -93,7 +101,7 @@ def contact_solution(
         dissipation_density=freeze(density),
         dissipation=float(np.trapezoid(density, result.x)),
         cycle_dissipation=freeze([np.trapezoid(density, result.x)]),
-        permanent_stick_half_width=_permanent_stick(found.stick_edges[steps]),
+        permanent_stick_half_width=_permanent_stick(found.stick_edges[steps]) if result.sheared else float("nan"),
         steady_from=None,
         record=Record(True, "end of path", f"read from {result.source}", freeze(np.zeros(len(history.time)), np.int64), notes=said),
         work=Work({"instants": len(history.time), "points": len(result.x)}, skipped),
@@ -123,12 +131,15 @@ def _skipped(result: SurfaceResult, time: Array, steps: NDArray[np.intp]) -> dic
     lacking = dict.fromkeys(("tangential_displacement", "normal_approach", "loop_work"), LACKING)
     if result.slip is None:
         lacking["slip"] = LACKING
+    if not result.sheared:
+        lacking |= {"shear": LACKING} | dict.fromkeys(("state", "stick_edges"), f"{LACKING}; it takes the shear")
     if not len(steps):
         lacking[WHOLE_CYCLE] = f"{LACKING}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
-    if result.slip is None or len(steps) < FEWEST:
+    if result.slip is None or not result.sheared or len(steps) < FEWEST:
         few = f", for a cycle of {len(steps)} instants is too coarse to work it out (less than {FEWEST})"
         whole = "; it takes a whole cycle, or a whole path from the unloaded start"
-        why = "; it takes slip" if result.slip is None else whole if not len(steps) else few
+        takes = "slip" if result.sheared else "the shear"
+        why = f"; it takes {takes}" if result.slip is None or not result.sheared else whole if not len(steps) else few
         lacking |= dict.fromkeys(("dissipation", "dissipation_density"), LACKING + why)
     return {name: (len(time), why) for name, why in lacking.items()}
 

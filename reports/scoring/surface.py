@@ -41,12 +41,17 @@ class SurfaceResult:
     code: str  # what computed it, such as "CalculiX 2.20"; "" where nobody says
     x: Array  # contact points of the lower body, ascending [length]
     pressure: Array  # positive in compression [stress]
-    shear: Array  # along +x on the lower body [stress]
+    shear: Array  # along +x on the lower body [stress]; NaN everywhere where the file has none
     slip: Array | None = None  # upper over lower [length]
     time: Array | None = None  # of the scene's load path
     normal_load: Array | None = None  # per unit thickness
     tangential_load: Array | None = None
     notes: tuple[str, ...] = ()  # what a reader must not miss: factors guessed, signs turned, frames left out
+
+    @property
+    def sheared(self) -> bool:
+        """Whether the file has a shear."""
+        return not bool(np.isnan(self.shear).all())
 
 
 def surface_result(
@@ -62,7 +67,7 @@ def surface_result(
     Parameters
     ----------
     x : (n_points,), or (n_steps, n_points) where every instant has its own places
-    fields : pressure, shear, and slip or None, (n_steps, n_points) or (n_points,) of a single instant
+    fields : pressure, and shear and slip or None, (n_steps, n_points) or (n_points,) of a single instant
     series : time, normal_load, tangential_load, (n_steps,) each or None
 
     Raises
@@ -102,7 +107,7 @@ def surface_result(
     order = np.argsort(places, kind="stable")
     if np.any(np.diff(order) < 0):
         said.append("the points were not in the order of x and were sorted")
-    known = {name: freeze(values[:, order]) for name, values in grids.items()}
+    known = {"shear": freeze(np.full(shape, np.nan))} | {name: freeze(values[:, order]) for name, values in grids.items()}
     known |= {name: freeze(values) for name, values in lines.items()}
     return SurfaceResult(source, code, freeze(places[order]), notes=tuple(said), **known)
 
