@@ -425,7 +425,7 @@ def distance_in_order(path: np.ndarray, kept: np.ndarray) -> float:
     points=st.lists(st.tuples(st.integers(-5, 5), st.integers(-5, 5)), min_size=2, max_size=25),
     size=st.sampled_from([0.5, 1, 2, 4]),
 )
-@example([(0, 0), (4, 0), (0, 0), (4, 0)], 1)
+@example([(0, 0), (1, 0), (5, 0), (1, 0), (5, 0)], 1)  # near the whole line, and to and fro on it
 def test_a_reduced_path_stays_within_its_tolerance_in_order(points: list[tuple[int, int]], size: float) -> None:
     path = np.array(points, dtype=float)
     kept = within(path, np.array([size, size]))
@@ -441,6 +441,8 @@ def test_a_reversal_that_the_ends_hide_is_seen_by_that_test() -> None:
     path = np.array([(0, 0), (4, 0), (0, 0), (4, 0)], dtype=float)
     assert distance_in_order(path, np.array([0, 3])) >= 2
     assert within(path, np.array([1.0, 1.0])).tolist() == [0, 1, 2, 3]
+    path = np.array([(0, 0), (1, 0), (5, 0), (1, 0), (5, 0)], dtype=float)
+    assert within(path, np.array([1.0, 1.0])).tolist() == [0, 2, 3, 4]
 
 
 def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
