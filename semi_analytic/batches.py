@@ -569,7 +569,8 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
     """
     if not isinstance(profile, Mapping):
         return profile.kind, {name: getattr(profile, name) for name in _KEYS.get(profile.kind, ()) if name != "rises"}
-    kind, given = profile.get("kind"), {name: value for name, value in profile.items() if name != "kind"}
+    # Where numbers were fitted counts for nothing here, and a profile's own dump has a key for that.
+    kind, given = profile.get("kind"), {name: value for name, value in profile.items() if name not in ("kind", "fitted")}
     if kind not in _KEYS:
         raise InputError(
             f"profile: a mapping for a batch has one of the kinds {', '.join(_KEYS)}, not {kind!r}; give the profile itself"

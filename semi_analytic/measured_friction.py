@@ -165,7 +165,7 @@ def _of_ellipses(target: ArrayLike, given: dict[str, Any], loads: dict[str, Any]
     flat: dict[str, Any] = {name: np.broadcast_to(np.asarray(value, dtype=float), shape).ravel() for name, value in loads.items()}
     keys: dict[str, Any] = {}
     if isinstance(profile, Mapping):
-        spread = {name: value for name, value in profile.items() if name not in ("kind", "rises")}
+        spread = {name: value for name, value in profile.items() if name not in ("kind", "fitted", "rises")}
         keys = {name: np.broadcast_to(np.asarray(value, dtype=float), shape).ravel() for name, value in spread.items()}
         if "rises" in profile:
             keys["rises"] = [np.broadcast_to(np.asarray(rise, dtype=float), shape).ravel() for rise in profile["rises"]]
