@@ -16,8 +16,8 @@ from scenes import EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, 
 from scenes.fitting import resampled
 from scenes.measured import Fitted
 
-# Other measurements that the noise could have given. Twice their root mean square is known to 7 %, and a normal spread lies within
-# it in 95 %.
+# Other measurements that the noise could have given. Twice their standard deviation is known to 7 %, and a normal spread lies
+# within it in 95 %.
 RESAMPLES = 100
 # Fewer of a load that is no ellipse, each of which takes a march of its own; none of a longer record.
 _MARCHES, _MOST_ROWS = 30, 2_000
@@ -59,7 +59,7 @@ def fit_of(scene: Scene) -> Fitted | None:
 
 
 def fit_uncertainty(scene: Scene, resamples: int = RESAMPLES, seed: int = 0) -> FitUncertainty:
-    """W, a and p0 with their 95 % uncertainty: twice the root mean square of what other noise on the fitted curve changes.
+    """W, a and p0 with their 95 % uncertainty: of what other noise on the fitted curve changes, 2 standard deviations and the mean.
 
     Raises
     ------
@@ -82,7 +82,9 @@ def fit_uncertainty(scene: Scene, resamples: int = RESAMPLES, seed: int = 0) -> 
             f"{scene.name}: of {count} other measurements with this noise only {len(rows)} can carry the load: measure a wider "
             "stretch, or more closely"
         )
-    spread = 2 * np.sqrt(np.mean(np.square(np.array(rows) - first), axis=0))
+    changes = np.array(rows) - first
+    # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is smoothed, has some.
+    spread = 2 * np.std(changes, axis=0) + np.abs(np.mean(changes, axis=0))
     work, half, peak = (Spread(value, float(size)) for value, size in zip(first.tolist(), spread, strict=True))
     return FitUncertainty(None if skipped else work, half, peak, count, count - len(rows), seed)
 
