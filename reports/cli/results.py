@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from reports.cli.findings import Difference, Row
     from reports.comparison import Report
     from reports.maps.advice import Advice
+    from reports.scoring.mapping import Mapping
+    from scenes import Scene
 
 
 # --------------------------------------------------------------------------------------------------------- an external result
@@ -29,6 +32,13 @@ class ScoreOptions(Output):
     """What an external result is an answer to, and how its file is read."""
 
     scene: Annotated[str | None, Parameter(help="The scene that it answers: a library name, or a .toml or .json file.")] = None
+    as_: Annotated[
+        Literal["tractions", "loop"],
+        Parameter("--as", help="What the file holds: tractions, or a rig's loop of tangential load over displacement."),
+    ] = "tractions"
+    rig_compliance: Annotated[
+        float | None, Parameter(help="Of a loop: displacement of the rig per tangential load, 1/stress; fitted if left out.")
+    ] = None
     mapping: Annotated[Path | None, Parameter(help="TOML file: names of columns, units, signs. Usual ones need none.")] = None
     against: Annotated[Literal["exact", "fe"], Parameter(help="Half-plane theory, or the project's own finite elements.")] = "exact"
     tolerance: Tolerance = ()
@@ -64,6 +74,10 @@ def score(
     scene, mapping, against = read(options.scene), load_mapping(options.mapping), options.against
     if not path.exists():
         raise InputError(f"{result}: there is no such file or folder")
+    if options.as_ == "loop":
+        return _score_loop(path, mapping, scene, stages, options)
+    if options.rig_compliance is not None:
+        raise InputError("--rig-compliance: it goes with --as loop; say that too, or leave this out")
     tolerances = tolerances_of(options.tolerance)
     folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
     command = options.command("score", result, folder)
@@ -94,6 +108,45 @@ def score(
 
         return answer("score", code, json.loads(as_json(report, command, stages.seconds)) | {"page": str(page)}, scene.name)
     show_score(report)
+    say(str(page))
+    return code
+
+
+def _score_loop(path: Path, mapping: Mapping, scene: Scene, stages: Stages, options: ScoreOptions) -> int:
+    """A measured loop of Q over U as the reference: which f fits it, beside the engines' loops."""
+    from reports.folder import claim, default_folder
+    from scenes import ConvergenceError, InputError
+
+    if not path.is_file():
+        raise InputError(f"{path}: a loop is one file, a table with the columns U and Q")
+    if options.tolerance:
+        raise InputError("--tolerance: a loop has none, its own scatter judges it; leave this out")
+    if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
+        raise InputError(f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number, 1/stress")
+    folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
+    command = options.command("score", str(path), folder).replace("--as-", "--as")
+    try:
+        with stages.stage("loading"):
+            from reports.scoring import loops
+        with stages.stage("reading"):
+            rows = loops.read_loop(path, mapping, scene)
+        with stages.stage("fitting"):
+            found = loops.score_loop(rows, scene, rig_compliance=options.rig_compliance, against=options.against)
+    except ConvergenceError as failure:
+        sentence = f"the reference is not converged: {failure}"
+        complain(f"halfplane: {scene.name}: {sentence}")
+        failed: dict[str, Any] = {"passed": False, "error": sentence, "file": None}
+        return answer("score", NOT_CONVERGED, failed, scene.name) if options.json else NOT_CONVERGED
+    with stages.stage("report"):
+        page = loops.write(found, folder, command)
+    code = WITHIN if found.agrees else OUTSIDE
+    if options.json:
+        return answer("score", code, loops.content(found) | {"page": str(page), "seconds": stages.seconds}, scene.name)
+    for sentence in found.said:
+        say(f"Taken for granted: {sentence}.")
+    heads, cells = loops.table(found)
+    show_table(f"{scene.title or scene.name}: measured loop {path.name}", heads, cells, right=range(1, len(heads)))
+    say(found.sentence)
     say(str(page))
     return code
 

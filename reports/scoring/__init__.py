@@ -13,5 +13,6 @@ against.py         the score
 hypotheses.py      the discrepancy; faults of the file and of the question, in closed form
 flaws.py           faults of a model: penalties, small bodies, coupling, long steps
 diagnosis.py       which fault it is, in words
+loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 study.py           a folder of meshes: orders, and what no mesh removes
 """
