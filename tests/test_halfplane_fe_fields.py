@@ -9,7 +9,7 @@ import pytest
 
 import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
-from halfplane_fe.edges import contact_edge, contact_edges, contact_uncertainty, fitted_stick_edge, stick_edges, stick_uncertainty
+from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
 from halfplane_fe.face_stress import Nodal, fitted_rest, rest_basis, tractions
 from halfplane_fe.interface import couple, without_local_difference
 from halfplane_fe.visible import _slow_rim

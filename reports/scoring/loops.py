@@ -36,10 +36,10 @@ from reports.charts.templating import script, template
 from reports.checking import check_path
 from reports.comparison.words import question
 from reports.folder import filled
-from reports.scoring.mapping import Mapping, converted, find_column, listed, plain
+from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import EllipseLoad, InputError, PolygonLoad, Scene
-from scenes.measured import text_table
+from scenes.text_tables import plain, text_table
 
 Array = NDArray[np.float64]
 Against = Literal["exact", "fe"]
