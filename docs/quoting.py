@@ -20,7 +20,7 @@ from meshes import bodies, foreign
 from reports.paper.cases import Paper
 from reports.paper.page import misprints, statements, tally
 from reports.scoring import calculix_files
-from scenes import files, measured
+from scenes import files, text_tables
 from scenes.errors import in_words
 
 NUMBER = re.compile(r"(<!-- n:([^<>]+?) -->)[^<]*(<!-- /n -->)")
@@ -99,7 +99,7 @@ def limit_values() -> dict[str, str]:
         "unpacked": foreign.UNPACKED,
         ".frd and .dat": calculix_files.LARGEST,
     }
-    counts = {"rows": measured.MOST_ROWS, "contact nodes": bodies.MOST_CONTACT_NODES, "nodes": bodies.MOST_NODES}
+    counts = {"rows": text_tables.MOST_ROWS, "contact nodes": bodies.MOST_CONTACT_NODES, "nodes": bodies.MOST_NODES}
     shown = {key: in_words(size) for key, size in sizes.items()} | {key: f"{count:,}" for key, count in counts.items()}
     return {f"limit: {key}": text for key, text in shown.items()}
 
