@@ -70,8 +70,11 @@ def test_two_and_three_roots_where_the_normal_load_varies():
     question = {"profile": Hertz(radius=1.0), "material": MATERIAL, "mean_normal_load": 1.0}
     two = {"normal_amplitude": 1 / 3, "tangential_amplitude": 1 / 3, "phase": math.pi / 2}
     least = friction_from(1.0, **question, **two).least
-    found = friction_from([1.001 * least, 1.01 * least], **question, **two)
-    assert found.count.tolist() == [2, 2]
+    found = friction_from([1.01 * least, 1.001 * least, (1 + 1e-8) * least], **question, **two)
+    assert found.count.tolist() == [2, 2, 2]  # the last two next to the turning point, between two samples of the search
+    assert np.all(np.diff(np.diff(found.roots, axis=1), axis=0) < 0)
+    dense = dissipation(friction_coefficient=np.linspace(0.6, 2.0, 20001), **question, **two).value
+    assert least == pytest.approx(np.nanmin(dense), rel=1e-9)
     three = {"normal_amplitude": 0.7, "tangential_amplitude": 0.1, "phase": 1.66}
     friction = sliding_limit(1.0, 0.7, 0.0, 0.1, 1.66) * np.geomspace(1.000001, 1e4, 4001)
     works = dissipation(friction_coefficient=friction, **question, **three).value
