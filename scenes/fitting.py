@@ -32,6 +32,8 @@ _FEWEST = 8
 _MOST = 20_000
 # A middle that is given may lie beside the rows by this share of their reach: rows of one side need not begin at x = 0.
 _BESIDE = 0.1
+# Parts of the rows; the first has risen where it lies by more than this share of all heights above the lowest.
+_PARTS, _RISEN = 8, 0.05
 # Fits about another middle, by which other rows lie within the extent.
 _PASSES = 5
 # Places c, in L^2, of the polynomials (u - c)^2; degree of kappa in u.
@@ -86,7 +88,7 @@ def fitted_keys(
         raise UnfitRowError(int(back[0]) + 1, f"x = {x[back[0] + 1]:.6g} does not ascend")
     if len(x) > _MOST:
         raise UnfitRowError(_MOST, f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every n-th")
-    fixed = 0.0 if centre is None and x[0] >= 0 else centre
+    fixed = 0.0 if centre is None and len(x) >= _FEWEST and x[0] >= 0 and _begins_in_the_middle(h) else centre
     start = _middle(x, h) if fixed is None else fixed
     whole, reach, near = (x, h), math.inf if extent is None else extent, np.abs(x - start) <= (extent or math.inf)
     for _ in range(_PASSES):
@@ -103,7 +105,8 @@ def fitted_keys(
         length, height = float(np.max(np.abs(x - start))), float(np.ptp(h))
         if not height > 0:
             raise UnfitRowError(len(near) - 1, "the rows are flat from end to end: they must rise somewhere")
-        found = _fit((x - start) / length, (h - h[0]) / height, kind, noise and noise / height, fixed is None, weight)
+        level = None if noise is None else float(np.clip(noise / height, 1e-12, 1e6))  # beyond, its square would be none
+        found = _fit((x - start) / length, (h - h[0]) / height, kind, level, fixed is None, weight)
         if found is None:
             rule = "the rows do not bend up: h is a gap, which grows to both sides; is its sign turned?"
             raise UnfitRowError(len(near) - 1, rule)
@@ -147,10 +150,11 @@ def resampled(profile: Any, count: int, seed: int = 0) -> list[dict[str, Any]]:
     fitted = profile.fitted
     x, random = fitted.rows.values[:, 0], np.random.default_rng(seed)
     x = x[np.argsort(np.abs(x - fitted.centre), kind="stable")[: len(x) - fitted.left_out]] if fitted.left_out else x
-    x = np.sort(x)
-    curve = fitted.offset + profile.height(x - fitted.centre)
+    # From the middle on, so that rows of both sides are taken for such whatever their noise.
+    x = np.sort(x) - fitted.centre
+    curve = fitted.offset + profile.height(x)
     given = {"kind": fitted.kind, "noise": fitted.noise, "weight": fitted.weight}
-    given["centre"] = None if fitted.centre_fitted else fitted.centre
+    given["centre"] = None if fitted.centre_fitted else 0.0
     found = []
     for _ in range(count):
         try:
@@ -158,6 +162,12 @@ def resampled(profile: Any, count: int, seed: int = 0) -> list[dict[str, Any]]:
         except UnfitRowError:  # noise alone bent the rows down
             continue
     return found
+
+
+def _begins_in_the_middle(h: Array) -> bool:
+    """Whether rows of x >= 0 are those of one side: their first part is hardly higher than their lowest."""
+    means = np.array([part.mean() for part in np.array_split(h, _PARTS)])
+    return bool(means[0] - means.min() <= _RISEN * np.ptp(means))
 
 
 def _middle(x: Array, h: Array) -> float:

@@ -304,7 +304,8 @@ class ProfileFit(Frozen):
         None, description="standard deviation of h, length units (library: mm); left out, that of the residuals"
     )
     centre: float | None = Field(
-        None, description="x of the middle of the contact, length units (library: mm); fitted if left out, 0 if no row has x < 0"
+        None,
+        description="x of the middle of the contact, length units (library: mm); fitted if left out, but 0 for rows of one side",
     )
     extent: Positive | None = Field(
         None, description="rows farther from the middle are left out, length units (library: mm); all count if left out"

@@ -141,6 +141,10 @@ def test_extent_and_centre_are_respected():
     right = fit_profile(right[right[:, 0] >= 0], "hertz")
     assert (right.fitted.centre, right.fitted.centre_fitted) == (0.0, False)
     assert right.fitted.extent > 1.5
+    for kind in KINDS:  # a trace that is counted from its first row has both sides
+        shifted = fit_profile(rows_of(TRUTHS["flat_rounded"], 61, 20e-6) + np.array([1.5, 0.0]), kind)
+        assert shifted.fitted.centre_fitted
+        assert shifted.fitted.centre == pytest.approx(1.6, abs=0.05)
     said = fit_in_words(scene_of(rows, "flat_rounded", 1e-6, extent=0.9), 1.2)
     assert "reach 0.8" in said[-1]
     assert "extrapolation" in said[-1]
@@ -161,6 +165,17 @@ def test_rows_that_can_not_be_fitted_are_one_sentence(change, sentence):
     rows = change(rows_of(TRUTHS["hertz"]))
     with pytest.raises(InputError, match=sentence):
         fit_profile(rows, "hertz", centre=0.0)
+
+
+def test_extreme_numbers_are_fitted_or_one_sentence():
+    x, h = np.linspace(-1.5, 1.5, 61), np.linspace(-1.5, 1.5, 61) ** 2 / 2000
+    for rows in ((x, 1e95 * h), (x, 1e-95 * h), (1e95 * x, h), (1e-95 * x, h), (x + 1e6, h), (x, np.round(h, 4)), (x, np.abs(x))):
+        for kind in KINDS:
+            for noise in (None, 1e-12, 1e90):
+                assert fit_profile(np.column_stack(rows), kind, noise=noise).fitted.noise > 0
+    for heights in (x, np.cos(40 * x)):
+        with pytest.raises(InputError, match=r"the middle|do not bend up"):
+            fit_profile(np.column_stack([x, heights]), "hertz")
 
 
 def test_faults_name_file_line_key_and_value(tmp_path):
