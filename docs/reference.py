@@ -105,7 +105,7 @@ def admitted(one: Mapping[str, Any]) -> str:
     if "not" in one:
         return "function (Python only)"
     if "$ref" in one:
-        return _TABLES[one["$ref"].rpartition("/")[2]]
+        return _TABLES.get(one["$ref"].rpartition("/")[2], "table with a value for each column")
     if options := one.get("anyOf"):
         return " or ".join(admitted(option) for option in options if option.get("type") != "null")
     if "enum" in one or "const" in one:
