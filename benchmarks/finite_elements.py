@@ -123,15 +123,6 @@ def edges() -> Iterator[Row]:
         yield Row(f"{edge} edges within their uncertainty, instants", 100 * covered[worst], None, how, "%")
         how = "of its median in each scene; element at the edges"
         yield Row(f"uncertainty of {edge} edges, median", float(np.median(sizes[edge])), None, how, "elements")
-    work = {}
-    for words, tolerance in (("halved", SolverSettings().step_tolerance), ("not halved", FREE)):
-        fe = halfplane_fe.solve(load_scene("cattaneo-mindlin"), settings=SolverSettings(step_tolerance=tolerance))
-        loop, work[words] = semi_analytic.solve(fe.scene, x=fe.x, time=fe.time).loop_work, fe.dissipation
-        what = f"cattaneo-mindlin, increments {words}"
-        yield Row(f"{what}: their number", float(len(fe.time) - 1), None, "default mesh")
-        yield Row(f"{what}: closed integral of Q dU, off by", abs(fe.loop_work / loop - 1), None, "default mesh")
-    what = "cattaneo-mindlin: dissipation, not halved against halved"
-    yield Row(what, work["not halved"] / work["halved"] - 1, None, "default mesh")
 
 
 # ------------------------------------------------------------------------------------------------------------------ penalty
