@@ -3,7 +3,7 @@
     python benchmarks/uncertainty.py [SEED] [COUNT]
 
 Half of the COUNT scenes are half-planes, whose true dissipation is that of theory; half are blocks, against a mesh of a/640. None
-is taken out; scenes that are refused, and those that hardly slip (W below 1e-4 A f^2 P^2), are counted apart. P is the largest load.
+is taken out; scenes that are refused, and those that hardly slip (W below 1e-4 A f^2 P^2, P the largest load), are counted apart.
 """
 
 from __future__ import annotations
