@@ -5,7 +5,7 @@ The question::
     scene.py        all of it: friction, tolerances, units, tags, expected numbers
     bodies.py       materials, shapes, faces as they are made
     profiles.py     h(x) by formulas and Python functions
-    measured.py     tables of numbers, from files; h(x) through the rows of one
+    measured.py     tables of numbers, from files, in the scene's units; h(x) through the rows of one
     fitting.py      convex curves through noisy rows: parabola, flat and rounded, polynomial, smoothing spline
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions
     reduction.py    fewer rows for a long record: turning points above a hysteresis threshold, or a tolerance on P and Q

@@ -17,7 +17,7 @@ reference: Any = importlib.import_module("reference")
 
 PAGE = (DOCS / "scene-keys.md").read_text(encoding="utf-8")
 # Numbers without a dimension.
-PLAIN = {"poisson_ratio", "coefficient", "friction", "exponent", "asymmetry", "value", "tolerance", "cycles"}
+PLAIN = {"poisson_ratio", "coefficient", "friction", "exponent", "asymmetry", "value", "tolerance", "cycles", "average"}
 PLAIN |= {*Tolerances.model_fields, "freedom", "weight", "left_out"}
 
 

@@ -158,6 +158,7 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
     from reports.checking import check_path, in_words, largest_contact, remarks
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
+    from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings
     from scenes import TimeSeriesLoad
@@ -177,6 +178,10 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
         with naming(source):
             halfplane_fe.require_solvable(found)
     words = [question(found), *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found)))]
+    words += [f"{name}, as it was read: {'; '.join(map(': '.join, pairs))}." for name, pairs in read_in_pairs(found).items()]
+    if record := check_record(found):
+        for sentence, warning in record_in_words(found, record):
+            (doubts if warning else words).append(sentence)
     words += findings(found)[0]
     last = (
         f"{source}: the scene is well formed and its load path admissible: |Q|/(f P) is at most {path.ratio:.4g}, "
