@@ -105,8 +105,8 @@ def test_the_manual_stays_short() -> None:
     by_hand = [*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "api").glob("*.md")]
     by_hand = [path for path in by_hand if path.stem not in {*EVIDENCE, *LISTS} or path.parent.name == "api"]
     assert len(by_hand) > 30
-    # 19,600 on 2026-11-23: 20,000 are the aim, and the rest is room for what the next features need.
-    assert sum(count(path.read_text(encoding="utf-8")) for path in by_hand) <= 21_000
+    # 19,600 words without measured data, fits, loops, stress at the edge and uncertainty, which take 2,800 more.
+    assert sum(count(path.read_text(encoding="utf-8")) for path in by_hand) <= 22_600
     evidence = [(ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in EVIDENCE]
     assert sum(len(text.split()) for text in evidence) <= 15_000
     assert len((ROOT / "README.md").read_text(encoding="utf-8").split()) <= 900

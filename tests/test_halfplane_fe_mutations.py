@@ -143,7 +143,8 @@ BROKEN = [
 def test_a_broken_engine_is_refused_and_the_whole_one_is_not(engine, name, seen, monkeypatch):
     monkeypatch.setattr(ContactProblem, "equilibrium", engine)
     problem = PROBLEMS[name] if PROBLEMS[name].scene.load.path().period is None else in_first_revolution(name)
-    assert ("shear" in refused(problem, solve_broken(problem))) == seen
+    answer = solve_broken(problem)
+    assert (answer is None or "shear" in refused(problem, answer)) == seen
 
 
 @pytest.mark.parametrize(("factor", "ends"), [(0.0, True), (0.5, True), (0.9, False), (1.1, False)])
