@@ -23,6 +23,8 @@ _FITTED_SHARE = 0.5
 _EXTRAPOLATED = 5
 # Nodes of a slip zone below which it may be none at all.
 _UNRESOLVED = 4
+# Nodes that the slip zone may be wide where the whole contact is seen to stick: an element, of quadratic ones.
+_UNSEEN = 2.0
 # Nodes inside the stick zone that the two fits take, counted from its last one, which the singularity spoils.
 _FITTED = (7, 4)
 # Elements by which two fits of a stick edge may differ.
@@ -115,7 +117,7 @@ def stick_edges(
 def stick_uncertainty(x: Array, seen: tuple[Mask, Mask], closed: Mask, contact: Array, edges: Array, of_contact: Array) -> Array:
     """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
 
-    Where the whole contact sticks, a slip zone narrower than a node may be there unseen, and the contact edge itself is uncertain.
+    Where the whole contact sticks, a slip zone narrower than an element of two nodes may be there unseen, and the contact edge itself is uncertain.
     Else the distance of the nodes around the edge (a share of it where the edge is fitted), and how far the edge is from where it
     would be by another reading of the states: node status for a fitted one, and creeping nodes counted as sliding. A slip zone of
     a few nodes may be none at all: there, at least the distance to the contact edge.
@@ -138,7 +140,7 @@ def stick_uncertainty(x: Array, seen: tuple[Mask, Mask], closed: Mask, contact: 
     narrow = np.where(beyond <= _UNRESOLVED, np.abs(contact - edges) + of_contact, 0.0)
     share = np.where(edges == by_status, 1.0, _FITTED_SHARE)
     partial = np.maximum(share * spacing + apart, narrow)
-    return np.where(edges == contact, np.maximum(np.maximum(spacing, of_contact), apart), partial)
+    return np.where(edges == contact, np.maximum(np.maximum(_UNSEEN * spacing, of_contact), apart), partial)
 
 
 Side = tuple[int, float, Array, tuple[NDArray, ...]]

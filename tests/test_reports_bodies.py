@@ -214,7 +214,7 @@ def test_the_docs_table_of_bodies_is_a_scene_s_and_names_every_key() -> None:
 def pressed() -> Comparison:
     loads = load_scene("hertz-paper").model_dump()
     unlike = Scene.model_validate(loads | {"material": UNLIKE, "expected": []})
-    fe = halfplane_fe.solve(unlike, mesh=COARSE, settings=FEW_STEPS)
+    fe = halfplane_fe.solve(unlike, mesh=COARSE, settings=halfplane_fe.SolverSettings(steps_per_cycle=192))
     return compare(semi_analytic.solve(unlike, x=fe.x, time=fe.time), fe)
 
 

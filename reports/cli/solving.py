@@ -91,7 +91,7 @@ _EACH, _PAIR, _MESHES = 1e-3, 1.5e-8, 3.0
 _LIBRARIES, _KEPT, _PASSED = 2e8, 250.0, 15.0
 # Halved increments where anything may slip: so many on any path (of such a mirror image, and else), and so many for each stretch
 # between turning points.
-_HALVED, _HALVED_EACH = (150, 450), 13
+_HALVED, _HALVED_EACH = (40, 200), 10
 # Segments of a record that are looked at: 2,000 take half a second.
 _SEEN = 4000
 # Seconds of work from which its cost is stated beforehand.
@@ -121,8 +121,8 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     """What `halfplane_fe.solve` will take, from the steps of the path and the contact's size by half-plane theory.
 
     Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
-    each node that the edge of contact passes, and halved ones, as measured on the library's scenes: 28 of the 33 have the count to
-    a third, the others to a factor of three (fewer where hardly anything slips, more near gross sliding).
+    each node that the edge of contact passes, and halved ones, as measured on the library's scenes: 25 of the 33 have the count to
+    a third, the others to a factor of four (fewer where hardly anything slips, more on flat pads of unlike bodies).
     """
     import numpy as np
 
