@@ -117,10 +117,10 @@ def stick_edges(
 def stick_uncertainty(x: Array, seen: tuple[Mask, Mask], closed: Mask, contact: Array, edges: Array, of_contact: Array) -> Array:
     """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
 
-    Where the whole contact sticks, a slip zone narrower than an element of two nodes may be there unseen, and the contact edge itself is uncertain.
-    Else the distance of the nodes around the edge (a share of it where the edge is fitted), and how far the edge is from where it
-    would be by another reading of the states: node status for a fitted one, and creeping nodes counted as sliding. A slip zone of
-    a few nodes may be none at all: there, at least the distance to the contact edge.
+    Where the whole contact sticks, a slip zone narrower than an element of two nodes may be there unseen, and the contact edge
+    itself is uncertain. Else the distance of the nodes around the edge (a share of it where the edge is fitted), and how far the
+    edge is from where it would be by another reading of the states: node status for a fitted one, and creeping nodes counted as
+    sliding. A slip zone of a few nodes may be none at all: there, at least the distance to the contact edge.
 
     Parameters
     ----------

@@ -404,7 +404,7 @@ def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
     x = np.linspace(-1, 1, 81)
     step = x[1] - x[0]
     # Half-widths seen and by the law, and the uncertainty: the law has nodes sliding from 0.31 on; two nodes slide, perhaps none.
-    table = [(0.51, 0.51, step), (0.51, 0.31, step + 0.2), (0.86, 0.86, 0.91 - 0.8625 + 0.004), (0.91, 0.91, step)]
+    table = [(0.51, 0.51, step), (0.51, 0.31, step + 0.2), (0.86, 0.86, 0.91 - 0.8625 + 0.004), (0.91, 0.91, 2 * step)]
     seen, law, expected = np.array(table).T[:, :, None]
     contact, of_contact = (np.tile(values, (len(table), 1)) for values in ((-0.91, 0.91), (0.004, 0.004)))
     seen, law, closed = np.abs(x) < seen, np.abs(x) < law, np.abs(x) < 0.91 + 0 * seen
