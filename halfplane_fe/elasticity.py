@@ -244,7 +244,7 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
         return np.arange(mesh.nelements), (_Mode(every, every, np.ones(len(every))),)
     here = mesh.p[0, _nodes_of_dofs(system)] >= 0
     parity = np.ones(len(every))
-    parity[_node_dofs(system.basis)[0]] = -1.0
+    parity[node_dofs(system.basis)[0]] = -1.0
     modes = []
     for sign in (parity, -parity):
         factor = np.where(image == every, (1 + sign) / 2, np.sqrt(0.5) * np.where(here, 1.0, sign))
@@ -255,15 +255,15 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
     return right, tuple(modes)
 
 
-def _node_dofs(basis: skfem.Basis) -> Indices:
-    """(2, n_nodes) degrees of freedom of the displacement (x, y) of each node of the mesh."""
+def node_dofs(basis: skfem.Basis) -> Indices:
+    """(2, n_nodes) degrees of freedom of the displacement (x, y) of each node: corners, mid-side points, middles."""
     return np.hstack([dofs for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs) if dofs.size])
 
 
 def _nodes_of_dofs(system: System) -> Indices:
     """(n_dofs,) node of each degree of freedom; those of r belong to the corners, which come first."""
     node = np.concatenate([np.zeros(system.basis.N, dtype=np.int64), np.arange(system.n_dofs - system.basis.N)])
-    dofs = _node_dofs(system.basis)
+    dofs = node_dofs(system.basis)
     node[dofs] = np.arange(dofs.shape[1])
     return node
 
@@ -271,7 +271,7 @@ def _nodes_of_dofs(system: System) -> Indices:
 def _mirror_images(system: System) -> Indices | None:
     """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports are not mirror images."""
     basis = system.basis
-    places, dofs = basis.mesh.p, _node_dofs(basis)
+    places, dofs = basis.mesh.p, node_dofs(basis)
     left, right = np.lexsort((places[1], places[0])), np.lexsort((places[1], -places[0]))
     if places.shape[1] != dofs.shape[1] or not np.array_equal(places[:, left] * [[-1.0], [1.0]], places[:, right]):
         return None
@@ -294,7 +294,7 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
 
     That of the stiffness of the inner nodes along x alone: a quarter of the work of ordering all degrees of freedom.
     """
-    along_x = _node_dofs(system.basis)[0]
+    along_x = node_dofs(system.basis)[0]
     present = np.flatnonzero(stiffness.diagonal()[along_x])
     inner = present[~np.isin(along_x[present], np.concatenate([system.contact[0], system.arc[0]]))]
     ranks = np.full(len(along_x), len(along_x))  # r of the contact comes last: first of all, it would fill the factors

@@ -15,7 +15,7 @@ import skfem
 from numpy.typing import ArrayLike, NDArray
 from skfem.helpers import sym_grad
 
-from halfplane_fe.elasticity import CondensedBody, displacement_fields, scalar_element, split_lame
+from halfplane_fe.elasticity import CondensedBody, displacement_fields, node_dofs, scalar_element, split_lame
 from halfplane_fe.face_stress import FEWEST, Nodal, Rest, Tractions, fitted_rest, tractions, with_uncertainty
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
@@ -270,7 +270,7 @@ def _body_fields(
     (basis, displacements), stresses, rest = _stress(name, forces, solution, pairs)
     side = 1.0 if name == "lower" else -1.0
     flip = np.array([1.0, side])
-    nodes, points = _node_dofs(basis), basis.mesh.p.T * flip
+    nodes, points = node_dofs(basis), basis.mesh.p.T * flip
     cells = _counter_clockwise(points, _cells(basis))
     found = []
     for k, (values, (series, apart)) in enumerate(zip(displacements.T, pairs, strict=True)):
@@ -346,11 +346,6 @@ def _room(shape: Shape) -> float:
 def _moved(body: BodyFields, solution: FiniteElementSolution, step: int) -> BodyFields:
     rigid = np.array([solution.tangential_displacement[step], -solution.normal_approach[step]])
     return replace(body, displacement=body.displacement + rigid)
-
-
-def _node_dofs(basis: skfem.Basis) -> NDArray[np.int64]:
-    """(2, n_nodes) degrees of freedom of the mesh's nodes: corners, mid-side points, middles of quadrilaterals."""
-    return np.hstack([dofs for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs) if dofs.size])
 
 
 def _cells(basis: skfem.Basis) -> NDArray[np.int64]:
