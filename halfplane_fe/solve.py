@@ -27,7 +27,6 @@ from halfplane_fe.interface import (
     couple,
     initial_gap,
     meshed_pair,
-    smooth_over_nodes,
     without_local_difference,
 )
 from halfplane_fe.mirror import half, mirrored, whole
@@ -130,9 +129,9 @@ def _solve(
     datum = max(scene.profile.datum_length, scales.reach)
     condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
-    faces = couple(*condensed)
-    if smooth_over_nodes(scene, faces):
-        faces = without_local_difference(faces)
+    made = couple(*condensed)
+    faces = without_local_difference(made, scene) or made
+    if faces is not made:
         work["interfaces without the mesh's part of N - T"] += 1
     problem = _contact_problem(scene, mesh, settings, scales, faces, work)
     solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if mirrored(faces, sheared(scene)) else problem
