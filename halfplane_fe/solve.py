@@ -298,10 +298,13 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
         return 0.0
     first = run.cycle_starts[-1] if run.cycle_starts else 0
     steps = sum(energy.step_error for energy in run.energies[first:])
-    refinement = scales.element / (mesh.edge_element_size * max(mesh.upper_ratio, 1.0))
+    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     plain = mesh.order == 1 or settings.method == "penalty"
     coarse = scales.dissipation * scales.modulus / scales.load**2
-    return steps + uncertainty(abs(float(run.cycle_density[-1].sum()) - coarse), refinement, plain)
+    unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
+    found = float(run.cycle_density[-1].sum())
+    # Where no node slips, nothing scatters: a note says what may be unseen.
+    return steps + unit * uncertainty(abs(found - coarse) / unit, scales.element / element, element if found else 0.0, plain)
 
 
 def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:
