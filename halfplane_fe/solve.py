@@ -40,7 +40,7 @@ from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
-from scenes import ContactSolution, ConvergenceError, Scene, Work, freeze, scene_of
+from scenes import ContactSolution, ConvergenceError, InputError, Scene, Work, freeze, scene_of
 
 Array = NDArray[np.float64]
 
@@ -171,6 +171,8 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
 
 
 def _check_loads(scene: Scene) -> None:
+    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+        raise InputError("load: these finite elements take neither bulk stress nor tilt, nor two unequal sides of a profile")
     check_admissible(scene.load.path(), scene.friction.coefficient)
     check_supports(scene, sheared(scene))
 

@@ -224,11 +224,6 @@ def test_files_that_can_not_be_read_and_names_that_are_none(tmp_path: Path, monk
 
 
 NEGLECTED = {
-    "bulk": "bulk stress in a body is not modelled",
-    "bulk_stress": "bulk stress in a body is not modelled",
-    "bulk_stress_lower": "bulk stress in a body is not modelled",
-    "moment": "the bodies carry no moment and do not tilt",
-    "tilt": "the bodies carry no moment and do not tilt",
     "wear": "wear is not modelled",
     "wear_coefficient": "wear is not modelled",
     "plasticity": "linear elastic, without plasticity",
@@ -254,10 +249,17 @@ def test_what_no_scene_can_state_is_answered_by_the_limit(key: str, tmp_path: Pa
         assert "did you mean" not in sentence
 
 
+@pytest.mark.parametrize("key", ["bulk", "bulk_stress", "remote_stress", "moments", "tilt_degrees", "eccentricity"])
+def test_bulk_stress_and_tilt_are_sent_to_the_load(key: str, tmp_path: Path) -> None:
+    for old in ("[load]", "[friction]", "[profile]"):
+        (tmp_path / "mine.toml").write_text(PLAIN.replace(old, f"{old}\n{key} = 0.5", 1), encoding="utf-8")
+        assert f"unknown key {old.strip('[]')}.{key} = 0.5; bulk_stress_lower," in refusal(tmp_path / "mine.toml")
+
+
 def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_it_too() -> None:
     assert "\n## What is neglected\n" in (DOCS / "theory.md").read_text(encoding="utf-8")
-    axes = [{"name": "s", "key": "bulk.lower", "values": [1.0, 2.0]}]
-    with pytest.raises(InputError, match="the scene has no bulk; bulk stress in a body is not modelled"):
+    axes = [{"name": "s", "key": "wear.rate", "values": [1.0, 2.0]}]
+    with pytest.raises(InputError, match="the scene has no wear; wear is not modelled"):
         expand(study_of({"scene": "hertz-paper", "axes": axes}, "here"))
 
 
