@@ -1,7 +1,7 @@
 """Unsymmetric contact: tilt and bulk strain beside P and Q, as long as the memory of friction stays one curve.
 
-# notation: alpha tilt (gap = h + alpha x - approach), eps bulk strain difference, A = 2/E*; eta normal load, I(eta) contact interval of
-#           load eta and tilt alpha_0 + kappa eta, m its centre, c its half-length, t = x - m; M(eta) memory curve
+# notation: alpha tilt (gap = h + alpha x - approach), eps difference of the bulk strains, A = 2/E*; eta normal load, I(eta) contact
+#           interval of load eta and tilt alpha_0 + kappa eta, m its centre, c its half-length, t = x - m; M(eta) memory curve
 
 Where tilt and bulk strain are the same affine function of the loads, alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q, the
 intervals I(eta) take the place of the flat punches of a symmetric contact. They are nested while |kappa| <= A/(pi a). The memory
@@ -20,18 +20,24 @@ kappa = 0 is the theorem of Ciavarella and Jaeger for unsymmetric profiles, cons
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scenes import Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
+from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
 
 _TINY = float(np.finfo(float).tiny)
+# Share of the largest value within which two affine functions are one.
+_ROUNDING = 1e-11
+# Instants of a curved leg that are compared, besides two for each turn that it may take.
+_SAMPLES = 40
 
 
 @dataclass(frozen=True)
@@ -46,7 +52,7 @@ class TiltedParabola(HertzContact):
     rigid : what `log_ratio` and its integrals are over A/pi: the rate of U, of U + kappa m_q ("loop"), or mu itself ("moment")
     """
 
-    tilt: float = 0.0
+    tilt: float | Array = 0.0
     slope: float = 0.0
     rigid: Literal["displacement", "loop", "moment"] = "displacement"
 
@@ -155,32 +161,166 @@ class TiltedParabola(HertzContact):
         weight = 1 - 2 * self._lean / self.stretch * (place + self._lean * load)
         return weight / np.sqrt(np.where(square < 0, -square, np.inf))
 
-    def _extra(self, load: Array) -> tuple[float, float, float]:
+    def _extra(self) -> tuple[float, float | Array, float]:
         """Share of ln(2 L/c), and u and v of what `rigid` adds to it: u + v eta."""
         first, second = self.tilt * self.radius, self._lean / self.stretch
-        return {
-            "displacement": (1.0, -2 * second * first, -2 * second * self._lean),
-            "loop": (1.0, -4 * second * first, -6 * second * self._lean),
-            "moment": (0.0, -first, -2 * self._lean),
-        }[self.rigid]
+        if self.rigid == "moment":
+            return 0.0, -first, -2 * self._lean
+        return (
+            (1.0, -2 * second * first, -2 * second * self._lean)
+            if self.rigid == "displacement"
+            else (1.0, -4 * second * first, -6 * second * self._lean)
+        )
 
     def log_ratio(self, load: ArrayLike) -> Array:
         p = np.asarray(load, dtype=float)
-        share, u, v = self._extra(p)
+        share, u, v = self._extra()
         return share * super().log_ratio(p) + u + v * p
 
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P of `log_ratio`."""
         p = np.asarray(load, dtype=float)
-        share, u, v = self._extra(p)
+        share, u, v = self._extra()
         return share * p * (HertzContact.log_ratio(self, p) + 0.5) * (p > 0) + p * (u + v * p / 2)
 
     def log_moment(self, load: ArrayLike) -> Array:
         """int_0^P of eta times `log_ratio`."""
         p = np.asarray(load, dtype=float)
-        share, u, v = self._extra(p)
+        share, u, v = self._extra()
         return share * p * p / 2 * (HertzContact.log_ratio(self, p) + 0.25) * (p > 0) + p * p * (u / 2 + v * p / 3)
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
         """Lam = int_{P_c}^P of the loop's rate at P_c less that at eta: (3 g^2/S) (P - P_c)^2 more than without kappa."""
         return super().dissipation_kernel(load, slipped) + 3 * self._lean**2 / self.stretch * np.square(slipped)
+
+    def under(self, tilt: Array) -> TiltedParabola:
+        """The normal contact at instants (n,) of these tilts, for points (k,) and loads (n, 1)."""
+        return replace(self, tilt=np.asarray(tilt)[:, None], slope=0.0)
+
+    def approach(self, load: Array, tilt: Array) -> Array:
+        """Normal approach at x = 0 of loads and tilts (n,) [length]: -alpha^2 R/2 at first touch."""
+        rise = load * (HertzContact.log_ratio(self, load) + 0.5) * (load > 0) * self.stretch / (2 * self.radius)
+        return np.asarray(rise - np.square(tilt) * self.radius / 2)
+
+    def moment(self, load: Array, tilt: Array) -> Array:
+        """int x p of loads and tilts (n,) [force]."""
+        return np.asarray(-tilt * self.radius * load)
+
+
+# ------------------------------------------------------------------------------------------------------ of a scene
+@dataclass(frozen=True, eq=False)
+class OneCurve:
+    """A load path with bulk stress and tilt whose memory is one curve.
+
+    Attributes
+    ----------
+    contact : the nested intervals of its family
+    path : P and Q alone
+    bulk, turning : stresses of both bodies, tilt and moment as paths over the same time; None for none
+    moment_given : whether `turning` states the moment
+    """
+
+    contact: TiltedParabola
+    path: LoadPath
+    bulk: LoadPath | None
+    turning: LoadPath | None
+    moment_given: bool
+
+    def series(self, time: Array, load: Array) -> dict[str, Array]:
+        """Bulk stresses, tilt and moment at instants (n,) with the normal loads (n,)."""
+        # Somebody else's instant may be before the start by rounding.
+        inside = np.maximum(time, self.path.start)
+        lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
+        tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
+        if self.moment_given:
+            tilt = _tilt_of(self.contact, load, moment)
+        else:
+            moment = self.contact.moment(load, tilt)
+        return {"bulk_stress_lower": lower, "bulk_stress_upper": upper, "tilt": tilt, "moment": moment}
+
+
+def _tilt_of(contact: TiltedParabola, load: Array, moment: Array) -> Array:
+    """Tilt of a parabola that carries `moment`; 0 where it carries no load."""
+    return -moment / (contact.radius * np.where(load > 0, load, np.inf))
+
+
+def strain_of(materials: Materials) -> tuple[float, float]:
+    """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' = E/(1 - nu^2) (plane strain).
+
+    >>> strain_of(Materials(lower=Elastic(young_modulus=0.91, poisson_ratio=0.3), upper=Elastic(young_modulus=2, poisson_ratio=0)))
+    (1.0, -0.5)
+    """
+    lower, upper = ((1 - body.poisson_ratio**2) / body.young_modulus for body in (materials.lower, materials.upper))
+    return lower, -upper
+
+
+def one_curve(scene: Scene) -> OneCurve | None:
+    """The scene's path where its memory is one curve: alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with nested intervals.
+
+    While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do what it will: nothing is sheared,
+    and nothing is remembered. None where there is another memory, or intervals are not nested.
+
+    Raises
+    ------
+    InputError
+        For a profile without closed forms under tilt.
+    """
+    path, profile = scene.load.path(), scene.profile
+    if not isinstance(profile, Hertz):
+        raise InputError("profile: under bulk stress or tilt the half-plane engine takes the parabola alone")
+    plain = TiltedParabola(composite_modulus(scene.material), profile.radius, profile.datum_length)
+    legs = (*path.initial_loading, *path.cycle)
+    found = [_sampled(leg, plain, strain_of(scene.material), path.moment_given) for leg in legs]
+    first = 0
+    largest, _, strained, _ = np.max([np.max(np.abs(each), axis=1) for each in found], axis=0).tolist()
+    while first < len(path.initial_loading) and _presses_only(found[first], largest, strained):
+        first += 1
+    p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
+    turned = np.isfinite(alpha)
+    slope = _slope_of(q, eps) if np.ptp(q) > _ROUNDING * np.max(np.abs(q)) else _slope_of(p[turned], alpha[turned])
+    tilt = float(np.mean(alpha[turned] - slope * p[turned])) if np.any(turned) else 0.0
+    offset = eps - slope * q
+    apart = np.abs(alpha[turned] - tilt - slope * p[turned])
+    if np.ptp(offset) > _ROUNDING * (np.max(np.abs(eps)) + abs(slope) * np.max(np.abs(q))):
+        return None
+    if np.any(apart > _ROUNDING * (np.max(np.abs(alpha[turned])) + abs(slope) * np.max(p))):
+        return None
+    contact = replace(plain, tilt=tilt, slope=slope)
+    if contact.largest < (1 - _ROUNDING) * float(np.max(p)):
+        return None
+    loading, cycle = (tuple(replace(leg, bulk=None, turning=None) for leg in part) for part in (path.initial_loading, path.cycle))
+    bare, bulk, turning = LoadPath(loading, cycle), _companions(path, "bulk"), _companions(path, "turning")
+    return OneCurve(contact, bare, bulk, turning, path.moment_given)
+
+
+def _presses_only(samples: Array, largest: float, strained: float) -> bool:
+    """Whether a leg has no Q and no change of bulk strain, to rounding of the largest P and eps."""
+    _, q, eps, _ = samples
+    return bool(np.max(np.abs(q)) <= _ROUNDING * largest and np.ptp(eps) <= _ROUNDING * strained)
+
+
+def _sampled(leg: LoadSegment, plain: TiltedParabola, strain: tuple[float, float], moment_given: bool) -> Array:
+    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load."""
+    parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
+    turns = max(part.most_turns for part in parts)
+    share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
+    time = leg.start + (leg.end - leg.start) * share
+    p, q = leg.loads(time)
+    lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
+    tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)
+    if moment_given:
+        tilt = np.where(p > 0, _tilt_of(plain, p, moment), np.nan)
+    return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
+
+
+def _slope_of(load: Array, what: Array) -> float:
+    """Least-squares slope; 0 where the load is constant."""
+    away = load - np.mean(load) if len(load) else load
+    square = float(away @ away)
+    return float(away @ what) / square if square > 0 and np.ptp(load) > _ROUNDING * np.max(np.abs(load)) else 0.0
+
+
+def _companions(path: LoadPath, name: str) -> LoadPath | None:
+    """What all segments carry under this name, as a path."""
+    loading, cycle = ([getattr(leg, name) for leg in legs] for legs in (path.initial_loading, path.cycle))
+    return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))

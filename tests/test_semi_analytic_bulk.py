@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 import bulk_oracle
+from scenes import EllipseLoad, InputError, PolygonLoad
+from semi_analytic import solve
+from semi_analytic_cases import make_scene
 
 A0 = math.sqrt(12 / math.pi)  # Hertz with E* = R = 1 and P = 3
 
@@ -50,7 +53,7 @@ def test_the_grid_finds_the_traction_of_cattaneo_and_mindlin():
 
 
 def test_the_work_of_the_grid_is_its_loop_with_the_bulk_term():
-    """Discretely exact over a steady cycle; without the term of bulk the loop is 0.27 away."""
+    """Discretely exact over a steady cycle."""
     way = np.concatenate([np.linspace(0, 1, 21), np.linspace(1, -1, 41)[1:], np.linspace(-1, 1, 41)[1:]])
     way = np.concatenate([way, way[21:]])
     found = bulk_oracle.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, 1.8 * way, 0.3 * way)
@@ -68,3 +71,161 @@ def test_the_grid_finds_a_tilted_punch():
     assert found.moment[0] == pytest.approx(-0.3444188480137, rel=1e-3)
     back = bulk_oracle.solve(flat, (-2.0, 2.0), 200, 1.0, 1.0, 0.0, moment=-0.3444188480137)
     assert back.tilt[0] == pytest.approx(0.2, rel=1e-3)
+
+
+# ------------------------------------------------------------------------------- one memory curve: alpha, eps affine in P, Q
+# E* = 1 and E' = 2 for both bodies: eps = sigma/2 of the lower one.
+PAPER = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1, "phase_degrees": 90}
+
+
+def fretting(eps, *, q=1.8, p=3.0, loading=(), **more):
+    """Constant P, Q between +-q with a bulk strain of +-eps in phase, from Q = 0."""
+    before = [*loading, (p, 0), (p, q)]
+    columns = {"bulk_stress_lower": (*[0] * (len(before) - 1), 2 * eps, -2 * eps)}
+    return make_scene(PolygonLoad(initial_loading=before, cycle=[(p, -q)], **columns | more))
+
+
+def leaning(kappa, tilt=0.0, mirror=1, **more):
+    """The ellipse of the paper with alpha = tilt + kappa P and eps = kappa Q, or its mirror image; the upper body is pulled."""
+    turned = math.copysign(90, mirror)
+    stress = {"mean": -2.2 * kappa, "amplitude": 2 * abs(kappa), "phase_degrees": -90 if kappa > 0 else 90, "initial_loading": [0]}
+    turn = {"mean": mirror * (tilt + 3 * kappa), "amplitude": abs(kappa), "phase_degrees": 0 if kappa * mirror > 0 else 180}
+    loads = PAPER | {"phase_degrees": turned, "mean_tangential_load": mirror * 1.1, "initial_loading": [(2, 0)]}
+    turn["initial_loading"] = [mirror * (tilt + 2 * kappa)]
+    return make_scene(EllipseLoad(**loads, bulk_stress_upper=stress, tilt=turn, **more))
+
+
+# scene, W, permanent stick
+EXACT = {
+    "constant P, no bulk": (fretting(0.0), 0.6128781396315213, (-1.2360774464742066, 1.2360774464742066)),
+    "constant P, bulk in phase": (fretting(0.3), 0.9368781396315213, (0.3 - 1.2360774464742066, 0.3 + 1.2360774464742066)),
+    "P, Q, bulk and tilt": (leaning(0.1), 0.32380811606118304, (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461)),
+}
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_exact_work_and_stick(name):
+    """W to 1e-10, its loop with the bulk term too, and the permanent stick; W(x) sums up to W."""
+    scene, work, stick = EXACT[name]
+    found = solve(scene, cycles="steady")
+    assert found.dissipation == pytest.approx(work, rel=1e-10)
+    assert found.loop_work == pytest.approx(found.dissipation, rel=1e-10)
+    assert found.permanent_stick_edges == pytest.approx(stick, abs=2e-9)
+    assert np.diff(found.permanent_stick_edges)[0] / 2 == pytest.approx(found.permanent_stick_half_width, rel=1e-12)
+    edges = found.contact_edges
+    ends = float(np.min(edges)), float(np.max(edges))
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    x = np.mean(ends) + np.diff(ends) / 2 * nodes
+    density = solve(scene, x=x, time=found.time, fields="dissipation_density").dissipation_density
+    assert np.diff(ends)[0] / 2 * float(weights @ density) == pytest.approx(work, rel=2e-5)
+    assert not found.record.errors
+
+
+def on_grid(scene, legs, per_leg, cells, extent=(-2.8, 2.8)):
+    """The oracle along the first `legs` of a path, and the engine at its instants and points."""
+    times = [np.linspace(leg.start, leg.end, per_leg + 1)[1:] for leg in legs]
+    columns = []
+    for leg, time in zip(legs, times, strict=True):
+        nothing = np.zeros((2, len(time)))
+        stresses, turns = (part.loads(time) if part is not None else nothing for part in (leg.bulk, leg.turning))
+        columns.append([*leg.loads(time), (np.asarray(stresses[0]) - stresses[1]) / 2, turns[0]])
+    p, q, eps, tilt = (np.concatenate(column) for column in zip(*columns, strict=True))
+    grid = bulk_oracle.solve(scene.profile.height, extent, cells, scene.friction.coefficient, p, q, eps, tilt)
+    return grid, solve(scene, x=grid.x, time=np.concatenate(times))
+
+
+def root_mean_square(difference):
+    return float(np.max(np.sqrt(np.mean(np.square(difference), axis=1))))
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [fretting(0.3), fretting(-0.5, q=2.5), leaning(0.1), leaning(-0.15, 0.15), leaning(0.1, -0.2, mirror=-1), leaning(0.0, 0.3)],
+    ids=["bulk", "against Q", "bulk and tilt", "a tilt before", "mirrored", "a fixed tilt"],
+)
+def test_fields_are_those_of_the_grid(scene):
+    """Sizes are about 1; the grid errs by a cell (0.023) at edges, and by the step in first order."""
+    path = scene.load.path()
+    legs = [*path.initial_loading, *path.cycle]
+    grid, found = on_grid(scene, legs, 40 if len(path.cycle) > 1 else 100, 240)
+    assert found.contact_edges == pytest.approx(np.array([grid.edges(k) for k in range(len(found.time))]), abs=0.03)
+    assert root_mean_square(found.pressure - grid.pressure) < 3e-3
+    assert root_mean_square(found.shear - grid.shear) < 1e-2
+    assert np.max(np.abs(found.slip - grid.slip)) < 1e-2
+    assert found.tangential_displacement == pytest.approx(grid.displacement, abs=4e-3)
+    assert found.normal_approach == pytest.approx(grid.approach, abs=1e-3)
+    assert found.moment == pytest.approx(grid.moment, abs=1e-3)
+    assert found.shear_moment == pytest.approx(grid.shear_moment, abs=5e-3)
+    assert np.mean(found.state != grid.state) < 0.02
+
+
+ARRAYS = ("pressure", "shear", "slip", "tangential_displacement", "normal_approach", "contact_edges", "stick_edges", "state")
+
+
+def test_no_bulk_and_no_tilt_is_the_symmetric_engine():
+    """To rounding: keys that state nothing are followed as a family of kappa = 0."""
+    plain = solve(make_scene(EllipseLoad(**PAPER)))
+    stated = solve(make_scene(EllipseLoad(**PAPER, bulk_stress_lower=0.0, tilt=0.0)), x=plain.x, time=plain.time)
+    for name in ARRAYS:
+        np.testing.assert_allclose(getattr(stated, name), getattr(plain, name), rtol=0, atol=1e-12, err_msg=name)
+    assert stated.dissipation == pytest.approx(plain.dissipation, rel=1e-13)
+    assert stated.permanent_stick_half_width == pytest.approx(plain.permanent_stick_half_width, rel=1e-13)
+    assert plain.shear_moment is None
+
+
+def test_a_line_of_action_moves_all_of_it():
+    plain, moved = (
+        solve(make_scene(EllipseLoad(**PAPER, **line)), x=x) for line, x in (({}, 0.4), ({"line_of_action": {"x": 0.3}}, 0.7))
+    )
+    for name in ("pressure", "shear", "slip", "tangential_displacement", "dissipation_density"):
+        np.testing.assert_allclose(getattr(moved, name), getattr(plain, name), rtol=0, atol=1e-12, err_msg=name)
+    np.testing.assert_allclose(moved.moment, 0.3 * moved.normal_load, rtol=1e-13)
+    np.testing.assert_allclose(moved.shear_moment, 0.3 * moved.tangential_load, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(moved.tilt[1:], -0.3, rtol=1e-13)
+
+
+def test_the_mirror_image():
+    """x, Q and tilt turned round, bulk strain as it is: p, s and q follow."""
+    one = solve(leaning(0.12, 0.1))
+    other = solve(leaning(0.12, 0.1, mirror=-1), x=-one.x[::-1], time=one.time)
+    for name, sign in {"pressure": 1, "shear": -1, "slip": -1}.items():
+        np.testing.assert_allclose(getattr(other, name), sign * getattr(one, name)[:, ::-1], rtol=0, atol=1e-12, err_msg=name)
+    np.testing.assert_allclose(other.shear_moment, one.shear_moment, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(other.moment, -one.moment, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(other.permanent_stick_edges, -one.permanent_stick_edges[::-1], rtol=1e-12)
+    assert other.dissipation == pytest.approx(one.dissipation, rel=1e-13)
+
+
+def test_units_and_the_path_by_straight_lines():
+    """In other units of force and length, and with straight lines between the corners of a polygon, which is the same path."""
+    one = solve(fretting(0.3))
+    scale, force = 25.4, 1e3
+    lengths = {"pressure": force, "shear": force, "slip": scale, "shear_moment": force * scale**2, "contact_edges": scale}
+    big = fretting(0.3, q=1.8 * force * scale, p=3.0 * force * scale, bulk_stress_lower=(0, 0.6 * force, -0.6 * force))
+    big = big.vary(
+        profile={"radius": scale}, material={"upper": {"young_modulus": 2 * force}, "lower": {"young_modulus": 2 * force}}
+    )
+    other = solve(big, x=one.x * scale, time=one.time)
+    for name, unit in lengths.items():
+        np.testing.assert_allclose(getattr(other, name) / unit, getattr(one, name), rtol=0, atol=2e-12, err_msg=name)
+    assert other.dissipation / (force * scale**2) == pytest.approx(one.dissipation, rel=1e-12)
+    straight = solve(fretting(0.3), x=one.x, time=one.time, straight_steps=True)
+    np.testing.assert_allclose(straight.shear, one.shear, rtol=0, atol=1e-12)
+    assert straight.loop_work == pytest.approx(straight.dissipation, rel=1e-10)
+    assert straight.dissipation == pytest.approx(one.dissipation, rel=1e-10)
+
+
+OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
+REFUSED = {
+    "out of phase": OUT_OF_PHASE,
+    "bulk alone": make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"mean": 0.22, "amplitude": 0.2, "phase_degrees": 90})),
+    "another kappa": leaning(0.1).vary(load={"tilt": {"mean": 0.3, "amplitude": 0.12}}),
+    "intervals not nested": fretting(0.6),
+    "a tilt that grows with Q": make_scene(EllipseLoad(**PAPER, tilt=0.1)),
+}
+
+
+@pytest.mark.parametrize("scene", REFUSED.values(), ids=REFUSED)
+def test_other_histories_are_refused(scene):
+    with pytest.raises(InputError, match="kappa Q"):
+        solve(scene)
