@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
 from scenes.errors import present_name
+from semi_analytic.bulk_and_tilt import OneCurve
 from semi_analytic.profiles import Contact
-from semi_analytic.unsymmetric import OneCurve
 
 Array = NDArray[np.float64]
 Cycles = Literal["all", "steady"]

@@ -35,6 +35,7 @@ from scenes import (
     freeze,
     scene_of,
 )
+from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -54,7 +55,7 @@ from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
 from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
-from semi_analytic.unsymmetric import TiltedParabola, one_curve
+from semi_analytic.unsymmetric import TiltedParabola
 
 Array = NDArray[np.float64]
 

@@ -26,18 +26,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
-from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.quadrature import graded
 
 Array = NDArray[np.float64]
 
 _TINY = float(np.finfo(float).tiny)
-# Share of the largest value within which two affine functions are one.
-_ROUNDING = 1e-11
-# Instants of a curved leg that are compared, besides two for each turn that it may take.
-_SAMPLES = 40
 
 
 @dataclass(frozen=True)
@@ -205,122 +199,3 @@ class TiltedParabola(HertzContact):
     def moment(self, load: Array, tilt: Array) -> Array:
         """int x p of loads and tilts (n,) [force]."""
         return np.asarray(-tilt * self.radius * load)
-
-
-# ------------------------------------------------------------------------------------------------------ of a scene
-@dataclass(frozen=True, eq=False)
-class OneCurve:
-    """A load path with bulk stress and tilt whose memory is one curve.
-
-    Attributes
-    ----------
-    contact : the nested intervals of its family
-    path : P and Q alone
-    bulk, turning : stresses of both bodies, tilt and moment as paths over the same time; None for none
-    moment_given : whether `turning` states the moment
-    """
-
-    contact: TiltedParabola
-    path: LoadPath
-    bulk: LoadPath | None
-    turning: LoadPath | None
-    moment_given: bool
-
-    def series(self, time: Array, load: Array) -> dict[str, Array]:
-        """Bulk stresses, tilt and moment at instants (n,) with the normal loads (n,)."""
-        # Somebody else's instant may be before the start by rounding.
-        inside = np.maximum(time, self.path.start)
-        lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
-        tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        if self.moment_given:
-            tilt = _tilt_of(self.contact, load, moment)
-        else:
-            moment = self.contact.moment(load, tilt)
-        return {"bulk_stress_lower": lower, "bulk_stress_upper": upper, "tilt": tilt, "moment": moment}
-
-
-def _tilt_of(contact: TiltedParabola, load: Array, moment: Array) -> Array:
-    """Tilt of a parabola that carries `moment`; 0 where it carries no load."""
-    return -moment / (contact.radius * np.where(load > 0, load, np.inf))
-
-
-def strain_of(materials: Materials) -> tuple[float, float]:
-    """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' = E/(1 - nu^2) (plane strain).
-
-    >>> strain_of(Materials(lower=Elastic(young_modulus=0.91, poisson_ratio=0.3), upper=Elastic(young_modulus=2, poisson_ratio=0)))
-    (1.0, -0.5)
-    """
-    lower, upper = ((1 - body.poisson_ratio**2) / body.young_modulus for body in (materials.lower, materials.upper))
-    return lower, -upper
-
-
-def one_curve(scene: Scene) -> OneCurve | None:
-    """The scene's path where its memory is one curve: alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with nested intervals.
-
-    While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do what it will: nothing is sheared,
-    and nothing is remembered. None where there is another memory, or intervals are not nested.
-
-    Raises
-    ------
-    InputError
-        For a profile without closed forms under tilt.
-    """
-    path, profile = scene.load.path(), scene.profile
-    if not isinstance(profile, Hertz):
-        raise InputError("profile: under bulk stress or tilt the half-plane engine takes the parabola alone")
-    plain = TiltedParabola(composite_modulus(scene.material), profile.radius, profile.datum_length)
-    legs = (*path.initial_loading, *path.cycle)
-    found = [_sampled(leg, plain, strain_of(scene.material), path.moment_given) for leg in legs]
-    first = 0
-    largest, _, strained, _ = np.max([np.max(np.abs(each), axis=1) for each in found], axis=0).tolist()
-    while first < len(path.initial_loading) and _presses_only(found[first], largest, strained):
-        first += 1
-    p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
-    turned = np.isfinite(alpha)
-    slope = _slope_of(q, eps) if np.ptp(q) > _ROUNDING * np.max(np.abs(q)) else _slope_of(p[turned], alpha[turned])
-    tilt = float(np.mean(alpha[turned] - slope * p[turned])) if np.any(turned) else 0.0
-    offset = eps - slope * q
-    apart = np.abs(alpha[turned] - tilt - slope * p[turned])
-    if np.ptp(offset) > _ROUNDING * (np.max(np.abs(eps)) + abs(slope) * np.max(np.abs(q))):
-        return None
-    if np.any(apart > _ROUNDING * (np.max(np.abs(alpha[turned])) + abs(slope) * np.max(p))):
-        return None
-    contact = replace(plain, tilt=tilt, slope=slope)
-    if contact.largest < (1 - _ROUNDING) * float(np.max(p)):
-        return None
-    loading, cycle = (tuple(replace(leg, bulk=None, turning=None) for leg in part) for part in (path.initial_loading, path.cycle))
-    bare, bulk, turning = LoadPath(loading, cycle), _companions(path, "bulk"), _companions(path, "turning")
-    return OneCurve(contact, bare, bulk, turning, path.moment_given)
-
-
-def _presses_only(samples: Array, largest: float, strained: float) -> bool:
-    """Whether a leg has no Q and no change of bulk strain, to rounding of the largest P and eps."""
-    _, q, eps, _ = samples
-    return bool(np.max(np.abs(q)) <= _ROUNDING * largest and np.ptp(eps) <= _ROUNDING * strained)
-
-
-def _sampled(leg: LoadSegment, plain: TiltedParabola, strain: tuple[float, float], moment_given: bool) -> Array:
-    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load."""
-    parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
-    turns = max(part.most_turns for part in parts)
-    share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
-    time = leg.start + (leg.end - leg.start) * share
-    p, q = leg.loads(time)
-    lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
-    tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)
-    if moment_given:
-        tilt = np.where(p > 0, _tilt_of(plain, p, moment), np.nan)
-    return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
-
-
-def _slope_of(load: Array, what: Array) -> float:
-    """Least-squares slope; 0 where the load is constant."""
-    away = load - np.mean(load) if len(load) else load
-    square = float(away @ away)
-    return float(away @ what) / square if square > 0 and np.ptp(load) > _ROUNDING * np.max(np.abs(load)) else 0.0
-
-
-def _companions(path: LoadPath, name: str) -> LoadPath | None:
-    """What all segments carry under this name, as a path."""
-    loading, cycle = ([getattr(leg, name) for leg in legs] for legs in (path.initial_loading, path.cycle))
-    return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
