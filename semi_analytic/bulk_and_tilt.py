@@ -42,16 +42,22 @@ class OneCurve:
     moment_given: bool
 
     def series(self, time: Array, load: Array) -> dict[str, Array]:
-        """Bulk stresses, tilt and moment at instants (n,) with the normal loads (n,)."""
+        """Bulk stresses, tilt, moment, contact edges and normal approach at instants (n,) with the normal loads (n,)."""
         # Somebody else's instant may be before the start by rounding.
-        inside = np.maximum(time, self.path.start)
+        inside, contact = np.maximum(time, self.path.start), self.contact
         lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
         tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        if self.moment_given and isinstance(self.contact, TiltedParabola):
-            tilt = _tilt_of(self.contact.radius, load, moment)
-        else:
-            moment = self.contact.moment(load, tilt)
-        return {"bulk_stress_lower": lower, "bulk_stress_upper": upper, "tilt": tilt, "moment": moment}
+        if self.moment_given and isinstance(contact, TiltedParabola):
+            tilt = _tilt_of(contact.radius, load, moment)
+        m, c = contact.under(load, tilt)
+        return {
+            "bulk_stress_lower": lower,
+            "bulk_stress_upper": upper,
+            "tilt": tilt,
+            "moment": moment if self.moment_given else contact.moment(m, c, load, tilt),
+            "contact_edges": np.stack([m - c, m + c], axis=-1),
+            "normal_approach": contact.approach(m, c, load, tilt),
+        }
 
 
 def _tilt_of(radius: float, load: Array, moment: Array) -> Array:

@@ -408,12 +408,12 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     if (family := request.family) is not None:
         more = family.series(request.time, snapshot.load)
         more["shear_moment"] = Integrals(replace(family.contact, rigid="moment"), np.zeros(1), "shift").over(snapshot)[:, 0]
-        edges = family.contact.edges(snapshot.load, more["tilt"])
+        edges = more.pop("contact_edges")
         half = np.diff(edges)[:, 0] / 2
         fronts = np.where(
             ((snapshot.slipped > 0) | np.isnan(stick))[:, None], family.contact.centre(front)[:, None] + fronts, edges
         )
-        approach = family.contact.approach(snapshot.load, more["tilt"]) if "normal_approach" in fields else nothing
+        approach = more.pop("normal_approach") if "normal_approach" in fields else nothing
     return more | {
         "normal_load": snapshot.load,
         "tangential_load": snapshot.force,
@@ -449,7 +449,8 @@ def _grids_of(
     found: dict[str, NDArray[Any]] = {}
     if "pressure" in fields:
         if (family := request.family) is not None:
-            found["pressure"] = family.contact.pressure_under(x, snapshot.load, series["tilt"])
+            m, c = np.mean(series["contact_edges"], axis=1), series["contact_half_width"]
+            found["pressure"] = family.contact.pressure_over(x, m, c)
         else:
             found["pressure"] = contact.pressure(x, snapshot.load[:, None])
     shear, slip = Integrals(contact, x, "shear"), Integrals(contact, x, "slip")
