@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import bulk_oracle
-from scenes import Compound, EllipseLoad, FlatRounded, Hertz, InputError, PolygonLoad, Scene, Tabulated, Wedge
-from semi_analytic import solve
+from scenes import Compound, EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, PolygonLoad, Scene, Tabulated, Wedge
+from semi_analytic import compliance, dissipation, eccentricity, edge_tension, events, friction_from, hysteresis, solve, stress
 from semi_analytic.profiles import contact_of
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
 from semi_analytic.unsymmetric import TiltedParabola
@@ -311,4 +311,60 @@ REFUSED = {
 @pytest.mark.parametrize("scene", REFUSED.values(), ids=REFUSED)
 def test_other_histories_are_refused(scene):
     with pytest.raises(InputError, match="kappa Q"):
+        solve(scene)
+
+
+def test_eccentricity_of_the_stick_zone():
+    """Nowell and Hills: like bodies, bulk in one, e = sigma/(4 f p0); moderate up to 4 Q/(pi a)."""
+    scene = fretting(0.3)
+    found = eccentricity(scene)
+    assert found.value == pytest.approx(0.6 / (4 * (2 * 3 / (math.pi * A0))), rel=1e-12)  # E' = 2: sigma = 0.6
+    assert found.limit == pytest.approx(0.5863230143, abs=1e-10)
+    centre = np.mean(solve(scene, x=0.0, cycles="steady", fields="dissipation").permanent_stick_edges)
+    assert centre == pytest.approx(found.value * A0, rel=1e-12)
+    assert found.moderate
+    assert not eccentricity(fretting(0.6)).moderate
+    assert math.isnan(eccentricity(with_profile(scene, FLAT)).value)
+    assert eccentricity(make_scene(EllipseLoad(**PAPER, tilt=0.1))) is None
+
+
+# What has no formula with bulk stress or tilt says so in a sentence.
+WITHOUT = {
+    "friction_from": lambda scene: friction_from(0.1, scene=scene),
+    "stress": lambda scene: stress(scene, [0.0], [-0.1], 1.0),
+    "edge_tension": lambda scene: edge_tension(scene, [1.0]),
+    "hysteresis": lambda scene: hysteresis(solve(scene, x=0.0)),
+    "compliance": lambda scene: compliance(solve(scene, x=0.0)),
+    "dissipation": lambda scene: dissipation(
+        profile=UNEQUAL, material=scene.material, friction_coefficient=1.0, phase=1.0, **{k: PAPER[k] for k in NUMBERS}
+    ),
+}
+NUMBERS = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
+
+
+@pytest.mark.parametrize("name", WITHOUT)
+def test_what_takes_no_bulk_stress_says_so(name):
+    with pytest.raises(InputError, match=r"bulk stress|unequal"):
+        WITHOUT[name](leaning(0.1))
+
+
+def test_events_are_those_of_the_loads():
+    plain, leans = (events(scene) for scene in (make_scene(EllipseLoad(**PAPER, initial_loading=[(2, 0)])), leaning(0.1)))
+    assert [(one.letter, one.time) for one in plain] == [(one.letter, one.time) for one in leans]
+    with pytest.raises(InputError, match="kappa Q"):
+        events(OUT_OF_PHASE)
+
+
+STEEP = {
+    "steeper than the wedge": (WEDGE, 1.5, "steeper"),
+    "beyond the table": (UNEQUAL, 5.0, "needs a contact"),
+    "a formula": (EvenPolynomial(length=1.0, rises=(0.5, 0.1)), 0.1, "even_polynomial|polynomial"),
+}
+
+
+@pytest.mark.parametrize("name", STEEP)
+def test_tilts_that_no_contact_takes_are_refused(name):
+    profile, tilt, words = STEEP[name]
+    scene = with_profile(make_scene(PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)), profile)
+    with pytest.raises(InputError, match=words):
         solve(scene)
