@@ -35,7 +35,7 @@ from scenes import (
     freeze,
     scene_of,
 )
-from semi_analytic.bulk_and_tilt import one_curve
+from semi_analytic.bulk_and_tilt import NO_ONE_CURVE, one_curve
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -62,10 +62,6 @@ Array = NDArray[np.float64]
 
 # Rounding of the closed integral of Q dU over the dissipation, above which it is no second route any more.
 _TOO_ROUGH = 1e-2
-_NO_ONE_CURVE = (
-    "load: half-plane theory takes bulk strain that is kappa Q and tilt that is kappa P, with the same kappa and each with a "
-    "constant, as long as contact intervals stay nested; of other bulk stress and tilt the finite elements give the answer"
-)
 # Errors that a note says, share of the largest value.
 _DOUBTFUL = 1e-9
 
@@ -119,7 +115,7 @@ def solve(
     if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
         family = one_curve(scene)
         if family is None:
-            raise InputError(_NO_ONE_CURVE)
+            raise InputError(NO_ONE_CURVE)
     contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
     friction = scene.friction.coefficient
     path: LoadSeries | History

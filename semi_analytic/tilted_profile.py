@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import Compound, FlatRounded, Hertz, InputError, Profile, Tabulated, Wedge
 from scenes.chebyshev import Pieces, halved
-from semi_analytic.quadrature import crowded, graded
+from semi_analytic.quadrature import crowded, panels
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,8 @@ class PiecewiseParabola:
 
     def angles(self, m: Array, c: Array) -> Angles:
         """Of the knots over contacts of centre m and half-length c; 0 beyond the right end, pi beyond the left one."""
-        cosine = np.clip((self.knots - m[..., None]) / np.where(c > 0, c, 1.0)[..., None], -1.0, 1.0)
+        away, size = self.knots - m[..., None], np.asarray(c)[..., None]
+        cosine = np.clip(np.where(size > 0, away / np.where(size > 0, size, 1.0), np.sign(away)), -1.0, 1.0)
         return Angles(np.arccos(cosine), np.sqrt((1 - cosine) * (1 + cosine)), cosine)
 
     @cached_property
@@ -470,10 +471,15 @@ class TiltedProfile:
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^P eta dp(x, eta) [stress * load]."""
-        load = np.asarray(load, dtype=float)
-        edge = np.minimum(self.load(x), load)
-        eta, weight = graded(edge, np.broadcast_to(load, edge.shape))
-        return load * self.pressure(x, load) - np.sum(weight * self.pressure(np.asarray(x)[..., None], eta), axis=-1)
+        place, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weight = self._nodes(np.minimum(self.load(place), load), load)
+        return load * self.pressure(place, load) - np.sum(weight * self.pressure(place[..., None], eta), axis=-1)
+
+    def _nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
+        """Nodes and weights on loads, cut at those at which an end meets a knot, a new last axis."""
+        found = panels(begin, end, self.break_loads)
+        shape = (*np.shape(end), -1)
+        return found.at.reshape(shape), found.weight.reshape(shape)
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^eta of the kernel of slip while x is open: pi/A times what its gap closes by [force per thickness]."""
@@ -483,8 +489,8 @@ class TiltedProfile:
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """The same with eta in front [force^2 per thickness^2]."""
-        x, inner = np.asarray(x, dtype=float), np.minimum(np.asarray(load, dtype=float), self.load(x))
-        eta, weight = graded(np.zeros(inner.shape), inner)
+        x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weight = self._nodes(np.zeros(load.shape), np.minimum(load, self.load(x)))
         return np.asarray(np.sum(weight * eta * self.arccosh_ratio(x[..., None], 0.0, eta), axis=-1))
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
@@ -527,7 +533,7 @@ class TiltedProfile:
 
     def log_moment(self, load: ArrayLike) -> Array:
         """int_0^P of eta times `log_ratio`."""
-        eta, weight = graded(np.zeros(np.shape(load)), load)
+        eta, weight = self._nodes(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
         return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
