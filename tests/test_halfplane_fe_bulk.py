@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +21,7 @@ from halfplane_fe import SolverSettings, edge_tension, fields, stress
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.elasticity import assemble, condense, uniform_stretch
 from halfplane_fe.interface import Interface, couple, without_local_difference
-from halfplane_fe.path import enclosed, loads_of
+from halfplane_fe.path import enclosed, loads_of, turning_points
 from halfplane_fe.store import condensed
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
@@ -48,6 +49,7 @@ ROUGH = MeshSettings(element_size=1 / 8, edge_element_size=1 / 16, far_radius=6.
 FEW = MeshSettings(element_size=1 / 6, edge_element_size=1 / 8, far_radius=6.0, growth=0.5)
 # None halved for its step error, and 17 a cycle: rounding would choose other increments of a reflected load.
 REGULAR = SolverSettings(steps_per_cycle=17, step_tolerance=np.inf)
+ROLLERS, FIXED = Block(width=16.0, height=4.0, base="rollers"), Block(width=16.0, height=4.0)
 A0 = 1.9544100476  # a(P = 3)
 
 
@@ -224,6 +226,15 @@ def test_a_turned_load_has_the_turned_answer(name: str) -> None:
         np.testing.assert_allclose(other[field], values, rtol=1e-7, atol=1e-7 * np.abs(values).max(), err_msg=field)
 
 
+def test_bodies_upside_down() -> None:
+    """Half a turn of the whole picture: lower and upper body change places, x is -x, P, Q and the stresses are what they were."""
+    base, held = {"p": (3, 0.6), "q": (0.2, 1.2), "phase": 60}, wave(0.4, 0.6, 20)
+    one = solved(scene(ellipse(**base, bulk_stress_lower=held), material=STEEL, bodies=Bodies(lower=FIXED)))
+    other = solved(scene(ellipse(**base, bulk_stress_upper=held), material=STEEL, bodies=Bodies(upper=FIXED)))
+    for field, values in numbers(one).items():
+        np.testing.assert_allclose(numbers(other, -1, -1)[field], values, atol=1e-8 * np.abs(values).max(), err_msg=field)
+
+
 def test_one_strain_in_both_bodies_is_none_and_only_the_difference_counts() -> None:
     base = {"p": (3, 0.6), "q": (0.2, 1.2), "phase": 60}
     same = wave(0.4, 0.3, 20)
@@ -271,7 +282,6 @@ def test_two_unequal_sides_of_a_profile_reflected() -> None:
 # ------------------------------------------------------------------------------------------------------------- energy
 
 
-ROLLERS, FIXED = Block(width=16.0, height=4.0, base="rollers"), Block(width=16.0, height=4.0)
 TURNING = {"bulk_stress_lower": wave(0.2, 0.3), "tilt": wave(0.1, 0.08, 40)}
 PADS = {"profile": Hertz(radius=12.0), "bodies": Bodies(lower=FIXED, upper=Pad(width=9.0, height=5.0))}
 BALANCED = {
@@ -334,7 +344,7 @@ def test_the_rest_of_the_work_of_the_loads_is_the_change_of_stored_energy() -> N
     assert shift[0] == pytest.approx(shift[1], rel=1e-6, abs=1e-9)
 
 
-def test_area_between_a_curve_of_five_loads_and_its_chord() -> None:
+def test_turning_points_of_five_loads_and_the_area_between_their_curve_and_its_chord() -> None:
     """Against sums over 20,000 chords; skew, and none of a straight leg."""
     leg = MIXED.path().cycle[0]
     start, end = leg.start + 0.3, leg.start + 0.9
@@ -344,6 +354,10 @@ def test_area_between_a_curve_of_five_loads_and_its_chord() -> None:
     chord = np.outer((loads[0] + loads[-1]) / 2, loads[-1] - loads[0])
     found = enclosed(leg, start, end)
     assert found is not None
+    bulk, tilt = math.radians(100), math.radians(30)
+    for turn in (bulk, bulk + math.pi, tilt, tilt + math.pi):
+        inside = leg.start + np.mod(turn - leg.start, 2 * math.pi)
+        assert np.abs(np.array(turning_points(leg, 0.5)) - inside).min() < 1e-9
     np.testing.assert_allclose(np.tril(found, -1), np.tril(middle.T @ rise - chord, -1), atol=1e-9)
     np.testing.assert_array_equal(found, -found.T)
     assert enclosed(MIXED.path().initial_loading[0], leg.start - 1, leg.start) is None
