@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
+from scenes import NORMAL_LOAD, Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
 from semi_analytic.unsymmetric import TiltedParabola
 
 Array = NDArray[np.float64]
@@ -34,7 +35,7 @@ class OneCurve:
     moment_given : whether `turning` states the moment
     """
 
-    contact: TiltedParabola
+    contact: TiltedParabola | TiltedProfile
     path: LoadPath
     bulk: LoadPath | None
     turning: LoadPath | None
@@ -46,16 +47,16 @@ class OneCurve:
         inside = np.maximum(time, self.path.start)
         lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
         tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        if self.moment_given:
-            tilt = _tilt_of(self.contact, load, moment)
+        if self.moment_given and isinstance(self.contact, TiltedParabola):
+            tilt = _tilt_of(self.contact.radius, load, moment)
         else:
             moment = self.contact.moment(load, tilt)
         return {"bulk_stress_lower": lower, "bulk_stress_upper": upper, "tilt": tilt, "moment": moment}
 
 
-def _tilt_of(contact: TiltedParabola, load: Array, moment: Array) -> Array:
+def _tilt_of(radius: float, load: Array, moment: Array) -> Array:
     """Tilt of a parabola that carries `moment`; 0 where it carries no load."""
-    return -moment / (contact.radius * np.where(load > 0, load, np.inf))
+    return -moment / (radius * np.where(load > 0, load, np.inf))
 
 
 def strain_of(materials: Materials) -> tuple[float, float]:
@@ -77,16 +78,20 @@ def one_curve(scene: Scene) -> OneCurve | None:
     Raises
     ------
     InputError
-        For a profile without closed forms under tilt.
+        For a profile that is no piecewise parabola, a moment on another one than Hertz', a contact that leaves the profile.
     """
     path, profile = scene.load.path(), scene.profile
-    if not isinstance(profile, Hertz):
-        raise InputError("profile: under bulk stress or tilt the half-plane engine takes the parabola alone")
-    plain = TiltedParabola(composite_modulus(scene.material), profile.radius, profile.datum_length)
     legs = (*path.initial_loading, *path.cycle)
-    found = [_sampled(leg, plain, strain_of(scene.material), path.moment_given) for leg in legs]
+    radius = profile.radius if isinstance(profile, Hertz) else None
+    shape = piecewise_parabola(profile)
+    if shape is None:
+        raise InputError(
+            f"profile.kind = {profile.kind!r}: under bulk stress or tilt half-plane theory takes hertz, flat_rounded, compound, "
+            "wedge and tabulated"
+        )
+    found = [_sampled(leg, radius, strain_of(scene.material), path.moment_given) for leg in legs]
     first = 0
-    largest, _, strained, _ = np.max([np.max(np.abs(each), axis=1) for each in found], axis=0).tolist()
+    largest, _, strained = np.max([np.max(np.abs(each[:3]), axis=1) for each in found], axis=0).tolist()
     while first < len(path.initial_loading) and _presses_only(found[first], largest, strained):
         first += 1
     p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
@@ -99,8 +104,13 @@ def one_curve(scene: Scene) -> OneCurve | None:
         return None
     if np.any(apart > _ROUNDING * (np.max(np.abs(alpha[turned])) + abs(slope) * np.max(p))):
         return None
-    contact = replace(plain, tilt=tilt, slope=slope)
-    if contact.largest < (1 - _ROUNDING) * float(np.max(p)):
+    modulus, datum, most = composite_modulus(scene.material), profile.datum_length, float(np.max(p))
+    contact: TiltedParabola | TiltedProfile
+    if radius is not None:
+        contact = TiltedParabola(modulus, radius, datum, tilt=tilt, slope=slope)
+    else:
+        contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
+    if not contact.is_nested(most):
         return None
     loading, cycle = (tuple(replace(leg, bulk=None, turning=None) for leg in part) for part in (path.initial_loading, path.cycle))
     bare, bulk, turning = LoadPath(loading, cycle), _companions(path, "bulk"), _companions(path, "turning")
@@ -113,17 +123,23 @@ def _presses_only(samples: Array, largest: float, strained: float) -> bool:
     return bool(np.max(np.abs(q)) <= _ROUNDING * largest and np.ptp(eps) <= _ROUNDING * strained)
 
 
-def _sampled(leg: LoadSegment, plain: TiltedParabola, strain: tuple[float, float], moment_given: bool) -> Array:
-    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load."""
+def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float], moment_given: bool) -> Array:
+    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load.
+
+    InputError for a moment where there is no radius to find the tilt from.
+    """
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     turns = max(part.most_turns for part in parts)
     share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
-    time = leg.start + (leg.end - leg.start) * share
+    # The turning points too: the largest load is among them.
+    time = np.unique(np.append(leg.start + (leg.end - leg.start) * share, leg.turning_points(NORMAL_LOAD)))
     p, q = leg.loads(time)
     lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
     tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)
-    if moment_given:
-        tilt = np.where(p > 0, _tilt_of(plain, p, moment), np.nan)
+    if moment_given and np.any(moment):
+        if radius is None:
+            raise InputError("load: half-plane theory takes a moment or a line of action under the parabola alone; state the tilt")
+        tilt = np.where(p > 0, _tilt_of(radius, p, moment), np.nan)
     return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
 
 

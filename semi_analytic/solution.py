@@ -51,10 +51,11 @@ from semi_analytic.friction_work import (
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
 from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, pieces, rounding_of_shift, rounding_of_slip, value_on
-from semi_analytic.profiles import Contact, contact_of
+from semi_analytic.profiles import Contact, SymmetricContact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
 from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
+from semi_analytic.tilted_profile import TiltedProfile
 from semi_analytic.unsymmetric import TiltedParabola
 
 Array = NDArray[np.float64]
@@ -164,7 +165,7 @@ def solve(
     # A front that is nothing but the last digits of P is none.
     least = found.least if found.least > LAST_DIGITS * path.largest else 0.0
     stick = float(contact.half_width(least))
-    if isinstance(contact, TiltedParabola):
+    if isinstance(contact, TiltedParabola | TiltedProfile):
         arrays["permanent_stick_edges"] = freeze(contact.interval(least) if stick > 0 else np.full(2, math.nan))
     termination, message = _ending(path)
     return ContactSolution(
@@ -195,7 +196,7 @@ def solve(
     )
 
 
-def memory_at(scene: Scene, time: Array) -> tuple[Contact, Snapshot]:
+def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     """Normal contact of a scene, and its memory curves at instants (n,) of its load path.
 
     Raises
@@ -344,7 +345,7 @@ def _along_spans(history: History, request: Request) -> Along:
         spans = history.cycles[number]
         used.extend(spans)
         if ellipse is not None and history.is_loop(number):
-            leans = isinstance(contact, TiltedParabola)
+            leans = isinstance(contact, TiltedParabola | TiltedProfile)
             parts = works_over_time(ellipse, contact) if leans else dissipation_of(ellipse, contact, careful=True)
             works[number] = unit * float(sum(part[0] for part in parts)), 0.0
         else:
@@ -407,7 +408,8 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     if (family := request.family) is not None:
         more = family.series(request.time, snapshot.load)
         more["shear_moment"] = Integrals(replace(family.contact, rigid="moment"), np.zeros(1), "shift").over(snapshot)[:, 0]
-        edges = edges - (more["tilt"] * family.contact.radius)[:, None]
+        edges = family.contact.edges(snapshot.load, more["tilt"])
+        half = np.diff(edges)[:, 0] / 2
         fronts = np.where(
             ((snapshot.slipped > 0) | np.isnan(stick))[:, None], family.contact.centre(front)[:, None] + fronts, edges
         )
@@ -446,8 +448,10 @@ def _grids_of(
     grids["state"] = np.broadcast_to(np.int8(OPEN), shape)
     found: dict[str, NDArray[Any]] = {}
     if "pressure" in fields:
-        pressed = request.family.contact.under(series["tilt"]) if request.family is not None else contact
-        found["pressure"] = pressed.pressure(x, snapshot.load[:, None])
+        if (family := request.family) is not None:
+            found["pressure"] = family.contact.pressure_under(x, snapshot.load, series["tilt"])
+        else:
+            found["pressure"] = contact.pressure(x, snapshot.load[:, None])
     shear, slip = Integrals(contact, x, "shear"), Integrals(contact, x, "slip")
     if "shear" in fields:
         found["shear"] = shear.over(snapshot)
@@ -480,7 +484,7 @@ def _within(edges: Array, x: Array) -> NDArray[np.bool_]:
 def _points_of(contact: Contact, largest: float) -> Array:
     """Points across the largest contact and a little beyond; an unsymmetric one is not mirrored."""
     points = mirrored_points(1.05 * float(contact.half_width(largest)))
-    return points + float(contact.centre(largest)) if isinstance(contact, TiltedParabola) else points
+    return points + float(contact.centre(largest)) if isinstance(contact, TiltedParabola | TiltedProfile) else points
 
 
 # ------------------------------------------------------------------------------------- what a solution says of itself

@@ -187,9 +187,17 @@ class TiltedParabola(HertzContact):
         """Lam = int_{P_c}^P of the loop's rate at P_c less that at eta: (3 g^2/S) (P - P_c)^2 more than without kappa."""
         return super().dissipation_kernel(load, slipped) + 3 * self._lean**2 / self.stretch * np.square(slipped)
 
-    def under(self, tilt: Array) -> TiltedParabola:
-        """The normal contact at instants (n,) of these tilts, for points (k,) and loads (n, 1)."""
-        return replace(self, tilt=np.asarray(tilt)[:, None], slope=0.0)
+    def is_nested(self, load: float) -> bool:
+        """Whether every I(eta) up to a load holds all that come before it."""
+        return load <= self.largest * (1 + 1e-11)
+
+    def edges(self, load: Array, tilt: Array) -> Array:
+        """Ends of the contact of loads and tilts (n,): (n, 2)."""
+        return replace(self, tilt=tilt, slope=0.0).interval(load)
+
+    def pressure_under(self, x: Array, load: Array, tilt: Array) -> Array:
+        """p at points (k,) of loads and tilts (n,): (n, k)."""
+        return replace(self, tilt=tilt[:, None], slope=0.0).pressure(x, load[:, None])
 
     def approach(self, load: Array, tilt: Array) -> Array:
         """Normal approach at x = 0 of loads and tilts (n,) [length]: -alpha^2 R/2 at first touch."""
