@@ -5,13 +5,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import NORMAL_LOAD, Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
+from scenes import NORMAL_LOAD, Combination, Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.profiles import contact_of
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
 from semi_analytic.unsymmetric import TiltedParabola
 
@@ -21,6 +24,12 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-11
 # Instants of a curved leg that are compared, besides two for each turn that it may take.
 _SAMPLES = 40
+
+NO_ONE_CURVE = (
+    "load: half-plane theory takes bulk strain that is kappa Q and tilt that is kappa P, with the same kappa and each with a "
+    "constant, as long as contact intervals stay nested; of other bulk stress and tilt the finite elements give the answer"
+)
+"""Why a scene is refused that `one_curve` does not take."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,16 +51,22 @@ class OneCurve:
     moment_given: bool
 
     def series(self, time: Array, load: Array) -> dict[str, Array]:
-        """Bulk stresses, tilt and moment at instants (n,) with the normal loads (n,)."""
+        """Bulk stresses, tilt, moment, contact edges and normal approach at instants (n,) with the normal loads (n,)."""
         # Somebody else's instant may be before the start by rounding.
-        inside = np.maximum(time, self.path.start)
+        inside, contact = np.maximum(time, self.path.start), self.contact
         lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
         tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        if self.moment_given and isinstance(self.contact, TiltedParabola):
-            tilt = _tilt_of(self.contact.radius, load, moment)
-        else:
-            moment = self.contact.moment(load, tilt)
-        return {"bulk_stress_lower": lower, "bulk_stress_upper": upper, "tilt": tilt, "moment": moment}
+        if self.moment_given and isinstance(contact, TiltedParabola):
+            tilt = _tilt_of(contact.radius, load, moment)
+        m, c = contact.under(load, tilt)
+        return {
+            "bulk_stress_lower": lower,
+            "bulk_stress_upper": upper,
+            "tilt": tilt,
+            "moment": moment if self.moment_given else contact.moment(m, c, load, tilt),
+            "contact_edges": np.stack([m - c, m + c], axis=-1),
+            "normal_approach": contact.approach(m, c, load, tilt),
+        }
 
 
 def _tilt_of(radius: float, load: Array, moment: Array) -> Array:
@@ -62,6 +77,7 @@ def _tilt_of(radius: float, load: Array, moment: Array) -> Array:
 def strain_of(materials: Materials) -> tuple[float, float]:
     """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' = E/(1 - nu^2) (plane strain).
 
+    >>> from scenes import Elastic
     >>> strain_of(Materials(lower=Elastic(young_modulus=0.91, poisson_ratio=0.3), upper=Elastic(young_modulus=2, poisson_ratio=0)))
     (1.0, -0.5)
     """
@@ -117,6 +133,70 @@ def one_curve(scene: Scene) -> OneCurve | None:
     return OneCurve(contact, bare, bulk, turning, path.moment_given)
 
 
+class Eccentricity(NamedTuple):
+    """How far bulk strain moves the stick zone, and whether it is moderate.
+
+    `value` is e = eps R/(f a) of a parabola, eps half the range of the bulk strain in the cycle and a the half-width at the largest
+    P: at constant P and in phase the centre of stick moves by e a; NaN of other profiles and without friction. `strain` is
+    eps, `limit` = (A/(pi a)) Q with half the range of Q: up to it bulk is `moderate`, in phase and at constant P both ends then
+    slip one way.
+    """
+
+    value: float
+    strain: float
+    limit: float
+
+    @property
+    def moderate(self) -> bool:
+        """Whether eps is not above its limit."""
+        return self.strain <= self.limit * (1 + _ROUNDING)
+
+
+def eccentricity(scene: Scene) -> Eccentricity | None:
+    """Eccentricity of stick by bulk stress over the cycle, over the whole path where it has none; None without bulk stress.
+
+    Like bodies with bulk in one: e = sigma/(4 f p0) (Nowell and Hills 1987). It is a measure, and no bound: with P, Q or bulk out
+    of phase the ends may slip opposite ways although bulk is moderate.
+
+    >>> from scenes import load_scene
+    >>> scene = load_scene("cattaneo-mindlin")
+    >>> eccentricity(scene) is None
+    True
+    """
+    path, profile, friction = scene.load.path(), scene.profile, scene.friction.coefficient
+    legs = path.cycle or path.initial_loading
+    if not path.has_bulk_or_tilt or all(leg.bulk is None for leg in legs):
+        return None
+    strains = strain_of(scene.material)
+    p, q, eps, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strains, False) for leg in legs], axis=1)
+    modulus, most = composite_modulus(scene.material), float(np.max(p))
+    shape = piecewise_parabola(profile)
+    half = (
+        float(shape.contact(2 / modulus * most, 0.0)[1]) if shape else float(contact_of(profile, scene.material).half_width(most))
+    )
+    strain, force = float(np.ptp(eps)) / 2, float(np.ptp(q)) / 2
+    known = isinstance(profile, Hertz) and friction > 0
+    value = strain * profile.radius / (friction * half) if known else math.nan  # type: ignore[union-attr]
+    return Eccentricity(value, strain, 2 * force / (math.pi * modulus * half))
+
+
+def followed_path(scene: Scene) -> LoadPath:
+    """P and Q of a scene whose memory is one curve: its whole path without bulk stress and tilt.
+
+    Raises
+    ------
+    InputError
+        For another memory, and as `one_curve`.
+    """
+    path = scene.load.path()
+    if not path.has_bulk_or_tilt:
+        return path
+    family = one_curve(scene)
+    if family is None:
+        raise InputError(NO_ONE_CURVE)
+    return family.path
+
+
 def _presses_only(samples: Array, largest: float, strained: float) -> bool:
     """Whether a leg has no Q and no change of bulk strain, to rounding of the largest P and eps."""
     _, q, eps, _ = samples
@@ -131,8 +211,10 @@ def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float]
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     turns = max(part.most_turns for part in parts)
     share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
-    # The turning points too: the largest load is among them.
-    time = np.unique(np.append(leg.start + (leg.end - leg.start) * share, leg.turning_points(NORMAL_LOAD)))
+    # The turning points too: the extreme loads and strains are among them.
+    turning = leg.turning_points(NORMAL_LOAD) + leg.turning_points(Combination(0.0, 1.0))
+    turning += leg.bulk.turning_points(Combination(*strain)) if leg.bulk is not None else []
+    time = np.unique(np.append(leg.start + (leg.end - leg.start) * share, turning))
     p, q = leg.loads(time)
     lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
     tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)

@@ -35,7 +35,7 @@ from scenes import (
     freeze,
     scene_of,
 )
-from semi_analytic.bulk_and_tilt import one_curve
+from semi_analytic.bulk_and_tilt import NO_ONE_CURVE, one_curve
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -62,10 +62,6 @@ Array = NDArray[np.float64]
 
 # Rounding of the closed integral of Q dU over the dissipation, above which it is no second route any more.
 _TOO_ROUGH = 1e-2
-_NO_ONE_CURVE = (
-    "load: half-plane theory takes bulk strain that is kappa Q and tilt that is kappa P, with the same kappa and each with a "
-    "constant, as long as contact intervals stay nested; of other bulk stress and tilt the finite elements give the answer"
-)
 # Errors that a note says, share of the largest value.
 _DOUBTFUL = 1e-9
 
@@ -119,7 +115,7 @@ def solve(
     if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
         family = one_curve(scene)
         if family is None:
-            raise InputError(_NO_ONE_CURVE)
+            raise InputError(NO_ONE_CURVE)
     contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
     friction = scene.friction.coefficient
     path: LoadSeries | History
@@ -408,12 +404,12 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     if (family := request.family) is not None:
         more = family.series(request.time, snapshot.load)
         more["shear_moment"] = Integrals(replace(family.contact, rigid="moment"), np.zeros(1), "shift").over(snapshot)[:, 0]
-        edges = family.contact.edges(snapshot.load, more["tilt"])
+        edges = more.pop("contact_edges")
         half = np.diff(edges)[:, 0] / 2
         fronts = np.where(
             ((snapshot.slipped > 0) | np.isnan(stick))[:, None], family.contact.centre(front)[:, None] + fronts, edges
         )
-        approach = family.contact.approach(snapshot.load, more["tilt"]) if "normal_approach" in fields else nothing
+        approach = more.pop("normal_approach") if "normal_approach" in fields else nothing
     return more | {
         "normal_load": snapshot.load,
         "tangential_load": snapshot.force,
@@ -449,7 +445,8 @@ def _grids_of(
     found: dict[str, NDArray[Any]] = {}
     if "pressure" in fields:
         if (family := request.family) is not None:
-            found["pressure"] = family.contact.pressure_under(x, snapshot.load, series["tilt"])
+            m, c = np.mean(series["contact_edges"], axis=1), series["contact_half_width"]
+            found["pressure"] = family.contact.pressure_over(x, m, c)
         else:
             found["pressure"] = contact.pressure(x, snapshot.load[:, None])
     shear, slip = Integrals(contact, x, "shear"), Integrals(contact, x, "slip")

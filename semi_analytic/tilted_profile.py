@@ -18,6 +18,7 @@ and tables, whose sides may be unequal, are such profiles.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -28,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import Compound, FlatRounded, Hertz, InputError, Profile, Tabulated, Wedge
 from scenes.chebyshev import Pieces, halved
-from semi_analytic.quadrature import crowded, graded
+from semi_analytic.quadrature import crowded, panels
 
 Array = NDArray[np.float64]
 
@@ -42,8 +43,10 @@ _OF_MEAN = -((-1.0) ** _K) * 2 * _K / _FACTORIAL
 _OF_LOAD = -((-1.0) ** _K) * 4**_K / _FACTORIAL
 # Relative error of m and c by their series, measured against the equations themselves.
 _NOISE = 1e-12
+# Values of knots that are held at a time.
+_VALUES = 500_000
 # Share of P up to which the kernel of W is a quadrature; above, a difference of closed forms.
-_APART = 0.5
+_APART = 0.03
 
 
 class Balance(NamedTuple):
@@ -63,13 +66,15 @@ class Angles(NamedTuple):
     cosine: Array
 
 
-def _stepped(now: Array, excess: Array, rate: Array, low: Array, high: Array, unit: Array) -> tuple[Array, bool]:
-    """Newton's step where it stays in the bracket, else the middle; and whether what is left is round-off."""
+def _stepped(
+    now: Array, excess: Array, rate: Array, low: Array, high: Array, unit: Array, known: NDArray[np.bool_] | bool = False
+) -> tuple[Array, bool]:
+    """Newton's step where it stays in the bracket, else the middle; and whether what is left is round-off, or `known` anyhow."""
     new = now - excess / np.where(rate > 0, rate, np.inf)
     inside = (new >= low) & (new <= high) & (rate > 0)
     new = np.where(inside, new, (low + high) / 2)
     # The next step would be about the power 3/2 of this one.
-    done = (inside & (np.abs(new - now) <= 1e-10 * unit)) | (high - low <= 4e-16 * (np.abs(new) + unit))
+    done = (inside & (np.abs(new - now) <= 1e-10 * unit)) | (high - low <= 4e-16 * (np.abs(new) + unit)) | known
     return new, bool(np.all(done))
 
 
@@ -97,7 +102,8 @@ class PiecewiseParabola:
 
     def angles(self, m: Array, c: Array) -> Angles:
         """Of the knots over contacts of centre m and half-length c; 0 beyond the right end, pi beyond the left one."""
-        cosine = np.clip((self.knots - m[..., None]) / np.where(c > 0, c, 1.0)[..., None], -1.0, 1.0)
+        away, size = self.knots - m[..., None], np.asarray(c)[..., None]
+        cosine = np.clip(np.where(size > 0, away / np.where(size > 0, size, 1.0), np.sign(away)), -1.0, 1.0)
         return Angles(np.arccos(cosine), np.sqrt((1 - cosine) * (1 + cosine)), cosine)
 
     @cached_property
@@ -167,9 +173,10 @@ class PiecewiseParabola:
             excess = found.load - product
             low, high = np.where(excess < 0, c, low), np.where(excess >= 0, c, high)
             rate = c * (found.whole - found.odd**2 / np.where(found.whole > 0, found.whole, np.inf))
-            c, done = _stepped(c, excess, rate, low, high, c)
+            c, done = _stepped(c, excess, rate, low, high, c, product <= 0)
             if done:
                 break
+        c = np.where(product > 0, c, 0.0)
         m = self.centre(tilt, c)
         ends = float(np.min(m - c, initial=0.0)), float(np.max(m + c, initial=0.0))
         if ends[0] < self.extent[0] * (1 + _NOISE) or ends[1] > self.extent[1] * (1 + _NOISE):
@@ -193,7 +200,20 @@ class PiecewiseParabola:
 
     def pressure(self, x: Array, m: Array, c: Array) -> Array:
         """pi A p(x) over a contact; 0 outside. Arrays that broadcast."""
-        x, m, c = np.broadcast_arrays(x, m, c)
+        return self._in_parts(self._pressure, x, m, c)
+
+    def gap(self, x: Array, m: Array, c: Array) -> Array:
+        """Gap outside a contact; 0 inside. Arrays that broadcast."""
+        return self._in_parts(self._gap, x, m, c)
+
+    def _in_parts(self, function: Callable[[Array, Array, Array], Array], *arguments: Array) -> Array:
+        """Of so many values at a time that their knots fit into memory."""
+        whole = np.broadcast_arrays(*arguments)
+        flat, block = [values.ravel() for values in whole], max(_VALUES // len(self.knots), 1)
+        parts = [function(*(values[k : k + block] for values in flat)) for k in range(0, whole[0].size, block)]
+        return np.concatenate(parts or [np.empty(0)]).reshape(whole[0].shape)
+
+    def _pressure(self, x: Array, m: Array, c: Array) -> Array:
         t, over = x - m, self.angles(m, c)
         root = np.sqrt(np.maximum((c - t) * (c + t), 0.0))[..., None]
         size, knot = np.where(c > 0, c, 1.0)[..., None], self.knots - x[..., None]
@@ -204,9 +224,7 @@ class PiecewiseParabola:
         terms = root * over.theta - knot * np.where(np.isfinite(logarithm), logarithm, 0.0)
         return np.where(root[..., 0] > 0, terms @ self.jumps + np.pi * self.curvature[0] * root[..., 0], 0.0)
 
-    def gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap outside a contact; 0 inside. Arrays that broadcast."""
-        x, m, c = np.broadcast_arrays(x, m, c)
+    def _gap(self, x: Array, m: Array, c: Array) -> Array:
         t, over = x - m, self.angles(m, c)
         distance = np.maximum(np.abs(t), c)
         root = np.sqrt((distance - c) * (distance + c))
@@ -275,7 +293,7 @@ def piecewise_parabola(profile: Profile) -> PiecewiseParabola | None:
 class NestedIntervals:
     """Contacts I(eta) of a piecewise parabola under the loads eta and the tilts alpha_0 + kappa eta, by series.
 
-    m and c are series of eta^(1/2), beside a flat of eta^(1/3), behind each load at which an end meets a knot.
+    m and c are series of the root of eta - eta_b behind each load eta_b at which an end meets a knot.
 
     Attributes
     ----------
@@ -312,33 +330,30 @@ class NestedIntervals:
         return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.most)])
 
     @cached_property
-    def _series(self) -> tuple[Array, list[tuple[float, Pieces, Pieces]]]:
-        """Loads behind which stretches begin; of each the power of the variable, and m and c over it."""
+    def _series(self) -> tuple[Array, Array, Pieces, Pieces]:
+        """Loads behind which stretches begin and their places on one axis; m and c over that axis."""
         marks = np.concatenate([[0.0], self.break_loads[self.break_loads < self.most * (1 - 1e-9)], [self.most]])
-        stretches: list[tuple[float, Pieces, Pieces]] = []
-        flat = self.start[1] > 1e-9 * self.scale
+        places, found = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(marks)))]), []
         for low, high in pairwise(marks.tolist()):
-            power = 3.0 if flat and not stretches else 2.0
-            ends = np.array([0.0, (high - low) ** (1 / power)])
-            middle, half = (
-                halved(lambda v, k=k, low=low, power=power: self.exactly(low + v**power)[k], ends, self.scale)  # type: ignore[misc]
-                for k in (0, 1)
+            ends = np.array([0.0, math.sqrt(high - low)])
+            both = (halved(lambda v, k=k, low=low: self.exactly(low + v * v)[k], ends, self.scale) for k in (0, 1))  # type: ignore[misc]
+            found.append(tuple(both))
+        middle, half = (
+            Pieces(
+                np.concatenate([[0.0], *(piece.edges[1:] + place for piece, place in zip(pieces, places[:-1], strict=True))]),
+                np.concatenate([piece.coefficients for piece in pieces], axis=1),
             )
-            stretches.append((power, middle, half))
-        return marks[:-1], stretches
+            for pieces in zip(*found, strict=True)
+        )
+        return marks[:-1], places, middle, half
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         """m and c of I(eta)."""
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.most)
-        marks, stretches = self._series
+        marks, places, middle, half = self._series
         number = np.searchsorted(marks, eta, side="right") - 1
-        m, c = np.empty(eta.shape), np.empty(eta.shape)
-        for k, (power, middle, half) in enumerate(stretches):
-            here = number == k
-            if np.any(here):
-                v = (eta[here] - marks[k]) ** (1 / power)
-                m[here], c[here] = middle(v), half(v)
-        return m, np.maximum(c, 0.0)
+        place = np.minimum(places[number] + np.sqrt(eta - marks[number]), places[number + 1])
+        return middle(place), np.maximum(half(place), 0.0)
 
     def load(self, x: Array) -> Array:
         """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none up to the largest is.
@@ -427,25 +442,23 @@ class TiltedProfile:
 
     # --- normal contact under any tilt
 
-    def edges(self, load: Array, tilt: Array) -> Array:
-        """Ends of the contact of loads and tilts (n,): (n, 2)."""
-        m, c = self.shape.contact(self._product * load, tilt)
-        return np.stack([m - c, m + c], axis=-1)
+    def under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
+        """m and c of the contact of loads and tilts (n,)."""
+        return self.shape.contact(self._product * load, tilt)
 
-    def pressure_under(self, x: Array, load: Array, tilt: Array) -> Array:
-        """p at points (k,) of loads and tilts (n,): (n, k)."""
-        m, c = self.shape.contact(self._product * load, tilt)
+    def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
+        """p at points (k,) of contacts (n,): (n, k)."""
         return np.asarray(np.maximum(self.shape.pressure(x, m[:, None], c[:, None]), 0.0) / (np.pi * self._product))
 
-    def approach(self, load: Array, tilt: Array) -> Array:
-        """Normal approach at x = 0 of loads and tilts (n,) [length]."""
-        m, c = self.shape.contact(self._product * load, tilt)
+    def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
+        """Normal approach at x = 0 of contacts (n,) [length]."""
         logarithm = np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
         return self.shape.approach(m, c, tilt) + self._product / np.pi * load * logarithm
 
-    def moment(self, load: Array, tilt: Array) -> Array:
-        """int x p of loads and tilts (n,) [force]."""
-        return self.shape.moment(*self.shape.contact(self._product * load, tilt), tilt) / self._product
+    def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
+        """int x p of contacts (n,) [force]."""
+        del load
+        return self.shape.moment(m, c, tilt) / self._product
 
     # --- kernels of the family
 
@@ -458,10 +471,15 @@ class TiltedProfile:
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^P eta dp(x, eta) [stress * load]."""
-        load = np.asarray(load, dtype=float)
-        edge = np.minimum(self.load(x), load)
-        eta, weight = graded(edge, np.broadcast_to(load, edge.shape))
-        return load * self.pressure(x, load) - np.sum(weight * self.pressure(np.asarray(x)[..., None], eta), axis=-1)
+        place, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weight = self._nodes(np.minimum(self.load(place), load), load)
+        return load * self.pressure(place, load) - np.sum(weight * self.pressure(place[..., None], eta), axis=-1)
+
+    def _nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
+        """Nodes and weights on loads, cut at those at which an end meets a knot, a new last axis."""
+        found = panels(begin, end, self.break_loads)
+        shape = (*np.shape(end), -1)
+        return found.at.reshape(shape), found.weight.reshape(shape)
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """int_0^eta of the kernel of slip while x is open: pi/A times what its gap closes by [force per thickness]."""
@@ -471,8 +489,8 @@ class TiltedProfile:
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """The same with eta in front [force^2 per thickness^2]."""
-        x, inner = np.asarray(x, dtype=float), np.minimum(np.asarray(load, dtype=float), self.load(x))
-        eta, weight = graded(np.zeros(inner.shape), inner)
+        x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weight = self._nodes(np.zeros(load.shape), np.minimum(load, self.load(x)))
         return np.asarray(np.sum(weight * eta * self.arccosh_ratio(x[..., None], 0.0, eta), axis=-1))
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
@@ -515,7 +533,7 @@ class TiltedProfile:
 
     def log_moment(self, load: ArrayLike) -> Array:
         """int_0^P of eta times `log_ratio`."""
-        eta, weight = graded(np.zeros(np.shape(load)), load)
+        eta, weight = self._nodes(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
         return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:

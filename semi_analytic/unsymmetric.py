@@ -20,7 +20,7 @@ kappa = 0 is the theorem of Ciavarella and Jaeger for unsymmetric profiles, cons
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -191,19 +191,22 @@ class TiltedParabola(HertzContact):
         """Whether every I(eta) up to a load holds all that come before it."""
         return load <= self.largest * (1 + 1e-11)
 
-    def edges(self, load: Array, tilt: Array) -> Array:
-        """Ends of the contact of loads and tilts (n,): (n, 2)."""
-        return replace(self, tilt=tilt, slope=0.0).interval(load)
+    def under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
+        """m and c of the contact of loads and tilts (n,)."""
+        return -tilt * self.radius, self.half_width(load)
 
-    def pressure_under(self, x: Array, load: Array, tilt: Array) -> Array:
-        """p at points (k,) of loads and tilts (n,): (n, k)."""
-        return replace(self, tilt=tilt[:, None], slope=0.0).pressure(x, load[:, None])
+    def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
+        """p at points (k,) of contacts (n,): (n, k)."""
+        t, c = x - m[:, None], c[:, None]
+        return np.asarray(np.sqrt(np.maximum((c - t) * (c + t), 0.0)) * (2 / (np.pi * self.stretch)))
 
-    def approach(self, load: Array, tilt: Array) -> Array:
-        """Normal approach at x = 0 of loads and tilts (n,) [length]: -alpha^2 R/2 at first touch."""
+    def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
+        """Normal approach at x = 0 of contacts (n,) [length]: -alpha^2 R/2 at first touch."""
+        del c
         rise = load * (HertzContact.log_ratio(self, load) + 0.5) * (load > 0) * self.stretch / (2 * self.radius)
-        return np.asarray(rise - np.square(tilt) * self.radius / 2)
+        return np.asarray(rise + tilt * m / 2)
 
-    def moment(self, load: Array, tilt: Array) -> Array:
-        """int x p of loads and tilts (n,) [force]."""
-        return np.asarray(-tilt * self.radius * load)
+    def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
+        """int x p of contacts (n,) [force]."""
+        del c, tilt
+        return m * load
