@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
+from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.interface import (
     Interface,
@@ -122,23 +122,26 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(scene, load, modulus, work)
     size = _fitting_size(pair)
-    problem, run = _coarse_run(pair, size)
-    for _ in range(_ENLARGEMENTS):
-        if not any(state.closed[0] or state.closed[-1] for state in run.states):
-            break
-        # Shear moves the contact of unlike bodies sideways; the coarse body has to hold that too.
-        if size == pair.room:
-            raise _past_the_end(scene)
+    for more in reversed(range(_ENLARGEMENTS + 1)):
+        try:
+            problem, run = _coarse_run(pair, size)
+        except BesideTheFaces:
+            if not more or size == pair.room:
+                raise
+        else:
+            if not more or not any(state.closed[0] or state.closed[-1] for state in run.states):
+                break
+            # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body has to hold that too.
+            if size == pair.room:
+                raise _past_the_end(scene)
         size = min(size * _ENLARGED, pair.room)
-        problem, run = _coarse_run(pair, size)
     pressed = max(run.states, key=lambda state: state.normal_load)
     half_width = _half_widths(problem, [pressed])[0]
     reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
     inner = 0.0
     if scene.load.path().period is not None:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
-        offsets = problem.offsets if unsymmetric(scene) else None
-        seen = visible_states(run.states, run.cycle_starts, scene.friction.coefficient, offsets)[cycles]
+        seen = visible_states(run.states, run.cycle_starts, scene.friction.coefficient)[cycles]
         nearest = _nearest_edge if unsymmetric(scene) else _least_half_width
         inner = nearest(problem, run.states[cycles], seen)
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width

@@ -46,6 +46,9 @@ from scenes import ContactSolution, ConvergenceError, InputError, Scene, Work, f
 
 Array = NDArray[np.float64]
 
+# Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x = 0.
+_BEYOND = 1.5
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FiniteElementSolution(ContactSolution):
@@ -210,7 +213,7 @@ def surface_grading(mesh: MeshSettings, scales: Scales, ratio: float = 1.0) -> S
         outer=outer,
         size=mesh.element_size * a * ratio,
         edge_size=mesh.edge_element_size * a * ratio,
-        radius=mesh.far_radius * a,
+        radius=max(mesh.far_radius * a, _BEYOND * outer),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,12 +31,7 @@ _RIM, _RIM_CREEP = 5, 5e-3
 _ROUNDING = 1e-9
 
 
-def visible_states(
-    states: Sequence[InterfaceState],
-    cycle_starts: Sequence[int],
-    friction: float,
-    offsets: Callable[[Array], tuple[Array, Array]] | None = None,
-) -> States:
+def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int], friction: float) -> States:
     """(n_steps, n) states as the user sees them: a node on the cone that has hardly moved since it last stuck sticks.
 
     Parameters
@@ -44,7 +39,6 @@ def visible_states(
     states : of the whole path
     cycle_starts : index of the state at which each revolution starts; what comes before them is the initial loading
     friction : coefficient f
-    offsets : of gap and slip by changes of bulk stress and tilt, `ContactProblem.offsets`, where there are any
     """
     # Row by row: arrays of all steps and nodes would take gigabytes of a long record.
     seen = np.array([state.state for state in states])
@@ -54,13 +48,6 @@ def visible_states(
 
     def increment(step: int) -> Array:
         return np.asarray(states[step].slip - states[max(step - 1, 0)].slip)
-
-    def drive(step: int) -> tuple[Array | float, Array | float]:
-        """Changes of P and Q that would drive the slip at each node as the loads do: all sticking, an offset is a load there."""
-        if offsets is None:
-            return float(normal[step]), float(tangential[step])
-        gap, slip = offsets(states[step].imposed - states[max(step - 1, 0)].imposed)
-        return normal[step] - np.pi / 2 * gap, tangential[step] + np.pi / 2 * slip
 
     rounding = _ROUNDING * max(float(np.abs(increment(step)).max(initial=0.0)) for step in range(len(states)))
 
@@ -75,11 +62,10 @@ def visible_states(
         fastest = max((float(moves(step)[2].max(initial=0.0)) for step in part.tolist()), default=0.0)
         for step in part.tolist():
             sign, slip, pace = moves(step)
-            pressing, shearing = drive(step)
-            before, along = run, sign * shearing
+            before, along = run, sign * tangential[step]
             run = np.where(before * slip > 0, before, 0.0) + slip  # slip in one direction without a stop, open or closed
             forward = sign * run
-            driven = along > friction * pressing  # forward slip is driven while Q - f P grows, reverse slip while Q + f P falls
+            driven = along > friction * normal[step]  # forward slip is driven while Q - f P grows, reverse slip while Q + f P falls
             goes_on = driven & (moved & (run * before > 0) if step else False)
             moved = (forward > _MOVED * forward.max()) | (pace > _BRISK * fastest)
             moved &= pace > np.where(goes_on, _DYING, _CREEP) * fastest
