@@ -273,50 +273,44 @@ class BulkAndTilt:
     Attributes
     ----------
     strain : largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
-    eccentricity : eps R/(f a) of largest size, by which a stick zone leaves the middle of a Hertz contact, over a; None of other
-        profiles and without friction
-    moderate : swing of eps in the cycle over A/(pi a) times that of Q; up to 1 both ends of the contact slip one way, if eps goes
-        with Q and P is constant; infinite where Q stands still, None where eps does
-    centre : of a Hertz contact, over a, of largest size: -tilt R, or M/P; None of other profiles
+    eccentricity : e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and without friction
+    share_of_moderate : that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk is moderate.
+        Infinite where Q stands still, None where eps does
+    centre : middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of other profiles
     """
 
     strain: float
     eccentricity: float | None
-    moderate: float | None
+    share_of_moderate: float | None
     centre: float | None
 
 
-def bulk_and_tilt(scene: Scene, half_width: float) -> BulkAndTilt | None:
-    """The bulk strain of a scene's path and what it does; None without either. `half_width`: a at the largest load."""
+def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
+    """The bulk strain of a scene's path and what it does; None without bulk stress and tilt."""
+    import semi_analytic
     from semi_analytic.elasticity import composite_modulus
 
     if not scene.load.has_bulk_or_tilt:
         return None
-    path, friction, modulus = scene.load.path(), scene.friction.coefficient, composite_modulus(scene.material)
-    shares = bulk_strains(scene.material)
-    rows, last = [], len(path.initial_loading)
+    path, shares, rows = scene.load.path(), bulk_strains(scene.material), []
     for leg in (*path.initial_loading, *path.cycle):
         time = sampled(leg, 129)
-        p, q = leg.loads(time)
         bulk, turning = (part.loads(time) if part is not None else np.zeros((2, len(time))) for part in (leg.bulk, leg.turning))
-        rows.append(np.array([p, q, shares[0] * np.asarray(bulk[0]) + shares[1] * np.asarray(bulk[1]), *turning]))
-    p, _, strain, tilt, moment = np.concatenate(rows, axis=1)
-    cycle = np.concatenate(rows[last:] if path.cycle else rows, axis=1)
-    swings = np.ptp(cycle[2]), 2 / (np.pi * modulus * half_width) * np.ptp(cycle[1])
-    moderate = None if not swings[0] > _ROUNDING * np.max(np.abs(strain)) else float(swings[0] / swings[1]) if swings[1] else np.inf
-    eccentricity = centre = None
+        rows.append(np.array([leg.loads(time)[0], shares[0] * np.asarray(bulk[0]) + shares[1] * np.asarray(bulk[1]), *turning]))
+    load, strain, tilt, moment = np.concatenate(rows, axis=1)
+    found, centre = semi_analytic.eccentricity(scene), None
     if isinstance(scene.profile, Hertz):
-        radius, pressed = scene.profile.radius, p > 0
-        half = np.sqrt(4 * radius * p[pressed] / (np.pi * modulus))
-        places = moment[pressed] / p[pressed] if path.moment_given else -radius * tilt[pressed]
-        centre = _largest(places / half)
-        eccentricity = _largest(strain[pressed] * radius / (friction * half)) if friction else None
-    return BulkAndTilt(float(np.max(np.abs(strain))), eccentricity, moderate, centre)
-
-
-def _largest(values: Array) -> float:
-    """That of largest size, with its sign."""
-    return float(values[np.argmax(np.abs(values))])
+        radius, pressed = scene.profile.radius, load > 0
+        places = moment[pressed] / load[pressed] if path.moment_given else -radius * tilt[pressed]
+        places = places / np.sqrt(4 * radius * load[pressed] / (np.pi * composite_modulus(scene.material)))
+        centre = float(places[np.argmax(np.abs(places))])
+    amplitude, limit = (found.strain, found.limit) if found is not None else (0.0, 0.0)
+    return BulkAndTilt(
+        float(np.max(np.abs(strain))),
+        found.value if found is not None and np.isfinite(found.value) else None,
+        (amplitude / limit if limit else np.inf) if amplitude else None,
+        centre,
+    )
 
 
 def bulk_in_words(found: BulkAndTilt) -> str:
@@ -324,16 +318,17 @@ def bulk_in_words(found: BulkAndTilt) -> str:
     said = []
     if found.strain:
         said.append(f"The bulk strain ε = σ/E′ of the lower body − that of the upper one is {found.strain:.3g} at most.")
+    if (share := found.share_of_moderate) is not None:
+        measure = ""
         if found.eccentricity is not None:
-            said[-1] = said[-1][:-1] + f"; the stick zone's eccentricity is e = ε R/(f a) = {minus(f'{found.eccentricity:.3g}')}."
-        if found.moderate is not None:
-            rule = (
-                "moderate, for where it goes with Q both ends of the contact slip one way"
-                if found.moderate <= 1
-                else "large: the ends of the contact slip opposite ways at times"
-            )
-            limit = f"{found.moderate:.3g} of A/(π a) times that of Q" if np.isfinite(found.moderate) else "while Q stands still"
-            said.append(f"Through the cycle it swings by {limit}: {rule}.")
+            measure = f"the eccentricity of stick is e = ε R/(f a) = {found.eccentricity:.3g}, and "
+        rule = (
+            "moderate, for where it goes with Q both ends of the contact slip one way"
+            if share <= 1 + 1e-9
+            else "large: the ends of the contact slip opposite ways at times"
+        )
+        limit = f"is {share:.3g} of A/(π a) times that of Q" if np.isfinite(share) else "stands beside a Q that does not move"
+        said.append(f"By its amplitude in the cycle {measure}it {limit}: {rule}.")
     if found.centre:
         said.append(f"Tilt moves the middle of the contact by {minus(f'{found.centre:.3g}')} a at most.")
     return " ".join(said)

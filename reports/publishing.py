@@ -80,12 +80,12 @@ def compute(name: str) -> Comparison:
     import halfplane_fe
     import semi_analytic
     from reports.comparison import compare
+    from reports.comparison.budget import theory_on_steps
 
     scene = load_scene(name)
     result = halfplane_fe.solve(scene)
     reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-    polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=not result.thinned)
-    return compare(reference, result, polygon_reference=polygon)
+    return compare(reference, result, polygon_reference=theory_on_steps(result))
 
 
 def half_plane_findings(name: str) -> Findings:

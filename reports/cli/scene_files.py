@@ -165,7 +165,7 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
 
     source, found = scene, read(scene)
     largest, path = largest_contact(found, source), check_path(found)
-    doubts, bulk = remarks(found, largest), bulk_and_tilt(found, largest.half_width)
+    doubts, bulk = remarks(found, largest), bulk_and_tilt(found)
     if isinstance(found.load, TimeSeriesLoad) and (count := len(found.load.kept_rows())) > _MOST_ROWS:
         doubts.append(
             f"The record has {count} rows, and finite elements take at least two increments a row: solve it by "

@@ -173,16 +173,14 @@ def _seconds_of_a_budget(scene: Scene, options: FiniteElements) -> float | None:
     return None
 
 
-def solve_half_plane(
-    scene: Scene, stages: Stages, like: ContactSolution | None = None, *, straight_steps: bool = False
-) -> ContactSolution:
+def solve_half_plane(scene: Scene, stages: Stages, like: ContactSolution | None = None) -> ContactSolution:
     """The half-plane answer, on the points and instants of `like`."""
     import semi_analytic
 
-    with stages.stage("half-plane theory" + (", on the polygon of the steps" if straight_steps else "")):
+    with stages.stage("half-plane theory"):
         if like is None:
             return semi_analytic.solve(scene)
-        return semi_analytic.solve(scene, x=like.x, time=like.time, straight_steps=straight_steps)
+        return semi_analytic.solve(scene, x=like.x, time=like.time)
 
 
 def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path, Stages], int]) -> int:
@@ -290,6 +288,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
             from reports.page.pdf import require_typst
 
             require_typst("--pdf")
+        from reports.comparison.budget import theory_on_steps
         from reports.comparison.metrics import are_half_planes
 
         # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser meshes measure that.
@@ -304,7 +303,10 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
         with _kept_if_interrupted(result):
             reference = solve_half_plane(scene, stages, result)
             # Of a thinned answer the steps are those of the path itself.
-            polygon = reference if result.thinned else solve_half_plane(scene, stages, result, straight_steps=True)
+            polygon: ContactSolution | None = reference
+            if not result.thinned:
+                with stages.stage("half-plane theory, on the polygon of the steps"):
+                    polygon = theory_on_steps(result)
             with stages.stage("comparison"):
                 from reports.comparison import Report, compare
 

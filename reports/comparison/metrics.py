@@ -847,7 +847,13 @@ def _(pair: Pair) -> Measured:
     return replace(_of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation), amounts=None)
 
 
-def _bulk_works(pair: Pair) -> tuple[float, float]:
+def _bulk_works(pair: Pair) -> tuple[float, float] | str:
+    """The bulk term of the loop of both, or why there is none."""
+    if not pair.periodic:
+        return "the path is not periodic: no loop"
+    for cycle, solution in ((pair.expected, pair.reference), (pair.found, pair.result)):
+        if cycle.shear_moment is None:
+            return f"{name_of(solution.engine)} states no moment of its shear"
     materials = pair.result.scene.material
     return bulk_work(pair.expected, materials), bulk_work(pair.found, materials)
 
@@ -865,9 +871,10 @@ def _bulk_works(pair: Pair) -> tuple[float, float]:
 def _(pair: Pair) -> Measured:
     """Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference, trapezoidal rule over the same
     instants; between half-planes it is the dissipation, which the loop of Q over U alone is not."""
-    if not pair.periodic:
-        return _none("the path is not periodic: no loop")
-    expected, found = (loop_work(c) + w for c, w in zip((pair.expected, pair.found), _bulk_works(pair), strict=True))
+    works = _bulk_works(pair)
+    if isinstance(works, str):
+        return _none(works)
+    expected, found = (loop_work(c) + w for c, w in zip((pair.expected, pair.found), works, strict=True))
     return replace(_of_amounts(expected, found, pair.scales.dissipation), amounts=None)
 
 
@@ -886,9 +893,10 @@ def _(pair: Pair) -> Measured:
 def _(pair: Pair) -> Measured:
     """Bulk term of the loop: −closed integral of m_q dε − that of the reference, over W_ref, trapezoidal rule over the same
     instants; m_q = ∫x q dx, ε = σ/E′ of the lower body − that of the upper one."""
-    if not pair.periodic:
-        return _none("the path is not periodic: no loop")
-    expected, found = _bulk_works(pair)
+    works = _bulk_works(pair)
+    if isinstance(works, str):
+        return _none(works)
+    expected, found = works
     work, scale = pair.reference.dissipation, pair.scales.dissipation
     nothing = abs(work) <= NO_DISSIPATION * scale
     return Measured(value=(found - expected) / (scale if nothing else work), absolute=nothing)
