@@ -1,8 +1,10 @@
 """The interface of two condensed bodies as one value: what nodal contact forces do to gap and slip.
 
-    g = h - n_y delta + n_x U + N p - K^T q          gap, delta the normal approach, n the normal (out of the lower body)
-    s = n_y U + n_x delta + K p - T q                slip of the upper face over the lower, U the tangential displacement
+    g = h - n_y delta + n_x U + N p - K^T q + G e    gap, delta the normal approach, n the normal (out of the lower body)
+    s = n_y U + n_x delta + K p - T q + S e          slip of the upper face over the lower, U the tangential displacement
     P = n_y p + n_x q,   Q = n_y q - n_x p           what the upper body carries
+    e = (sigma_lower, sigma_upper, alpha)            bulk stress of the bodies, tilt of the upper one about x = y = 0
+    M = G_alpha p - S_alpha q                        moment about that point; of flat faces sum x p: G_alpha = x, S_alpha = 0
 
 p and q are nodal forces (pressure and shear times weight), p pressing and q along the tangent (n_y, -n_x) on the lower body.
 N and T are symmetric, K couples: it is exactly zero for like bodies on matching meshes. On flat faces n = (0, 1).
@@ -13,7 +15,7 @@ N and T are symmetric, K couples: it is exactly zero for like bodies on matching
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,9 +23,10 @@ from numpy.typing import NDArray
 
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
+from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.store import condensed
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
-from scenes import Block, InputError, Pad, Scene, freeze
+from scenes import Block, InputError, Pad, Scene, Shape, freeze, sampled
 
 Array = NDArray[np.float64]
 
@@ -43,6 +46,8 @@ class Interface:
     normal, tangential : (n, n) N and T [length per force per thickness]
     coupling : (n, n) K, or None where it is exactly zero
     nearest : x and initial distance where the faces are nearest to each other [length]
+    imposed : (2, n, 3) G and S: gap and slip by a unit of bulk stress in the lower body, in the upper one [length per stress], and
+        by a unit of tilt [length]; nothing by stress in pads and cylinders
     guided : whether this is one half of faces that p and q leave as mirror images (`mirror`): U is zero by symmetry, and so is Q
     """
 
@@ -55,6 +60,7 @@ class Interface:
     coupling: Array | None
     nearest: tuple[float, float] = (0.0, 0.0)
     guided: bool = False
+    imposed: Array | None = None
 
     @property
     def flat(self) -> bool:
@@ -72,6 +78,7 @@ class Interface:
             tangential=freeze(self.tangential / compliance),
             coupling=None if self.coupling is None else freeze(self.coupling / compliance),
             nearest=(self.nearest[0] / length, self.nearest[1] / length),
+            imposed=None if self.imposed is None else freeze(self.imposed / [length * compliance, length * compliance, length]),
         )
 
     def moved(self, approach: float, shift: float) -> tuple[Array, Array]:
@@ -84,12 +91,21 @@ class Interface:
         n_x, n_y = self.normals
         return float(n_y @ pressure + n_x @ shear), 0.0 if self.guided else float(n_y @ shear - n_x @ pressure)
 
+    def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
+        """(3,) F = S q - G p, work of the loads per unit of e: -m_q/E' of the stress in a half-plane below, -M of the tilt."""
+        if self.imposed is None:
+            return np.zeros(3)
+        return np.asarray(shear @ self.imposed[1] - pressure @ self.imposed[0])
+
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     """Couple two bodies: node by node where flat faces have nodes opposite each other, by mortar on their middle line elsewhere.
 
     The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0 here.
     """
+    rotated = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
+    below, above = (np.broadcast_to(body.by_stress, (2, len(body.x))) for body in (lower, upper))
+    moved = below, above * _REFLECTED[:, None], rotated
     if _opposite(lower, upper):
         # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels -q along x and -p outward.
         below, above = lower.compliance, upper.compliance
@@ -97,6 +113,7 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         normal, tangential = (below[i, :, i, :] + above[i, :, i, :] for i in (1, 0))
         coupling = below[0, :, 1, :] - above[0, :, 1, :]
         weights, normals, gap, nearest = lower.weights, flat, np.zeros_like(lower.x), (0.0, 0.0)
+        imposed = np.stack([-moved[0], *moved[1:]], axis=-1)[::-1]
     else:
         sides = _mortar(lower, upper)
         by_lower, by_upper = _flattened(sides.lower), _flattened(sides.upper)
@@ -104,6 +121,8 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         n = len(lower.x)
         normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]
         weights, normals, gap, nearest = sides.weights, sides.normals, sides.gap, sides.nearest
+        parts = (-sides.lower, moved[0]), (sides.upper, moved[1]), (sides.upper, moved[2])
+        imposed = np.stack([np.einsum("dnim,im->dn", of_side, displacement) for of_side, displacement in parts], axis=-1)
     return Interface(
         freeze(lower.x),
         freeze(weights),
@@ -113,6 +132,7 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         freeze(tangential),
         freeze(coupling) if coupling.any() else None,
         nearest,
+        imposed=freeze(imposed),
     )
 
 
@@ -256,10 +276,17 @@ def meshed_pair(scene: Scene, mesh: MeshSettings, grading: Callable[[float], Sur
     grading : of a body whose elements are to be so many times as large
     """
     shapes = scene.bodies
-    lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)
+    lower = _with_ends(build("lower", shapes.lower, scene.profile, grading(1.0), mesh), shapes.lower, scene)
     if shapes.lower == shapes.upper and mesh.upper_ratio == 1:
         return lower, lower
-    return lower, build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh)
+    return lower, _with_ends(build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh), shapes.upper, scene)
+
+
+def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
+    """The body with its free sides as ends that the bulk stress pulls, where it is a block and the scene has such a stress."""
+    if not (_has_ends(shape) and has_bulk_stress(scene.load.path())):
+        return body
+    return replace(body, supports={**body.supports, "sides": "pulled"})
 
 
 def condensed_pair(
@@ -288,15 +315,67 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     return interface.gap
 
 
+def check_bulk_stress(scene: Scene) -> None:
+    """Refuse bulk stress in bodies without ends that can be pulled.
+
+    Half-planes have their ends far away. A block with free sides is a specimen between grips: its stress is the mean of both ends.
+    Walls hold a guided one. A pad or a cylinder is part of an indenter, whose stress along x the contact and the base make.
+
+    Raises
+    ------
+    InputError
+        For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
+    """
+    legs = [leg.bulk for leg in scene.load.path().legs(1) if leg.bulk is not None]
+    for number, name in enumerate(("lower", "upper")):
+        body, pulled = getattr(scene.bodies, name), any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs)
+        if pulled and not (body.kind == "half_plane" or _has_ends(body)):
+            which = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
+            raise InputError(
+                f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {which}; half-planes take bulk stress, and "
+                "blocks with sides = 'free'"
+            )
+
+
+def _has_ends(body: Shape) -> bool:
+    return isinstance(body, Block) and body.sides == "free"
+
+
+def bulk_stress_notes(scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float) -> Iterator[str]:
+    """What the bulk stress of a block is: where its ends hold Q, the jump Q/H; where its base does, the share at the face."""
+    if not has_bulk_stress(scene.load.path()):
+        return
+    for name, one in zip(("lower", "upper"), condensed, strict=True):
+        body = getattr(scene.bodies, name)
+        if not (isinstance(body, Block) and _has_ends(body)):
+            continue
+        if body.base == "rollers" and tangential_load > 0:
+            yield (
+                f"the bulk stress of the {name} body is the mean of its two ends, which hold Q by halves: across the contact it "
+                f"jumps by Q/H, {tangential_load / body.height:.3g} at the largest Q"
+            )
+        elif body.base == "fixed":
+            middle = np.abs(one.x) <= np.abs(one.x).max() / 2
+            strain = np.polyfit(one.x[middle], one.by_stress[0, middle], 1)[0]
+            share = strain * one.material.young_modulus / (1 - one.material.poisson_ratio**2)
+            yield (
+                f"the bulk stress of the {name} body is that at its ends: its fixed base holds back a part, and {share:.0%} of the "
+                "stress is at the middle of the face; base = 'rollers' is a specimen cut at its middle plane"
+            )
+
+
 def check_supports(scene: Scene, sheared: bool) -> None:
     """Refuse bodies that a tangential load would push off their supports.
 
     Raises
     ------
     InputError
-        For a block or pad on rollers with free sides under a tangential load.
+        For a block or pad on rollers with free sides under a tangential load, but for a block whose ends a bulk stress pulls: they
+        hold the load too.
     """
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
+        if _has_ends(body) and has_bulk_stress(scene.load.path()):
+            continue
         if sheared and isinstance(body, Block | Pad) and body.base == "rollers" and body.sides == "free":
             raise InputError(
                 f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it slides off: its base is on "

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
+from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import IncrementEnergy, certificates
-from halfplane_fe.path import stretches
+from halfplane_fe.path import scaled_loads, straight, stretches
 from halfplane_fe.steady import Trend, ratchets, trend
 from halfplane_fe.stepping import follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
@@ -28,6 +28,8 @@ _LEAST_DISSIPATION = 3e-3
 # Instants of a path of straight legs that keep pressure, shear and gap: a record of 2,000 rows has 40,000 increments, which would
 # take gigabytes. No scene of the library comes near.
 MOST_INSTANTS = 4000
+# Share of the first leg of the initial loading after which its line of action is read.
+_SOON = 1e-3
 _NONE = freeze(np.empty(0))
 
 
@@ -135,11 +137,19 @@ class Pace:
     load : what loads are divided by
     steps_per_cycle : regular increments of one revolution, or of the longest leg of a polygon
     step_tolerance : step error of a revolution over its dissipation that calls for shorter increments
+    half_width, modulus : units of length and of stress, with `load` those of bulk stress, tilt and moment
     """
 
     load: float
     steps_per_cycle: int
     step_tolerance: float
+    half_width: float = 1.0
+    modulus: float = 1.0
+
+    def units(self, moment_given: bool) -> tuple[float, ...]:
+        """What each of the five loads of `path` is divided by."""
+        stress = self.load / self.half_width
+        return self.load, self.load, stress, stress, self.load * self.half_width if moment_given else stress / self.modulus
 
 
 def run_path(
@@ -160,8 +170,8 @@ def run_path(
     Neither a ConvergenceError nor Ctrl-C gets lost: it ends the run and is kept in `failure` with everything solved before it.
     """
     # Thinned only where theory on the straight steps between the instants is theory on the path itself, whichever of them are kept.
-    straight = not keep_all and all(leg.is_straight for leg in (*path.initial_loading, *path.cycle))
-    run = PathRun([untouched(problem.height, path.start)], bounded=straight)
+    bounded = not keep_all and all(straight(leg) for leg in (*path.initial_loading, *path.cycle))
+    run = PathRun([_at_rest(problem, path, pace)], bounded=bounded)
     try:
         _follow_legs(problem, run, path.initial_loading, pace.steps_per_cycle / 8, pace, progress, "initial loading")
         if path.period is None:
@@ -182,6 +192,14 @@ def run_path(
         _drop_unfinished(run)
         run.failure = Interrupted(f"interrupted at time {run.states[-1].time:.6g}, after {len(run.energies)} steps")
     return run
+
+
+def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
+    """The unloaded state; a line of action is where the resultant is soon after."""
+    leg, units = path.initial_loading[0], pace.units(problem.moment_given)
+    normal_load, *_, moment = scaled_loads(leg, leg.start + _SOON * (leg.end - leg.start), units)
+    line = moment / normal_load if problem.moment_given and normal_load > 0 else 0.0
+    return problem.at_rest(path.start, scaled_loads(leg, path.start, units), line)
 
 
 def _drop_unfinished(run: PathRun) -> None:
@@ -211,7 +229,7 @@ def _follow_legs(
 
     for done, piece in enumerate(pieces):
         progress(done, len(pieces), said())
-        for increment in follow(problem, run.states[-1], piece, pace.load, allowed):
+        for increment in follow(problem, run.states[-1], piece, pace.units(problem.moment_given), allowed):
             run.checks.append(certificates(problem, run.states[-1], increment.solved))
             run.energies.append(increment.energy)
             run.iterations.append(increment.iterations)

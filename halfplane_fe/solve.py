@@ -22,6 +22,8 @@ from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import (
     Interface,
+    bulk_stress_notes,
+    check_bulk_stress,
     check_supports,
     condensed_pair,
     couple,
@@ -34,7 +36,7 @@ from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
 from halfplane_fe.resolution import Seen, resolution_notes, uncertainty, uncertainty_note
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
-from halfplane_fe.scales import Scales, contact_modulus, find_scales, needs_shear, sheared
+from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, sheared, unsymmetric
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
@@ -42,6 +44,9 @@ from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
 from scenes import ContactSolution, ConvergenceError, InputError, Scene, Work, freeze, scene_of
 
 Array = NDArray[np.float64]
+
+# Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x = 0.
+_BEYOND = 1.5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -134,8 +139,8 @@ def _solve(
     if faces is not made:
         work["interfaces without the mesh's part of N - T"] += 1
     problem = _contact_problem(scene, mesh, settings, scales, faces, work)
-    solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if mirrored(faces, sheared(scene)) else problem
-    pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)
+    solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if _on_half(scene, faces) else problem
+    pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance, scales.half_width, scales.modulus)
     doubt = partial(_uncertainty, scene, mesh, settings, scales)
     run = run_path(solved, scene.load.path(), pace, scene.cycles, report, uncertainty=doubt)
     if solved is not problem:
@@ -171,10 +176,18 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
 
 
 def _check_loads(scene: Scene) -> None:
-    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
-        raise InputError("load: these finite elements take neither bulk stress nor tilt, nor two unequal sides of a profile")
+    check_bulk_stress(scene)
+    if scene.bodies.faces_are_true and not scene.profile.symmetric:
+        raise InputError(
+            "profile: symmetric = false goes with half-planes and blocks: pads and cylinders are meshed mirror-symmetric"
+        )
     check_admissible(scene.load.path(), scene.friction.coefficient)
     check_supports(scene, sheared(scene))
+
+
+def _on_half(scene: Scene, faces: Interface) -> bool:
+    """Whether faces and loads are their own mirror image, so that one half is solved for both."""
+    return not unsymmetric(scene) and mirrored(faces, sheared(scene))
 
 
 class _Watch:
@@ -200,7 +213,7 @@ def surface_grading(mesh: MeshSettings, scales: Scales, ratio: float = 1.0) -> S
         outer=outer,
         size=mesh.element_size * a * ratio,
         edge_size=mesh.edge_element_size * a * ratio,
-        radius=mesh.far_radius * a,
+        radius=max(mesh.far_radius * a, _BEYOND * outer),
     )
 
 
@@ -227,6 +240,7 @@ def _contact_problem(
         needs_shear(scene),
         settings.max_iterations,
         (1.0, 1.0) if penalty else (nodal[0], nodal[1]),
+        scene.load.path().moment_given,
         work,
     )
 
@@ -270,7 +284,8 @@ def _solution(
     grading = condensed[0].body.grading
     tolerance = scene.tolerances.limit("dissipation") or 0.0
     of_mesh = _notes(scene, mesh, scales, run, arrays)
-    notes = (*refusals(problem.work), *of_mesh, *uncertainty_note(arrays["dissipation"], uncertain, tolerance))
+    of_bodies = bulk_stress_notes(scene, condensed, float(np.abs(arrays["tangential_load"]).max()))
+    notes = (*refusals(problem.work), *of_bodies, *of_mesh, *uncertainty_note(arrays["dissipation"], uncertain, tolerance))
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
@@ -302,7 +317,8 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
     plain = mesh.order == 1 or settings.method == "penalty"
     coarse = scales.dissipation * scales.modulus / scales.load**2
     unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
-    found = float(run.cycle_density[-1].sum())
+    # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they only approach the steady state.
+    found = float((run.cycle_density[:COARSE_CYCLES] if unsymmetric(scene) else run.cycle_density)[-1].sum())
     # Where no node slips, nothing scatters: a note says what may be unseen.
     return steps + unit * uncertainty(abs(found - coarse) / unit, scales.element / element, element if found else 0.0, plain)
 
@@ -385,7 +401,7 @@ def _work(
         skipped["condensations"] = (1, "the bodies are alike: the upper one is the lower one reflected")
     if stored := problem.work["condensations from the store"]:
         skipped["condensations, stored"] = (stored, "this body of this material was condensed before: read from the store")
-    if mirrored(problem.interface, sheared(scene)):
+    if _on_half(scene, problem.interface):
         skipped["contact nodes"] = (len(problem.interface.x) // 2, "p is even in x, q even or odd: solved on one half")
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.energies), "no shear can arise")
