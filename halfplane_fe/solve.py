@@ -367,7 +367,7 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     elif run.steady_from is not None and found.left and works[-1] > 0:
         yield (
             f"shakedown: revolution {len(works)} repeats but for {run.cycle_change[-1]:.1e} of the largest nodal force{drift}; "
-            f"{found.left / works[-1]:.1e} are in its uncertainty, for no trend is clear yet"
+            f"{found.left / works[-1]:.1e} of it count as uncertain, for no trend is clear yet"
         )
     if run.ratchets:
         before, after = (run.states[index].shift for index in (run.cycle_starts[-1], -1))
