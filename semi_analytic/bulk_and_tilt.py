@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from scenes import NORMAL_LOAD, Combination, Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import contact_of
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
 from semi_analytic.unsymmetric import TiltedParabola
@@ -127,7 +128,16 @@ def one_curve(scene: Scene) -> OneCurve | None:
     else:
         contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
     if not contact.is_nested(most):
-        return None
+        # At constant P the stick zones are nested where contacts are not.
+        if radius is None or np.ptp(p) > _ROUNDING * most or scene.friction.coefficient == 0:
+            return None
+        reach = float(np.max(np.abs(q)))
+        turned_by = tilt + slope * most
+        contact = OppositeSlip(
+            modulus, radius, datum, tilt=turned_by, slope=slope, friction=scene.friction.coefficient, most=most, reach=reach
+        )
+        if not contact.is_nested(most):
+            return None
     loading, cycle = (tuple(replace(leg, bulk=None, turning=None) for leg in part) for part in (path.initial_loading, path.cycle))
     bare, bulk, turning = LoadPath(loading, cycle), _companions(path, "bulk"), _companions(path, "turning")
     return OneCurve(contact, bare, bulk, turning, path.moment_given)
