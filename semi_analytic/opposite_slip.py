@@ -3,7 +3,7 @@
 # notation: A = 2/E*, k = E*/(2 R), p = k sqrt(a^2 - x^2), eps = kappa Q bulk strain in proportion to Q; b1, b2 ends of stick,
 #           w = sqrt((b1 - xi)(b2 - xi)), m = (b1 + b2)/2, c = (b2 - b1)/2; e = eps/(A f k a)
 
-Above |eps| = (A/(pi a)) |Q| the stick zone leaves both edges, and the friction on its two sides has two signs. With eps < 0, right end
+Above |eps| = (A/(pi a)) |Q| the stick zone leaves both edges, and friction has two signs on its two sides. With eps < 0, right end
 forward and left end reverse,
 
     eps/(A f k) = m - (2/pi) int_{-a}^{b1} sqrt(a^2 - xi^2)/w d xi
@@ -18,14 +18,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import InputError
 from scenes.chebyshev import Pieces, halved
 from semi_analytic.hertz import HertzContact
-from semi_analytic.quadrature import crowded, graded
+from semi_analytic.quadrature import crowded, gauss, graded
 from semi_analytic.unsymmetric import TiltedParabola
 
 Array = NDArray[np.float64]
@@ -34,8 +34,8 @@ Array = NDArray[np.float64]
 _PARTS, _STEPS = 12, 30
 # Step by which derivatives are taken: they need few digits.
 _WIDTH = 1e-6
-# Nodes that are held at a time.
-_NODES = 2_000_000
+# Integrals that are taken at a time.
+_MEMBERS = 10_000
 
 
 def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
@@ -48,13 +48,9 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
     m, c = (left - right) / 2, 1 - (left + right) / 2
     # xi = b1 - d1 v^2
     v, weight = graded(np.zeros(left.shape), np.ones(left.shape))
-    xi = left[..., None] * (1 - v * v) - 1
-    parts = (
-        weight
-        * 2
-        * left[..., None]
-        * np.sqrt((1 - v) * (1 + v) * (1 - xi) / (2 - left[..., None] * (1 - v * v) - right[..., None]))
-    )
+    deep = left[..., None] * (1 - v * v)
+    xi, root = deep - 1, np.sqrt((1 - v) * (1 + v) * (2 - deep) / (2 - deep - right[..., None]))
+    parts = weight * 2 * left[..., None] * root
     e = m - 2 / np.pi * np.sum(parts, axis=-1)
     return e, 1 + 2 * e * m - 2 * m * m - c * c + 4 / np.pi * np.sum(xi * parts, axis=-1)
 
@@ -64,37 +60,49 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
 
     Raises
     ------
-    InputError
-        Where no stick zone is found.
+    ArithmeticError
+        Where there are none: one slip zone closes again, or sticks next to nothing.
     """
     wanted = np.stack([e, force])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        depth = _depths(wanted)
+        fault = np.abs(np.stack(loads_of(*depth)) - wanted)
+    if not np.all(fault <= 1e-11 * np.abs(wanted).max(axis=0)):
+        raise ArithmeticError("no stick zone with slip of opposite sense at both ends")
+    return depth[0], depth[1]
+
+
+def _depths(wanted: Array) -> Array:
+    """Depths (2, n) by Newton's method, the loads growing in parts; NaN or anything where it fails."""
+    e, force = wanted
     depth = np.stack([-e - force / 2, -e + force / 2]) / _PARTS
     for part in range(1, _PARTS + 1):
         share = part / _PARTS
         for _ in range(_STEPS):
             fault = np.stack(loads_of(*depth)) - share * wanted
-            # Depths are small at first: relative widths.
             rates = []
             for row in (0, 1):
                 width = _WIDTH * depth * (np.arange(2) == row)[:, None]
                 rates.append((np.stack(loads_of(*(depth + width))) - np.stack(loads_of(*(depth - width)))) / (2 * width[row]))
-            (ae, aq), (be, bq) = rates
-            below = ae * bq - be * aq
-            step = np.stack([bq * fault[0] - be * fault[1], ae * fault[1] - aq * fault[0]]) / below
+            (of_left, force_of_left), (of_right, force_of_right) = rates
+            determinant = of_left * force_of_right - of_right * force_of_left
+            step = np.stack([force_of_right * fault[0] - of_right * fault[1], of_left * fault[1] - force_of_left * fault[0]])
+            step = step / determinant
             # Never more than half the way to an end of contact, or to where both slip zones meet.
             room = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
-            step = np.clip(step, -room, room)
-            depth = depth - step
-            if np.all(np.abs(step) <= 1e-14 * depth):
+            depth = depth - np.clip(step, -room, room)
+            if np.all(np.abs(step) <= 1e-14 * depth) or not np.all(np.isfinite(depth)):
                 break
-        depth = (
-            depth * (min(share + 1 / _PARTS, 1.0) / share)
-            if np.all(depth.sum(axis=0) * (share + 1 / _PARTS) < 2 * share)
-            else depth
-        )
-    if not np.all(np.abs(np.stack(loads_of(*depth)) - wanted) <= 1e-11 * np.abs(wanted).max(axis=0)):
-        raise InputError("load: no stick zone is left under this bulk stress: the contact slides on both sides")
-    return depth[0], depth[1]
+        further = depth * (part + 1) / part
+        depth = np.where(further.sum(axis=0) < 2, further, depth) if part < _PARTS else depth
+    return depth
+
+
+def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
+    """Nodes and weights of Gauss' rule on [begin, end], a new last axis."""
+    node, weight = gauss(8)
+    length = (end - begin)[..., None]
+    return begin[..., None] + length * node, length * weight
 
 
 @lru_cache(maxsize=8)  # the same zones under other values of `rigid`
@@ -154,7 +162,8 @@ class OppositeSlip(TiltedParabola):
     def is_nested(self, load: float) -> bool:  # noqa: ARG002 whatever the load is
         """Whether stick zones recede at both ends."""
         ends = self.interval(self.most - self.reach / self.friction * np.linspace(0, 1, 200))
-        return bool(np.all(np.diff(ends[:, 0]) >= 0) and np.all(np.diff(ends[:, 1]) <= 0))
+        slack = 1e-12 * self.half
+        return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))
 
     def centre(self, load: ArrayLike) -> Array:
         return self._at(load)[0]
@@ -167,7 +176,9 @@ class OppositeSlip(TiltedParabola):
         """What kernels know an interval by: its load."""
         return np.asarray(load, dtype=float)
 
-    load_at = advance
+    def load_at(self, advance: ArrayLike) -> Array:
+        """The same."""
+        return np.asarray(advance, dtype=float)
 
     def load(self, half_width: ArrayLike) -> Array:
         """P_x: above P out of contact, 0 where nothing slips up to the largest Q."""
@@ -192,34 +203,43 @@ class OppositeSlip(TiltedParabola):
         size = np.sqrt(np.maximum((self.half - t) * (self.half + t), 0.0)) * (2 / (np.pi * self.stretch))
         return np.asarray(self.sense(x) * size)
 
-    def _summed(self, x: ArrayLike, begin: ArrayLike, kernel: str) -> Array:
-        """int of a kernel from loads `begin` to P, in parts that fit into memory."""
-        x, begin = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(begin, dtype=float))
-        flat, total = (x.ravel(), begin.ravel()), np.empty(x.size)
-        for k in range(0, x.size, _NODES // 193):
-            at, low = (values[k : k + _NODES // 193] for values in flat)
-            eta, weight = graded(low, np.full(low.shape, self.most))
-            total[k : k + len(at)] = np.sum(weight * getattr(self, kernel)(at[:, None], 0.0, eta), axis=-1)
-        return total.reshape(x.shape)
+    def _to_the_top(self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]) -> Array:
+        """Integral of a kernel from `load` to P, of slip over loads at which x is open, of shear where x sticks.
+
+        From load to load: close to P_x by the rule for singular ends, else by Gauss' rule.
+        """
+        places, loads = np.broadcast_arrays(np.asarray(x, dtype=float), np.clip(load, self._least, self.most))
+        (points, column), (stops, row) = (np.unique(values, return_inverse=True) for values in (places, loads))
+        low, high, edge = stops[:, None], np.append(stops[1:], self.most)[:, None], self.load(points)
+        if kernel == "inverse_root":
+            begin, end, away = low + 0 * edge, high + 0 * edge, low - np.maximum(edge, self._least)
+            inside = (low >= edge) & (high > low)
+        else:
+            begin, end = low + 0 * edge, np.minimum(high, edge)
+            inside, away = end > begin, np.minimum(edge, self.most) - end
+        cells, near = np.zeros(inside.shape), away < 3 * (high - low)
+        for some, rule in ((inside & near, graded), (inside & ~near, _by_gauss)):
+            cell, point = np.nonzero(some)
+            for k in range(0, len(cell), _MEMBERS):
+                here = cell[k : k + _MEMBERS], point[k : k + _MEMBERS]
+                eta, weight = rule(begin[here], end[here])
+                cells[here] = np.sum(weight * getattr(self, kernel)(points[here[1], None], 0.0, eta), axis=-1)
+        total = np.cumsum(cells[::-1], axis=0)[::-1]
+        return np.asarray(total[row.ravel(), column.ravel()].reshape(places.shape))
+
+    @property
+    def _least(self) -> float:
+        """P - eta of the largest Q."""
+        return self.most - self.reach / self.friction
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of dp/d eta up to a load, less that up to P: -q/f after Q = f (P - eta)."""
-        x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.minimum(load, self.most))
-        slips, result = self.load(x) >= load, -self.pressure(x, load)
-        inside = ~slips
-        result[inside] = -self._summed(x[inside], load[inside], "inverse_root") / np.pi
-        return result
+        sticks = self.load(x) < np.minimum(load, self.most)
+        return -np.where(sticks, self._to_the_top(x, load, "inverse_root") / np.pi, self.pressure(x, load))
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of the kernel of slip up to a load, less that up to P."""
-        x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.minimum(load, self.most))
-        edge = np.clip(self.load(x), None, self.most)
-        low = np.minimum(load, edge)
-        found, size = np.zeros(x.shape), edge - low
-        here = size > 0
-        eta, weight = graded(low[here], edge[here])
-        found[here] = np.sum(weight * self.arccosh_ratio(x[here][:, None], 0.0, eta), axis=-1)
-        return -found
+        return -self._to_the_top(x, load, "arccosh_ratio")
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """The kernel of slip from the load; 0 inside."""
