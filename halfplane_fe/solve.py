@@ -313,12 +313,14 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
         return 0.0
     first = run.cycle_starts[-1] if run.cycle_starts else 0
     steps = sum(energy.step_error for energy in run.energies[first:])
-    refinement = scales.element / (mesh.edge_element_size * max(mesh.upper_ratio, 1.0))
+    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     plain = mesh.order == 1 or settings.method == "penalty"
     coarse = scales.dissipation * scales.modulus / scales.load**2
+    unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they only approach the steady state.
-    compared = run.cycle_density[:COARSE_CYCLES] if unsymmetric(scene) else run.cycle_density
-    return steps + uncertainty(abs(float(compared[-1].sum()) - coarse), refinement, plain)
+    found = float((run.cycle_density[:COARSE_CYCLES] if unsymmetric(scene) else run.cycle_density)[-1].sum())
+    # Where no node slips, nothing scatters: a note says what may be unseen.
+    return steps + unit * uncertainty(abs(found - coarse) / unit, scales.element / element, element if found else 0.0, plain)
 
 
 def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:
