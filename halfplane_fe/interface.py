@@ -203,7 +203,8 @@ def _sizes_ahead(x: Array) -> Array:
 def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
     """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of rows and columns behind that."""
     u = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
-    some = np.unique(np.searchsorted(u, np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)).clip(0, len(x) - 1))
+    some = np.searchsorted(u, np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)).clip(0, len(x) - 1)
+    some = np.union1d(some, len(x) - 1 - some)  # with their images: faces that are their own mirror image stay so
     i, j = np.nonzero(ahead[np.ix_(some, some)] > _LOCAL)
     i, j = some[i], some[j]
     degree = min(_DEGREE, len(x) // _NODES_A_DEGREE)
