@@ -173,20 +173,13 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
     ahead = _sizes_ahead(faces.x)
     band = np.abs(ahead) <= _LOCAL
     difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(ahead))
-    difference = _reflected(faces.x, (difference + difference.T) / 2, 1.0)
-    tangential = np.where(band, faces.normal - difference, faces.tangential)
+    tangential = np.where(band, faces.normal - (difference + difference.T) / 2, faces.tangential)
     coupling = faces.coupling
     if coupling is not None:
         left, right = _smooth(coupling, faces.x, ahead), _smooth(coupling, faces.x, -ahead)
         smooth = np.where(ahead == 0, (left + right) / 2, np.where(ahead > 0, left, right))
-        coupling = freeze(np.where(band, _reflected(faces.x, smooth, -1.0), coupling))
+        coupling = freeze(np.where(band, smooth, coupling))
     return replace(faces, tangential=freeze(tangential), coupling=coupling)
-
-
-def _reflected(x: Array, matrix: Array, sign: float) -> Array:
-    """A matrix of nodes that lie mirrored in x = 0, to the last digit its own mirror image, or minus that."""
-    apart = np.max(np.abs(x + x[::-1])) > 1e-12 * np.ptp(x)
-    return matrix if apart else (matrix + sign * matrix[::-1, ::-1]) / 2
 
 
 def _sizes_ahead(x: Array) -> Array:
