@@ -18,7 +18,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
 from halfplane_fe.penalty import PenaltyAudit
 from halfplane_fe.run import PathRun
-from halfplane_fe.scales import Scales, contact_modulus
+from halfplane_fe.scales import Scales, contact_modulus, unsymmetric
 from halfplane_fe.visible import visible_states
 from scenes import OPEN, STICK, HalfPlane, Interrupted, Record, Scene, freeze
 
@@ -48,6 +48,10 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
 
+# Slip of a node in the last cycle, over the largest, up to which it belongs to the permanent stick zone that a path with bulk
+# stress or tilt approaches. Slip grows as the distance to the power 3/2 there, so that it costs a hundredth of the slip zone.
+_CREEP = 1e-3
+
 
 def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales) -> dict[str, Any]:
     """Fields of FiniteElementSolution that are numbers, by name."""
@@ -57,9 +61,11 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
+    anywhere = unsymmetric(scene)
     every = visible_states(run.states, run.cycle_starts, problem.friction)
     seen = every[kept]
-    edges = {name: found * scales.half_width for name, found in _edges(problem, states, seen).items()}
+    edges = {name: found * scales.half_width for name, found in _edges(problem, states, seen, anywhere).items()}
+    permanent = _permanent_stick(scene, problem, run, every)
     forces = {name: np.array([getattr(s, name) for s in states]) * scales.load for name in ("pressure", "shear")}
     elastic_slip = np.array([problem.layer.tangential * s.shear for s in states]) * displacement
     per_step = {
@@ -82,29 +88,49 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
         "dissipation_density": freeze(densities[-1] / weights if len(densities) else np.zeros_like(weights)),
         "dissipation": float(densities[-1].sum()) if len(densities) else float("nan"),
         "cycle_dissipation": freeze(densities.sum(axis=1)),
-        "permanent_stick_half_width": _permanent_stick(scene, problem, run, every) * scales.half_width,
+        "permanent_stick_half_width": float(permanent[1] - permanent[0]) / 2 * scales.half_width,
         "steady_from": run.steady_from,
         "loop_work": _loop_work(scene, run) * work,
+        **(
+            {}
+            if not anywhere
+            else {"permanent_stick_edges": freeze(permanent * scales.half_width), **_imposed(problem, states, scales)}
+        ),
     }
 
 
+def _imposed(problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales) -> dict[str, Array]:
+    """Bulk stresses, tilt and the moments of pressure and shear about x = 0, each (n_steps,), by the solution's names."""
+    stress, moment = scales.load / scales.half_width, scales.load * scales.half_width
+    imposed = np.array([state.imposed for state in states])
+    moments = [-problem.interface.work_of_imposed(state.pressure, state.shear)[2] for state in states]
+    found = {
+        "bulk_stress_lower": imposed[:, 0] * stress,
+        "bulk_stress_upper": imposed[:, 1] * stress,
+        "tilt": imposed[:, 2] * stress / scales.modulus,
+        "moment": np.array(moments) * moment,
+        "shear_moment": np.array([problem.interface.x @ state.shear for state in states]) * moment,
+    }
+    return {name: freeze(values) for name, values in found.items()}
+
+
 def _loop_work(scene: Scene, run: PathRun) -> float:
-    """Closed integral of Q dU over the last revolution; NaN where that revolution is not closed."""
+    """Closed integral of Q dU, and of what bulk stress adds, over the last revolution; NaN where that revolution is not closed."""
     if scene.load.path().period is None or run.steady_from is None:
         return float("nan")
     return sum(energy.loop for energy in run.energies[run.cycle_starts[-1] :])
 
 
-def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: States) -> dict[str, Array]:
+def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: States, anywhere: bool) -> dict[str, Array]:
     """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2); without load the nodes that touch, or 0."""
     x, weights = problem.interface.x, problem.interface.weights
     pressure, shear, gap, law = (np.array([getattr(s, name) for s in states]) for name in ("pressure", "shear", "gap", "state"))
     pressure, shear, closed, stick = pressure / weights, shear / weights, law != OPEN, seen == STICK
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
     contact = contact_edges(x, pressure, gap, closed, 1.0)
-    edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear)
+    edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear, anywhere)
     of_contact = contact_uncertainty(x, pressure, closed, contact)
-    of_stick = stick_uncertainty(x, (stick, law == STICK), closed, contact, edges, of_contact)
+    of_stick = stick_uncertainty(x, (stick, law == STICK), closed, contact, edges, of_contact, anywhere)
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
         touching = x[closed[row]]
         contact[row] = edges[row] = (touching.min(), touching.max()) if len(touching) else (0.0, 0.0)
@@ -117,20 +143,27 @@ def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: Stat
     }
 
 
-def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States) -> float:
-    """Half-width of the nodes that stick through the last cycle, counted to half-way to the next node; NaN if none."""
+def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: States) -> Array:
+    """(2,) ends of the nodes that stick through the last cycle, counted to half-way to the next node; NaN if none.
+
+    With bulk stress or tilt the steady state is only approached: what still creeps, less and less from cycle to cycle, counts.
+    """
     period = scene.load.path().period
     times = np.array([state.time for state in run.states])
     start = run.states[-1].time - period * (1 - 1e-9) if period is not None else -np.inf
     loaded = np.array([state.normal_load > 0 for state in run.states])
     inside = (times > start) & loaded
     always = np.all(seen[inside] == STICK, axis=0)
+    if unsymmetric(scene) and period is not None:
+        law, slip = (np.array([getattr(run.states[k], name) for k in np.flatnonzero(inside)]) for name in ("state", "slip"))
+        moved = np.ptp(slip, axis=0)
+        always |= np.all(law != OPEN, axis=0) & (moved <= _CREEP * moved.max())
     if not inside.any() or not always.any():  # no instant at all: the very first increment failed
-        return float("nan")
+        return np.full(2, np.nan)
     x = problem.interface.x
     ever_closed = np.any(seen[inside] != OPEN, axis=0)
-    ((left, right),) = stick_edges(x, always[None], ever_closed[None], np.array([[x[always].min(), x[always].max()]]))
-    return float(right - left) / 2
+    outermost = np.array([[x[always].min(), x[always].max()]])
+    return stick_edges(x, always[None], ever_closed[None], outermost, anywhere=unsymmetric(scene))[0]
 
 
 def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()) -> Record:
@@ -170,6 +203,8 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
 def _termination(run: PathRun) -> str:
     if run.failure is not None:
         return "interrupted" if isinstance(run.failure, Interrupted) else "not converged"
+    if run.ratchets:
+        return "ratcheting"
     return "end of path" if run.steady_from is None else "steady"
 
 
@@ -177,9 +212,10 @@ def _message(run: PathRun) -> str:
     if run.failure is not None:
         return str(run.failure)
     steps = len(run.energies)
+    drift = "; the upper body goes further by the same distance in each: ratcheting" if run.ratchets else ""
     if run.steady_from is None:
-        return f"the path ended after {steps} increments without a revolution that repeats"
+        return f"the path ended after {steps} increments without a revolution that repeats{drift}"
     return (
         f"revolution {run.steady_from + 1} ended in the state it started from, to {run.cycle_change[-1]:.1e} of the largest "
-        f"nodal force, after {steps} increments"
+        f"nodal force, after {steps} increments{drift}"
     )

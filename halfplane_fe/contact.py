@@ -6,18 +6,19 @@ All in scaled variables: lengths over the half-width, forces over the largest lo
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from halfplane_fe.active_subsets import SingularSet
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project, slip_sign
 from halfplane_fe.systems import Forces, Layer, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
-from scenes import OPEN, STICK, ConvergenceError, freeze
+from scenes import OPEN, STICK, ConvergenceError, InputError, freeze
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -25,6 +26,8 @@ States = NDArray[np.int8]
 
 # Rounding of nodal forces and displacements in scaled variables, both of order one: within it a node keeps its state.
 ROUNDING = 1e-11
+# Stiffness against tilt, scaled, that is rounding: of two nodes it is the square of their distance.
+_LEAST_STIFFNESS = 1e-12
 # The same of a node's distance from the cone: a nodal force is a hundredth of the load and less.
 _ON_CONE = 1e-12
 
@@ -33,7 +36,8 @@ _ON_CONE = 1e-12
 class InterfaceState:
     """The interface at one instant, and all the history there is. Scaled; each array (n,), read-only.
 
-    `gap` and `slip` are those of the law (inner faces of the layer); pressure and shear are nodal forces.
+    `gap` and `slip` are those of the law (inner faces of the layer); pressure and shear are nodal forces. `tilt` is that of the
+    upper body, given or found from the moment; `further` are the three loads of a path with bulk stress or tilt beside P and Q.
     """
 
     time: float
@@ -46,11 +50,23 @@ class InterfaceState:
     state: States
     approach: float
     shift: float
+    tilt: float = 0.0
+    further: tuple[float, ...] = ()
 
     @property
     def closed(self) -> Mask:
         """Nodes in contact."""
         return self.state != OPEN
+
+    @property
+    def loads(self) -> tuple[float, ...]:
+        """P and Q, or the five of `path`."""
+        return self.normal_load, self.tangential_load, *self.further
+
+    @property
+    def imposed(self) -> Array:
+        """(3,) the bulk stresses and the tilt: e of `interface`."""
+        return np.array([*self.further[:2], self.tilt]) if self.further else np.zeros(3)
 
 
 def untouched(height: Array, time: float) -> InterfaceState:
@@ -62,7 +78,7 @@ def untouched(height: Array, time: float) -> InterfaceState:
 
 
 class Rate(NamedTuple):
-    """Derivatives of the interface by a load, as its fields."""
+    """The interface as its fields: derivatives by a load, or values."""
 
     pressure: Array
     shear: Array
@@ -70,6 +86,11 @@ class Rate(NamedTuple):
     shift: float
     gap: Array
     slip: Array
+    tilt: float
+
+
+class BesideTheFaces(InputError):
+    """The line of action of the loads does not meet the side that may touch."""
 
 
 @dataclass(eq=False)
@@ -87,6 +108,7 @@ class ContactProblem:
         not the answer. In two dimensions a nodal force moves its node by O(1/E*) against its neighbours however fine the mesh,
         so 1 is natural
     max_iterations : of one increment
+    moment_given : whether the fifth load is the moment, so that the tilt follows from it, or the tilt itself
     work : counts of what was done
     """
 
@@ -97,16 +119,32 @@ class ContactProblem:
     tangential: bool = True
     max_iterations: int = 100
     augmentation: tuple[Array | float, Array | float] = (1.0, 1.0)
+    moment_given: bool = False
     work: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
         self._systems = Systems(self.interface, self.layer, self.friction, self.work)
-        self._rates: tuple[bytes, tuple[Rate, Rate]] | tuple[None, None] = (None, None)
+        self._rates: tuple[bytes, tuple[Rate, ...]] | tuple[None, None] = (None, None)
+        self._by_tilt: tuple[bytes, Rate] | tuple[None, None] = (None, None)
         self._coupled = self.tangential and self.interface.coupling is not None
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
         self._share = 1.0 if self._coupled else min(1.0, self.friction)
 
-    def equilibrium(self, history: InterfaceState, time: float, loads: tuple[float, float]) -> tuple[InterfaceState, int]:
+    def at_rest(self, time: float, loads: tuple[float, ...], line: float) -> InterfaceState:
+        """The bodies before they carry anything, with the bulk stresses that there are.
+
+        Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the first place of the resultant.
+        """
+        if len(loads) == 2:
+            return untouched(self.height, time)
+        tilt = self._resting_tilt(line) if self.moment_given else loads[4]
+        gap, slip = self.offsets(np.array([*loads[2:4], tilt]))
+        approach = float(((self.height + gap) / self.interface.normals[1]).min())
+        nearer, along = self.interface.moved(approach, 0.0)
+        rest = untouched(self.height + gap + nearer, time)
+        return replace(rest, slip=freeze(slip + along), approach=approach, tilt=tilt, further=loads[2:])
+
+    def equilibrium(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> tuple[InterfaceState, int]:
         """The state at `loads` that follows `history` in one increment (active set), and its iterations.
 
         Raises
@@ -123,7 +161,7 @@ class ContactProblem:
         ([2.0, 1.0], [0.7, 0.5], [1, 2])
         """
         answer, iterations, changing = self._active_set(history, time, loads)
-        if answer is None and self.tangential:
+        if answer is None and (self.tangential or self.moment_given):
             answer, more, changing = self._alternating(history, time, loads)
             iterations += more
         self.work["contact iterations"] += iterations
@@ -134,32 +172,34 @@ class ContactProblem:
             )
         return answer, iterations
 
-    def holding(self, history: InterfaceState, time: float, loads: tuple[float, float]) -> InterfaceState:
+    def holding(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> InterfaceState:
         """The state at `loads` if no node touched, let go, or changed between stick and slip: `history` plus its rates."""
-        change = (loads[0] - history.normal_load, loads[1] - history.tangential_load)
-        by_load = self.rates(history.state)
+        change = np.subtract(loads, history.loads).tolist()
+        by_load = self.rates(history.state, len(loads))
         moved = {
             name: getattr(history, name) + sum(d * getattr(rate, name) for d, rate in zip(change, by_load, strict=True))
-            for name in ("pressure", "shear", "gap", "slip", "approach", "shift")
+            for name in Rate._fields
         }
-        return InterfaceState(time, *loads, **moved, state=history.state)
+        return InterfaceState(time, loads[0], loads[1], **moved, state=history.state, further=loads[2:])
 
-    def rates(self, states: States) -> tuple[Rate, Rate]:
-        """Derivatives of the interface by P and by Q while the nodes keep their states; the last ones are kept."""
+    def rates(self, states: States, n_loads: int = 2) -> tuple[Rate, ...]:
+        """Derivatives of the interface by each load while the nodes keep their states; the last ones are kept."""
         key = states.tobytes()
         if key != self._rates[0]:
             none = np.zeros_like(self.height)
-            found = []
-            for loads in ((1.0, 0.0), (0.0, 1.0)):
-                forces = self._forces(states, none, none, loads)
-                found.append(Rate(*forces, self._systems.gap(none, forces), self._systems.slip(forces)))
+            units = np.eye(n_loads).tolist()
+            try:
+                found = tuple(self._values(states, none, none, tuple(loads)) for loads in units)
+            except SingularSet:
+                if not self.moment_given:
+                    raise
+                # One node is left: the upper body rolls over it, to where another touches. Nothing foresees it.
+                found = (Rate(none, none, 0.0, 0.0, none, none, 0.0),) * n_loads
+            self._rates = key, found
             self.work["rates"] += 1
-            self._rates = key, (found[0], found[1])
         return self._rates[1]
 
-    def _active_set(
-        self, history: InterfaceState, time: float, loads: tuple[float, float]
-    ) -> tuple[InterfaceState | None, int, int]:
+    def _active_set(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> tuple[InterfaceState | None, int, int]:
         """Semismooth Newton: states -> forces that meet them -> states that these want, until they agree.
 
         The first step is by the rates of the states that the history has.
@@ -184,7 +224,7 @@ class ContactProblem:
         return None, self.max_iterations, changing
 
     def _alternating(
-        self, history: InterfaceState, time: float, loads: tuple[float, float]
+        self, history: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> tuple[InterfaceState | None, int, int]:
         """Where Newton's sets chase each other: pressure at known shear, then shear at known pressure, by turns.
 
@@ -195,12 +235,20 @@ class ContactProblem:
         coupling = np.zeros_like(self._systems.normal) if self.interface.coupling is None else self.interface.coupling
         n_x = self.interface.normals[0]
         shear, shift, closed, changing = history.shear, history.shift, history.closed, 0
+        imposed = replace(history, tilt=history.tilt if self.moment_given else loads[-1], further=loads[2:]).imposed
         for turn in range(1, self.max_iterations + 1):
             systems, height = self._systems, self.height - coupling.T @ shear + n_x * shift
+            if self.moment_given:
+                imposed[2] = self._tilt_at_known_shear(height, shear, closed, imposed, loads)
+            height = height + self.offsets(imposed)[0]
             pressure, approach, closed = pressure_at_known_shear(systems, height, loads[0] - float(n_x @ shear), closed, ROUNDING)
-            known_slip, load = history.slip - coupling @ pressure - n_x * approach, loads[1] + float(n_x @ pressure)
+            known_slip = history.slip - self.offsets(imposed)[1] - coupling @ pressure - n_x * approach
+            load = loads[1] + float(n_x @ pressure)
             carried = None if self.interface.guided else load
-            shear, shift, states = shear_at_known_pressure(systems, np.maximum(pressure, 0.0), known_slip, carried, ROUNDING)
+            states = np.where(closed, STICK, OPEN).astype(np.int8)
+            if self.tangential:
+                pressed = np.maximum(pressure, 0.0)
+                shear, shift, states = shear_at_known_pressure(systems, pressed, known_slip, carried, ROUNDING)
             if not np.any(states == STICK):
                 continue
             answer = self._with_states(states, history, time, loads)
@@ -231,25 +279,98 @@ class ContactProblem:
             wanted = np.where(wanted == OPEN, OPEN, STICK)
         return wanted.astype(np.int8)
 
-    def _with_states(self, states: States, history: InterfaceState, time: float, loads: tuple[float, float]) -> InterfaceState:
+    def _tilt_at_known_shear(self, height: Array, shear: Array, closed: Mask, imposed: Array, loads: tuple[float, ...]) -> float:
+        """The tilt at which the pressure over `height` and the shear have the moment given; the larger it is, the less is M."""
+        load = loads[0] - float(self.interface.normals[0] @ shear)
+
+        def excess(tilt: float) -> float:
+            over = height + self.offsets(np.array([*imposed[:2], tilt]))[0]
+            pressure = pressure_at_known_shear(self._systems, over, load, closed, ROUNDING)[0]
+            return self._moment(pressure, shear) - loads[4]
+
+        middle, most = float(imposed[2]), float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
+        for width in most * 2.0 ** np.arange(-10, 30):
+            if excess(middle - width) >= 0 >= excess(middle + width):
+                return float(brentq(excess, middle - width, middle + width, xtol=1e-15 * width, rtol=8.9e-16))
+        raise ConvergenceError(f"contact: no tilt has the moment {loads[4]:.6g} (scaled): its line of action misses the faces")
+
+    def _resting_tilt(self, line: float) -> float:
+        """The tilt of a plane laid onto the gap that touches on both sides of x = `line`: its lower convex hull there, turned."""
+        gap, n_y = self.offsets(np.array([0.0, 0.0, 1.0]))[0], self.interface.normals[1]
+        x, height = gap / n_y, self.height / n_y
+        if not x[0] < line < x[-1]:
+            raise BesideTheFaces(
+                "load: the upper body falls over: its line of action meets the faces beside where they can touch; take a smaller "
+                "moment, or wider bodies"
+            )
+        left, right = np.flatnonzero(x <= line), np.flatnonzero(x > line)
+        slopes = np.subtract.outer(height[right], height[left]) / np.subtract.outer(x[right], x[left])
+        # The height at `line` of the chord between each pair; the lowest chord is the hull's.
+        at = height[left] + slopes * (line - x[left])
+        return -float(slopes.flat[np.argmin(at)])
+
+    def offsets(self, imposed: Array) -> tuple[Array, Array]:
+        """What bulk stresses and tilt (3,) add to gap and slip, each (n,)."""
+        if self.interface.imposed is None:
+            return np.zeros_like(self.height), np.zeros_like(self.height)
+        gap, slip = self.interface.imposed @ imposed
+        return gap, slip
+
+    def _moment(self, pressure: Array, shear: Array) -> float:
+        """Moment of nodal forces."""
+        return -float(self.interface.work_of_imposed(pressure, shear)[2])
+
+    def _with_states(self, states: States, history: InterfaceState, time: float, loads: tuple[float, ...]) -> InterfaceState:
         """Forces that meet the equalities of the given states (the linear step of the active set)."""
-        forces = self._forces(states, self.height, history.slip, loads)
+        values = self._values(states, self.height, history.slip, loads)
         return InterfaceState(
             time,
-            *loads,
-            freeze(forces.pressure),
-            freeze(forces.shear),
-            freeze(self._systems.gap(self.height, forces)),
-            freeze(self._systems.slip(forces)),
+            loads[0],
+            loads[1],
+            freeze(values.pressure),
+            freeze(values.shear),
+            freeze(values.gap),
+            freeze(values.slip),
             freeze(states, np.int8),
-            forces.approach,
-            forces.shift,
+            values.approach,
+            values.shift,
+            values.tilt,
+            loads[2:],
         )
 
-    def _forces(self, states: States, height: Array, slip: Array, loads: tuple[float, float]) -> Forces:
-        """Forces of given states over an initial gap, sticking nodes at a known slip."""
+    def _values(self, states: States, height: Array, slip: Array, loads: tuple[float, ...]) -> Rate:
+        """The interface of given states over an initial gap, sticking nodes at a known slip."""
+        if len(loads) == 2:
+            forces = self._forces(states, height, slip, loads)
+            return Rate(*forces, self._systems.gap(height, forces), self._systems.slip(forces), 0.0)
+        tilt = 0.0 if self.moment_given else loads[4]
+        gap, along = self.offsets(np.array([*loads[2:4], tilt]))
+        forces = self._forces(states, height + gap, slip - along, loads[:2])
+        found = Rate(*forces, self._systems.gap(height + gap, forces), self._systems.slip(forces) + along, tilt)
+        if not self.moment_given:
+            return found
+        # The equations are linear: what is missing of the moment comes from turning the upper body.
+        turned = self._turned(states)
+        tilt = (loads[4] - self._moment(found.pressure, found.shear)) / self._moment(turned.pressure, turned.shear)
+        pairs = {name: (getattr(found, name), getattr(turned, name)) for name in Rate._fields}
+        return Rate(**{name: one + tilt * by_tilt for name, (one, by_tilt) in pairs.items()})
+
+    def _turned(self, states: States) -> Rate:
+        """Derivatives by the tilt at no loads; SingularSet where one node alone holds the upper body."""
+        key = states.tobytes()
+        if key != self._by_tilt[0]:
+            gap, along = self.offsets(np.array([0.0, 0.0, 1.0]))
+            forces = self._forces(states, gap, -along, (0.0, 0.0))
+            turned = Rate(*forces, self._systems.gap(gap, forces), self._systems.slip(forces) + along, 1.0)
+            if not -self._moment(turned.pressure, turned.shear) > _LEAST_STIFFNESS:
+                raise SingularSet("one node alone holds no moment")
+            self._by_tilt = key, turned
+        return self._by_tilt[1]
+
+    def _forces(self, states: States, height: Array, slip: Array, loads: tuple[float, ...]) -> Forces:
+        """Forces of given states over an initial gap, sticking nodes at a known slip; `loads` are P and Q."""
         if self._coupled:
-            return self._systems.both(states, height, slip, loads)
+            return self._systems.both(states, height, slip, (loads[0], loads[1]))
         pressure, approach = self._systems.pressure_alone(states != OPEN, height, loads[0])
         shear, shift = np.zeros_like(pressure), 0.0
         if self.tangential:

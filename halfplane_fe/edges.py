@@ -81,7 +81,13 @@ def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: Array)
 
 
 def stick_edges(
-    x: Array, stick: Mask, closed: Mask, contact: Array, limit: Array | None = None, shear: Array | None = None
+    x: Array,
+    stick: Mask,
+    closed: Mask,
+    contact: Array,
+    limit: Array | None = None,
+    shear: Array | None = None,
+    anywhere: bool = False,
 ) -> Array:
     """Ends of the stick zone; the contact edges where the whole contact sticks, NaN where nothing does.
 
@@ -95,11 +101,12 @@ def stick_edges(
     x, closed, contact : as of `contact_uncertainty`
     stick : (k, n) nodes that stick
     limit, shear : (k, n) f p and q [stress]
+    anywhere : whether the stick zone need not hold the middle of the contact (bulk stress, tilt): then its own middle is the middle
     """
     edges, nothing = np.empty((len(closed), 2)), np.zeros(len(closed), dtype=bool)
     tractions = () if limit is None or shear is None else (limit, shear)
     for side, sign, x_out, (sticks, inside, *limit_and_shear) in _sides(x, stick, closed, *tractions):
-        half, end = _half(x_out, inside, sign), sign * contact[:, side]
+        half, end = _half(x_out, inside, sign, sticks if anywhere else None), sign * contact[:, side]
         last, n_stick, n_half = _last_sticking(sticks, half)
         nothing |= (n_stick == 0) & (n_half > 0)
         found = (x_out[last] + x_out[np.minimum(last + 1, len(x) - 1)]) / 2
@@ -114,7 +121,15 @@ def stick_edges(
     return edges
 
 
-def stick_uncertainty(x: Array, seen: tuple[Mask, Mask], closed: Mask, contact: Array, edges: Array, of_contact: Array) -> Array:
+def stick_uncertainty(
+    x: Array,
+    seen: tuple[Mask, Mask],
+    closed: Mask,
+    contact: Array,
+    edges: Array,
+    of_contact: Array,
+    anywhere: bool = False,
+) -> Array:
     """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
 
     Where the whole contact sticks, a slip zone narrower than an element of two nodes may be there unseen, and the contact edge
@@ -128,14 +143,15 @@ def stick_uncertainty(x: Array, seen: tuple[Mask, Mask], closed: Mask, contact: 
     seen : (k, n) nodes that stick, as the reader sees them and by the law alone
     contact, edges : contact and stick edges as answered
     of_contact : uncertainty of the contact edges
+    anywhere : as of `stick_edges`
     """
-    by_status, by_law = (stick_edges(x, sticking, closed, contact) for sticking in seen)
+    by_status, by_law = (stick_edges(x, sticking, closed, contact, anywhere=anywhere) for sticking in seen)
     apart = np.fmax(np.abs(by_status - edges), np.abs(by_law - edges))
     after = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
     spacing = _spacing(x, np.where(np.abs(x[after - 1] - edges) <= np.abs(x[after] - edges), after - 1, after))
     beyond = np.empty(edges.shape, dtype=np.int64)
-    for side, sign, x_out, (inside,) in _sides(x, closed):
-        half = _half(x_out, inside, sign)
+    for side, sign, x_out, (inside, sticks) in _sides(x, closed, seen[0]):
+        half = _half(x_out, inside, sign, sticks if anywhere else None)
         beyond[:, side] = np.count_nonzero(half & (x_out > sign * edges[:, [side]]), axis=1)
     narrow = np.where(beyond <= _UNRESOLVED, np.abs(contact - edges) + of_contact, 0.0)
     share = np.where(edges == by_status, 1.0, _FITTED_SHARE)
@@ -162,9 +178,17 @@ def _last(inside: Mask) -> Indices:
     return np.asarray(inside.shape[1] - 1 - np.argmax(inside[:, ::-1], axis=1))
 
 
-def _half(x_out: Array, closed: Mask, sign: float) -> Mask:
-    """(k, n) closed nodes outwards of the middle of the contact; one in the middle belongs to the right side."""
+def _half(x_out: Array, closed: Mask, sign: float, stick: Mask | None = None) -> Mask:
+    """(k, n) closed nodes outwards of the middle of the contact; one in the middle belongs to the right side.
+
+    Where `stick` is given, of the middle one of the sticking nodes, if there are any.
+    """
     middle = ((x_out[np.argmax(closed, axis=1)] + x_out[_last(closed)]) / 2)[:, None]
+    if stick is not None:
+        there, rank = stick & closed, np.cumsum(stick & closed, axis=1)
+        # Counted from the left whichever side looks, so that both have one middle.
+        number = (rank[:, -1:] + 1) // 2 if sign > 0 else rank[:, -1:] // 2 + 1
+        middle = np.where(rank[:, -1:] > 0, x_out[np.argmax(there & (rank == number), axis=1)][:, None], middle)
     return np.asarray(closed & ((x_out >= middle) if sign > 0 else (x_out > middle)))
 
 

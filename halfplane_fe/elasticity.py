@@ -10,7 +10,7 @@ Taylor and Hood, and nothing locks at any nu < 1/2; below that the elements are 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -47,8 +47,9 @@ class System:
     order : of the elements, 1 or 2
     contact : (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
     around : boundaries to the half-plane around the body; none for a body of finite size
-    arc : (2, m) the degrees of freedom there
+    arc : (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body on rollers against Q
     held : those that supports keep at zero
+    pull : (n_dofs,) forces of a unit of tension along x on the ends; zero of a body without ends [length]
     """
 
     basis: skfem.Basis
@@ -58,6 +59,7 @@ class System:
     around: tuple[str, ...]
     arc: Indices
     held: Indices
+    pull: Array
 
     @property
     def n_dofs(self) -> int:
@@ -127,20 +129,36 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         )
     basis = skfem.Basis(body.mesh, skfem.ElementVector(scalar_element(body.mesh, order)), intorder=2 * order)
     contact = _boundary_dofs(basis, "contact")
-    around = tuple(name for name, support in body.supports.items() if support == "half_plane")
+    supports = body.supports
+    around = tuple(name for name, support in supports.items() if support == "half_plane")
+    ends = tuple(name for name, support in supports.items() if support == "pulled")
     arc = np.hstack([np.empty((2, 0), dtype=np.int64), *(_boundary_dofs(basis, name) for name in around)])
-    return System(basis, material, order, contact, around, arc, _held(body, basis))
+    if ends and supports["base"] == "rollers":
+        arc = np.hstack([_boundary_dofs(basis, name)[:1] for name in ends])
+    system = System(basis, material, order, contact, around, arc, _held(body, basis), np.empty(0))
+    return replace(system, pull=_pull(system, [facet for name in ends for facet in body.mesh.boundaries[name]]))
+
+
+def _pull(system: System, facets: list[int]) -> Array:
+    """(n_dofs,) nodal forces of a unit of tension along x on the facets, whose outward normals are along x."""
+    forces = np.zeros(system.n_dofs)
+    if facets:
+        basis = system.basis
+        ends = skfem.FacetBasis(basis.mesh, basis.elem, facets=np.array(facets), intorder=4)
+        forces[: basis.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
+    return forces
 
 
 def _held(body: BodyMesh, basis: skfem.Basis) -> Indices:
     """Degrees of freedom that the supports keep at zero."""
-    components = {"fixed": (0, 1), "rollers": (1,), "guided": (0,), "half_plane": ()}
+    components = {"fixed": (0, 1), "rollers": (1,), "guided": (0,), "half_plane": (), "pulled": ()}
     held = [np.empty(0, dtype=np.int64)]
     for name, support in body.supports.items():
         dofs = _boundary_dofs(basis, name)
         held += [dofs[component] for component in components[support]]
         if support == "rollers" and "guided" not in body.supports.values():
-            # Nothing else keeps the body from drifting along x; without a tangential load this support carries nothing.
+            # Nothing else keeps the body from drifting along x. This support carries nothing: there is no tangential load, or the
+            # ends hold it.
             held.append(dofs[0, [np.argmin(np.abs(basis.doflocs[0, dofs[0]]))]])
     return np.unique(np.concatenate(held))
 
@@ -189,6 +207,9 @@ class CondensedBody:
     compliance : (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x, outward) on node j,
         symmetric [length per force per thickness]
     probe : (n_dofs,) of the whole body under the random load of `condensation_error`, which checks the compliance by it
+    by_stress : (2, n) displacement (along x, outward) of the contact nodes by a unit of bulk stress [length per stress]: of a
+        half-plane (x, -nu/(1 - nu) y) (1 - nu^2)/E, exactly; of a body with ends that of the mesh under tension on both;
+        (2, 1) of zeros for any other
     diagnostics : asymmetry (largest skew part over largest entry: rounding), residual (`condensation_error`),
         degrees_of_freedom, sparse_factorisations (one for the order of elimination, one for each mode)
     """
@@ -200,6 +221,7 @@ class CondensedBody:
     weights: Array
     compliance: Array
     probe: Array = field(default_factory=lambda: np.empty(0))
+    by_stress: Array = field(default_factory=lambda: np.zeros((2, 1)))
     diagnostics: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -305,8 +327,9 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
 
 def _condensed_mode(
     system: System, mode: _Mode, stiffness: sparse.csr_matrix, ranks: Indices, arc: ArcLoads, probing: Array
-) -> tuple[Array, Array]:
-    """The compliance of a mode (k, k) by its own degrees of freedom of the contact, and its displacement (n_dofs,) under `probing`.
+) -> tuple[Array, Array, Array]:
+    """The compliance of a mode (k, k) by its own degrees of freedom of the contact, and displacements (n_dofs,): under `probing`,
+    and under tension on the ends.
 
     The nodes of arc and contact stand last in the order of elimination, so that their stiffness is that of the trailing block of
     the factors L D L^T: three to five times faster than solving for each unit force. With B the loads on the arc the compliance is
@@ -315,7 +338,7 @@ def _condensed_mode(
     contact, around = (np.flatnonzero(np.isin(mode.dofs, dofs)) for dofs in (system.contact, system.arc))
     held = np.flatnonzero(np.isin(mode.dofs, system.held))
     motions = mode.motions
-    if len(around):
+    if system.around:
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid motions changes nothing.
         rigid = motions[: system.basis.N, around].T @ rigid_motions(system.basis)
         _, triangle, first = qr(rigid.T, mode="economic", pivoting=True)
@@ -334,7 +357,9 @@ def _condensed_mode(
     compliance = root.T @ root - (arc.tractions @ by_contact).T @ (arc.displacements @ by_contact)
     whole = np.zeros(len(order))
     whole[last] = loads @ (by_contact.T @ probing)
-    return compliance, motions[:, order] @ factors.solve(whole)
+    probe = motions[:, order] @ factors.solve(whole)
+    pulled = motions[:, order] @ factors.solve((motions.T @ system.pull)[order]) if system.pull.any() else np.zeros_like(probe)
+    return compliance, probe, pulled
 
 
 def _probing_forces(system: System) -> Array:
@@ -342,7 +367,7 @@ def _probing_forces(system: System) -> Array:
     return np.random.default_rng(0).standard_normal(system.contact.size)
 
 
-def condensation_error(system: System, arc: ArcLoads, compliance: Array, probe: Array) -> float:
+def condensation_error(system: System, arc: ArcLoads, compliance: Array, probe: Array, by_stress: Array) -> float:
     """How far a compliance is from that of the mesh, under one random load: a check that solves nothing.
 
     The displacement of the whole body under this load is known (`probe`). The virtual work of its stress shows that it is that
@@ -353,12 +378,13 @@ def condensation_error(system: System, arc: ArcLoads, compliance: Array, probe: 
     arc : of the system, `arc_loads`
     compliance : (2, n, 2, n), as that of a CondensedBody
     probe : (n_dofs,) displacement of the whole body under the load [length], then r/G where the body has them
+    by_stress : as that of a CondensedBody; by Betti's theorem the load does the work in it that the tension does in the probe
 
     Returns
     -------
     float
-        The largest of four relative errors: forces of a degree of freedom over the largest of the load, motion of a support and of
-        a contact node over the largest displacement, asymmetry of the compliance. 0 is perfect.
+        The largest of five relative errors: forces of a degree of freedom over the largest of the load, motion of a support and of
+        a contact node over the largest displacement, asymmetry of the compliance, the two works of Betti's theorem. 0 is perfect.
     """
     forces, contact, around = _probing_forces(system), system.contact.ravel(), system.arc.ravel()
     load = np.zeros_like(probe)
@@ -375,6 +401,9 @@ def condensation_error(system: System, arc: ArcLoads, compliance: Array, probe: 
         "contact nodes": np.abs(flat @ forces - moved).max() / np.abs(moved).max(),
         "reciprocity": (flat - flat.T).max() / max(flat.max(), -flat.min()),
     }
+    if system.pull.any():
+        work, size = forces @ by_stress.ravel(), np.linalg.norm(forces) * np.linalg.norm(by_stress)
+        apart["tension"] = np.abs(work - system.pull @ probe) / size if size > 0 else np.inf
     return float(np.max(list(apart.values())))
 
 
@@ -398,7 +427,11 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Those of the body; `datum_length` as of `condense` [length]."""
     facets = np.concatenate([np.empty(0, dtype=np.int64), *(system.basis.mesh.boundaries[name] for name in system.around)])
     found = arc_work(system.basis, facets, system.basis.doflocs[0, system.contact[0]], system.material, datum_length)
-    return ArcLoads(found[0][system.arc.ravel()], *found[1:])
+    by_nodes = found[0][system.arc.ravel()]
+    if system.arc.size and not system.around:  # each end holds half of a force along x
+        ends = np.abs(system.pull[system.arc.ravel()])
+        by_nodes[:, : system.contact.shape[1]] -= (ends / ends.sum())[:, None]
+    return ArcLoads(by_nodes, *found[1:])
 
 
 def _rigid_part(system: System, displacement: Array) -> Array:
@@ -439,29 +472,51 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     elements, modes = _modes(system)
     stiffness = len(modes) * _stiffness(system.basis.with_elements(elements), material, system.order)
     ranks = _elimination_ranks(system, stiffness)
-    flat, probe, asymmetry = np.zeros((len(probing), len(probing))), np.zeros(system.n_dofs), 0.0
+    flat, asymmetry = np.zeros((len(probing), len(probing))), 0.0
+    probe, pulled = np.zeros(system.n_dofs), np.zeros(system.n_dofs)
     try:
         for mode in modes:
-            own, moved = _condensed_mode(system, mode, mode.motions.T @ stiffness @ mode.motions, ranks, arc, probing)
+            own, probed, stretched = _condensed_mode(system, mode, mode.motions.T @ stiffness @ mode.motions, ranks, arc, probing)
             asymmetry = max(asymmetry, float((own - own.T).max() / np.abs(own).max()))
             nodes = system.contact.ravel()
             column, factor = np.unique(mode.column[nodes], return_inverse=True)[1], mode.factor[nodes]
             flat += factor[:, None] * (own + own.T)[np.ix_(column, column)] * (factor / 2)
-            probe += moved
+            probe += probed
+            pulled += stretched
     except LinAlgError as reason:
         raise ConvergenceError("condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide") from reason
     compliance = flat.reshape(*system.contact.shape, *system.contact.shape)
-    residual = condensation_error(system, arc, compliance, probe)
+    by_stress = _by_stress(system, arc, pulled)
+    residual = condensation_error(system, arc, compliance, probe, by_stress)
     if not residual <= LARGEST_ERROR:
         raise ConvergenceError(
             f"condensation: rounding leaves a compliance that differs from that of the mesh by {residual:.1e}: the body is too "
             "slender for its contact, or some of its elements are too thin"
         )
     figures = {"asymmetry": asymmetry, "residual": residual, "sparse_factorisations": 1.0 + len(modes)}
-    return condensed_body(body, system, compliance, probe, figures)
+    return condensed_body(body, system, compliance, probe, by_stress, figures)
 
 
-def condensed_body(body: BodyMesh, system: System, compliance: Array, probe: Array, figures: Mapping[str, float]) -> CondensedBody:
+def uniform_stretch(material: Elastic, x: Array, y: Array) -> Array:
+    """(2, n) displacement of a half-plane by a unit of stress along x, in plane strain: ((1 - nu^2) x, -nu (1 + nu) y)/E."""
+    E, nu = material.young_modulus, material.poisson_ratio
+    return np.stack([(1 - nu**2) / E * x, -nu * (1 + nu) / E * y])
+
+
+def _by_stress(system: System, arc: ArcLoads, pulled: Array) -> Array:
+    """`CondensedBody.by_stress`, from the displacement (n_dofs,) of a body with ends under a unit of tension."""
+    contact = system.contact.ravel()
+    if system.around:
+        return uniform_stretch(system.material, *system.basis.doflocs[:, system.contact[0]])
+    if not system.pull.any():
+        return np.zeros((2, 1))
+    moved = arc.contact_displacement(pulled[contact], pulled[system.arc.ravel()], np.zeros(len(contact)))
+    return moved.reshape(2, -1)
+
+
+def condensed_body(
+    body: BodyMesh, system: System, compliance: Array, probe: Array, by_stress: Array, figures: Mapping[str, float]
+) -> CondensedBody:
     """A body with its compliance, as it was found now or before; all else is the mesh's own."""
     places = system.basis.doflocs[:, system.contact[0]]
     return CondensedBody(
@@ -472,16 +527,20 @@ def condensed_body(body: BodyMesh, system: System, compliance: Array, probe: Arr
         freeze(surface_weights(system.basis, system.contact)),
         freeze(compliance),
         freeze(probe),
+        freeze(by_stress),
         {**figures, "degrees_of_freedom": float(system.basis.N)},
     )
 
 
-def displacement_fields(condensed: CondensedBody, forces: Array, datum_length: float) -> tuple[skfem.Basis, Array, Array]:
+def displacement_fields(
+    condensed: CondensedBody, forces: Array, datum_length: float, stresses: Array | None = None
+) -> tuple[skfem.Basis, Array, Array]:
     """Displacement of the whole body under nodal contact forces, and the part of the mean stress that goes with r.
 
     Parameters
     ----------
     forces : (2, n, k) along x and outward on the contact nodes, k load cases [force per thickness]
+    stresses : (k,) bulk stress of the body; of a half-plane it is not in what is returned (`uniform_stretch`) [stress]
 
     Returns
     -------
@@ -495,8 +554,11 @@ def displacement_fields(condensed: CondensedBody, forces: Array, datum_length: f
     load[system.contact.ravel()] = cases
     arc = arc_loads(system, datum_length)
     load[system.arc.ravel()] += arc.by_nodes @ cases
+    if stresses is not None:
+        load += system.pull[:, None] * stresses
     # The ends of the arc hold a half-disc without a force, since the loads balance.
-    free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, system.arc[:, :1].ravel(), system.arc[1, -1:]]))
+    of_arc = np.concatenate([system.arc[:, :1].ravel(), system.arc[1, -1:]]) if system.around else np.empty(0, dtype=np.int64)
+    free = np.setdiff1d(np.arange(len(load)), np.concatenate([system.held, of_arc]))
     displacements = np.zeros_like(load)
     displacements[free] = factorise(system.stiffness[free][:, free].tocsc()).solve(load[free])
     if system.arc.size:

@@ -2,15 +2,16 @@
 
 With loads, forces and displacements taken at the middle of the increment the balance
 
-    P d(delta) + Q dU = d(elastic energy) + sum q ds - sum p dg
+    P d(delta) + Q dU + sum F_i de_i = d(elastic energy) + sum q ds - sum p dg,   F = S q - G p
 
-is an identity of the discrete problem: a check of the algebra. What the increment itself costs shows in the three ways to write the
-friction work: at its middle (f p ds), trapezoidal (q ds), at its end (first order). The work of the loads at its end,
+is an identity of the discrete problem: a check of the algebra. Here e are the bulk stresses and the tilt, and F de is -m_q d(eps)
+- M d(alpha) of half-planes, see `interface`. What the increment itself costs shows in the three ways to write the friction work:
+at its middle (f p ds), trapezoidal (q ds), at its end (first order). The work of the loads at its end,
 P d(delta) + Q dU with the new P and Q, has the normal part of that error in it: on the interface there is none, because increments
 land on each touch and release, so that p dg is zero in each.
 
-The loads follow a curve where the increment solves its chord. While the states of the nodes stay, p and s are linear in P and Q,
-and the friction work along the curve is that along the chord plus, node by node,
+The loads follow a curve where the increment solves its chord. While the states of the nodes stay, p and s are linear in P, Q and
+the other loads, and the friction work along the curve is that along the chord plus, node by node and for each pair of loads,
 
     f (p_Q s_P - p_P s_Q) (int Q dP of the curve - of the chord),
 
@@ -24,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState
+from halfplane_fe.contact import ContactProblem, InterfaceState, Rate
 from halfplane_fe.law import slip_sign, violations
 
 Array = NDArray[np.float64]
@@ -37,8 +38,8 @@ class IncrementEnergy:
     Attributes
     ----------
     dissipation : (n,) f p |ds| of each sliding node, p being the mean of the increment, and what the curve of the loads adds
-    loop : integral of Q dU along the curve of the loads
-    external : work of P and Q along the chord
+    loop : integral of Q dU along the curve of the loads, and of q in the slip by bulk stress (-m_q d(eps) of half-planes)
+    external : work of P, Q, bulk stresses and tilt along the chord
     curve : what the curve of the loads adds to it, all of it friction work
     external_end_of_step : the same with the loads at the end of the increment
     elastic : change of elastic energy, that of the penalty layer included
@@ -64,8 +65,9 @@ def elastic_energy(problem: ContactProblem, state: InterfaceState) -> float:
     """Elastic energy of both bodies and of the layer between them."""
     p, q = state.pressure, state.shear
     gap_moved, slip_moved = problem.interface.moved(state.approach, state.shift)
-    gap_part = state.gap - problem.height - gap_moved  # N p - K^T q
-    slip_part = slip_moved - state.slip  # T q - K p
+    gap_imposed, slip_imposed = problem.offsets(state.imposed)
+    gap_part = state.gap - problem.height - gap_moved - gap_imposed  # N p - K^T q
+    slip_part = slip_moved + slip_imposed - state.slip  # T q - K p
     return float(p @ gap_part + q @ slip_part) / 2
 
 
@@ -75,29 +77,41 @@ def layer_energy(problem: ContactProblem, state: InterfaceState) -> float:
     return float(layer.normal @ state.pressure**2 + layer.tangential @ state.shear**2) / 2
 
 
-def increment_energy(problem: ContactProblem, before: InterfaceState, after: InterfaceState, enclosed: float) -> IncrementEnergy:
-    """Energies between two states that follow each other; `enclosed`: integral of Q dP of the curve minus that of the chord."""
+def increment_energy(
+    problem: ContactProblem, before: InterfaceState, after: InterfaceState, enclosed: Array | None
+) -> IncrementEnergy:
+    """Energies between two states that follow each other; `enclosed`: see `path`, over the units of the loads."""
     slip, gap = after.slip - before.slip, after.gap - before.gap
     approach, shift = after.approach - before.approach, after.shift - before.shift
     mean_p, mean_q = (before.pressure + after.pressure) / 2, (before.shear + after.shear) / 2
     mean_load = (before.tangential_load + after.tangential_load) / 2
+    imposed = after.imposed - before.imposed
+    faces = problem.interface
+    work_of_imposed = float(faces.work_of_imposed(mean_p, mean_q) @ imposed)
     sign = slip_sign(after.state)
     dissipation = problem.friction * mean_p * np.maximum(sign * slip, 0.0)
     # The shear of a node that starts to slide has a kink in the increment, and the work of Q with it.
     loop = mean_load * shift + float(np.sum(dissipation - np.where(sign != 0, mean_q * slip, 0.0)))
+    loop += float(faces.work_of_imposed(0 * mean_p, mean_q)[:2] @ imposed[:2])
     curve, starting = np.zeros_like(slip), sign != slip_sign(before.state)  # of what starts, the curve is left out
-    if enclosed and not starting[sign != 0].all():
-        by_p, by_q = problem.rates(after.state)
-        exchanged = by_q.pressure * by_p.slip - by_p.pressure * by_q.slip
-        curve = problem.friction * np.where(starting, 0.0, sign) * exchanged * enclosed
+    if enclosed is not None and not starting[sign != 0].all():
+        rates = problem.rates(after.state, len(after.loads))
+        of_normal = 0.0  # of the loads that the friction work along the curve leaves
+        for i, j in zip(*np.nonzero(np.tril(enclosed)), strict=True):
+            one, other, area = rates[i], rates[j], float(enclosed[i, j])
+            exchanged = one.pressure * other.slip - other.pressure * one.slip
+            curve = curve + problem.friction * np.where(starting, 0.0, sign) * exchanged * area
+            of_normal += (_normal_work(problem, rates, i, j) - _normal_work(problem, rates, j, i)) * area
         curve = np.maximum(curve, -dissipation)  # friction only takes
-        loop += float(curve.sum()) + by_q.approach * enclosed
+        loop += float(curve.sum()) - of_normal
     changed = np.abs((after.pressure - before.pressure) * slip)
     return IncrementEnergy(
         dissipation=dissipation + curve,
         loop=loop,
-        external=(before.normal_load + after.normal_load) / 2 * approach + mean_load * shift,
-        external_end_of_step=after.normal_load * approach + after.tangential_load * shift,
+        external=(before.normal_load + after.normal_load) / 2 * approach + mean_load * shift + work_of_imposed,
+        external_end_of_step=after.normal_load * approach
+        + after.tangential_load * shift
+        + float(faces.work_of_imposed(after.pressure, after.shear) @ imposed),
         curve=float(curve.sum()),
         elastic=elastic_energy(problem, after) - elastic_energy(problem, before),
         layer=layer_energy(problem, after) - layer_energy(problem, before),
@@ -105,6 +119,15 @@ def increment_energy(problem: ContactProblem, before: InterfaceState, after: Int
         end_of_step=float(after.shear @ slip - after.pressure @ gap),
         step_error=problem.friction * float(changed[starting & (sign != 0)].sum()) / 2,
     )
+
+
+def _normal_work(problem: ContactProblem, rates: tuple[Rate, ...], i: int, j: int) -> float:
+    """Work per unit of load i times change of load j, but for that of shear: of P in the approach, of p in bulk stress and tilt."""
+    one, other = rates[i], rates[j]
+    change = np.array([float(j == 2), float(j == 3), other.tilt])
+    by_forces = problem.interface.work_of_imposed(one.pressure, one.shear)
+    by_forces[:2] -= problem.interface.work_of_imposed(0 * one.pressure, one.shear)[:2]
+    return float(i == 0) * other.approach + float(by_forces @ change)
 
 
 def certificates(problem: ContactProblem, before: InterfaceState, after: InterfaceState) -> dict[str, float]:
@@ -116,6 +139,9 @@ def certificates(problem: ContactProblem, before: InterfaceState, after: Interfa
     found = violations(after.gap, after.pressure, after.shear, after.slip - before.slip, problem.friction)
     normal_load, tangential_load = problem.interface.carried(after.pressure, after.shear)
     equilibrium = max(abs(normal_load - after.normal_load), abs(tangential_load - after.tangential_load))
+    if problem.moment_given:
+        moment = -float(problem.interface.work_of_imposed(after.pressure, after.shear)[2])
+        equilibrium = max(equilibrium, abs(moment - after.loads[4]))
     return {
         "equilibrium": equilibrium / max(after.normal_load, 1e-300),
         "tension": found["tension"] / force,

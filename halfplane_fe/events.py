@@ -1,8 +1,8 @@
 """Events: when the next node touches or lets go, and arriving there.
 
-With the states of the nodes held, forces are linear in the loads, and the normal problem of like bodies depends on P alone: one
-linear prediction finds the event. Between unlike bodies it depends on Q too, and on what sticks: there the prediction misses by the
-square of the increment, and the next one starts from where it missed.
+With the states of the nodes held, forces are linear in the loads, and the normal problem of like bodies depends on P alone, or on P
+and the tilt: one linear prediction finds the event. Between unlike bodies it depends on Q too, and on what sticks: there the
+prediction misses by the square of the increment, and the next one starts from where it missed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, freeze
 
 Array = NDArray[np.float64]
 Event = Literal["regular", "touch", "release"]
-LoadsAt = Callable[[float], tuple[float, float]]
+LoadsAt = Callable[[float], tuple[float, ...]]
 
 # Gap and nodal force within which a node counts as met by an event, scaled.
 _LANDED = 1e-9
@@ -29,29 +29,43 @@ _LANDED = 1e-9
 def next_event(problem: ContactProblem, history: InterfaceState, loads_at: LoadsAt, end: float) -> tuple[Event, float]:
     """What happens first up to `end` to the set of touching nodes, and when, by one linear prediction."""
     held = problem.holding(history, end, loads_at(end))
-    fractions: dict[Event, float] = {
+    fractions: dict[Event, tuple[float, int]] = {
         "touch": _first_crossing(history.gap, held.gap, ~history.closed),
         "release": _first_crossing(history.pressure, held.pressure, history.closed),
     }
-    event = min(fractions, key=lambda name: fractions[name])
-    if fractions[event] >= 1.0:
+    event = min(fractions, key=lambda name: fractions[name][0])
+    share, node = fractions[event]
+    if share >= 1.0:
         return "regular", end
-    start_load, end_load = loads_at(history.time)[0], loads_at(end)[0]
-    wanted = start_load + fractions[event] * (end_load - start_load)
-    if not min(start_load, end_load) < wanted < max(start_load, end_load):
-        return "regular", end
-    time = float(brentq(lambda t: loads_at(t)[0] - wanted, history.time, end, xtol=1e-15, rtol=8.9e-16))
+    if len(history.loads) == 2:
+        start_load, end_load = loads_at(history.time)[0], loads_at(end)[0]
+        wanted = start_load + share * (end_load - start_load)
+
+        def left(time: float) -> float:
+            return loads_at(time)[0] - wanted
+
+        if not min(start_load, end_load) < wanted < max(start_load, end_load):
+            return "regular", end
+    else:  # by tilt nodes meet at constant P too: the gap or the force of the first of them, as the loads go
+
+        def left(time: float) -> float:
+            then = problem.holding(history, time, loads_at(time))
+            return float((then.gap if event == "touch" else then.pressure)[node])
+
+    time = float(brentq(left, history.time, end, xtol=1e-15, rtol=8.9e-16))
     if not history.time < time < end:
         return "regular", end
     return event, time
 
 
-def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> float:
-    """Fraction of the increment at which the first of `nodes` goes from positive to negative, linearly; 1 if none does."""
-    falling = nodes & (before > ROUNDING) & (after < -ROUNDING)
-    if not falling.any():
-        return 1.0
-    return float(np.min(before[falling] / (before[falling] - after[falling])))
+def _first_crossing(before: Array, after: Array, nodes: NDArray[np.bool_]) -> tuple[float, int]:
+    """Fraction of the increment at which the first of `nodes` goes from positive to negative, linearly, and it; 1 if none does."""
+    falling = np.flatnonzero(nodes & (before > ROUNDING) & (after < -ROUNDING))
+    if not len(falling):
+        return 1.0, -1
+    shares = before[falling] / (before[falling] - after[falling])
+    first = int(np.argmin(shares))
+    return float(shares[first]), int(falling[first])
 
 
 def up_to_event(history: InterfaceState, solved: InterfaceState) -> InterfaceState:

@@ -1,6 +1,7 @@
 """Displacement and stress in both bodies at chosen instants, from the stored interface states.
 
-Stress is that of the elements, averaged at the nodes; next to the contact that of the tractions, see `face_stress`.
+Stress is that of the elements, averaged at the nodes; next to the contact that of the tractions, see `face_stress`. Both have the
+bulk stress in them: uniform in half-planes, that of the elements in blocks.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import skfem
 from numpy.typing import ArrayLike, NDArray
 from skfem.helpers import sym_grad
 
-from halfplane_fe.elasticity import CondensedBody, displacement_fields, node_dofs, scalar_element, split_lame
+from halfplane_fe.elasticity import CondensedBody, displacement_fields, node_dofs, scalar_element, split_lame, uniform_stretch
 from halfplane_fe.face_stress import FEWEST, Nodal, Rest, Tractions, fitted_rest, tractions, with_uncertainty
 from halfplane_fe.interface import body_forces
 from halfplane_fe.solve import FiniteElementSolution
@@ -88,7 +89,7 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
         return ()
     pairs = [_tractions(solution, step) for step in steps]
     forces = _forces(solution, steps)
-    bodies = {name: _body_fields(name, forces[name], solution, pairs) for name in forces}
+    bodies = {name: _body_fields(name, forces[name], solution, pairs, steps) for name in forces}
     return tuple(
         Snapshot(
             float(solution.time[step]),
@@ -132,21 +133,25 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
         assert found is not None  # for the type checker
         values[k], uncertain[k] = np.outer([1.0, -1.0], found.edge_tension()), apart
     moments = np.array([found.moments() for found, _ in pairs if found is not None]).reshape(-1, 6)
+    bulk = _bulk_stresses(solution, [steps[k] for k in there])
     for body, name in enumerate(("lower", "upper")):
         if not there or isinstance(getattr(solution.scene.bodies, name), HalfPlane):
+            values[there, body] += bulk[body][:, None]
             continue
         assert isinstance(solution, FiniteElementSolution)  # for the type checker
-        # What the body adds is linear in the tractions and hardly depends on more than their moments: found at a few instants.
+        # What the body adds is linear in tractions and bulk stress, and hardly depends on more than moments of the former: found
+        # at a few instants.
         chosen = sorted({there[k] for k in np.linspace(0, len(there) - 1, _SAMPLED).round().astype(int)})
         at = [there.index(k) for k in chosen]
         forces = _forces(solution, [steps[k] for k in chosen])[name]
-        _, rest = _stress(name, forces, solution, [pairs[k] for k in chosen], rest_alone=True)[1:]
+        _, rest = _stress(name, forces, solution, [pairs[k] for k in chosen], bulk[body][at], rest_alone=True)[1:]
         if rest is None:
             values[there, body] = uncertain[there, body] = np.nan
             continue
-        scale = np.abs(moments).max(axis=0) + 1e-300
-        slopes = np.linalg.lstsq(moments[at] / scale, rest.coefficients.T, rcond=1e-8)[0]
-        whole = replace(rest, coefficients=(moments / scale @ slopes).T)
+        causes = np.column_stack([moments, bulk[body]]) if bulk[body].any() else moments
+        scale = np.abs(causes).max(axis=0) + 1e-300
+        slopes = np.linalg.lstsq(causes[at] / scale, rest.coefficients.T, rcond=1e-8)[0]
+        whole = replace(rest, coefficients=(causes / scale @ slopes).T)
         for number, k in enumerate(there):
             found = pairs[k][0]
             assert found is not None  # for the type checker
@@ -188,8 +193,11 @@ def stress(
     for k, (series, _) in enumerate(pairs):
         if series is not None:
             found[k, :, :3] = replace(series, shear=side * series.shear).stress(across, depth)
-    if not isinstance(getattr(solution.scene.bodies, body), HalfPlane) and any(series is not None for series, _ in pairs):
-        rest = _stress(body, _forces(solution, steps)[body], solution, pairs, rest_alone=True)[2]
+    bulk = _bulk_stresses(solution, steps)[int(body == "upper")]
+    if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
+        found[..., 0] += bulk[:, None]
+    elif any(series is not None for series, _ in pairs):
+        rest = _stress(body, _forces(solution, steps)[body], solution, pairs, bulk, rest_alone=True)[2]
         if rest is None or np.any(np.hypot(across, depth) > rest.length * (1 + 1e-9)):
             raise InputError(
                 f"stress: a place in the {body} body is further from the contact than where the tractions alone give its stress"
@@ -244,6 +252,12 @@ def _forces(solution: FiniteElementSolution, steps: Sequence[int]) -> dict[str, 
     return body_forces(*solution.condensed, *nodal)
 
 
+def _bulk_stresses(solution: ContactSolution, steps: Sequence[int]) -> Array:
+    """(2, n_steps) bulk stress of the lower and the upper body [stress]."""
+    both = (solution.bulk_stress_lower, solution.bulk_stress_upper)
+    return np.array([np.zeros(len(steps)) if one is None else one[list(steps)] for one in both])
+
+
 def _nodal(solution: ContactSolution, step: int) -> Nodal:
     """Nodal tractions at a stored step."""
     x, pressure, shear, friction = solution.x, solution.pressure[step], solution.shear[step], solution.scene.friction.coefficient
@@ -254,7 +268,8 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
     carried = float(solution.tangential_load[step])
     if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):
         carried = float(shear @ solution.weights)  # on curved faces p carries a part of Q
-    growing = rise > 0 and abs(drag) <= friction * rise
+    # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes the uncertainty larger, not smaller.
+    growing = rise > 0 and abs(drag) <= friction * rise and solution.tilt is None
     return Nodal(x[closed], pressure[closed], shear[closed], (left, right), (first, last), friction, carried, growing)
 
 
@@ -264,10 +279,21 @@ def _tractions(solution: ContactSolution, step: int) -> tuple[Tractions | None, 
 
 
 def _body_fields(
-    name: str, forces: Array, solution: FiniteElementSolution, pairs: Sequence[tuple[Tractions | None, Array]]
+    name: str,
+    forces: Array,
+    solution: FiniteElementSolution,
+    pairs: Sequence[tuple[Tractions | None, Array]],
+    steps: Sequence[int],
 ) -> list[BodyFields]:
     """Fields of a body for each column of `forces` (2, n, k); the upper body is reflected into the common frame."""
-    (basis, displacements), stresses, rest = _stress(name, forces, solution, pairs)
+    bulk, shape = _bulk_stresses(solution, steps)[int(name == "upper")], getattr(solution.scene.bodies, name)
+    (basis, displacements), stresses, rest = _stress(name, forces, solution, pairs, bulk)
+    if isinstance(shape, HalfPlane) and bulk.any():
+        material, nodes = solution.condensed[name == "upper"].material, node_dofs(basis)
+        stretched = uniform_stretch(material, *basis.mesh.p)
+        for component in (0, 1):
+            displacements[nodes[component]] += np.outer(stretched[component], bulk)
+        stresses = stresses + np.array([1.0, 0.0, 0.0, material.poisson_ratio])[:, None] * bulk
     side = 1.0 if name == "lower" else -1.0
     flip = np.array([1.0, side])
     nodes, points = node_dofs(basis), basis.mesh.p.T * flip
@@ -277,10 +303,12 @@ def _body_fields(
         stress = stresses[..., k] * [1.0, 1.0, side, 1.0]
         edges = np.array(series.edges if series is not None else (np.nan, np.nan))
         tension, uncertain = side * series.edge_tension() if series is not None else np.zeros(2), apart
+        if series is not None and isinstance(shape, HalfPlane):
+            tension = tension + bulk[k]
         if rest is not None and series is not None:
             tension = tension + rest.stress(edges, np.zeros(2))[:, 0, k]
             uncertain = uncertain + rest.error[k]
-        elif series is not None and not isinstance(getattr(solution.scene.bodies, name), HalfPlane):
+        elif series is not None and not isinstance(shape, HalfPlane):
             tension, uncertain = np.full(2, np.nan), np.full(2, np.nan)  # too thin: what its size adds is not known
         parts = (cells, values[nodes].T * flip, stress, _von_mises(stress), edges, tension, uncertain)
         found.append(BodyFields(name, points, *parts))
@@ -292,18 +320,18 @@ def _stress(
     forces: Array,
     solution: FiniteElementSolution,
     pairs: Sequence[tuple[Tractions | None, Array]],
+    bulk: Array,
     rest_alone: bool = False,
 ) -> tuple[tuple[skfem.Basis, Array], Array, Rest | None]:
     """Basis and displacements of a body; its stress (n, 4, k) at the nodes in its own frame; what its size adds, None if unknown.
 
-    With `rest_alone` the stress is that of the elements alone.
-
+    The bulk stress (k,) is in all of it, but for that of a half-plane. With `rest_alone` the stress is that of the elements alone.
 
     Beside the contact stress is that of the tractions on a half-plane and what the size of the body adds; further away that of
     the elements; a smooth step leads from the one to the other. Faces that are not flat are flattened for it.
     """
     condensed, shape = solution.condensed[name == "upper"], getattr(solution.scene.bodies, name)
-    basis, displacements, tensions = displacement_fields(condensed, forces, solution.scene.profile.datum_length)
+    basis, displacements, tensions = displacement_fields(condensed, forces, solution.scene.profile.datum_length, bulk)
     nodal = [_nodal_stress(basis, *case, condensed) for case in zip(displacements.T, tensions.T, strict=True)]
     stress, weights = np.stack([part for part, _ in nodal], axis=-1), nodal[0][1]
     touching = [found.half_width for found, _ in pairs if found is not None]
@@ -345,7 +373,8 @@ def _room(shape: Shape) -> float:
 
 def _moved(body: BodyFields, solution: FiniteElementSolution, step: int) -> BodyFields:
     rigid = np.array([solution.tangential_displacement[step], -solution.normal_approach[step]])
-    return replace(body, displacement=body.displacement + rigid)
+    tilt = 0.0 if solution.tilt is None else solution.tilt[step]
+    return replace(body, displacement=body.displacement + rigid + tilt * body.points[:, ::-1] * [-1.0, 1.0])
 
 
 def _cells(basis: skfem.Basis) -> NDArray[np.int64]:

@@ -1,8 +1,10 @@
 """The interface of two condensed bodies as one value: what nodal contact forces do to gap and slip.
 
-    g = h - n_y delta + n_x U + N p - K^T q          gap, delta the normal approach, n the normal (out of the lower body)
-    s = n_y U + n_x delta + K p - T q                slip of the upper face over the lower, U the tangential displacement
+    g = h - n_y delta + n_x U + N p - K^T q + G e    gap, delta the normal approach, n the normal (out of the lower body)
+    s = n_y U + n_x delta + K p - T q + S e          slip of the upper face over the lower, U the tangential displacement
     P = n_y p + n_x q,   Q = n_y q - n_x p           what the upper body carries
+    e = (sigma_lower, sigma_upper, alpha)            bulk stress of the bodies, tilt of the upper one about x = y = 0
+    M = G_alpha p - S_alpha q                        moment about that point; of flat faces sum x p: G_alpha = x, S_alpha = 0
 
 p and q are nodal forces (pressure and shear times weight), p pressing and q along the tangent (n_y, -n_x) on the lower body.
 N and T are symmetric, K couples: it is exactly zero for like bodies on matching meshes. On flat faces n = (0, 1).
@@ -13,7 +15,7 @@ N and T are symmetric, K couples: it is exactly zero for like bodies on matching
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,9 +23,10 @@ from numpy.typing import NDArray
 
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.mortar import Mortar, Side, mortar
+from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.store import condensed
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
-from scenes import Block, InputError, Pad, Scene, freeze
+from scenes import Block, InputError, Pad, Scene, Shape, freeze, sampled
 
 Array = NDArray[np.float64]
 
@@ -43,6 +46,8 @@ class Interface:
     normal, tangential : (n, n) N and T [length per force per thickness]
     coupling : (n, n) K, or None where it is exactly zero
     nearest : x and initial distance where the faces are nearest to each other [length]
+    imposed : (2, n, 3) G and S: gap and slip by a unit of bulk stress in the lower body, in the upper one [length per stress], and
+        by a unit of tilt [length]; nothing by stress in pads and cylinders
     guided : whether this is one half of faces that p and q leave as mirror images (`mirror`): U is zero by symmetry, and so is Q
     """
 
@@ -55,6 +60,7 @@ class Interface:
     coupling: Array | None
     nearest: tuple[float, float] = (0.0, 0.0)
     guided: bool = False
+    imposed: Array | None = None
 
     @property
     def flat(self) -> bool:
@@ -72,6 +78,7 @@ class Interface:
             tangential=freeze(self.tangential / compliance),
             coupling=None if self.coupling is None else freeze(self.coupling / compliance),
             nearest=(self.nearest[0] / length, self.nearest[1] / length),
+            imposed=None if self.imposed is None else freeze(self.imposed / [length * compliance, length * compliance, length]),
         )
 
     def moved(self, approach: float, shift: float) -> tuple[Array, Array]:
@@ -84,12 +91,21 @@ class Interface:
         n_x, n_y = self.normals
         return float(n_y @ pressure + n_x @ shear), 0.0 if self.guided else float(n_y @ shear - n_x @ pressure)
 
+    def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
+        """(3,) F = S q - G p, work of the loads per unit of e: -m_q/E' of the stress in a half-plane below, -M of the tilt."""
+        if self.imposed is None:
+            return np.zeros(3)
+        return np.asarray(shear @ self.imposed[1] - pressure @ self.imposed[0])
+
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     """Couple two bodies: node by node where flat faces have nodes opposite each other, by mortar on their middle line elsewhere.
 
     The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0 here.
     """
+    rotated = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
+    below, above = (np.broadcast_to(body.by_stress, (2, len(body.x))) for body in (lower, upper))
+    moved = below, above * _REFLECTED[:, None], rotated
     if _opposite(lower, upper):
         # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels -q along x and -p outward.
         below, above = lower.compliance, upper.compliance
@@ -97,6 +113,7 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         normal, tangential = (below[i, :, i, :] + above[i, :, i, :] for i in (1, 0))
         coupling = below[0, :, 1, :] - above[0, :, 1, :]
         weights, normals, gap, nearest = lower.weights, flat, np.zeros_like(lower.x), (0.0, 0.0)
+        imposed = np.stack([-moved[0], *moved[1:]], axis=-1)[::-1]
     else:
         sides = _mortar(lower, upper)
         by_lower, by_upper = _flattened(sides.lower), _flattened(sides.upper)
@@ -104,6 +121,8 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         n = len(lower.x)
         normal, tangential, coupling = total[:n, :n], total[n:, n:], total[n:, :n]
         weights, normals, gap, nearest = sides.weights, sides.normals, sides.gap, sides.nearest
+        parts = (-sides.lower, moved[0]), (sides.upper, moved[1]), (sides.upper, moved[2])
+        imposed = np.stack([np.einsum("dnim,im->dn", of_side, displacement) for of_side, displacement in parts], axis=-1)
     return Interface(
         freeze(lower.x),
         freeze(weights),
@@ -113,27 +132,22 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
         freeze(tangential),
         freeze(coupling) if coupling.any() else None,
         nearest,
+        imposed=freeze(imposed),
     )
 
 
-# Nodes within which what only the mesh makes of N - T and K dies out, and those behind them whose mean is the plateau there.
-_LOCAL, _PLATEAU = 8, (9, 10)
+# Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out, and up to which it is looked at
+# what is left behind that.
+_LOCAL, _PLATEAU = 8.5, 10.5
+# Largest degree of the polynomial that stands for what is smooth of bodies, in both places together, nodes that one more degree
+# needs, and samples that it goes through.
+_DEGREE, _NODES_A_DEGREE, _SAMPLES = 8, 25, 48
 # Nodes of the contact side below which there is no such plateau.
 _LEAST_NODES = 21
 
 
-def smooth_over_nodes(scene: Scene, faces: Interface) -> bool:
-    """Whether ten nodes next to each other see no end of a face and no base: there N - T has parts that are not the mesh's."""
-    apart, nodes = np.diff(faces.x), max(_PLATEAU)
-    depth = min(
-        float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper)
-    )
-    at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
-    return len(faces.x) >= _LEAST_NODES and at_ends and depth >= 2 * nodes * float(apart.max())
-
-
-def without_local_difference(faces: Interface) -> Interface:
-    r"""The faces without the parts of N - T and of K that only the mesh makes.
+def without_local_difference(faces: Interface, scene: Scene) -> Interface | None:
+    r"""The faces without the parts of N - T and of K that only the mesh makes; None where these can't be told from the bodies' own.
 
     On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x - x'| along itself, whether it
     presses or shears: N and T have one singular part, N - T is smooth, and K jumps at x = x', smooth on either side. On a mesh of
@@ -141,26 +155,62 @@ def without_local_difference(faces: Interface) -> Interface:
     that touch, T the compliance of those that stick: the same set is longer for the one than for the other by a share of an
     element, and wherever edges move W has an error of first order. Here these parts go, T being what is changed:
 
-        D_ij = (m_i + m_j)/2,   D = N - T,   |i - j| <= 8,   m_i the mean of D_ij at |i - j| = 9 and 10,
+        D = N - T = S + R,   R_ij = (m_i + m_j)/2 where |x_i - x_j| <= 8.5 h_ij
 
-    and K likewise on each side of its diagonal, which is the mean of both. All that it takes from elasticity is that the singular
-    parts are equal: that is imposed thereby, and not tested any more. It is for faces that are `smooth_over_nodes`.
+    S is a polynomial in x_i and x_j through D beyond that distance: what is smooth, of bodies of any shape; m_i is the mean of R_ij
+    over 8.5 to 10.5 h_ij, and h_ij the larger size at i and at j; of small elements next to large ones that of the large. K
+    goes likewise on each side of its diagonal, which is the mean of both. All that it takes from elasticity is that the singular
+    parts are equal: that is imposed thereby, and not tested any more. Where ten nodes next to each other see the end of a face, or
+    a base, N - T has parts that are not the mesh's.
     """
-    n = len(faces.x)
-    ahead = np.subtract.outer(np.arange(n), np.arange(n))
+    n, apart, nodes = len(faces.x), np.diff(faces.x), int(_PLATEAU)
+    depth = min(
+        float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper)
+    )
+    at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
+    if n < _LEAST_NODES or not at_ends or depth < 2 * nodes * float(apart.max()):
+        return None
+    ahead = _sizes_ahead(faces.x)
     band = np.abs(ahead) <= _LOCAL
-    tangential = np.where(band, faces.normal - _plateau(faces.normal - faces.tangential, np.abs(ahead)), faces.tangential)
+    tangential = np.where(band, faces.normal - _smooth(faces.normal - faces.tangential, faces.x, np.abs(ahead)), faces.tangential)
     coupling = faces.coupling
     if coupling is not None:
-        left, right = _plateau(coupling, ahead), _plateau(coupling, -ahead)
+        left, right = _smooth(coupling, faces.x, ahead), _smooth(coupling, faces.x, -ahead)
         smooth = np.where(ahead == 0, (left + right) / 2, np.where(ahead > 0, left, right))
         coupling = freeze(np.where(band, smooth, coupling))
     return replace(faces, tangential=freeze(tangential), coupling=coupling)
 
 
-def _plateau(matrix: Array, ahead: NDArray[np.int64]) -> Array:
-    """(n, n) means of the row and of the column of each entry over those 9 and 10 nodes ahead; their mean, or the one there is."""
-    behind: NDArray[np.bool_] = np.isin(ahead, _PLATEAU)
+def _sizes_ahead(x: Array) -> Array:
+    """(n, n) distance x_i - x_j over the larger element size at i and at j: between equal elements, a number of nodes.
+
+    What large elements make reaches into small ones beside them, as far as 8 of the large ones: they count as larger there.
+    """
+    apart = np.diff(x)
+    size = np.maximum(np.append(apart, apart[-1]), np.insert(apart, 0, apart[0]))
+    size = np.max(size - np.abs(np.subtract.outer(x, x)) / _LOCAL, axis=1)
+    return np.asarray(np.subtract.outer(x, x) / np.maximum.outer(size, size))
+
+
+def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
+    """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of rows and columns behind that."""
+    u = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
+    some = np.unique(np.searchsorted(u, np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)).clip(0, len(x) - 1))
+    i, j = np.nonzero(ahead[np.ix_(some, some)] > _LOCAL)
+    i, j = some[i], some[j]
+    degree = min(_DEGREE, len(x) // _NODES_A_DEGREE)
+    series = np.polynomial.legendre.legvander(u, degree)
+    pairs = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]
+    values = np.linalg.lstsq(np.stack([series[i, k] * series[j, m] for k, m in pairs], axis=1), matrix[i, j], rcond=1e-10)[0]
+    terms = np.zeros((degree + 1, degree + 1))
+    terms[tuple(np.transpose(pairs))] = values
+    whole = series @ terms @ series.T
+    return whole + _plateau(matrix - whole, ahead)
+
+
+def _plateau(matrix: Array, ahead: Array) -> Array:
+    """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean, or the one there is."""
+    behind = (ahead > _LOCAL) & (ahead <= _PLATEAU)
     rows, columns = ((matrix * behind).sum(axis=axis) / np.maximum(behind.sum(axis=axis), 1) for axis in (1, 0))
     there = np.add.outer(np.any(behind, axis=1).astype(float), np.any(behind, axis=0).astype(float))  # the sums are 0 where none is
     return np.asarray(np.add.outer(rows, columns) / np.maximum(there, 1.0))
@@ -226,10 +276,17 @@ def meshed_pair(scene: Scene, mesh: MeshSettings, grading: Callable[[float], Sur
     grading : of a body whose elements are to be so many times as large
     """
     shapes = scene.bodies
-    lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)
+    lower = _with_ends(build("lower", shapes.lower, scene.profile, grading(1.0), mesh), shapes.lower, scene)
     if shapes.lower == shapes.upper and mesh.upper_ratio == 1:
         return lower, lower
-    return lower, build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh)
+    return lower, _with_ends(build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh), shapes.upper, scene)
+
+
+def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
+    """The body with its free sides as ends that the bulk stress pulls, where it is a block and the scene has such a stress."""
+    if not (_has_ends(shape) and has_bulk_stress(scene.load.path())):
+        return body
+    return replace(body, supports={**body.supports, "sides": "pulled"})
 
 
 def condensed_pair(
@@ -258,15 +315,67 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     return interface.gap
 
 
+def check_bulk_stress(scene: Scene) -> None:
+    """Refuse bulk stress in bodies without ends that can be pulled.
+
+    Half-planes have their ends far away. A block with free sides is a specimen between grips: its stress is the mean of both ends.
+    Walls hold a guided one. A pad or a cylinder is part of an indenter, whose stress along x the contact and the base make.
+
+    Raises
+    ------
+    InputError
+        For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
+    """
+    legs = [leg.bulk for leg in scene.load.path().legs(1) if leg.bulk is not None]
+    for number, name in enumerate(("lower", "upper")):
+        body, pulled = getattr(scene.bodies, name), any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs)
+        if pulled and not (body.kind == "half_plane" or _has_ends(body)):
+            which = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
+            raise InputError(
+                f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {which}; half-planes take bulk stress, and "
+                "blocks with sides = 'free'"
+            )
+
+
+def _has_ends(body: Shape) -> bool:
+    return isinstance(body, Block) and body.sides == "free"
+
+
+def bulk_stress_notes(scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float) -> Iterator[str]:
+    """What the bulk stress of a block is: where its ends hold Q, the jump Q/H; where its base does, the share at the face."""
+    if not has_bulk_stress(scene.load.path()):
+        return
+    for name, one in zip(("lower", "upper"), condensed, strict=True):
+        body = getattr(scene.bodies, name)
+        if not (isinstance(body, Block) and _has_ends(body)):
+            continue
+        if body.base == "rollers" and tangential_load > 0:
+            yield (
+                f"the bulk stress of the {name} body is the mean of its two ends, which hold Q by halves: across the contact it "
+                f"jumps by Q/H, {tangential_load / body.height:.3g} at the largest Q"
+            )
+        elif body.base == "fixed":
+            middle = np.abs(one.x) <= np.abs(one.x).max() / 2
+            strain = np.polyfit(one.x[middle], one.by_stress[0, middle], 1)[0]
+            share = strain * one.material.young_modulus / (1 - one.material.poisson_ratio**2)
+            yield (
+                f"the bulk stress of the {name} body is that at its ends: its fixed base holds back a part, and {share:.0%} of the "
+                "stress is at the middle of the face; base = 'rollers' is a specimen cut at its middle plane"
+            )
+
+
 def check_supports(scene: Scene, sheared: bool) -> None:
     """Refuse bodies that a tangential load would push off their supports.
 
     Raises
     ------
     InputError
-        For a block or pad on rollers with free sides under a tangential load.
+        For a block or pad on rollers with free sides under a tangential load, but for a block whose ends a bulk stress pulls: they
+        hold the load too.
     """
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
+        if _has_ends(body) and has_bulk_stress(scene.load.path()):
+            continue
         if sheared and isinstance(body, Block | Pad) and body.base == "rollers" and body.sides == "free":
             raise InputError(
                 f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it slides off: its base is on "

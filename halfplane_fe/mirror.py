@@ -55,6 +55,7 @@ def half(faces: Interface) -> Interface:
         weights=freeze(np.bincount(place, faces.weights)),
         normals=freeze(faces.normals[:, right]),
         gap=freeze(faces.gap[right]),
+        imposed=None,
         normal=freeze(_folded(faces.normal, 1.0, 1.0)),
         tangential=freeze(tangential),
         coupling=freeze(_folded(faces.coupling, -1.0, 1.0)) if faces.coupling is not None else None,

@@ -1,4 +1,7 @@
-"""Where the increments of a load path end: turning points, regular instants; and where the path leaves the admissible region."""
+"""The loads of a path; where its increments end: turning points, regular instants; where it leaves the admissible region.
+
+The loads are P and Q; where a path has bulk stress or tilt they are five: P, Q, sigma_lower, sigma_upper, and tilt or moment.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, InadmissibleLoadError, LoadPath, LoadSegment, sampled
+from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, Combination, InadmissibleLoadError, LoadPath, LoadSegment, sampled
 
 Array = NDArray[np.float64]
 
@@ -36,6 +39,44 @@ class Stretch:
     ends: tuple[float, ...]
 
 
+def has_bulk_stress(path: LoadPath) -> bool:
+    """Whether a body of the path has a bulk stress, be it 0 at times."""
+    return path.initial_loading[0].bulk is not None
+
+
+def turned(path: LoadPath) -> bool:
+    """Whether the upper body is tilted, by an angle or a moment."""
+    return path.initial_loading[0].turning is not None
+
+
+def _parts(leg: LoadSegment) -> tuple[tuple[LoadSegment | None, Combination], ...]:
+    """The loads of a leg: each a combination of a segment's pair, or 0."""
+    pair = (leg, NORMAL_LOAD), (leg, TANGENTIAL_LOAD)
+    if leg.bulk is None and leg.turning is None:
+        return pair
+    # Of tilt and moment one is 0 throughout.
+    return *pair, (leg.bulk, NORMAL_LOAD), (leg.bulk, TANGENTIAL_LOAD), (leg.turning, Combination(1.0, 1.0))
+
+
+def straight(leg: LoadSegment) -> bool:
+    """Whether all loads of a leg are linear in time."""
+    return all(segment is None or segment.is_straight for segment, _ in _parts(leg))
+
+
+def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
+    """The two or five loads of a leg at an instant."""
+
+    def load(segment: LoadSegment | None, what: Combination) -> float:
+        return 0.0 if segment is None else sum(c * float(one) for c, one in zip(what, segment.loads(time), strict=True))
+
+    return tuple(load(*part) for part in _parts(leg))
+
+
+def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:
+    """The same, each over its unit; there may be more units than loads."""
+    return tuple(load / unit for load, unit in zip(loads_of(leg, time), units, strict=False))
+
+
 def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
     """Instants inside a leg at which normal P + tangential Q turns round."""
     times = sampled(leg, _SAMPLES)
@@ -53,8 +94,10 @@ def turns(leg: LoadSegment, normal: float, tangential: float) -> set[float]:
 
 
 def turning_points(leg: LoadSegment, friction: float) -> list[float]:
-    """Instants inside a leg at which P, Q - f P or Q + f P turn round, ascending."""
+    """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round, ascending."""
     found = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
+    for segment, what in _parts(leg)[2:]:
+        found |= set() if segment is None else turns(segment, *what)
     span = leg.end - leg.start
     ordered: list[float] = []
     for time in sorted(found):
@@ -78,14 +121,25 @@ def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stre
 _GAUSS = np.polynomial.legendre.leggauss(8)
 
 
-def enclosed(leg: LoadSegment, start: float, end: float) -> float:
-    """Integral of Q dP along the leg from start to end, minus that along the chord: 0 of a straight leg."""
-    if leg.is_straight:
-        return 0.0
+def enclosed(leg: LoadSegment, start: float, end: float) -> Array | None:
+    """(m, m) integral of load i d load j along the leg from start to end, minus that along the chord; None of a straight leg.
+
+    It is skew: the integral of d(i j) is the same along both.
+    """
+    if straight(leg):
+        return None
+    parts = _parts(leg)
     times = (start + end) / 2 + (end - start) / 2 * _GAUSS[0]
-    rise = float(leg.change_of(TANGENTIAL_LOAD, end, start))
-    above = leg.change_of(TANGENTIAL_LOAD, times, start) - rise / 2
-    return float(np.sum(_GAUSS[1] * above * leg.rate_of(NORMAL_LOAD, times))) * (end - start) / 2
+    found = np.zeros((len(parts), len(parts)))
+    for i, (segment, what) in enumerate(parts):
+        if segment is None:
+            continue
+        above = segment.change_of(what, times, start) - float(segment.change_of(what, end, start)) / 2
+        for j, (other, along) in enumerate(parts[:i]):
+            if other is not None:
+                found[i, j] = float(np.sum(_GAUSS[1] * above * other.rate_of(along, times))) * (end - start) / 2
+                found[j, i] = -found[i, j]
+    return found
 
 
 def check_admissible(path: LoadPath, friction: float) -> None:

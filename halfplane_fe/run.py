@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
+from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import IncrementEnergy, certificates
-from halfplane_fe.path import stretches
+from halfplane_fe.path import scaled_loads, straight, stretches
+from halfplane_fe.steady import Trend, ratchets, trend
 from halfplane_fe.stepping import follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
 
@@ -18,13 +19,17 @@ Array = NDArray[np.float64]
 Progress = Callable[[int, int | None, str], None]
 
 # Two revolutions end alike when no nodal force differs by more than this share of the largest. Nodes at the rim of the permanent
-# stick zone go on creeping towards the steady cycle, each time a tenth as far; what they leave is far below the mesh error.
+# stick zone go on creeping towards the steady cycle. How fast is another matter (`steady`): the dissipation has to be there too.
 REPEATS = 5e-4
+# The same where they are equal but for round-off of the nodal forces.
+_EQUAL = 1e-9
 # Dissipation over f^2 P^2/E* below which the step error need not follow it down.
 _LEAST_DISSIPATION = 3e-3
 # Instants of a path of straight legs that keep pressure, shear and gap: a record of 2,000 rows has 40,000 increments, which would
 # take gigabytes. No scene of the library comes near.
 MOST_INSTANTS = 4000
+# Share of the first leg of the initial loading after which its line of action is read.
+_SOON = 1e-3
 _NONE = freeze(np.empty(0))
 
 
@@ -44,7 +49,8 @@ class PathRun:
     density : (n,) dissipation of each node in the revolution so far
     cycle_starts : index of the state at which each revolution starts
     cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it is not periodic
-    steady_from : index of the first revolution that ended as it started
+    steady_from : index of the first revolution that ended as it started, with what is left of the dissipation's way within its
+        uncertainty
     cycle_change : per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end, over the largest p
     failure : what stopped the run, or None
     """
@@ -66,6 +72,23 @@ class PathRun:
     _whole: int = 1
     _stride: int = 1
     _corner_stride: int = 1
+
+    @property
+    def trend(self) -> Trend:
+        """Where the dissipation of the revolutions goes."""
+        if self.cycle_change and self.cycle_change[-1] <= _EQUAL:
+            return Trend("steady", 0.0, float(self.cycle_density[-1].sum()))
+        return trend([float(density.sum()) for density in self.cycle_density])
+
+    @property
+    def ratchets(self) -> bool:
+        """Whether each revolution leaves the upper body further along by the same distance."""
+        ends = [self.states[index].shift for index in (*self.cycle_starts, len(self.states) - 1)]
+        if len(self.cycle_change) < len(self.cycle_starts) or len(ends) < 2:  # the last one failed, or the path does not repeat
+            return False
+        drifts = np.diff(ends).tolist()
+        travel = float(np.ptp([state.shift for state in self.states[self.cycle_starts[-1] :]]))
+        return ratchets([drifts[-1]] * 2 if self.cycle_change[-1] <= _EQUAL else drifts, travel)
 
     @property
     def kept(self) -> NDArray[np.int64]:
@@ -114,23 +137,41 @@ class Pace:
     load : what loads are divided by
     steps_per_cycle : regular increments of one revolution, or of the longest leg of a polygon
     step_tolerance : step error of a revolution over its dissipation that calls for shorter increments
+    half_width, modulus : units of length and of stress, with `load` those of bulk stress, tilt and moment
     """
 
     load: float
     steps_per_cycle: int
     step_tolerance: float
+    half_width: float = 1.0
+    modulus: float = 1.0
+
+    def units(self, moment_given: bool) -> tuple[float, ...]:
+        """What each of the five loads of `path` is divided by."""
+        stress = self.load / self.half_width
+        return self.load, self.load, stress, stress, self.load * self.half_width if moment_given else stress / self.modulus
 
 
 def run_path(
-    problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, progress: Progress, *, keep_all: bool = False
+    problem: ContactProblem,
+    path: LoadPath,
+    pace: Pace,
+    cycles: int,
+    progress: Progress,
+    *,
+    uncertainty: Callable[[PathRun], float] = lambda _run: np.inf,
+    keep_all: bool = False,
 ) -> PathRun:
     """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats; `keep_all` states of a long path.
+
+    A revolution repeats where its nodal forces do, and what is left of the dissipation's way is less than the `uncertainty` that
+    its mesh and steps give it (scaled; NaN where that is unknown: then up to round-off).
 
     Neither a ConvergenceError nor Ctrl-C gets lost: it ends the run and is kept in `failure` with everything solved before it.
     """
     # Thinned only where theory on the straight steps between the instants is theory on the path itself, whichever of them are kept.
-    straight = not keep_all and all(leg.is_straight for leg in (*path.initial_loading, *path.cycle))
-    run = PathRun([untouched(problem.height, path.start)], bounded=straight)
+    bounded = not keep_all and all(straight(leg) for leg in (*path.initial_loading, *path.cycle))
+    run = PathRun([_at_rest(problem, path, pace)], bounded=bounded)
     try:
         _follow_legs(problem, run, path.initial_loading, pace.steps_per_cycle / 8, pace, progress, "initial loading")
         if path.period is None:
@@ -142,7 +183,7 @@ def run_path(
             _follow_legs(problem, run, path.cycle_legs(number), pace.steps_per_cycle, pace, progress, f"revolution {number + 1}")
             run.cycle_density.append(run.density)
             run.cycle_change.append(_change(before, run.states[-1], problem.friction))
-            if run.cycle_change[-1] <= REPEATS:
+            if run.cycle_change[-1] <= REPEATS and abs(run.trend.left) <= np.nan_to_num(uncertainty(run)):
                 run.steady_from = number
                 break
     except ConvergenceError as failure:
@@ -151,6 +192,14 @@ def run_path(
         _drop_unfinished(run)
         run.failure = Interrupted(f"interrupted at time {run.states[-1].time:.6g}, after {len(run.energies)} steps")
     return run
+
+
+def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
+    """The unloaded state; a line of action is where the resultant is soon after."""
+    leg, units = path.initial_loading[0], pace.units(problem.moment_given)
+    normal_load, *_, moment = scaled_loads(leg, leg.start + _SOON * (leg.end - leg.start), units)
+    line = moment / normal_load if problem.moment_given and normal_load > 0 else 0.0
+    return problem.at_rest(path.start, scaled_loads(leg, path.start, units), line)
 
 
 def _drop_unfinished(run: PathRun) -> None:
@@ -180,7 +229,7 @@ def _follow_legs(
 
     for done, piece in enumerate(pieces):
         progress(done, len(pieces), said())
-        for increment in follow(problem, run.states[-1], piece, pace.load, allowed):
+        for increment in follow(problem, run.states[-1], piece, pace.units(problem.moment_given), allowed):
             run.checks.append(certificates(problem, run.states[-1], increment.solved))
             run.energies.append(increment.energy)
             run.iterations.append(increment.iterations)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
+from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, untouched
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.interface import (
     Interface,
@@ -23,9 +23,9 @@ from halfplane_fe.interface import (
     initial_gap,
     meshed_pair,
     shapes_alike,
-    smooth_over_nodes,
     without_local_difference,
 )
+from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
 from halfplane_fe.visible import visible_states
@@ -40,6 +40,8 @@ _MESH = MeshSettings(growth=0.4)
 _FRACTION = (0.6, 0.85)
 _OF_THE_FACE = 0.97
 _ELEMENTS, _COARSE_STEPS = 24, 48
+COARSE_CYCLES = 2
+"""Cycles of the coarse run at most."""
 # The innermost edge is rounded down to this share of the half-width: no last digit of the coarse run shall move the mesh.
 _ROUGH = 100
 # By how much and how often the coarse body grows where the contact reaches its end; `solve` finds out if that was not enough.
@@ -55,7 +57,8 @@ class Scales:
     ----------
     half_width : contact half-width at the largest load of the path [length]
     inner : where the surface is to be fine from [length]: the least half-width that a contact or stick edge has in a revolution,
-        or the first kink of the profile, whichever is less; 0 where the path does not repeat
+        or the first kink of the profile, whichever is less; with bulk stress or tilt the least distance of an edge from x = 0, and
+        0 where an edge crosses it; 0 where the path does not repeat
     reach : largest distance from x = 0 at which the faces touch [length]
     load : largest normal load of the path [force per thickness]
     modulus : E* [stress]
@@ -96,8 +99,14 @@ def sheared(scene: Scene) -> bool:
 
 
 def needs_shear(scene: Scene) -> bool:
-    """Whether any shear can arise: friction, and a tangential load or unlike bodies."""
-    return scene.friction.coefficient > 0 and (sheared(scene) or not shapes_alike(scene))
+    """Whether any shear can arise: friction, and a tangential load, a bulk stress or unlike bodies."""
+    driven = sheared(scene) or has_bulk_stress(scene.load.path())
+    return scene.friction.coefficient > 0 and (driven or not shapes_alike(scene))
+
+
+def unsymmetric(scene: Scene) -> bool:
+    """Whether bulk stress, tilt or the profile let contact and stick zone lie anywhere, so that no half stands for both."""
+    return scene.load.path().has_bulk_or_tilt or not scene.profile.symmetric
 
 
 def find_scales(scene: Scene, work: Counter[str]) -> Scales:
@@ -112,15 +121,19 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(scene, load, modulus, work)
     size = _fitting_size(pair)
-    problem, run = _coarse_run(pair, size)
-    for _ in range(_ENLARGEMENTS):
-        if not any(state.closed[0] or state.closed[-1] for state in run.states):
-            break
-        # Shear moves the contact of unlike bodies sideways; the coarse body has to hold that too.
-        if size == pair.room:
-            raise _past_the_end(scene)
+    for more in reversed(range(_ENLARGEMENTS + 1)):
+        try:
+            problem, run = _coarse_run(pair, size)
+        except BesideTheFaces:
+            if not more or size == pair.room:
+                raise
+        else:
+            if not more or not any(state.closed[0] or state.closed[-1] for state in run.states):
+                break
+            # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body has to hold that too.
+            if size == pair.room:
+                raise _past_the_end(scene)
         size = min(size * _ENLARGED, pair.room)
-        problem, run = _coarse_run(pair, size)
     pressed = max(run.states, key=lambda state: state.normal_load)
     half_width = _half_widths(problem, [pressed])[0]
     reach = max(float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states)
@@ -128,7 +141,8 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     if scene.load.path().period is not None:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
         seen = visible_states(run.states, run.cycle_starts, scene.friction.coefficient)[cycles]
-        inner = _least_half_width(problem, run.states[cycles], seen)
+        nearest = _nearest_edge if unsymmetric(scene) else _least_half_width
+        inner = nearest(problem, run.states[cycles], seen)
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off
     return Scales(
@@ -161,7 +175,9 @@ class _CoarsePair:
         unscaled = self._interface(size)
         interface, zero = unscaled.scaled(size, 1 / self.modulus), np.zeros_like(unscaled.x)
         height = initial_gap(self.scene, unscaled) * self.modulus / self.load
-        return ContactProblem(interface, height, self.scene.friction.coefficient, Layer(zero, zero), tangential)
+        moment_given = self.scene.load.path().moment_given
+        parts = interface, height, self.scene.friction.coefficient, Layer(zero, zero), tangential
+        return ContactProblem(*parts, moment_given=moment_given)
 
     def _interface(self, size: float) -> Interface:
         """In the scene's units of length."""
@@ -169,7 +185,7 @@ class _CoarsePair:
         if self._made is None or self._made[0] != made_at:
             bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(made_at, ratio))
             faces = couple(*condensed_pair(self.scene, bodies, made_at, self.work))
-            self._made = made_at, without_local_difference(faces) if smooth_over_nodes(self.scene, faces) else faces
+            self._made = made_at, without_local_difference(faces, self.scene) or faces
         interface = self._made[1]
         return interface if made_at == size else interface.scaled(made_at / size, 1.0)
 
@@ -180,9 +196,9 @@ def _grading(size: float, ratio: float) -> SurfaceGrading:
 
 def _coarse_run(pair: _CoarsePair, size: float) -> tuple[ContactProblem, PathRun]:
     problem = pair.problem(size, needs_shear(pair.scene))
-    pace = Pace(pair.load, _COARSE_STEPS, np.inf)
+    pace = Pace(pair.load, _COARSE_STEPS, np.inf, size, pair.modulus)
     # All states, for their edges decide about the mesh; there are few nodes.
-    run = run_path(problem, pair.scene.load.path(), pace, 2, lambda _done, _total, _text: None, keep_all=True)
+    run = run_path(problem, pair.scene.load.path(), pace, COARSE_CYCLES, lambda _done, _total, _text: None, keep_all=True)
     if run.failure is not None:
         raise run.failure
     return problem, run
@@ -231,3 +247,13 @@ def _least_half_width(problem: ContactProblem, states: Sequence[InterfaceState],
     edges = stick_edges(problem.interface.x, seen == STICK, closed, np.column_stack([-contact, contact]))
     stick = np.where((seen == STICK).any(axis=1), np.diff(edges)[:, 0] / 2, 0.0)
     return float(np.minimum(contact, stick).min())
+
+
+def _nearest_edge(problem: ContactProblem, states: Sequence[InterfaceState], seen: NDArray[np.int8]) -> float:
+    """The least distance of a contact or stick edge from x = 0; 0 where one is on the other side of it, or nothing sticks."""
+    x, weights = problem.interface.x, problem.interface.weights
+    pressure, gap, closed = (np.array([getattr(state, name) for state in states]) for name in ("pressure", "gap", "closed"))
+    contact = contact_edges(x, pressure / weights, gap, closed, 1.0)
+    stick = stick_edges(x, seen == STICK, closed, contact, anywhere=True)
+    outwards = np.concatenate([contact, stick]) * [-1.0, 1.0]
+    return max(float(np.nan_to_num(outwards).min()), 0.0)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import IncrementEnergy, increment_energy
 from halfplane_fe.events import Event, landed, next_event, up_to_event
-from halfplane_fe.path import Stretch, enclosed
+from halfplane_fe.path import Stretch, enclosed, scaled_loads
 from scenes import ConvergenceError
 
 # Share of a regular increment below which a failure is passed on, and a step error accepted (and counted), instead of halved.
@@ -39,9 +41,9 @@ class Increment:
 
 
 def follow(
-    problem: ContactProblem, history: InterfaceState, stretch: Stretch, scale: float, allowed: Callable[[float], float]
+    problem: ContactProblem, history: InterfaceState, stretch: Stretch, units: tuple[float, ...], allowed: Callable[[float], float]
 ) -> Iterator[Increment]:
-    """Increments along one stretch of the path, loads divided by `scale`.
+    """Increments along one stretch of the path, each load divided by its unit.
 
     Landing on each node's touch (from where its slip counts) and release (up to where its friction works) leaves no increment with
     a node that is closed for a part of it only (`events`). An increment that does not converge, or whose step error is above
@@ -57,7 +59,7 @@ def follow(
     for end in stretch.ends:
         targets = [end]  # the first is to be reached, those after it are what halving has put before it
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
-            attempt = _attempt(problem, history, stretch, scale, targets[-1])
+            attempt = _attempt(problem, history, stretch, units, targets[-1])
             if isinstance(attempt, float):
                 targets.append((history.time + attempt) / 2)
                 continue
@@ -79,12 +81,13 @@ def follow(
             raise ConvergenceError(f"the increment that ends at time {end:.6g} was not reached: nodes touch and let go without end")
 
 
-def _attempt(problem: ContactProblem, history: InterfaceState, stretch: Stretch, scale: float, end: float) -> Increment | float:
+def _attempt(
+    problem: ContactProblem, history: InterfaceState, stretch: Stretch, units: tuple[float, ...], end: float
+) -> Increment | float:
     """The increment to the first event or to `end`; the instant to which it was tried where that does not converge."""
 
-    def loads_at(time: float) -> tuple[float, float]:
-        p, q = stretch.leg.loads(time)
-        return float(p) / scale, float(q) / scale
+    def loads_at(time: float) -> tuple[float, ...]:
+        return scaled_loads(stretch.leg, time, units)
 
     regular = stretch.ends[0] - stretch.start
     event, time = next_event(problem, history, loads_at, end)
@@ -96,5 +99,8 @@ def _attempt(problem: ContactProblem, history: InterfaceState, stretch: Stretch,
         problem.work["increments halved, not converged"] += 1
         return time
     solved = up_to_event(history, solved)
-    energy = increment_energy(problem, history, solved, enclosed(stretch.leg, history.time, time) / scale**2)
+    area = enclosed(stretch.leg, history.time, time)
+    if area is not None:
+        area /= np.multiply.outer(units[: len(area)], units[: len(area)])
+    energy = increment_energy(problem, history, solved, area)
     return Increment(solved, landed(solved, event), energy, iterations, event, (time - history.time) / regular)

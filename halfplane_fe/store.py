@@ -123,7 +123,7 @@ def _read(path: Path, body: BodyMesh, material: Elastic, datum_length: float, wo
     """The condensed body of a file; None where there is none, or none that stands up to both checks."""
     try:
         with _opened(path) as file, np.load(file, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in ("compliance", "probe", "names", "figures")}
+            arrays = {name: stored[name] for name in ("compliance", "probe", "by_stress", "names", "figures")}
             if str(stored["digest"]) != _digest(path.stem, arrays):
                 raise _RefusedError("has not the content that was written (its digest is another)")
         found = _checked(arrays, body, material, datum_length)
@@ -163,20 +163,22 @@ def _digest(key: str, arrays: Mapping[str, NDArray[Any]]) -> str:
 def _checked(arrays: Mapping[str, NDArray[Any]], body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
     """The condensed body, if it is the one of this mesh and material: the key and the digest are not all that speaks for it."""
     system = assemble(body, material)
-    compliance, probe, shape = arrays["compliance"], arrays["probe"], system.contact.shape
+    compliance, probe, by_stress, shape = arrays["compliance"], arrays["probe"], arrays["by_stress"], system.contact.shape
     forms = compliance.shape == (*shape, *shape) and probe.shape == (system.n_dofs,)
-    if not (forms and np.isfinite(compliance).all() and np.isfinite(probe).all()):
+    forms &= by_stress.shape == (shape if system.around or system.pull.any() else (2, 1))
+    if not (forms and all(np.isfinite(values).all() for values in (compliance, probe, by_stress))):
         raise _RefusedError("holds arrays of another form")
-    error = condensation_error(system, arc_loads(system, datum_length), compliance, probe)
+    error = condensation_error(system, arc_loads(system, datum_length), compliance, probe, by_stress)
     if not error <= LARGEST_ERROR:
         raise _RefusedError(f"holds another compliance than that of the mesh (by {error:.1e})")
     figures = {str(name): float(value) for name, value in zip(arrays["names"], arrays["figures"], strict=True)}
-    return condensed_body(body, system, compliance, probe, figures)
+    return condensed_body(body, system, compliance, probe, by_stress, figures)
 
 
 def _write(path: Path, made: CondensedBody, work: Counter[str]) -> None:
     names, figures = np.array(list(made.diagnostics)), np.array(list(made.diagnostics.values()))
-    arrays: dict[str, Any] = {"compliance": made.compliance, "probe": made.probe, "names": names, "figures": figures}
+    arrays: dict[str, Any] = {name: getattr(made, name) for name in ("compliance", "probe", "by_stress")}
+    arrays |= {"names": names, "figures": figures}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(suffix=".part", dir=path.parent)

@@ -42,7 +42,7 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
     """
     # Row by row: arrays of all steps and nodes would take gigabytes of a long record.
     seen = np.array([state.state for state in states])
-    loads = np.array([(state.normal_load, state.tangential_load) for state in states])
+    loads = np.array([state.loads for state in states])
     change = np.abs(np.diff(loads, axis=0, prepend=loads[:1])).sum(axis=1)
     normal, tangential = np.diff(loads[:, 0], prepend=0.0), np.diff(loads[:, 1], prepend=0.0)
 

@@ -112,7 +112,7 @@ class BodyMesh:
     grading : the surface as it was asked for
     quality : figure by name; see `mesh_quality`
     supports : boundary -> "half_plane" (follows the displacement of the half-plane around it), "fixed", "rollers" (moves along x
-        only) or "guided" (along y only)
+        only), "guided" (along y only) or "pulled" (free ends that a bulk stress acts on; those of a body on rollers hold Q)
     """
 
     name: str

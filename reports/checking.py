@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.units import load_unit, number, units
+from reports.comparison.metrics import bulk_strains
+from reports.units import load_unit, minus, number, units
 from scenes import (
     Block,
     Cylinder,
     EllipseLoad,
+    Hertz,
     InadmissibleLoadError,
     InputError,
     LoadSegment,
@@ -131,7 +133,7 @@ def require_admissible(scene: Scene, source: str) -> None:
 
 def _presses(scene: Scene) -> bool:
     """Whether P is positive anywhere."""
-    return any(_largest_normal_load(leg) > 0 for leg, _ in _deciding_legs(scene))
+    return largest_normal_load(scene) > 0
 
 
 def _other_initial_loading(scene: Scene) -> str:
@@ -145,7 +147,12 @@ def _other_initial_loading(scene: Scene) -> str:
 
 def largest_normal_load(scene: Scene) -> float:
     """Largest P of the path [force per thickness]."""
-    return max(_largest_normal_load(leg) for leg, _ in _deciding_legs(scene))
+    return _when_largest(scene)[0]
+
+
+def _when_largest(scene: Scene) -> tuple[float, float]:
+    """Largest P of the path and when that is."""
+    return max(_highest(leg, lambda time, leg=leg: leg.loads(time)[0]) for leg, _ in _deciding_legs(scene))  # type: ignore[misc]
 
 
 def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
@@ -161,10 +168,6 @@ def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
 def _worst_of(leg: LoadSegment, friction: float) -> tuple[float, float]:
     """(largest ratio, its time) on one leg."""
     return _highest(leg, lambda time: _ratio(*leg.loads(time), friction))
-
-
-def _largest_normal_load(leg: LoadSegment) -> float:
-    return _highest(leg, lambda time: leg.loads(time)[0])[0]
 
 
 def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, float]:
@@ -228,25 +231,107 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
 
     That is a table or a function which ends within the contact, or a shape under which the contact would split.
     """
+    import semi_analytic
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import contact_of
 
-    load = largest_normal_load(scene)
+    load, time = _when_largest(scene)
+    whole = scene.load.has_bulk_or_tilt or not scene.profile.symmetric  # else the right half of the contact is enough
     try:
-        contact = contact_of(scene.profile, scene.material)
-        half = float(contact.half_width(load))
+        if whole:
+            left, right = semi_analytic.solve(scene, x=[0.0], time=[time], fields=()).contact_edges[0].tolist()
+        else:
+            contact = contact_of(scene.profile, scene.material)
+            left, right = 0.0, float(contact.half_width(load))
     except InputError as fault:
         raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    # Close points at the edge, where a flat with rounded corners has its peak; then closer ones around the best.
-    x = np.union1d(half * np.sin(np.linspace(0, np.pi / 2, 129)), [kink for kink in scene.profile.kinks if kink < half])
-    pressure = contact.pressure(x, load)
+
+    def pressure_at(x: Array) -> Array:
+        if whole:
+            return semi_analytic.solve(scene, x=x, time=[time], fields="pressure").pressure[0]
+        return contact.pressure(x, load)
+
+    # Close points at the edges, where a flat with rounded corners has its peak; then closer ones around the best.
+    middle, half = ((left + right) / 2, (right - left) / 2) if whole else (0.0, right)
+    x = middle + half * np.sin(np.linspace(-np.pi / 2 * whole, np.pi / 2, 257 if whole else 129))
+    x = np.union1d(x, [kink for one in scene.profile.kinks for kink in (-one, one) if left < kink < right])
+    pressure = pressure_at(x)
     best = int(np.argmax(pressure))
     near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 65)
-    peak = max(float(pressure[best]), float(np.max(contact.pressure(near, load))))
-    slope = float(np.diff(scene.profile.height(half * np.array([1 - 1e-6, 1 + 1e-6]))).item()) / (2e-6 * half)
-    mean = load / (2 * half)
+    peak = max(float(pressure[best]), float(np.max(pressure_at(near))))
+    ends = np.array([left, right] if whole else [right])
+    slopes = np.diff(scene.profile.height(ends[:, None] * np.array([1 - 1e-6, 1 + 1e-6])), axis=1)[:, 0] / (2e-6 * np.abs(ends))
+    slope, mean = float(np.max(slopes)), load / (2 * half)
     strain = (peak if np.isfinite(peak) else mean) / composite_modulus(scene.material)
     return LargestContact(load, half, peak, strain, slope, _ratios(scene, half))
+
+
+@dataclass(frozen=True)
+class BulkAndTilt:
+    """What bulk stress and tilt do to a contact, from the loads alone.
+
+    Attributes
+    ----------
+    strain : largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1 - nu^2)
+    eccentricity : e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and without friction
+    share_of_moderate : that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk is moderate.
+        Infinite where Q stands still, None where eps does
+    centre : middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of other profiles
+    """
+
+    strain: float
+    eccentricity: float | None
+    share_of_moderate: float | None
+    centre: float | None
+
+
+def bulk_and_tilt(scene: Scene) -> BulkAndTilt | None:
+    """The bulk strain of a scene's path and what it does; None without bulk stress and tilt."""
+    import semi_analytic
+    from semi_analytic.elasticity import composite_modulus
+
+    if not scene.load.has_bulk_or_tilt:
+        return None
+    path, shares, rows = scene.load.path(), bulk_strains(scene.material), []
+    for leg in (*path.initial_loading, *path.cycle):
+        time = sampled(leg, 129)
+        bulk, turning = (part.loads(time) if part is not None else np.zeros((2, len(time))) for part in (leg.bulk, leg.turning))
+        rows.append(np.array([leg.loads(time)[0], shares[0] * np.asarray(bulk[0]) + shares[1] * np.asarray(bulk[1]), *turning]))
+    load, strain, tilt, moment = np.concatenate(rows, axis=1)
+    found, centre = semi_analytic.eccentricity(scene), None
+    if isinstance(scene.profile, Hertz):
+        radius, pressed = scene.profile.radius, load > 0
+        places = moment[pressed] / load[pressed] if path.moment_given else -radius * tilt[pressed]
+        places = places / np.sqrt(4 * radius * load[pressed] / (np.pi * composite_modulus(scene.material)))
+        centre = float(places[np.argmax(np.abs(places))])
+    amplitude, limit = (found.strain, found.limit) if found is not None else (0.0, 0.0)
+    return BulkAndTilt(
+        float(np.max(np.abs(strain))),
+        found.value if found is not None and np.isfinite(found.value) else None,
+        (amplitude / limit if limit else np.inf) if amplitude else None,
+        centre,
+    )
+
+
+def bulk_in_words(found: BulkAndTilt) -> str:
+    """The same as a sentence or two."""
+    said = []
+    if found.strain:
+        said.append(f"The bulk strain ε = σ/E′ of the lower body − that of the upper one is {found.strain:.3g} at most.")
+    if (share := found.share_of_moderate) is not None:
+        measure = ""
+        if found.eccentricity is not None:
+            measure = f"the eccentricity of stick is e = ε R/(f a) = {found.eccentricity:.3g}, and "
+        rule = (
+            "moderate, for where it goes with Q both ends of the contact slip one way"
+            if share <= 1 + 1e-9
+            else "large: the ends of the contact slip opposite ways at times"
+        )
+        limit = f"is {share:.3g} of A/(π a) times that of Q" if np.isfinite(share) else "stands beside a Q that does not move"
+        said.append(f"By its amplitude in the cycle {measure}it {limit}: {rule}.")
+    if found.centre:
+        said.append(f"Tilt moves the middle of the contact by {minus(f'{found.centre:.3g}')} a at most.")
+    return " ".join(said)
 
 
 def _ratios(scene: Scene, half: float) -> dict[str, float]:

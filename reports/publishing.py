@@ -80,12 +80,12 @@ def compute(name: str) -> Comparison:
     import halfplane_fe
     import semi_analytic
     from reports.comparison import compare
+    from reports.comparison.budget import theory_on_steps
 
     scene = load_scene(name)
     result = halfplane_fe.solve(scene)
     reference = semi_analytic.solve(scene, x=result.x, time=result.time)
-    polygon = semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=not result.thinned)
-    return compare(reference, result, polygon_reference=polygon)
+    return compare(reference, result, polygon_reference=theory_on_steps(result))
 
 
 def half_plane_findings(name: str) -> Findings:
@@ -200,7 +200,10 @@ def values() -> dict[str, Any]:
 _QUANTITIES = {
     "dissipation": "dissipation of the last cycle",
     "loop_work": "closed integral of Q dU",
+    "bulk_work": "of it by bulk stress, −closed integral of m_q dε",
     "permanent_stick_half_width": "permanent stick half-width",
+    "permanent_stick_left": "left end of permanent stick",
+    "permanent_stick_right": "right end of permanent stick",
     "largest_half_width": "largest contact half-width",
     "largest_pressure": "largest pressure at the points",
     "lower_face_displacement": "displacement of the lower face's middle along y",
@@ -375,8 +378,9 @@ def _off(scene: Scene, stored: Mapping[str, Any], external: External) -> str:
 
 def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[tuple[str, ...]]:
     _, length, stress = units(scene)
-    unit = {"dissipation": energy_unit(scene), "loop_work": energy_unit(scene), "largest_pressure": stress}
-    for quantity, words in _QUANTITIES.items():
+    unit = dict.fromkeys(("dissipation", "loop_work", "bulk_work"), energy_unit(scene)) | {"largest_pressure": stress}
+    pulled = any(value for key, value in figures.items() if key.endswith(".bulk_work"))
+    for quantity, words in (_QUANTITIES | ({"loop_work": "closed integral of Q dU − m_q dε"} if pulled else {})).items():
         keys = [f"{engine}.{quantity}" for engine in _ENGINES]
         if any(key in figures for key in keys):
             yield f"{words} [{unit.get(quantity, length)}]", *(_number(figures.get(key)) for key in keys)

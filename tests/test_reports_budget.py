@@ -17,13 +17,14 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.cli.solving import exit_code, show_verdict
 from reports.comparison import Comparison, Report, compare
+from reports.comparison import budget as budgets
 from reports.comparison.budget import Budget, Ladders, Rung, Term, climb, coarser, error_budget, mesh_ratio, with_budget
 from reports.comparison.content import as_json
 from reports.comparison.convergence import Ladder, extrapolate, grid_convergence, kind_of, observed_order
 from reports.comparison.metrics import are_half_planes
 from reports.comparison.words import how_judged, lead, share, verdict
 from reports.page.content import render
-from scenes import load_scene
+from scenes import InputError, load_scene
 
 DOUBLING = (1.0, 2.0, 4.0, 8.0)
 
@@ -183,6 +184,23 @@ def test_an_idealisation_error_stands_out_and_vanishes(paper):
     assert nothing.budget("dissipation").resolved is False
 
 
+@pytest.mark.parametrize(("stated", "kept"), [(1e-4, False), (0.0, False), (9e-3, True), (float("nan"), True)])
+def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_answer_states(paper, stated, kept):
+    """Rungs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3; the answer's own is of the mesh and the steps."""
+    comparison, ladders = paper
+    values = (0.0, 1e-3, -1e-3)
+    rungs = tuple(Rung(f"{h:g}h", h, {"dissipation": v}) for h, v in zip((1.0, 2.0, 4.0), values, strict=True))
+    result = replace(comparison.result, dissipation_uncertainty=stated * comparison.reference.dissipation)
+    found = error_budget(replace(comparison, result=result), replace(ladders, mesh=rungs), 1.0).budget("dissipation")
+    mesh = found.terms[0]
+    assert mesh.uncertainty == pytest.approx(6e-3 if kept else stated)
+    assert mesh.value is None
+    assert ("that the run itself states" in mesh.how) is not kept
+    if not kept:
+        assert "three times the spread, 6.0e-03" in mesh.how
+        assert found.uncertainty < 6e-3
+
+
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):
     comparison, ladders = paper
     fallen = tuple(replace(rung, values={}, failure=f"{rung.label} did not converge") for rung in ladders.mesh[1:])
@@ -216,6 +234,44 @@ def test_honesty_is_written_into_the_comparison_page_and_file(paper):
     assert sum(values) + shares["unexplained"] == pytest.approx(shares["E"], abs=1e-14)
     assert stored["metrics"]["dissipation"]["honest"] is shares["honest"]
     assert json.loads(as_json(comparison))["budget"] is None
+
+
+def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, monkeypatch) -> None:
+    """Known amounts: a metric of 1 % that halved increments take to 0.97 %."""
+    comparison, _ = paper
+    metric = replace(comparison.metric("dissipation"), value=0.0100)
+
+    def rung(label: str, value: float | None, failure: str = "") -> Rung:
+        return Rung(label, 1.0, {} if value is None else {"dissipation": value}, failure)
+
+    def step(*rungs: Rung) -> Term:
+        return budgets._step(metric, Ladders((rung("h", 0.01),), (), (), "4h", {}, 1.0, rungs))
+
+    found = step(rung("4h", 0.0100), rung("4h, halved", 0.0097))
+    assert (found.value, found.uncertainty) == pytest.approx((4e-4, 3e-4), rel=1e-9)
+    assert "halved increments" in found.how
+    for lost in (step(), step(rung("4h", 0.01), rung("4h, halved", None, "4h, halved did not converge"))):
+        assert not lost.measured
+        assert "no answer on the polygon" in lost.how
+    # Theory that refuses its polygon: never of a scene without bulk stress and tilt.
+    result = comparison.result
+    assert budgets.theory_on_steps(result) is not None
+
+    def refused(*_args: object, **_more: object) -> None:
+        raise InputError("straight_steps: not with bulk stress or tilt")
+
+    monkeypatch.setattr(semi_analytic, "solve", refused)
+    with pytest.raises(InputError):
+        budgets.theory_on_steps(result)
+    pulled = replace(result, scene=result.scene.vary(load={"bulk_stress_lower": 1.0}))
+    assert budgets.theory_on_steps(pulled) is None
+    theirs = replace(comparison.reference, scene=pulled.scene)
+    alone = compare(theirs, pulled)
+    assert any("error of the steps is not set apart" in note for note in alone.notes)
+    assert "dissipation_polygon" not in {one.key for one in alone.metrics}
+    assert budgets.without_steps(alone)["dissipation"] == alone.metric("dissipation").value
+    with pytest.raises(InputError, match="polygon"):
+        budgets.without_steps(compare(comparison.reference, result))
 
 
 def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper):

@@ -4,6 +4,7 @@ import json
 import math
 import tracemalloc
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,15 @@ import pytest
 import semi_analytic
 from command_line import halfplane, refused
 from reports import checking
-from reports.checking import check_path, largest_contact, largest_normal_load, remarks, require_admissible
+from reports.checking import (
+    bulk_and_tilt,
+    bulk_in_words,
+    check_path,
+    largest_contact,
+    largest_normal_load,
+    remarks,
+    require_admissible,
+)
 from scenes import (
     Block,
     Bodies,
@@ -215,6 +224,43 @@ def test_the_peak_under_a_flat_with_rounded_edges_is_found_beside_its_corner() -
     contact = semi_analytic.profiles.contact_of(scene.profile, scene.material)
     assert found.peak_pressure == pytest.approx(float(np.max(contact.pressure(x, found.normal_load))), rel=1e-5)
     assert found.ratios["b/a"] == pytest.approx(scene.profile.flat_half_length / found.half_width)
+
+
+# E* = R = f = 1, P = 3, Q = +-1.8: a, and the bulk strain up to which both ends slip one way.
+A3 = math.sqrt(12 / math.pi)
+LIMIT = 2 * 1.8 / (math.pi * A3)
+NONE: dict[str, Any] = {"bulk_stress_upper": None, "tilt": None, "line_of_action": None}
+
+
+@pytest.mark.parametrize(
+    ("keys", "eccentricity", "moderate", "centre", "words"),
+    [
+        ({"bulk_stress_lower": (0.0, 0.4, -0.4)}, 0.2 / A3, 0.2 / LIMIT, 0.0, "moderate, for where it goes with Q both ends"),
+        ({"bulk_stress_upper": (0.0, 2.0, -2.0)}, 1.0 / A3, 1.0 / LIMIT, 0.0, "large: the ends of the contact slip opposite ways"),
+        ({"bulk_stress_lower": 0.4, "tilt": 0.1}, 0.0, None, -0.1 / A3, "Tilt moves the middle of the contact by −0.0512 a"),
+        ({"line_of_action": {"x": 0.3}}, None, None, 0.3 / A3, "Tilt moves the middle of the contact by 0.153 a"),
+    ],
+    ids=["moderate", "large, above", "constant, with tilt", "a line of action"],
+)  # fmt: skip
+def test_check_states_the_eccentricity_and_whether_bulk_is_moderate(
+    keys: dict[str, Any], eccentricity: float | None, moderate: float | None, centre: float, words: str
+) -> None:
+    load = {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)], **keys}
+    soft = {"young_modulus": 2.0, "poisson_ratio": 0.0}
+    asked = Scene.model_validate({"material": soft, "profile": {"kind": "hertz", "radius": 1.0}, "friction": 1.0, "load": load})
+    found = bulk_and_tilt(asked)
+    assert found is not None
+    assert found.eccentricity == (None if eccentricity is None else pytest.approx(eccentricity, rel=1e-9))
+    assert found.share_of_moderate == (None if moderate is None else pytest.approx(moderate, rel=1e-9))
+    assert found.centre == pytest.approx(centre, rel=1e-9)
+    strains = [np.max(np.abs(stress or 0.0)) / 2 for stress in (keys.get("bulk_stress_lower"), keys.get("bulk_stress_upper"))]
+    assert found.strain == pytest.approx(sum(strains), rel=1e-9)
+    assert words in bulk_in_words(found)
+    assert bulk_and_tilt(load_scene("cattaneo-mindlin")) is None
+    still = asked.vary(load={"initial_loading": [(3.0, 0.0)], "cycle": [(2.0, 0.0)], "bulk_stress_lower": (0.0, 0.4), **NONE})
+    without = bulk_and_tilt(still)
+    assert without is not None
+    assert "a Q that does not move" in bulk_in_words(without)
 
 
 def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from reports.comparison import Comparison
 from reports.comparison.content import as_json
 from reports.comparison.metrics import METRICS, markdown
 from reports.comparison.words import unit_of
-from scenes import ContactSolution, InputError, Materials, Record, SurfaceState, freeze, load_scene
+from scenes import ContactSolution, InputError, Materials, Record, Scene, SurfaceState, freeze, load_scene
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields
 
@@ -149,6 +149,34 @@ def recorded(value: float) -> ContactSolution:
     return changed(record=Record(True, "steady", "", freeze(np.ones(STEPS + 1), np.int64), {"energy_balance": series}))
 
 
+# The same contact, pulled in phase with Q and tilted in phase too: numbers alone, whose integrals are known by hand.
+TURN = np.sin(2 * np.pi * (TIME - 1) / 3)
+_LOAD = TRUTH.scene.load.model_dump(mode="json")
+STRESS = 0.1 * SCALES.pressure
+STRAIN = STRESS * SCALES.compliance / 2 / 2  # of one of two like bodies: A/2 = 2/E'
+PULLED = changed(
+    scene=TRUTH.scene.vary(load={"bulk_stress_lower": 1.0, "tilt": 0.1}),
+    bulk_stress_lower=STRESS * np.cos(2 * np.pi * (TIME - 1) / 3),
+    bulk_stress_upper=0 * TIME,
+    tilt=1e-3 + 0 * TIME,
+    moment=-0.05 * SCALES.normal_load * TRUTH.tangential_load / np.max(TRUTH.tangential_load),
+    shear_moment=0.3 * SCALES.normal_load * TURN,
+    permanent_stick_edges=np.array([-0.5, 0.7]),
+    contact_edges=TRUTH.contact_edges - 0.1,
+    cycle_dissipation=np.array([1.1 * W, W]),
+    dissipation=W,
+    steady_from=None,
+)
+# -closed integral of m_q d(eps), by the trapezoidal rule on even instants: exact of waves but for sin(h)/h.
+BULK = float(0.3 * SCALES.normal_load * STRAIN * np.pi * np.sin(2 * np.pi / STEPS) / (2 * np.pi / STEPS))
+LOOP = float(np.trapezoid(TRUTH.tangential_load, TRUTH.tangential_displacement))
+MOMENT = float(np.abs(PULLED.moment).max() / SCALES.normal_load) if PULLED.moment is not None else 0.0
+
+
+def pulled(**fields: Any) -> ContactSolution:
+    return with_fields(PULLED, **fields)
+
+
 def equal(value: float, *keys: str) -> dict[str, float]:
     return dict.fromkeys(keys, value)
 
@@ -227,6 +255,17 @@ FAULTS: dict[str, tuple[Callable[[], ContactSolution], dict[str, float], str, Co
     "permanent stick 0.01 a too small": (
         lambda: changed(permanent_stick_half_width=TRUTH.permanent_stick_half_width - 0.01), {"permanent_stick": -0.01}, "", TRUTH),
     "energy balance not closed": (lambda: recorded(3e-4), {"energy_balance": 3e-4}, "", TRUTH),
+    "nothing wrong under bulk stress and tilt": (lambda: PULLED, {}, "", PULLED),
+    "stick zone on the other side": (lambda: pulled(permanent_stick_edges=np.array([-0.7, 0.5])),
+        {"stick_eccentricity": -0.2}, "", PULLED),
+    "bulk term left out": (lambda: pulled(shear_moment=0 * TIME),
+        {"bulk_work": -BULK / W, "hysteresis_with_bulk": -BULK / (LOOP + BULK)}, "", PULLED),
+    "bulk stress turned against its shear": (lambda: pulled(bulk_stress_lower=-PULLED.bulk_stress_lower),
+        {"bulk_work": -2 * BULK / W, "hysteresis_with_bulk": -2 * BULK / (LOOP + BULK)}, "", PULLED),
+    "tilt turned": (lambda: pulled(tilt=-PULLED.tilt, moment=-PULLED.moment, contact_edges=TRUTH.contact_edges + 0.1),
+        {"contact_centre": 0.2, "moment": 2 * MOMENT, "contact_edge_right": 0.2, "contact_edge_left": -0.2,
+         "tilt": -2e-3 * SCALES.half_width / (SCALES.compliance * SCALES.normal_load)}, "contact_edge", PULLED),
+    "a cycle that drifts": (lambda: pulled(cycle_dissipation=np.array([1.2 * W, W])), {"dissipation_drift": -0.1}, "", PULLED),
 }  # fmt: skip
 
 
@@ -419,7 +458,10 @@ def in_other_units(solution: ContactSolution, stress: float, length: float) -> C
     factors = dict.fromkeys(("pressure", "shear"), stress) | dict.fromkeys(("normal_load", "tangential_load"), force)
     lengths = ("x", "slip", "contact_edges", "stick_edges", "contact_half_width", "tangential_displacement")
     factors |= dict.fromkeys((*lengths, "permanent_stick_half_width"), length)
-    factors |= {"dissipation": energy, "dissipation_density": energy / length}
+    factors |= {"dissipation": energy, "dissipation_density": energy / length, "cycle_dissipation": energy}
+    if solution.tilt is not None:
+        factors |= dict.fromkeys(("bulk_stress_lower", "bulk_stress_upper"), stress) | {"permanent_stick_edges": length}
+        factors |= dict.fromkeys(("moment", "shear_moment"), energy)
     return with_fields(solution, scene=scene, **{name: factor * getattr(solution, name) for name, factor in factors.items()})
 
 
@@ -498,11 +540,16 @@ def test_half_plane_theory_against_itself(name: str) -> None:
         assert notes >= {"stick_set", "slip", "slip_reversal", "full_stick_start"}
 
 
+OF_BULK = {"stick_eccentricity", "hysteresis_with_bulk", "bulk_work", "dissipation_drift", "contact_centre", "moment", "tilt"}
+
+
 def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault() -> None:
-    found = compare(TRUTH, TRUTH, polygon_reference=TRUTH)
-    assert [metric.key for metric in found.metrics] == list(METRICS)
+    found = compare(PULLED, PULLED, polygon_reference=PULLED)
+    assert [metric.key for metric in found.metrics] == sorted(METRICS, key=lambda key: not METRICS[key].headline)
     assert [*found.headlines, *found.others] == list(found.metrics)
-    assert len(found.headlines) == 7
+    plain = compare(TRUTH, TRUTH, polygon_reference=TRUTH)
+    assert {metric.key for metric in found.metrics} - {metric.key for metric in plain.metrics} == OF_BULK
+    assert (len(plain.headlines), len(found.headlines)) == (7, 8)
     unsigned = {"pressure", "shear", "state", "stick_set", "slip", "dissipation_density_norm", "energy_balance"}
     assert {row.key for row in METRICS.values() if not row.signed} == unsigned
     page = (Path(__file__).parents[1] / "docs" / "metrics.md").read_text(encoding="utf-8")
@@ -510,6 +557,45 @@ def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault()
     planted = {key for _, amounts, also, _ in FAULTS.values() for key in (*amounts, *also.split())}
     # See test_step_error_stands_apart, test_tension_at_the_trailing_edge.
     assert set(METRICS) - planted == {"dissipation_step", "edge_tension"}
+
+
+# E* = R = 1 and f = 1: P = 3, Q between +-1.8, and the bulk strain between +-0.3 in phase; or the upper body tilted by 0.2.
+BULK_SCENE = {
+    "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
+    "profile": {"kind": "hertz", "radius": 1.0},
+    "friction": 1.0,
+    "load": {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)]},
+}
+
+
+@pytest.mark.parametrize(
+    ("stated", "wrong", "caught"),
+    [
+        # The mirror image of Q turned: loop, bulk term and W are alike, and the stick zone is on the other side.
+        ({"bulk_stress_lower": (0, 0.6, -0.6)}, {"bulk_stress_lower": (0, -0.6, 0.6)}, {"stick_eccentricity": -0.6}),
+        ({"bulk_stress_lower": (0, 0.6, -0.6)}, {"bulk_stress_lower": 0.0},
+         {"stick_eccentricity": -0.3, "bulk_work": None, "hysteresis_with_bulk": None, "dissipation": -0.3458294}),
+        ({"tilt": 0.2}, {"tilt": -0.2}, {"contact_centre": 0.4, "stick_eccentricity": 0.4, "moment": 0.4, "tilt": None}),
+        ({"line_of_action": {"x": 0.1}}, {"line_of_action": {"x": -0.1}}, {"contact_centre": -0.2, "moment": -0.2, "tilt": None}),
+    ],
+    ids=["bulk turned", "bulk left out", "tilt turned", "load beside its line"],
+)  # fmt: skip
+def test_an_engine_with_another_bulk_stress_or_tilt_is_caught(
+    stated: dict[str, Any], wrong: dict[str, Any], caught: dict[str, float | None]
+) -> None:
+    scene, other = (Scene.model_validate(BULK_SCENE).vary(load=keys) for keys in (stated, wrong))
+    x = np.linspace(-2.6, 2.6, 201)
+    right = semi_analytic.solve(scene, x=x)
+    found = compare(right, with_fields(semi_analytic.solve(other, x=x, time=right.time), scene=scene))
+    assert not compare(right, right).metric("dissipation").value
+    for key, lengths in caught.items():
+        value = found.metric(key).value
+        assert value is not None
+        assert abs(value) > 0.01, key
+        if lengths is not None:
+            # W is relative already; the moment of a parabola's pressure is P times the way of its centre.
+            unit = 1.0 if key == "dissipation" else 1 / found.scales.half_width
+            assert value == pytest.approx(lengths * unit, rel=1e-6, abs=1e-9), key
 
 
 def test_tension_at_the_trailing_edge() -> None:

@@ -37,6 +37,8 @@ COUNTS = (
     "slip quadratures",
     "quadrature nodes",
 )
+# Of scenes with bulk stress, tilt or unequal sides.
+OF_BULK = ("bulk_work", "permanent_stick_left", "permanent_stick_right")
 OF_AN_ENGINE = ("dissipation", "loop_work", "permanent_stick_half_width", "largest_half_width", "largest_pressure")
 # The first pattern that fits a key counts. Values of other processors: docs/regression.md.
 DEFAULTS: tuple[tuple[str, float], ...] = (
@@ -219,7 +221,7 @@ def _of_comparison(content: Mapping[str, Any], source: str) -> Findings:
 
 def _of_answers(content: Mapping[str, Any], source: str, name: str = "") -> Findings:
     name = name or _slug(content["engine"])
-    figures = {f"{name}.{key}": _number(content[key]) for key in OF_AN_ENGINE}
+    figures = {f"{name}.{key}": _number(content[key]) for key in (*OF_AN_ENGINE, *(key for key in OF_BULK if key in content))}
     figures |= {f"{name}.counts.{_slug(key)}": _number(content["counts"][key]) for key in COUNTS if key in content["counts"]}
     return Findings(
         source,
@@ -401,7 +403,7 @@ def _floor(key: str, findings: Findings) -> float:
     from reports.comparison.metrics import compliance
 
     engine, _, quantity = key.partition(".")
-    if quantity not in ("dissipation", "loop_work"):
+    if quantity not in ("dissipation", "loop_work", "bulk_work"):
         return 0.0
     load = (findings.figures[f"{engine}.largest_pressure"] or 0.0) * (findings.figures[f"{engine}.largest_half_width"] or 0.0)
     friction = findings.scene.friction.coefficient or 1.0

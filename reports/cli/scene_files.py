@@ -156,7 +156,7 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
 # ----------------------------------------------------------------------------------------------------------------------- check
 def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
-    from reports.checking import check_path, in_words, largest_contact, remarks
+    from reports.checking import bulk_and_tilt, bulk_in_words, check_path, in_words, largest_contact, remarks
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
@@ -165,7 +165,7 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
 
     source, found = scene, read(scene)
     largest, path = largest_contact(found, source), check_path(found)
-    doubts = remarks(found, largest)
+    doubts, bulk = remarks(found, largest), bulk_and_tilt(found)
     if isinstance(found.load, TimeSeriesLoad) and (count := len(found.load.kept_rows())) > _MOST_ROWS:
         doubts.append(
             f"The record has {count} rows, and finite elements take at least two increments a row: solve it by "
@@ -191,10 +191,11 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
     if json:
         nearest = {name: getattr(path, name) for name in ("ratio", "part", "time", "normal_load", "tangential_load")}
         content = {"passed": True, "sentence": last, "notes": words, "remarks": doubts, "largest_contact": vars(largest)}
-        content |= {"profile_fit": fit_content(found)}
+        content |= {"profile_fit": fit_content(found)} | ({"bulk_and_tilt": vars(bulk)} if bulk else {})
         return answer("check", WITHIN, content | {"nearest_to_sliding": nearest}, found.name)
     if not quiet:
-        for sentence in (*words, in_words(found, largest), *(f"Remark: {doubt}" for doubt in doubts), last):
+        size = (in_words(found, largest), *filter(None, [bulk_in_words(bulk) if bulk else ""]))
+        for sentence in (*words, *size, *(f"Remark: {doubt}" for doubt in doubts), last):
             say(sentence)
     return WITHIN
 

@@ -173,16 +173,14 @@ def _seconds_of_a_budget(scene: Scene, options: FiniteElements) -> float | None:
     return None
 
 
-def solve_half_plane(
-    scene: Scene, stages: Stages, like: ContactSolution | None = None, *, straight_steps: bool = False
-) -> ContactSolution:
+def solve_half_plane(scene: Scene, stages: Stages, like: ContactSolution | None = None) -> ContactSolution:
     """The half-plane answer, on the points and instants of `like`."""
     import semi_analytic
 
-    with stages.stage("half-plane theory" + (", on the polygon of the steps" if straight_steps else "")):
+    with stages.stage("half-plane theory"):
         if like is None:
             return semi_analytic.solve(scene)
-        return semi_analytic.solve(scene, x=like.x, time=like.time, straight_steps=straight_steps)
+        return semi_analytic.solve(scene, x=like.x, time=like.time)
 
 
 def at_work(name: str, source: str, options: Output, work: Callable[[Scene, Path, Stages], int]) -> int:
@@ -290,6 +288,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
             from reports.page.pdf import require_typst
 
             require_typst("--pdf")
+        from reports.comparison.budget import theory_on_steps
         from reports.comparison.metrics import are_half_planes
 
         # Of real bodies theory is wrong by some amount, which is worth its uncertainty: two coarser meshes measure that.
@@ -304,7 +303,10 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
         with _kept_if_interrupted(result):
             reference = solve_half_plane(scene, stages, result)
             # Of a thinned answer the steps are those of the path itself.
-            polygon = reference if result.thinned else solve_half_plane(scene, stages, result, straight_steps=True)
+            polygon: ContactSolution | None = reference
+            if not result.thinned:
+                with stages.stage("half-plane theory, on the polygon of the steps"):
+                    polygon = theory_on_steps(result)
             with stages.stage("comparison"):
                 from reports.comparison import Report, compare
 
@@ -519,7 +521,8 @@ def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stag
         code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
         if options.json:
             whole = solution_content(solution, certificates(solution))
-            content = {"passed": code == WITHIN, "admissible": admissible, **{key: whole[key] for key in _OF_ONE_ENGINE}}
+            known = {key: whole[key] for key in _OF_ONE_ENGINE if key in whole}
+            content = {"passed": code == WITHIN, "admissible": admissible, **known}
             more = {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
             return answer(name, code, content | more | {"profile_fit": fit_content(scene)}, scene.name)
         show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
@@ -536,6 +539,7 @@ _OF_ONE_ENGINE = (
     *("engine", "converged", "message", "notes", "dissipation", "dissipation_uncertainty", "dissipation_drift"),
     *("loop_work", "load_cycles", "permanent_stick_half_width"),
     *("largest_half_width", "largest_pressure", "certificates", "counts"),
+    *("bulk_work", "permanent_stick_left", "permanent_stick_right"),
 )
 
 
@@ -550,6 +554,7 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """What a person wants to know first, as (quantity, value)."""
     import numpy as np
 
+    from reports.comparison.content import of_bulk
     from reports.comparison.laws import certificates
     from reports.comparison.metrics import name_of, normal_work
     from reports.measured import load_cycles
@@ -559,6 +564,7 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         return "none" if np.isnan(value) else f"{value:.10g}"
 
     load, (_, length, stress), work = load_unit(solution.scene), units(solution.scene), energy_unit(solution.scene)
+    beside = of_bulk(solution)
     checks, apart = certificates(solution), solution.dissipation_uncertainty
     broken = [f"{check.label} ({check.value:.1e} at time {check.time:.4g})" for check in checks if not check.holds]
     dissipation = or_none(solution.dissipation)
@@ -578,12 +584,19 @@ def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         (f"permanent stick half-width [{length}]", or_none(solution.permanent_stick_half_width)),
         (f"dissipation {cycle} [{work}]", dissipation),
     ]
+    if beside:
+        ends = [beside[f"permanent_stick_{side}"] for side in ("left", "right")]
+        rows.insert(-1, (f"ends of permanent stick [{length}]", ", ".join(map(or_none, ends))))
     if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
         rows.append(("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"))
     if np.isfinite(solution.loop_work):
-        rows.append((f"closed integral of Q dU [{work}]", f"{solution.loop_work:.10g}"))
+        loop = "(Q dU - m_q d(eps)), eps the bulk strain" if beside.get("bulk_work") else "Q dU"
+        rows.append((f"closed integral of {loop} [{work}]", f"{solution.loop_work:.10g}"))
+        if beside.get("bulk_work"):
+            rows.append((f"of it by bulk stress [{work}]", f"{beside['bulk_work']:.10g}"))
         if (normal := normal_work(solution)) is not None:
-            rows.append((f"closed integral of P dV, V the approach [{work}]", f"{normal:.10g}"))
+            turned = "P dV" if solution.tilt is None else "P dV - M d(tilt)"
+            rows.append((f"closed integral of {turned}, V the approach [{work}]", f"{normal:.10g}"))
     if cycles := load_cycles(solution):
         rows.append(("load cycles, by rainflow of Q", f"{cycles.counted:g}"))
         rows.append((f"dissipation per load cycle [{work}]", f"{cycles.per_cycle:.8g}"))
@@ -604,6 +617,7 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
     """NetCDF, the summary as JSON, a CSV of the instants and the scene; returns the path of the NetCDF file."""
     from reports.charts.table import table_text
     from reports.cli.findings import SOLUTION
+    from reports.comparison import cycles
     from reports.comparison.content import solution_content, strict
     from reports.comparison.laws import certificates
     from reports.folder import filled
@@ -618,6 +632,10 @@ def write_solution(solution: ContactSolution, out: Path, name: str = "") -> Path
         }
         (folder / f"{stem}.json").write_text(json.dumps(strict(content), allow_nan=False, indent=1) + "\n", encoding="utf-8")
         columns = {name: getattr(solution, name) for name in _INSTANTS} | {"iterations": solution.record.iterations}
+        if solution.tilt is not None:
+            columns |= {name: getattr(solution, name) for name in cycles.OF_BULK}
+            for kind, edges in (("contact", solution.contact_edges), ("stick", solution.stick_edges)):
+                columns |= {f"{kind}_left": edges[:, 0], f"{kind}_right": edges[:, 1]}
         (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")
         (folder / "scene.json").write_text(solution.scene.model_dump_json(indent=1) + "\n", encoding="utf-8")
     return out / f"{stem}.nc"

@@ -246,5 +246,10 @@ def _notes(pair: Pair) -> Iterator[str]:
             "Tangential displacement and approach of finite bodies are counted from their supports, of half-planes from a place "
             "that does not move: their difference is for the most part that of the two, whatever the contact does."
         )
+    if (pair.pulled or pair.turned) and pair.result.engine == "halfplane_fe" and pair.polygon_reference is None:
+        yield (
+            "The error of the steps is not set apart: it takes half-plane theory on the straight lines between the instants, which "
+            "was not compared, and which not every bulk stress and tilt has."
+        )
     if not pair.result.scene.friction.coefficient:
         yield "Frictionless scene: shear and dissipation are over p and A P², without f."

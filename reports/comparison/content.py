@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from reports.comparison import Comparison, Report, expected
+from reports.comparison.cycles import last_cycle
 from reports.comparison.laws import Certificate, derived
-from reports.comparison.metrics import Metric
+from reports.comparison.metrics import Metric, bulk_work
 from reports.comparison.words import (
     CLAIM,
     beyond_theory,
@@ -140,6 +141,18 @@ def _metric(metric: Metric, report: Report) -> dict[str, Any]:
     }
 
 
+def of_bulk(solution: ContactSolution) -> dict[str, Any]:
+    """What a solution with bulk stress, tilt or unequal sides has beside: ends of permanent stick, and the part of `loop_work` that
+    is the bulk term, -closed integral of m_q d(eps) by the trapezoidal rule; nothing without.
+    """
+    if solution.permanent_stick_edges is None:
+        return {}
+    left, right = solution.permanent_stick_edges.tolist()
+    whole = "whole_cycle" not in solution.work.skipped and len(solution.last_cycle) > 1
+    term = bulk_work(last_cycle(solution), solution.scene.material) if whole else math.nan
+    return {"bulk_work": term, "permanent_stick_left": left, "permanent_stick_right": right}
+
+
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
     """What is worth keeping of one solution beside its fields."""
     record, work = solution.record, solution.work
@@ -149,6 +162,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "dissipation_uncertainty": solution.dissipation_uncertainty,
         "dissipation_drift": solution.dissipation_drift,
         "loop_work": solution.loop_work,
+        **of_bulk(solution),
         "cycle_dissipation": solution.cycle_dissipation,
         "load_cycles": cycles_content(solution),
         "permanent_stick_half_width": solution.permanent_stick_half_width,

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 FIELDS = ("pressure", "shear", "slip")
 EDGES = ("contact_edges", "stick_edges")
 SERIES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
+# Only of scenes with bulk stress, tilt or an unsymmetric profile.
+OF_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment")
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,7 @@ class Cycle:
     time : (k,), the solution's own times; fraction : (k,), 0 at the start of the cycle and 1 at its end
     x : (n,) [length]; pressure, shear, slip, state : (k, n); contact_edges, stick_edges : (k, 2)
     normal_load, tangential_load, tangential_displacement, normal_approach : (k,)
+    bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment : (k,), or None, as in the solution
     dissipation_density : (n,)
     interpolation : estimated largest error of the re-sampling, over the field's largest value; empty where
         nothing was interpolated
@@ -50,6 +53,16 @@ class Cycle:
     dissipation_density: Array
     interpolation: Mapping[str, float] = field(default_factory=dict)
     whole: bool = True
+    bulk_stress_lower: Array | None = None
+    bulk_stress_upper: Array | None = None
+    tilt: Array | None = None
+    moment: Array | None = None
+    shear_moment: Array | None = None
+
+    @property
+    def series(self) -> tuple[str, ...]:
+        """Names of the series over time that it has."""
+        return (*SERIES, *(name for name in OF_BULK if getattr(self, name) is not None))
 
 
 def last_cycle(solution: ContactSolution) -> Cycle:
@@ -87,7 +100,8 @@ def _cycle(solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, 
         values = getattr(solution, name)
         return values if len(steps) == len(values) else freeze(values[steps], values.dtype)
 
-    picked: dict[str, Any] = {name: of_cycle(name) for name in (*FIELDS, *EDGES, *SERIES)}
+    known = [name for name in OF_BULK if getattr(solution, name) is not None]
+    picked: dict[str, Any] = {name: of_cycle(name) for name in (*FIELDS, *EDGES, *SERIES, *known)}
     return Cycle(
         time=freeze(solution.time[steps]),
         fraction=freeze(fraction),
@@ -136,7 +150,7 @@ def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
     error = {name: _halving(cycle.fraction, getattr(cycle, name)) for name in (*FIELDS, *EDGES)}
     nearest = np.abs(cycle.fraction[:, None] - like.fraction).argmin(axis=0)
     linear: dict[str, Any] = {
-        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name))) for name in (*FIELDS, *EDGES, *SERIES)
+        name: freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name))) for name in (*FIELDS, *EDGES, *cycle.series)
     }
     return replace(cycle, time=like.time, fraction=like.fraction, state=freeze(cycle.state[nearest], np.int8), **linear), error
 

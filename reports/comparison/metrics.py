@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, EllipseLoad, Materials, Scene
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, EllipseLoad, InputError, Materials, Scene
 from scenes.scene import OWN_TOLERANCES
 
 Array = NDArray[np.float64]
@@ -164,6 +164,25 @@ def scales(reference: ContactSolution) -> Scales:
     )
 
 
+def bulk_strains(materials: Materials) -> tuple[float, float]:
+    """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' = E/(1 - nu^2) [1/stress].
+
+    >>> steel = Materials.model_validate({"young_modulus": 210e3, "poisson_ratio": 0.3})
+    >>> [round(1 / one) for one in bulk_strains(steel)]
+    [230769, -230769]
+    """
+    lower, upper = ((1 - m.poisson_ratio**2) / m.young_modulus for m in (materials.lower, materials.upper))
+    return lower, -upper
+
+
+def bulk_strain(of: ContactSolution | Cycle, materials: Materials) -> Array:
+    """eps = sigma_lower/E'_lower - sigma_upper/E'_upper at every instant, (n_steps,); 0 without bulk stress."""
+    stresses = (of.bulk_stress_lower, of.bulk_stress_upper)
+    return sum(
+        (c * s for c, s in zip(bulk_strains(materials), stresses, strict=True) if s is not None), start=np.zeros(len(of.time))
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Pair:
     """Reference and result, the one put on the other's points and instants: see `Comparison` for the names."""
@@ -189,6 +208,19 @@ class Pair:
     def periodic(self) -> bool:
         """Whether the load path repeats."""
         return self.result.scene.load.path().period is not None
+
+    @cached_property
+    def pulled(self) -> bool:
+        """Whether the scene states a bulk stress."""
+        load = self.result.scene.load
+        return load.bulk_stress_lower is not None or load.bulk_stress_upper is not None
+
+    @cached_property
+    def turned(self) -> bool:
+        """Whether the scene states a tilt, a moment or a line of action, or has two unequal sides."""
+        scene = self.result.scene
+        stated = (scene.load.tilt, scene.load.moment, scene.load.line_of_action)
+        return any(one is not None for one in stated) or not scene.profile.symmetric
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -243,6 +275,7 @@ class Definition:
     quantity : what its absolute values are: "stress", "length", "slip", "energy", "energy density"; "" for none. A row with a
         quantity stands in the first table, the others are folded below it
     judged_by : key of the tolerance that judges it; the row's own
+    exists : whether a pair has this row at all: not without bulk stress, say
     """
 
     key: str
@@ -257,6 +290,7 @@ class Definition:
     absolute_unit: str = ""
     quantity: str = ""
     judged_by: str = ""
+    exists: Callable[[Pair], bool] = lambda _: True
 
     @property
     def headline(self) -> bool:
@@ -342,7 +376,7 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     lacking = [(name_of(solution.engine), missing(solution)) for solution in (pair.result, pair.reference)]
     found = []
     for row in sorted(METRICS.values(), key=lambda row: not row.headline):
-        if row.key in ("dissipation_polygon", "dissipation_step") and pair.polygon_reference is None:
+        if not row.exists(pair):
             continue
         absent = [(quantity, engine, why[quantity]) for engine, why in lacking for quantity in row.needs if quantity in why]
         if absent:
@@ -525,12 +559,34 @@ def _(pair: Pair) -> Measured:
 @metric("permanent_stick", "of a_ref", _FIGURE, _WHOLE, "state", WHOLE_CYCLE, quantity="length")
 def _(pair: Pair) -> Measured:
     """Stick half-width, permanent: half-width that sticks through the whole last cycle, result − reference."""
-    expected, found = (float(s.permanent_stick_half_width) for s in (pair.reference, pair.result))
-    lacking = [name_of(s.engine) for s in (pair.reference, pair.result) if math.isnan(s.permanent_stick_half_width)]
+    return _of_both(pair, *(float(s.permanent_stick_half_width) for s in (pair.reference, pair.result)))
+
+
+def _of_both(pair: Pair, expected: float, found: float) -> Measured:
+    """A length of the permanent stick zone, result − reference over a_ref; NaN is that there is none."""
+    lacking = [name_of(s.engine) for s, it in ((pair.reference, expected), (pair.result, found)) if math.isnan(it)]
     if lacking:
         amounts = None if len(lacking) == 2 else (expected, found)
         return Measured(value=None, note=f"none in {' and '.join(lacking)}", amounts=amounts)
     return Measured(value=(found - expected) / pair.scales.half_width, amounts=(expected, found))
+
+
+@metric(
+    "stick_eccentricity",
+    "of a_ref",
+    _FIGURE,
+    _WHOLE,
+    "state",
+    WHOLE_CYCLE,
+    quantity="length",
+    judged_by="permanent_stick",
+    exists=lambda pair: pair.pulled or pair.turned,
+)
+def _(pair: Pair) -> Measured:
+    """Stick zone, centre: x of the middle of what sticks through the whole last cycle, result − reference; only with bulk stress
+    or tilt."""
+    edges = [s.permanent_stick_edges for s in (pair.reference, pair.result)]
+    return _of_both(pair, *(math.nan if one is None else float(np.mean(one)) for one in edges))
 
 
 @metric(
@@ -616,7 +672,10 @@ def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, flo
     import semi_analytic
 
     if solution.engine == "semi_analytic":
-        return float(np.max(np.abs(semi_analytic.edge_tension(solution, time)), initial=0.0)), 0.0
+        try:
+            return float(np.max(np.abs(semi_analytic.edge_tension(solution, time)), initial=0.0)), 0.0
+        except InputError:  # bulk stress, tilt or unequal sides that it has no stress of
+            return None
     largest = halfplane_fe.largest_edge_tension(solution) if solution.engine == "halfplane_fe" else None
     return None if largest is None else (largest.value, largest.uncertainty)
 
@@ -726,7 +785,13 @@ def _(pair: Pair) -> Measured:
     return _at_worst(pair, difference, moves, note=note)
 
 
-@metric("dissipation_polygon", "of W_ref", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
+def _has_polygon(pair: Pair) -> bool:
+    return pair.polygon_reference is not None
+
+
+@metric(
+    "dissipation_polygon", "of W_ref", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE, absolute_unit=_WORK_SCALE, exists=_has_polygon
+)
 def _(pair: Pair) -> Measured:
     """Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: all errors except that of
     the steps."""
@@ -734,7 +799,7 @@ def _(pair: Pair) -> Measured:
     return replace(_of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation), amounts=None)
 
 
-@metric("dissipation_step", "of W_ref", _FIGURE, _WHOLE, absolute_unit=_WORK_SCALE)
+@metric("dissipation_step", "of W_ref", _FIGURE, _WHOLE, absolute_unit=_WORK_SCALE, exists=_has_polygon)
 def _(pair: Pair) -> Measured:
     """Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on the smooth path."""
     polygon = pair.polygon_reference or pair.reference
@@ -746,17 +811,32 @@ def loop_work(cycle: Cycle) -> float:
     return float(np.trapezoid(cycle.tangential_load, cycle.tangential_displacement))
 
 
-def normal_work(solution: ContactSolution) -> float | None:
-    """Closed integral of P dV over the last cycle, V the normal approach, by the trapezoidal rule [energy / thickness].
+def bulk_work(of: ContactSolution | Cycle, materials: Materials) -> float:
+    """-closed integral of m_q d(eps) by the trapezoidal rule over the instants [energy / thickness]: what bulk stress puts in.
 
-    What the normal load puts in: with Q dU it adds up to the dissipation. None where it is 0 by nature (P constant, half-planes of
-    like materials, where V hangs on P only) and where the solution is not of our finite elements, which alone know V.
+    m_q is the moment of the shear about x = 0, where U is read: this and the closed integral of Q dU add up to the dissipation,
+    which neither is alone. 0 without bulk stress.
+    """
+    if of.shear_moment is None:
+        return 0.0
+    return -float(np.trapezoid(of.shear_moment, bulk_strain(of, materials)))
+
+
+def normal_work(solution: ContactSolution) -> float | None:
+    """Closed integral of P dV - M d(tilt) over the last cycle, V the normal approach, by the trapezoidal rule [energy / thickness].
+
+    What normal load and moment put in: with Q dU and the bulk term it adds up to the dissipation. None where it is 0 by nature
+    (P and tilt constant; half-planes of like materials, where V and M hang on P and the tilt only) and where the solution is not of
+    our finite elements, which alone know V.
     """
     steps = solution.last_cycle
-    still = np.ptp(solution.normal_load[steps]) == 0
+    pairs = [(solution.normal_load, solution.normal_approach)]
+    if solution.tilt is not None and solution.moment is not None:
+        pairs.append((-solution.moment, solution.tilt))
+    still = np.ptp(solution.normal_load[steps]) == 0 and (solution.tilt is None or np.ptp(solution.tilt[steps]) == 0)
     if still or are_half_planes(solution.scene) or solution.engine != "halfplane_fe" or np.isnan(solution.loop_work):
         return None
-    return float(np.trapezoid(solution.normal_load[steps], solution.normal_approach[steps]))
+    return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
 
 
 @metric("hysteresis", "of its area", _FIGURE, _WHOLE, "tangential_displacement", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
@@ -765,6 +845,105 @@ def _(pair: Pair) -> Measured:
     if not pair.periodic:
         return _none("the path is not periodic: no loop")
     return replace(_of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation), amounts=None)
+
+
+def _bulk_works(pair: Pair) -> tuple[float, float] | str:
+    """The bulk term of the loop of both, or why there is none."""
+    if not pair.periodic:
+        return "the path is not periodic: no loop"
+    for cycle, solution in ((pair.expected, pair.reference), (pair.found, pair.result)):
+        if cycle.shear_moment is None:
+            return f"{name_of(solution.engine)} states no moment of its shear"
+    materials = pair.result.scene.material
+    return bulk_work(pair.expected, materials), bulk_work(pair.found, materials)
+
+
+@metric(
+    "hysteresis_with_bulk",
+    "of its area",
+    _FIGURE,
+    _WHOLE,
+    "tangential_displacement",
+    WHOLE_CYCLE,
+    absolute_unit=_WORK_SCALE,
+    exists=lambda pair: pair.pulled,
+)
+def _(pair: Pair) -> Measured:
+    """Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference, trapezoidal rule over the same
+    instants; between half-planes it is the dissipation, which the loop of Q over U alone is not."""
+    works = _bulk_works(pair)
+    if isinstance(works, str):
+        return _none(works)
+    expected, found = (loop_work(c) + w for c, w in zip((pair.expected, pair.found), works, strict=True))
+    return replace(_of_amounts(expected, found, pair.scales.dissipation), amounts=None)
+
+
+@metric(
+    "bulk_work",
+    "of W_ref",
+    _FIGURE,
+    _WHOLE,
+    "shear",
+    "dissipation",
+    WHOLE_CYCLE,
+    absolute_unit=_WORK_SCALE,
+    judged_by="dissipation",
+    exists=lambda pair: pair.pulled,
+)
+def _(pair: Pair) -> Measured:
+    """Bulk term of the loop: −closed integral of m_q dε − that of the reference, over W_ref, trapezoidal rule over the same
+    instants; m_q = ∫x q dx, ε = σ/E′ of the lower body − that of the upper one."""
+    works = _bulk_works(pair)
+    if isinstance(works, str):
+        return _none(works)
+    expected, found = works
+    work, scale = pair.reference.dissipation, pair.scales.dissipation
+    nothing = abs(work) <= NO_DISSIPATION * scale
+    return Measured(value=(found - expected) / (scale if nothing else work), absolute=nothing)
+
+
+@metric(
+    "dissipation_drift",
+    "of W",
+    _FIGURE,
+    "last two cycles",
+    "dissipation",
+    WHOLE_CYCLE,
+    exists=lambda pair: pair.periodic and (pair.pulled or pair.turned),
+)
+def _(pair: Pair) -> Measured:
+    """Drift of the dissipation: change of W from the cycle before to the last, over W of the last, result − reference; 0 in a
+    steady cycle. With bulk stress or tilt out of phase that is only approached."""
+    both = [(name_of(s.engine), s.dissipation_drift) for s in (pair.reference, pair.result)]
+    words = "; ".join(f"{name}: {'not known' if math.isnan(it) else f'{it:+.1e} in its last cycle'}" for name, it in both if it)
+    if any(math.isnan(it) for _, it in both):
+        return _none(words)
+    return Measured(value=both[1][1] - both[0][1], note=words)
+
+
+@metric("contact_centre", "of a_ref", _WORST_INSTANT, _INSTANTS, exists=lambda pair: pair.turned)
+def _(pair: Pair) -> Measured:
+    """Contact centre: middle of the contact edges, result − reference; only under tilt, moment or unequal sides."""
+    apart = np.mean(pair.found.contact_edges - pair.expected.contact_edges, axis=1) / pair.scales.half_width
+    return _at_worst(pair, apart, places=np.mean(pair.found.contact_edges, axis=1))
+
+
+@metric("moment", "of P_ref a_ref", _WORST_INSTANT, _INSTANTS, "pressure", exists=lambda pair: pair.turned)
+def _(pair: Pair) -> Measured:
+    """Moment: M = ∫x p dx about x = 0, result − reference; where the moment is given, that of the tractions against it."""
+    expected, found = pair.expected.moment, pair.found.moment
+    if expected is None or found is None:
+        return _none("a solution states none")
+    return _at_worst(pair, (found - expected) / (pair.scales.normal_load * pair.scales.half_width))
+
+
+@metric("tilt", "of A P_ref/a_ref", _WORST_INSTANT, _INSTANTS, exists=lambda pair: pair.turned)
+def _(pair: Pair) -> Measured:
+    """Tilt: of the upper body, result − reference; where it is given, it has no error."""
+    expected, found = pair.expected.tilt, pair.found.tilt
+    if expected is None or found is None:
+        return _none("a solution states none")
+    return _at_worst(pair, (found - expected) * pair.scales.half_width / (pair.scales.compliance * pair.scales.normal_load))
 
 
 def _density(pair: Pair) -> tuple[float, bool]:

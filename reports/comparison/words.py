@@ -7,9 +7,11 @@ import re
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from reports.comparison.metrics import Metric, Verdict, are_half_planes, coupled, name_of
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, Pad, PolygonLoad, Scene, Shape
+from scenes import Block, Cylinder, EllipseLoad, FlatRounded, HalfPlane, Hertz, Pad, PolygonLoad, Scene, Shape, Wave, sampled
 
 if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
@@ -46,7 +48,7 @@ def question(scene: Scene) -> str:
     material = f"both {upper}" if scene.material.alike else f"upper {upper}; lower {lower}"
     return (
         f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
-        f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}. "
+        f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}{bulk_and_tilt(scene)}. "
         f"What do they transmit, where do they slip, and what does {'a cycle' if _repeats(scene) else 'the path'} dissipate?"
     )
 
@@ -69,6 +71,50 @@ def _loads(scene: Scene, unit: str) -> str:
     corners = (load.initial_loading[-1], *load.cycle) if load.cycle else ((0.0, 0.0), *load.initial_loading)
     points = ", ".join(f"({number(p)}, {number(q)})" for p, q in corners)
     return f"the loads (P, Q) go {'round' if load.cycle else 'along'} the straight lines through {points} {unit}"
+
+
+def bulk_and_tilt(scene: Scene) -> str:
+    """Bulk stresses, tilt, moment or line of action of the loads, each after a semicolon; empty without any.
+
+    >>> from scenes import load_scene
+    >>> bulk_and_tilt(load_scene("cattaneo-mindlin").vary(load={"bulk_stress_lower": (0.0, 50.0, -50.0), "tilt": 0.001}))
+    '; the lower body is under a bulk stress from −50 to 50 MPa along x; the upper body is tilted by 0.001 rad'
+    """
+    load, (force, length, stress) = scene.load, units(scene)
+    said = [
+        f"the {name} body is under a bulk stress {_over_time(scene, 'bulk', k, value)} {stress} along x"
+        for k, (name, value) in enumerate((("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)))
+        if value is not None
+    ]
+    if load.tilt is not None:
+        said.append(f"the upper body is tilted {_over_time(scene, 'turning', 0, load.tilt, 'by')} rad")
+    if load.moment is not None:
+        words = _over_time(scene, "turning", 1, load.moment)
+        said.append(f"the pressure has a moment {words} {force} per unit thickness about x = 0, and the tilt follows from it")
+    if (line := load.line_of_action) is not None:
+        height = f" and Q {number(line.height)} {length} above the contact" if line.height else ""
+        said.append(f"P acts along x = {number(line.x)} {length}{height}, and the tilt follows from it")
+    return "".join(f"; {one}" for one in said)
+
+
+def _over_time(scene: Scene, pair: str, which: int, value: Any, of: str = "of") -> str:
+    """A number, the formula of a wave, or the range of anything else through the path, with a preposition."""
+    if isinstance(value, Wave):
+        return f"{of} {number(value.mean)} + {number(value.amplitude)} cos(t − {number(value.phase_degrees)}°)".replace("− −", "+ ")
+    if isinstance(value, int | float):
+        return f"{of} {number(value)}"
+    path = scene.load.path()
+    legs = [leg for one in (path.cycle or path.initial_loading) if (leg := getattr(one, pair)) is not None]
+    values = np.concatenate([np.ravel(leg.loads(sampled(leg, 65))[which]) for leg in legs])
+    return f"from {number(float(f'{values.min():.4g}'))} to {number(float(f'{values.max():.4g}'))}"
+
+
+def under_what(scene: Scene) -> str:
+    """What is beside P and Q, for a headline: " under bulk stress and tilt"; empty for nothing."""
+    load = scene.load
+    pulled = load.bulk_stress_lower is not None or load.bulk_stress_upper is not None
+    found = [words for words, there in (("bulk stress", pulled), ("tilt", load.tilt is not None or load.moment_given)) if there]
+    return f" under {' and '.join(found)}" if found else ""
 
 
 def shape_words(shape: Shape, length: str) -> str:
@@ -95,7 +141,8 @@ def bodies_in_words(scene: Scene) -> str:
         return "Both bodies are half-planes, and the profile is the gap between their flat faces."
     length = units(scene)[1]
     parts = f"The lower body is {shape_words(lower, length)}; the upper body is {shape_words(upper, length)}."
-    load = "" if isinstance(upper, HalfPlane) else " The loads act through what holds the upper body, which does not tilt."
+    turns = "turns as the moment makes it" if scene.load.moment_given else "is tilted" if scene.load.tilt else "does not tilt"
+    load = "" if isinstance(upper, HalfPlane) else f" The loads act through what holds the upper body, which {turns}."
     gap = (
         "The gap is that of the faces as they are made"
         if scene.bodies.faces_are_true
@@ -253,14 +300,15 @@ def headline(report: Report) -> str:
     if ours and are_half_planes(comparison.scene):
         sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
         parts = [f"{minus(f'{100 * _settled(size):.2g}')} % in the {_words_of(metric)}" for metric, size in sizes]
-        return f"The two solutions agree to {' and '.join(parts)}{told}."
+        return f"The two solutions agree to {' and '.join(parts)}{under_what(comparison.scene)}{told}."
     parts = [_claim(metric, judge_theory) for metric in metrics]
     if judge_theory:
         basis = f" (theory/finite elements − 1{told})"
         kind = "these bodies" if not comparison.scene.bodies.half_planes else "these materials"
-        return f"Half-plane theory {' and '.join(parts)} for {kind}{basis}."
+        return f"Half-plane theory {' and '.join(parts)} for {kind}{under_what(comparison.scene)}{basis}."
     found, theirs = _first_large(name_of(comparison.result.engine)), name_of(comparison.reference.engine)
-    return f"{found}, measured by {theirs}, {' and '.join(parts)}{f' ({told[2:]})' if told else ''}."
+    beside = under_what(comparison.scene)
+    return f"{found}, measured by {theirs}, {' and '.join(parts)}{beside}{f' ({told[2:]})' if told else ''}."
 
 
 def _claim(metric: Metric, theory: bool) -> str:

@@ -12,8 +12,9 @@ import numpy as np
 from reports.charts.plate import STATE_KEYS, Plate
 from reports.charts.templating import script, template
 from reports.comparison import Comparison, Report
+from reports.comparison.cycles import last_cycle
 from reports.comparison.laws import Certificate
-from reports.comparison.metrics import Metric, Verdict, name_of, normal_work
+from reports.comparison.metrics import Metric, Verdict, bulk_work, name_of, normal_work
 from reports.comparison.words import (
     CLAIM,
     SUPPORT_WORDS,
@@ -96,6 +97,7 @@ def render(
         scales=_scales(comparison),
         energy=energy_unit(scene),
         dissipations=_dissipations(comparison),
+        pulled=comparison.pulled,
         measured=section(scene, (comparison.reference, comparison.result)),
         checks=_checks(comparison),
         figures={drawing.name: drawing for drawing in drawings},
@@ -226,12 +228,18 @@ def _dissipations(comparison: Comparison) -> list[dict[str, str]]:
             "value": _figure(solution.dissipation, "8g"),
             "scaled": _figure(solution.dissipation / comparison.scales.dissipation, "8g"),
             "loop": "–" if np.isnan(solution.loop_work) else minus(f"{solution.loop_work:.8g}"),
+            "bulk": minus(f"{_bulk_term(solution):.8g}"),
             "normal": "–" if (work := normal_work(solution)) is None else minus(f"{work:.8g}"),
             "apart": _apart(solution),
             "cycles": ", ".join(_figure(w, "6g") for w in solution.cycle_dissipation),
         }
         for name, solution in solutions
     ]
+
+
+def _bulk_term(solution: ContactSolution) -> float:
+    """-closed integral of m_q d(eps) over the last cycle, of the instants that the solution has."""
+    return bulk_work(last_cycle(solution), solution.scene.material)
 
 
 def _figure(value: float, form: str) -> str:

@@ -19,10 +19,10 @@ from reports.comparison.budget import ROUNDING, Budget, ErrorBudget
 from reports.comparison.convergence import Ladder, extrapolate
 from reports.comparison.cycles import Cycle, Event, events
 from reports.comparison.laws import LIMIT, Certificate
-from reports.comparison.metrics import are_half_planes, missing, name_of
+from reports.comparison.metrics import are_half_planes, bulk_strain, bulk_work, loop_work, missing, name_of
 from reports.comparison.words import value_of
 from reports.units import energy_unit, load_unit, minus, signed, units
-from scenes import ContactSolution, sampled
+from scenes import ContactSolution, Scene, sampled
 from scenes.scene import OWN_TOLERANCES
 
 if TYPE_CHECKING:
@@ -277,15 +277,16 @@ def dissipation_density(comparison: Comparison) -> Plate | None:
     theirs, ours = (cycle.dissipation_density / unit for _, cycle, _ in sides(comparison))
     if not (np.any(theirs) or np.any(ours)):
         return None
-    stick = comparison.reference.permanent_stick_half_width / scales.half_width
-    lines: list[Mark] = [Rule(side * float(stick), "stick-line", upright=True) for side in (-1, 1) if np.isfinite(stick)]
+    stick = permanent_edges(comparison.reference) / scales.half_width
+    lines: list[Mark] = [Rule(float(edge), "stick-line", upright=True) for edge in stick if np.isfinite(edge)]
     keys = [Key(f"{who} p", name) for who, _, name in sides(comparison)]
     lines += [Curve(x, w, key.css, key.text) for w, key in zip((theirs, ours), keys, strict=True)]
     peak = int(np.nanargmax(np.where(np.isfinite(ours), ours, -np.inf)))
     lines.append(Dot(float(x[peak]), float(ours[peak]), "event"))
     apart = 100 * (ours - theirs) / (float(np.nanmax(np.abs(theirs), initial=0.0)) or 1.0)
     note = measured(apart, x, "x = {} a_ref", " %", (np.abs(x) <= wide) & ((theirs != 0) | (ours != 0)))
-    stuck = f"; dashed: edges of the permanent stick zone, ±{stick:.4g} a_ref" if np.isfinite(stick) else ""
+    ends = f"±{stick[1]:.4g}" if stick[0] == -stick[1] else minus(f"{stick[0]:.4g} and {stick[1]:.4g}")
+    stuck = f"; dashed: edges of the permanent stick zone, {ends} a_ref" if np.isfinite(stick).all() else ""
     up = Axis(*limits(theirs, ours, zero=True), "w / (A f² P_ref²/a_ref)")
     below = Axis(*limits(apart, zero=True, least=1e-9), "difference, % of the largest")
     marks: list[Mark] = [Rule(0.0, "zero"), Curve(x, apart, "d p", "difference")]
@@ -388,6 +389,13 @@ def errors(comparison: Comparison, time: Array, time_words: str) -> Plate:
     )
 
 
+def permanent_edges(solution: ContactSolution) -> Array:
+    """(2,) ends of what sticks through the whole last cycle [length]; NaN if nothing does."""
+    if solution.permanent_stick_edges is not None:
+        return solution.permanent_stick_edges
+    return solution.permanent_stick_half_width * np.array([-1.0, 1.0])
+
+
 def places(comparison: Comparison, count: int = 4) -> list[int]:
     """Points whose slip is worth a look: from the permanent stick zone (or the middle) to just outside the largest contact.
 
@@ -395,8 +403,10 @@ def places(comparison: Comparison, count: int = 4) -> list[int]:
     """
     expected, x = comparison.expected, comparison.found.x
     outer = float(np.nanmax(np.abs(expected.contact_edges), initial=0.0)) or float(np.abs(x).max())
-    inner = comparison.reference.permanent_stick_half_width
-    inner = float(inner) if np.isfinite(inner) and inner < outer else 0.0
+    if comparison.turned:
+        outer = float(np.nanmax(expected.contact_edges, initial=float(x[0])))
+    inner = permanent_edges(comparison.reference)[1]
+    inner = float(inner) if np.isfinite(inner) and inner < outer else min(0.0, outer)
     wanted = inner + np.linspace(0.12, 0.97, count) * (outer - inner)
     return sorted({int(np.abs(x - place).argmin()) for place in wanted})
 
@@ -437,9 +447,13 @@ def slip_histories(comparison: Comparison, time: Array, time_words: str) -> Plat
 
 # ------------------------------------------------------------------------------------------------ the loads, and load over shift
 def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) -> Plate:
-    """The path in the P-Q plane: initial loading, cycle, Coulomb limit, chosen instants, a ring at the instant shown."""
+    """The path in the P-Q plane: initial loading, cycle, Coulomb limit, chosen instants, a ring at the instant shown.
+
+    Beneath it bulk stress, tilt and moment over the cycle, where there are any.
+    """
     friction, unit = solution.scene.friction.coefficient, load_unit(solution.scene)
     path = solution.scene.load.path()
+    periodic = path.period is not None
     parts = {"initial loading" if path.cycle else "path": path.initial_loading, "cycle": path.cycle}
     looks = {"initial loading": "initial-loading", "path": "loop", "cycle": "loop"}
     time, part = list[Array](), list[str]()
@@ -459,16 +473,45 @@ def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) 
     marks += _events(panel, cycle.normal_load, cycle.tangential_load, chosen)
     start = first_shown(cycle, chosen)
     marks.append(_follower("P", "Q", cycle.normal_load[start], cycle.tangential_load[start], "now"))
+    beside = [_over_cycle(cycle, periodic, *pair) for pair in _bulk_and_tilt(solution.scene, cycle)]
+    keys = (*(Key(looks[name], name) for name in reversed(drawn)), *([Key("cone", "|Q| = f P")] if friction else []))
     return Plate(
         "load_path",
         "Load path",
-        "The numbers are the chosen instants, in the order of time; the ring is the instant shown.",
+        "The numbers are the chosen instants, in the order of time; the ring is the instant shown."
+        + (" Beneath: what is imposed beside P and Q, through the last cycle." if beside else ""),
         "Path of the loads in the plane of P and Q with the friction cone.",
-        (panel,),
+        (panel, *(panel for panel, _ in beside)),
         {"time": instants, "part": part, "P": normal, "Q": tangential},
-        (*(Key(looks[name], name) for name in reversed(drawn)), *([Key("cone", "|Q| = f P")] if friction else [])),
+        (*keys, *(key for _, more in beside for key in more)),
         columns=1,
     )
+
+
+def _bulk_and_tilt(scene: Scene, cycle: Cycle) -> Iterator[tuple[str, str, dict[str, Array]]]:
+    """Name, words of the axis and lines, by their words, of what a scene has beside P and Q, each with its unit."""
+    force, _, stress = units(scene)
+    pulled = {f"σ, {name} body": getattr(cycle, f"bulk_stress_{name}") for name in ("lower", "upper")}
+    pulled = {words: values for words, values in pulled.items() if values is not None and np.any(values)}
+    if pulled:
+        yield "bulk-stress", f"bulk stress σ  [{stress}]", pulled
+    if cycle.tilt is not None and np.any(cycle.tilt):
+        yield "tilt", "tilt α  [rad]", {"tilt of the upper body": cycle.tilt}
+    if cycle.moment is not None and np.any(cycle.moment) and scene.load.moment_given:
+        yield "moment", f"moment M  [{force}]", {"moment": cycle.moment}
+
+
+def _over_cycle(cycle: Cycle, periodic: bool, name: str, words: str, lines: Mapping[str, Array]) -> tuple[Panel, tuple[Key, ...]]:
+    """Series through the last cycle in a small panel, and their keys."""
+    time, across = (cycle.fraction, "time / period") if periodic and cycle.whole else (cycle.time, "time")
+    keys = tuple(Key(f"{look} fine", text) for look, text in zip(_IMPOSED[name], lines, strict=False))
+    marks: list[Mark] = [Rule(0.0, "zero"), *(Curve(time, lines[key.text], key.css, key.text) for key in keys)]
+    up = Axis(*limits(*lines.values(), zero=True, margin=0.12), words, count=3)
+    return Panel(name, Axis(*limits(time, margin=0), across), up, marks, f"{words} over time", height=190.0, time="x"), keys
+
+
+# Looks of the lines of each small panel beneath the load path.
+_IMPOSED = {"bulk-stress": LINES[:2], "tilt": LINES[2:3], "moment": LINES[3:4]}
 
 
 def _events(panel: Panel, across: Array, up: Array, chosen: Sequence[Event]) -> Iterator[Mark]:
@@ -514,12 +557,15 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
     slopes, area = " and ".join(signed(loop_compliance(cycle)) for cycle in (expected, found)), ""
     if scene.load.path().period is not None:
         # P works too where it varies and the approach hangs on Q as well.
-        alone = are_half_planes(scene) or np.ptp(found.normal_load) == 0
+        alone = are_half_planes(scene) or (np.ptp(found.normal_load) == 0 and found.tilt is None)
         area = ", which leaves the area as it is: "
-        area += "the dissipation of the cycle" if alone else (
-            "the work of Q in the cycle, which between half-planes of like materials is the dissipation; "
-            "of these bodies P may work too (∮ P dV below)"
-        )  # fmt: skip
+        if comparison.pulled:
+            area += _both_works(comparison)
+        else:
+            area += "the dissipation of the cycle" if alone else (
+                "the work of Q in the cycle, which between half-planes of like materials is the dissipation; "
+                "of these bodies P may work too (∮ P dV below)"
+            )  # fmt: skip
     keys = tuple(Key(f"{who} p", name) for who, _, name in sides(comparison))
     loads = [expected.tangential_load, found.tangential_load]
     panels, start = [], first_shown(found, chosen)
@@ -539,6 +585,14 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
         for n, css in enumerate(("now pale", "now")):
             marks.append(_follower(f"{letter}{n}", "Q", shifts[n][start], loads[n][start], css))
         panels.append(panel)
+    bulk = [
+        (bulk_strain(cycle, scene.material), cycle.shear_moment) for cycle in (expected, found) if cycle.shear_moment is not None
+    ]
+    if comparison.pulled and len(bulk) == 2:
+        marks = [Curve(strain, moment, key.css, key.text) for key, (strain, moment) in zip(keys, bulk, strict=True)]
+        across = Axis(*limits(*(strain for strain, _ in bulk), margin=0.12), "bulk strain ε = σ/E′, lower − upper", count=4)
+        up = Axis(*limits(*(moment for _, moment in bulk), margin=0.12), f"moment of the shear m_q  [{units(scene)[0]}]")
+        panels.append(Panel("bulk-loop", across, up, marks, "Moment of the shear over bulk strain", height=330.0))
     return Plate(
         "hysteresis",
         "Hysteresis loop",
@@ -553,6 +607,24 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
             "U_result": found.tangential_displacement,
         },
         keys,
+    )
+
+
+def _both_works(comparison: Comparison) -> str:
+    """What the loop of Q over U is with bulk stress, and the other work, of reference and result."""
+    cycles, materials = (comparison.expected, comparison.found), comparison.scene.material
+    of_force, of_bulk, whole = (
+        " and ".join(minus(f"{work:.5g}") for work in works)
+        for works in (
+            [loop_work(cycle) for cycle in cycles],
+            [bulk_work(cycle, materials) for cycle in cycles],
+            [comparison.reference.dissipation, comparison.result.dissipation],
+        )
+    )
+    return (
+        f"the work of Q in the cycle. With bulk stress that is not the dissipation: ∮ Q dU = {of_force}, −∮ m_q dε = {of_bulk}, "
+        f"and W = {whole} {energy_unit(comparison.scene)} (reference and result). Third: the moment of the shear, m_q = ∫ x q dx, "
+        "over the bulk strain; its area is the second of these works"
     )
 
 

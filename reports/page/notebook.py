@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from reports.charts.marks import Axis, Curve
 from reports.charts.plate import Panel, Plate
 from reports.charts.scale import limits
+from reports.comparison.content import of_bulk
+from reports.comparison.words import bulk_and_tilt
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 
 if TYPE_CHECKING:
@@ -48,6 +50,7 @@ def scene_html(scene: Scene) -> str:
         ("load", scene.load.kind.replace("_", " ")),
         ("P", f"{normal.min():.6g} to {normal.max():.6g}"),
         ("Q", f"{tangential.min():.6g} to {tangential.max():.6g}"),
+        *([("beside P and Q", beside.removeprefix("; "))] if (beside := bulk_and_tilt(scene)) else []),
         ("units", scene.units),
     ]
     return table_html(scene.title or scene.name or "Scene", rows, loop_svg(normal, tangential, "P", "Q"))
@@ -64,6 +67,7 @@ def solution_html(solution: ContactSolution) -> str:
         ("largest contact half-width", _figure(float(np.nanmax(solution.contact_half_width)))),
         ("permanent stick half-width", _figure(solution.permanent_stick_half_width)),
         ("dissipation of the last cycle", _figure(solution.dissipation)),
+        *((words.replace("_", " "), _figure(value)) for words, value in of_bulk(solution).items()),
     ]
     picture = loop_svg(solution.tangential_displacement[steps], solution.tangential_load[steps], "U", "Q")
     return table_html(solution.scene.title or solution.scene.name or "Solution", rows, picture)

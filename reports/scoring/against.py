@@ -145,7 +145,9 @@ def score_solution(
     _refuse_beside(solution, reference)
     steps = None  # theory on the increments of a solver; none for an answer that takes no steps
     if polygon and against == "exact" and solution.engine == "halfplane_fe" and DERIVED not in solution.settings:
-        steps = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time, straight_steps=not solution.thinned)
+        from reports.comparison.budget import theory_on_steps
+
+        steps = theory_on_steps(solution)
     if whole is None and derived(solution):
         whole = whole_path(solution.scene)
     like, words = (reference, ()) if whole is None else by_same_rule(reference, solution, scales(whole).half_width)

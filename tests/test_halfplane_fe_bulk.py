@@ -1,0 +1,555 @@
+"""Bulk stress, tilt and moment in finite elements: exact rows, invariances, the energy balance, blocks against bars, refusals.
+
+# notation: E* = 1 of two like bodies with E = 2 and nu = 0, R = 1, so that a stress of 2 eps in the lower body is the strain eps.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+import halfplane_fe
+from halfplane_fe import SolverSettings, edge_tension, fields, stress
+from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
+from halfplane_fe.elasticity import assemble, condense, uniform_stretch
+from halfplane_fe.interface import Interface, couple, without_local_difference
+from halfplane_fe.path import enclosed, loads_of, turning_points
+from halfplane_fe.store import condensed
+from halfplane_fe.systems import Layer
+from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
+from scenes import (
+    Block,
+    Bodies,
+    Cylinder,
+    Elastic,
+    EllipseLoad,
+    FlatRounded,
+    Hertz,
+    InputError,
+    Materials,
+    Pad,
+    PolygonLoad,
+    Scene,
+    Tabulated,
+)
+
+UNIT = Elastic(young_modulus=2.0, poisson_ratio=0.0)
+STEEL = Elastic(young_modulus=2.0, poisson_ratio=0.3)
+SOFT = Elastic(young_modulus=1.0, poisson_ratio=0.2)
+UNLIKE = Materials(upper=SOFT, lower=STEEL)
+ROUGH = MeshSettings(element_size=1 / 8, edge_element_size=1 / 16, far_radius=6.0, growth=0.5)
+FEW = MeshSettings(element_size=1 / 6, edge_element_size=1 / 8, far_radius=6.0, growth=0.5)
+# None halved for its step error, and 17 a cycle: rounding would choose other increments of a reflected load.
+REGULAR = SolverSettings(steps_per_cycle=17, step_tolerance=np.inf)
+ROLLERS, FIXED = Block(width=16.0, height=4.0, base="rollers"), Block(width=16.0, height=4.0)
+A0 = 1.9544100476  # a(P = 3)
+
+
+def scene(load: Any, friction: float = 1.0, cycles: int = 3, material: Any = UNIT, **parts: Any) -> Scene:
+    profile = parts.pop("profile", Hertz(radius=1.0))
+    coefficient = {"coefficient": friction}
+    return Scene(name="bulk", profile=profile, material=material, friction=coefficient, load=load, cycles=cycles, **parts)
+
+
+def ellipse(p: tuple[float, float], q: tuple[float, float], phase: float, **further: Any) -> EllipseLoad:
+    names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
+    return EllipseLoad(**dict(zip(names, (*p, *q), strict=True)), phase_degrees=phase, **further)
+
+
+def wave(mean: float, amplitude: float, phase: float = 0.0) -> dict[str, float]:
+    return {"mean": mean, "amplitude": amplitude, "phase_degrees": phase}
+
+
+@functools.cache
+def solved(question: Scene, mesh: MeshSettings = FEW, settings: SolverSettings = REGULAR) -> halfplane_fe.FiniteElementSolution:
+    return halfplane_fe.solve(question, mesh, settings)
+
+
+# ------------------------------------------------------------------------------------------------- exact values, E* = 1
+
+
+TILTED_FLAT = FlatRounded(radius=1.0, flat_half_length=0.5)
+ROWS = {
+    "1": scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.8)], bulk_stress_lower=[0, 0.4])),
+    "2": scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.8)], cycle=[(3, -1.8)], bulk_stress_lower=[0, 0.6, -0.6])),
+    "2, upper": scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.8)], cycle=[(3, -1.8)], bulk_stress_upper=[0, -0.6, 0.6])),
+    "4": scene(PolygonLoad(initial_loading=[(3, 0), (3, 0.9)], bulk_stress_lower=[0, 2.0])),
+    "5": scene(ellipse((3, 1), (1.1, 1), 90, tilt=wave(0.3, 0.1), bulk_stress_lower=wave(0.22, 0.2, 90))),
+    "6": scene(ellipse((3, 0.6), (0.2, 1.4), 0, tilt=wave(0.1, 0.08), bulk_stress_lower=wave(0.2, 0.3))),
+    "7": scene(ellipse((3, 1), (1.1, 1), 90, bulk_stress_lower=wave(0, 0.5, 90)), cycles=6),
+    "8": scene(ellipse((3, 1), (1.1, 1), 90, tilt=wave(0, 0.06, 90)), cycles=6),
+    "9": scene(PolygonLoad(initial_loading=[(1, 0)], tilt=[0.2]), profile=TILTED_FLAT),
+    "9, moment": scene(PolygonLoad(initial_loading=[(1, 0)], moment=[-0.3444188480137]), profile=TILTED_FLAT),
+}
+WORK = {
+    "2": 0.9368781396315213,
+    "2, upper": 0.9368781396315213,
+    "5": 0.32380811606118304,
+    "6": 0.25922505566470,
+    "7": 0.38684,
+    "8": 0.25985,
+}
+STICK = {"1": (0.2 - 1.2360774475, 0.2 + 1.2360774475), "4": (-0.7063363748151722, 1.4493185287005215)}
+PERMANENT = {
+    "5": (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461),
+    "6": (-0.704713575642 * A0, 0.755879911039 * A0),
+    "7": (-0.62681 * A0, 0.80026 * A0),
+    "8": (-0.72632 * A0, 0.72632 * A0),
+}
+CONTACT = dict.fromkeys(("9", "9, moment"), (-1.7331629996, 1.2194927292))
+# On elements of a/16, and of a/160 (the default): error of W, of edges over an element, of contact, moment or tilt over 1.
+LIMITS = {"rough": (6e-3, 1.0, 5e-3, 6e-4), "default": (1e-3, 1.0, 3e-4, 3e-5)}
+
+
+@pytest.mark.parametrize("mesh", ["rough", pytest.param("default", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("row", ROWS)
+def test_exact_rows(row: str, mesh: str) -> None:
+    answer = solved(ROWS[row], ROUGH, SolverSettings(steps_per_cycle=16)) if mesh == "rough" else halfplane_fe.solve(ROWS[row])
+    work, edge, contact, turned = LIMITS[mesh]
+    element = answer.settings["element_size"]
+    assert answer.moment is not None
+    assert answer.tilt is not None
+    assert answer.permanent_stick_edges is not None
+    if row in WORK:
+        assert answer.dissipation == pytest.approx(WORK[row], rel=work)
+    if row in STICK:
+        np.testing.assert_allclose(answer.stick_edges[-1], STICK[row], atol=edge * element)
+    if row in PERMANENT:
+        np.testing.assert_allclose(answer.permanent_stick_edges, PERMANENT[row], atol=edge * element)
+        assert answer.permanent_stick_half_width == pytest.approx(np.diff(answer.permanent_stick_edges)[0] / 2, rel=1e-12)
+    if row in CONTACT:
+        np.testing.assert_allclose(answer.contact_edges[-1], CONTACT[row], atol=contact)
+        np.testing.assert_allclose([answer.moment[-1], answer.tilt[-1]], [-0.3444188480137, 0.2], atol=turned)
+
+
+def test_contact_of_a_line_of_action_is_hertz_moved_there() -> None:
+    """P along x = 0.7: the parabola turns by -0.7/R and touches around 0.7; Q at a height h brings the moment h Q."""
+    load = PolygonLoad(initial_loading=[(3, 0)], line_of_action={"x": 0.7})
+    answer = solved(scene(load), ROUGH)
+    assert answer.tilt is not None
+    assert answer.tilt[-1] == pytest.approx(-0.7, abs=2e-3)
+    np.testing.assert_allclose(answer.contact_edges[-1], [0.7 - A0, 0.7 + A0], atol=1e-2)
+    np.testing.assert_allclose(answer.tilt, -0.7, atol=0.05)  # from the first touch on, to an element
+    far = solved(scene(PolygonLoad(initial_loading=[(3, 0)], line_of_action={"x": -5.0})), ROUGH)
+    np.testing.assert_allclose(far.contact_edges[-1], [-5.0 - A0, -5.0 + A0], atol=2e-2)
+    answer = solved(scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.2)], line_of_action={"height": 0.5})))
+    assert answer.moment is not None
+    np.testing.assert_allclose(answer.moment, 0.5 * answer.tangential_load, atol=1e-12)
+
+
+def test_bulk_stress_is_to_the_shear_what_tilt_is_to_the_pressure() -> None:
+    """q = f [p(P, alpha) - p(P - Q/f, alpha - eps/f)] of bodies with N = T: both sides are one finite problem, so to rounding."""
+    n, f = 41, 0.5
+    x, none = np.linspace(-2, 2, n), np.zeros(n)
+    apart = np.abs(np.subtract.outer(x, x))
+    alike = -np.log((apart + 0.05 * np.eye(n)) / 50) * 2 / np.pi
+    imposed = np.stack([np.stack([none, none, x], axis=1), np.stack([-x, x, none], axis=1)])
+    faces = Interface(x, none + 0.1, np.stack([none, none + 1]), none, alike, alike, None, imposed=imposed)
+
+    def problem(friction: float) -> ContactProblem:
+        return ContactProblem(faces, x**2 / 2, friction, Layer(none, none))
+
+    def pressed(loads: tuple[float, ...], friction: float = 0.0) -> InterfaceState:
+        rest = replace(untouched(x**2 / 2, 0.0), further=(0.0, 0.0, 0.0))
+        return problem(friction).equilibrium(rest, 1.0, loads)[0]
+
+    start, load, strain, tilt = (2.0, 0.0, 0.0, 0.0, 0.1), 0.4, 0.08, 0.1
+    sheared, _ = problem(f).equilibrium(pressed(start, f), 2.0, (2.0, load, strain, 0.0, tilt))
+    inner = pressed((2.0 - load / f, 0.0, 0.0, 0.0, tilt - strain / f))
+    np.testing.assert_allclose(sheared.shear, f * (sheared.pressure - inner.pressure), atol=1e-11)
+    assert 0 < (sheared.state == 1).sum() < sheared.closed.sum()
+
+
+# -------------------------------------------------------------------------------------------------------- invariances
+
+
+def numbers(answer: halfplane_fe.FiniteElementSolution, side: int = 1, turned: int = 1) -> dict[str, np.ndarray]:
+    """An answer, reflected in x = 0 for side = -1, its shear turned round for turned = -1."""
+    sign = side * turned
+    assert answer.permanent_stick_edges is not None
+    assert answer.tilt is not None
+    edges = {name: getattr(answer, name)[-1] * side for name in ("contact_edges", "stick_edges")}
+    edges["permanent"] = answer.permanent_stick_edges * side
+    return {
+        "W": np.array(answer.cycle_dissipation),
+        "p": answer.pressure[-1, ::side],
+        "q": answer.shear[-1, ::side] * sign,
+        "W(x)": answer.dissipation_density[::side],
+        "U": answer.tangential_displacement[-1:] * sign,
+        "delta": answer.normal_approach[-1:],
+        **{name: np.sort(values) for name, values in edges.items()},
+    }
+
+
+def turned_keys(load: EllipseLoad, keys: tuple[str, ...]) -> EllipseLoad:
+    """The load with the signs of these keys turned round; of Q and of waves by mean and half a turn."""
+    changes: dict[str, Any] = {}
+    for key in keys:
+        if key == "Q":
+            changes |= {"mean_tangential_load": -load.mean_tangential_load, "phase_degrees": load.phase_degrees - 180}
+        elif (value := getattr(load, key)) is not None:
+            changes[key] = wave(-value.mean, value.amplitude, value.phase_degrees - 180)
+    return load.model_copy(update={}).__class__.model_validate(load.model_dump() | changes)
+
+
+MIXED = ellipse((3, 0.6), (0.2, 1.2), 60, bulk_stress_lower=wave(0.2, 0.3, 100), tilt=wave(0.1, 0.08, 30))
+TURNED = {
+    # x -> -x turns Q and the tilt, a stress is a stress from either side
+    "reflected": (MIXED, UNIT, ("Q", "tilt", "moment"), -1, 1),
+    "reflected, unlike": (MIXED, UNLIKE, ("Q", "tilt", "moment"), -1, 1),
+    "reflected, moment": (
+        ellipse((3, 0.6), (0.2, 1.2), 60, bulk_stress_upper=wave(0.2, 0.3, 100), moment=wave(0.3, 0.2, 30)),
+        UNIT,
+        ("Q", "tilt", "moment"),
+        -1,
+        1,
+    ),
+    # friction has no preferred side: Q and all bulk stress turned, nothing else
+    "shear turned": (MIXED, UNIT, ("Q", "bulk_stress_lower"), 1, -1),
+}
+
+
+@pytest.mark.parametrize("name", TURNED)
+def test_a_turned_load_has_the_turned_answer(name: str) -> None:
+    load, material, keys, side, turned = TURNED[name]
+    one = numbers(solved(scene(load, material=material)))
+    other = numbers(solved(scene(turned_keys(load, keys), material=material)), side, turned)
+    for field, values in one.items():
+        np.testing.assert_allclose(other[field], values, rtol=1e-7, atol=1e-7 * np.abs(values).max(), err_msg=field)
+
+
+def test_bodies_upside_down() -> None:
+    """Half a turn of the whole picture: lower and upper body change places, x is -x, P, Q and the stresses are what they were."""
+    base, held = {"p": (3, 0.6), "q": (0.2, 1.2), "phase": 60}, wave(0.4, 0.6, 20)
+    one = solved(scene(ellipse(**base, bulk_stress_lower=held), material=STEEL, bodies=Bodies(lower=FIXED)))
+    other = solved(scene(ellipse(**base, bulk_stress_upper=held), material=STEEL, bodies=Bodies(upper=FIXED)))
+    for field, values in numbers(one).items():
+        np.testing.assert_allclose(numbers(other, -1, -1)[field], values, atol=1e-8 * np.abs(values).max(), err_msg=field)
+
+
+def test_one_strain_in_both_bodies_is_none_and_only_the_difference_counts() -> None:
+    base = {"p": (3, 0.6), "q": (0.2, 1.2), "phase": 60}
+    same = wave(0.4, 0.3, 20)
+    both, nothing = (solved(scene(ellipse(**base, bulk_stress_lower=one, bulk_stress_upper=one))) for one in (same, wave(0, 0)))
+    lower, upper, half = (
+        solved(scene(ellipse(**base, **stresses)))
+        for stresses in (
+            {"bulk_stress_lower": wave(0.2, 0.3, 20)},
+            {"bulk_stress_upper": wave(-0.2, 0.3, -160)},
+            {"bulk_stress_lower": wave(0.1, 0.15, 20), "bulk_stress_upper": wave(-0.1, 0.15, -160)},
+        )
+    )
+    # A stress that turns ends an increment there, in both bodies too.
+    for one, other, room in ((both, nothing, 1e-3), (lower, upper, 1e-9), (lower, half, 1e-9)):
+        for field, values in numbers(one).items():
+            np.testing.assert_allclose(numbers(other)[field], values, rtol=room, atol=room, err_msg=field)
+    assert abs(lower.dissipation / nothing.dissipation - 1) > 0.1
+
+
+def test_without_bulk_stress_and_tilt_the_whole_contact_gives_what_its_half_gives() -> None:
+    plain = ellipse((3, 0.6), (0.2, 1.2), 60)
+    whole = solved(scene(ellipse((3, 0.6), (0.2, 1.2), 60, tilt=wave(0, 0), bulk_stress_upper=wave(0, 0))))
+    half = solved(scene(plain))
+    assert "contact nodes" in half.work.skipped
+    assert "contact nodes" not in whole.work.skipped
+    assert half.bulk_stress_lower is half.tilt is half.moment is half.shear_moment is half.permanent_stick_edges is None
+    np.testing.assert_array_equal(whole.x, half.x)
+    np.testing.assert_allclose(whole.cycle_dissipation, half.cycle_dissipation, rtol=1e-9)
+    np.testing.assert_allclose(whole.pressure[-1], half.pressure[-1], atol=1e-9)
+
+
+def test_two_unequal_sides_of_a_profile_reflected() -> None:
+    x = np.linspace(-4, 4, 81)
+    sides = [np.where(x < 0, x**2 / (2 * left), x**2 / (2 * right)) for left, right in ((1.0, 2.0), (2.0, 1.0))]
+    load = ellipse((2, 0.4), (0.1, 0.8), 60)
+    one, other = (
+        solved(scene(now, profile=Tabulated(points=np.stack([x, h], axis=1).tolist(), symmetric=False)))
+        for now, h in zip((load, turned_keys(load, ("Q",))), sides, strict=True)
+    )
+    for field, values in numbers(one).items():
+        np.testing.assert_allclose(numbers(other, -1)[field], values, atol=1e-7, err_msg=field)
+    assert one.contact_edges[-1].sum() > 0.1  # further on the flat side
+
+
+# ------------------------------------------------------------------------------------------------------------- energy
+
+
+TURNING = {"bulk_stress_lower": wave(0.2, 0.3), "tilt": wave(0.1, 0.08, 40)}
+PADS = {"profile": Hertz(radius=12.0), "bodies": Bodies(lower=FIXED, upper=Pad(width=9.0, height=5.0))}
+BALANCED = {
+    "half-planes": ((3, 0.6), (0.2, 1.4), TURNING, UNIT, {}),
+    "unlike, moment": ((3, 0.6), (0.2, 1.4), TURNING | {"tilt": None, "moment": wave(0.3, 0.2)}, UNLIKE, {}),
+    "specimen on rollers": ((3, 0.6), (0.2, 1.4), TURNING, STEEL, {"bodies": Bodies(lower=ROLLERS)}),
+    "two of them, unlike": ((3, 0.6), (0.2, 1.4), TURNING, UNLIKE, {"bodies": Bodies(lower=ROLLERS, upper=ROLLERS)}),
+    "fixed block": ((3, 0.6), (0.2, 1.4), TURNING, STEEL, {"bodies": Bodies(lower=FIXED)}),
+    "pad, line of action": (
+        (0.3, 0.1),
+        (0.02, 0.1),
+        {"bulk_stress_lower": wave(0.02, 0.03), "line_of_action": {"x": 0.1, "height": 0.3}},
+        STEEL,
+        PADS,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BALANCED)
+def test_energy_balances_to_rounding_and_every_law_is_kept(name: str) -> None:
+    """Of each increment; the closed integral of Q dU - m_q d(eps) is W where nothing couples p to slip."""
+    p, q, further, material, parts = BALANCED[name]
+    answer = solved(scene(ellipse(p, q, 25, **further), material=material, cycles=2, **parts))
+    assert float(answer.record.certificates["energy_balance"].max()) < 1e-13
+    assert max(float(values.max()) for values in answer.record.certificates.values()) < 1e-9
+    assert answer.dissipation > 0
+    assert any("jumps by Q/H" in note for note in answer.record.notes) == ("rollers" in name or "two" in name)
+    assert any("its fixed base holds back a part" in note for note in answer.record.notes) == ("fixed" in name or "pad" in name)
+
+
+def test_the_loop_with_the_moment_of_shear_is_the_dissipation() -> None:
+    """In phase the second cycle repeats. The loop to rounding; by sums over the stored instants, and with neither sign turned."""
+    answer = solved(ROWS["6"], ROUGH, SolverSettings(steps_per_cycle=16))
+    assert answer.steady_from == 1
+    assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12)
+    cycle, eps = answer.last_cycle, np.asarray(answer.bulk_stress_lower) / 2
+    pairs = (answer.tangential_load, answer.tangential_displacement), (np.asarray(answer.shear_moment), eps)
+    q_u, m_eps = (np.sum((force[cycle][1:] + force[cycle][:-1]) / 2 * np.diff(along[cycle])) for force, along in pairs)
+    assert q_u - m_eps == pytest.approx(answer.dissipation, rel=1e-3)
+    assert abs(m_eps) > 0.01 * answer.dissipation
+
+
+def test_the_rest_of_the_work_of_the_loads_is_the_change_of_stored_energy() -> None:
+    """By the arrays of the answer alone: P d(delta) - M d(alpha) + Q dU - m_q d(eps), trapezoidal, against record.energy."""
+    answer = solved(ROWS["6"])
+    eps, tilt = np.asarray(answer.bulk_stress_lower) / 2, np.asarray(answer.tilt)
+    pairs = [
+        (answer.normal_load, answer.normal_approach, 1),
+        (np.asarray(answer.moment), tilt, -1),
+        (answer.tangential_load, answer.tangential_displacement, 1),
+        (np.asarray(answer.shear_moment), eps, -1),
+    ]
+    work = sum(sign * (force[1:] + force[:-1]) / 2 * np.diff(along) for force, along, sign in pairs)
+    # The datum of the approach in the record is that of the bodies: its energy is stored, whatever the path.
+    energy = answer.record.energy
+    apart = work - (energy["elastic"] + energy["interface"])[1:]
+    datum = np.diff(answer.normal_load**2 / 2), np.diff(answer.tangential_load**2 / 2)
+    shift = np.linalg.lstsq(np.stack(datum, axis=1), apart, rcond=None)[0]
+    np.testing.assert_allclose(apart, shift @ np.stack(datum), atol=1e-12)
+    assert shift[0] == pytest.approx(shift[1], rel=1e-6, abs=1e-9)
+
+
+def test_turning_points_of_five_loads_and_the_area_between_their_curve_and_its_chord() -> None:
+    """Against sums over 20,000 chords; skew, and none of a straight leg."""
+    leg = MIXED.path().cycle[0]
+    start, end = leg.start + 0.3, leg.start + 0.9
+    time = np.linspace(start, end, 20_001)
+    loads = np.array([loads_of(leg, t) for t in time.tolist()])
+    middle, rise = (loads[1:] + loads[:-1]) / 2, np.diff(loads, axis=0)
+    chord = np.outer((loads[0] + loads[-1]) / 2, loads[-1] - loads[0])
+    found = enclosed(leg, start, end)
+    assert found is not None
+    bulk, tilt = math.radians(100), math.radians(30)
+    for turn in (bulk, bulk + math.pi, tilt, tilt + math.pi):
+        inside = leg.start + np.mod(turn - leg.start, 2 * math.pi)
+        assert np.abs(np.array(turning_points(leg, 0.5)) - inside).min() < 1e-9
+    np.testing.assert_allclose(np.tril(found, -1), np.tril(middle.T @ rise - chord, -1), atol=1e-9)
+    np.testing.assert_array_equal(found, -found.T)
+    assert enclosed(MIXED.path().initial_loading[0], leg.start - 1, leg.start) is None
+
+
+# ------------------------------------------------------------------------------------------------------------- bodies
+
+
+GRADING = SurfaceGrading(inner=0.0, outer=1.0, size=0.25, edge_size=0.25, radius=4.0)
+
+
+def block(base: str, width: float, height: float, outer: float = 1.0) -> BodyMesh:
+    grading = replace(GRADING, outer=outer, size=outer / 8, edge_size=outer / 8)
+    body = solid("lower", Block(width=width, height=height, base=base), Hertz(radius=1.0), grading, 0.4)
+    return replace(body, supports={**body.supports, "sides": "pulled"})
+
+
+def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
+    """(x, -nu/(1 - nu) y)/E' at the contact; and the elements hold it: no force is left on any node off the arc."""
+    body = half_disc("lower", GRADING, 0.5)
+    system, found = assemble(body, STEEL), condense(body, STEEL, 4.0)
+    np.testing.assert_allclose(found.by_stress, [found.x * 0.91 / 2, 0 * found.x], atol=1e-15)
+    places = system.basis.doflocs
+    x_dofs = np.isin(np.arange(system.basis.N), system.basis.get_dofs(elements=True).all(["u^1"]))
+    along, outward = uniform_stretch(STEEL, *places)
+    np.testing.assert_allclose(outward, -0.3 / 0.7 * 0.91 / 2 * places[1], atol=1e-15)
+    forces = system.internal_forces(np.where(x_dofs, along, outward))
+    off = np.setdiff1d(np.arange(len(forces)), system.arc.ravel())
+    assert np.abs(forces[off]).max() < 1e-13
+    right = system.arc[0][places[0, system.arc[0]] > 0]
+    assert forces[right].sum() == pytest.approx(4.0, abs=0.3)  # stress 1 over the depth, but for half a node on the axis
+
+
+def test_a_specimen_on_rollers_stretches_uniformly_and_thins() -> None:
+    found = condense(block("rollers", 16.0, 3.0), STEEL, 1.0)
+    np.testing.assert_allclose(found.by_stress, uniform_stretch(STEEL, found.x, 0 * found.x + 3.0), atol=1e-10)
+
+
+def test_a_shear_force_on_a_specimen_is_held_by_its_ends_as_by_those_of_a_bar() -> None:
+    """Far from the force the face moves by -(Q/2H) |x|/E': half of Q comes from each end, and sigma jumps by Q/H."""
+    body = block("rollers", 24.0, 1.0, outer=6.0)
+    found = condense(body, STEEL, 1.0)
+    middle = int(np.argmin(np.abs(found.x)))
+    far = np.abs(found.x) > 2.5
+    slope = -np.polyfit(np.abs(found.x[far]), found.compliance[0, far, 0, middle], 1)[0]
+    assert slope == pytest.approx(0.91 / 2 / 2, rel=2e-3)
+    assert np.abs(found.compliance[1, far, 0, middle]).max() < 0.05 * np.abs(found.compliance[0, middle, 0, middle])
+
+
+@pytest.mark.parametrize(("base", "width", "height"), [("fixed", 6.0, 3.0), ("rollers", 6.0, 3.0)])
+def test_displacement_by_stress_is_that_of_all_equations_at_once(base: str, width: float, height: float) -> None:
+    body = block(base, width, height)
+    system, found = assemble(body, STEEL), condense(body, STEEL, 1.0)
+    free = np.setdiff1d(np.arange(system.n_dofs), system.held)
+    whole = np.zeros(system.n_dofs)
+    whole[free] = spsolve(system.stiffness[free][:, free].tocsc(), system.pull[free])
+    np.testing.assert_allclose(found.by_stress, whole[system.contact], atol=1e-11)
+    assert system.pull.sum() == pytest.approx(0.0, abs=1e-12)
+    assert np.abs(system.pull).sum() == pytest.approx(2 * height, rel=1e-12)
+
+
+def test_a_fixed_base_bends_a_low_block_and_leaves_a_column_alone() -> None:
+    """The top of a column is stretched uniformly; a low block is held back at its base, stretches less and curves."""
+    column = condense(block("fixed", 4.0, 12.0), STEEL, 1.0)
+    low = condense(block("fixed", 8.0, 2.0), STEEL, 1.0)
+    uniform = column.x * 0.91 / 2
+    np.testing.assert_allclose(column.by_stress[0], uniform, atol=1e-4)
+    assert np.ptp(column.by_stress[1]) < 1e-4
+    assert np.polyfit(low.x, low.by_stress[0], 1)[0] < 0.6 * 0.91 / 2
+    assert np.ptp(low.by_stress[1]) > 5e-3
+
+
+def test_a_stored_body_knows_its_stretch_and_one_with_another_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HALFPLANE_CACHE", str(tmp_path))
+    body = block("fixed", 6.0, 3.0)
+    made = condensed(body, STEEL, 1.0, Counter())
+    work: Counter[str] = Counter()
+    np.testing.assert_array_equal(condensed(body, STEEL, 1.0, work).by_stress, made.by_stress)
+    assert work == {"condensations from the store": 1}
+    (file,) = tmp_path.glob("*.npz")
+    with np.load(file) as stored:
+        arrays = {name: stored[name] for name in stored.files if name != "digest"}
+    arrays["by_stress"] = arrays["by_stress"] * 1.001
+    with file.open("wb") as out:
+        np.savez(out, **arrays, digest=halfplane_fe.store._digest(file.stem, arrays))
+    work.clear()
+    np.testing.assert_array_equal(condensed(body, STEEL, 1.0, work).by_stress, made.by_stress)
+    assert any("holds another compliance" in name for name in work)
+
+
+# ------------------------------------------------------------------------------------------------------------- fields
+
+
+INSIDE = {
+    "half-planes": {"material": UNLIKE},
+    "specimen on rollers": {"material": STEEL, "bodies": Bodies(lower=ROLLERS)},
+    "fixed block": {"material": STEEL, "bodies": Bodies(lower=FIXED)},
+}
+
+
+@pytest.mark.parametrize("name", INSIDE)
+def test_slip_and_gap_of_the_fields_are_those_of_the_interface(name: str) -> None:
+    """Upper less lower face, rigid motion and tilt included; the parts of T and K that only the mesh makes apart."""
+    answer = solved(scene(ellipse((3, 0.6), (0.2, 1.4), 25, **TURNING), cycles=2, **INSIDE[name]))
+    made = couple(*answer.condensed)
+    step, unit = len(answer.time) - 9, answer.scales.load / answer.scales.modulus
+    lower, upper = (_face(body, answer.x) for body in fields(answer, [answer.time[step]])[0].bodies)
+    smooth = without_local_difference(made)
+    p, q = (getattr(answer.states[step], part) * answer.scales.load for part in ("pressure", "shear"))
+    coupling = np.zeros_like(made.normal) if made.coupling is None else made.coupling - np.asarray(smooth.coupling)
+    rough = "without the mesh's part of N - T" not in " ".join(answer.work.counts)
+    of_mesh = 0.0 if rough else (made.tangential - smooth.tangential) @ q - coupling @ p
+    slip, gap = (upper - lower).T
+    np.testing.assert_allclose(slip + of_mesh, answer.slip[step], atol=3e-5)
+    gap = gap + answer.scene.profile.height(answer.x) + (0.0 if rough else coupling.T @ q)
+    np.testing.assert_allclose(gap, answer.states[step].gap * unit, atol=3e-5)
+
+
+def _face(body: halfplane_fe.BodyFields, x: np.ndarray) -> np.ndarray:
+    surface = np.flatnonzero(body.points[:, 1] == 0)
+    order = surface[np.argsort(body.points[surface, 0])]
+    return body.displacement[order[np.searchsorted(body.points[order, 0], x - 1e-9 * np.ptp(x))]]
+
+
+def test_stress_has_the_bulk_stress_in_it() -> None:
+    """Two loads that differ by one strain in both bodies have the same tractions, and stresses that differ by the stress alone."""
+    base = {"p": (3, 0.6), "q": (0.2, 1.2), "phase": 60}
+    pulled, none = (
+        solved(scene(ellipse(**base, **dict.fromkeys(("bulk_stress_lower", "bulk_stress_upper"), wave(size, 0.0))), material=STEEL))
+        for size in (0.4, 0.0)
+    )
+    instant = [pulled.time[-1]]
+    for body in (0, 1):
+        one, other = (fields(answer, instant)[0].bodies[body] for answer in (pulled, none))
+        np.testing.assert_allclose(one.stress - other.stress, np.tile([0.4, 0, 0, 0.12], (len(one.stress), 1)), atol=1e-6)
+        np.testing.assert_allclose(one.edge_tension - other.edge_tension, 0.4, atol=1e-6)
+    tension, without = (edge_tension(answer, [len(answer.time) - 1])[0] for answer in (pulled, none))
+    np.testing.assert_allclose(tension - without, 0.4, atol=1e-6)
+    deep = [stress(answer, [0.3], [-1.0], instant)[0, 0] for answer in (pulled, none)]
+    np.testing.assert_allclose(deep[0] - deep[1], [0.4, 0, 0, 0.12], atol=1e-6)
+
+
+def test_stress_in_a_specimen_jumps_by_the_shear_force_over_its_height() -> None:
+    """Far from the contact sigma -+ Q/2H, uniform over the height."""
+    long = Block(width=60.0, height=4.0, base="rollers")
+    load = PolygonLoad(initial_loading=[(3, 0), (3, 1.8)], bulk_stress_lower=[0, 0.4])
+    answer = solved(scene(load, material=STEEL, bodies=Bodies(lower=long)))
+    (snapshot,) = fields(answer, [answer.time[-1]])
+    lower = snapshot.bodies[0]
+    for side in (-1, 1):
+        far = np.abs(lower.points[:, 0] - side * 20) < 4
+        assert far.sum() > 4
+        np.testing.assert_allclose(lower.stress[far, 0], 0.4 - side * 1.8 / 8, atol=6e-3)
+    tension = edge_tension(answer, [len(answer.time) - 1])[0]
+    np.testing.assert_allclose(tension[0, 0], lower.edge_tension, rtol=1e-2)
+    assert any("jumps by Q/H, 0.45" in note for note in answer.record.notes)
+
+
+# ----------------------------------------------------------------------------------------------------------- refusals
+
+
+PULLED = {"bulk_stress_lower": [0.0, 0.4]}
+REFUSED = {
+    "cylinder": (PULLED, {"lower": Cylinder(radius=30.0)}, "nothing pulls the ends of the lower body, a cylinder"),
+    "pad": ({"bulk_stress_upper": [0.0, 0.4]}, {"upper": Pad(width=6.0, height=9.0)}, "of the upper body, a pad; half-planes take"),
+    "guided": (PULLED, {"lower": Block(width=30.0, height=9.0, sides="guided")}, "a block with guided sides; half-planes take"),
+    "slides off": ({}, {"lower": Block(width=30.0, height=9.0, base="rollers")}, "nothing holds the block against"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_pulled_is_refused_in_a_sentence(name: str) -> None:
+    keys, bodies, sentence = REFUSED[name]
+    question = scene(
+        PolygonLoad(initial_loading=[(0.3, 0), (0.3, 0.1)], **keys), profile=Hertz(radius=30.0), bodies=Bodies(**bodies)
+    )
+    with pytest.raises(InputError, match=sentence):
+        halfplane_fe.solve(question, ROUGH)
+
+
+def test_a_line_of_action_beside_the_faces_is_refused() -> None:
+    load, block = PolygonLoad(initial_loading=[(3, 0)], line_of_action={"x": 9.0}), Block(width=16.0, height=9.0)
+    with pytest.raises(InputError, match="its line of action meets the faces beside"):
+        halfplane_fe.solve(scene(load, bodies=Bodies(lower=block)), FEW)
+
+
+def test_unequal_sides_of_a_pad_are_refused() -> None:
+    rows = [[x, x**2 / 60 if x < 0 else x**2 / 90] for x in np.linspace(-6, 6, 61).tolist()]
+    question = scene(
+        PolygonLoad(initial_loading=[(0.3, 0)]),
+        profile=Tabulated(points=rows, symmetric=False),
+        bodies=Bodies(upper=Pad(width=8.0, height=9.0)),
+    )
+    with pytest.raises(InputError, match="symmetric = false goes with half-planes and blocks"):
+        halfplane_fe.solve(question, ROUGH)
