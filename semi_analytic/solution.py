@@ -78,6 +78,9 @@ def solve(
 ) -> ContactSolution:
     """The half-plane answer to a scene, exact to rounding at every point and instant asked for.
 
+    Bulk stress and tilt are taken where the memory of friction stays one curve, see `bulk_and_tilt.one_curve`. The loop is then
+    that of Q over U minus that of m_q over the bulk strain, and edges need not be mirrored.
+
     Parameters
     ----------
     scene : the question, or its name in the library, or the path of its file
@@ -101,7 +104,7 @@ def solve(
     ------
     InputError
         For a scene that does not pass its own check, an unknown field, a time outside the path, a profile that this engine does not
-        know.
+        know, bulk stress or tilt of another memory.
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path, with the instant and the loads.
 
