@@ -6,6 +6,7 @@ All in scaled variables: lengths over the half-width, forces over the largest lo
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -124,7 +125,7 @@ class ContactProblem:
 
     def __post_init__(self) -> None:
         self._systems = Systems(self.interface, self.layer, self.friction, self.work)
-        self._rates: tuple[bytes, tuple[Rate, ...]] | tuple[None, None] = (None, None)
+        self._rates: tuple[bytes, dict[int, Rate]] = (b"", {})
         self._by_tilt: tuple[bytes, Rate] | tuple[None, None] = (None, None)
         self._coupled = self.tangential and self.interface.coupling is not None
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
@@ -175,29 +176,30 @@ class ContactProblem:
     def holding(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> InterfaceState:
         """The state at `loads` if no node touched, let go, or changed between stick and slip: `history` plus its rates."""
         change = np.subtract(loads, history.loads).tolist()
-        by_load = self.rates(history.state, len(loads))
+        moving = [number for number, by in enumerate(change) if by or number < 2]
+        by_load = self.rates(history.state, len(loads), moving)
         moved = {
-            name: getattr(history, name) + sum(d * getattr(rate, name) for d, rate in zip(change, by_load, strict=True))
+            name: getattr(history, name) + sum(change[number] * getattr(by_load[number], name) for number in moving)
             for name in Rate._fields
         }
         return InterfaceState(time, loads[0], loads[1], **moved, state=history.state, further=loads[2:])
 
-    def rates(self, states: States, n_loads: int = 2) -> tuple[Rate, ...]:
-        """Derivatives of the interface by each load while the nodes keep their states; the last ones are kept."""
-        key = states.tobytes()
-        if key != self._rates[0]:
-            none = np.zeros_like(self.height)
-            units = np.eye(n_loads).tolist()
+    def rates(self, states: States, n_loads: int, wanted: Iterable[int]) -> dict[int, Rate]:
+        """Derivatives of the interface by those loads while the nodes keep their states; of the last states they are kept."""
+        if states.tobytes() != self._rates[0]:
+            self._rates = states.tobytes(), {}
+            self.work["rates"] += 1
+        found, none = self._rates[1], np.zeros_like(self.height)
+        for number in set(wanted) - found.keys():
+            loads = tuple(float(number == other) for other in range(n_loads))
             try:
-                found = tuple(self._values(states, none, none, tuple(loads)) for loads in units)
+                found[number] = self._values(states, none, none, loads)
             except SingularSet:
                 if not self.moment_given:
                     raise
                 # One node is left: the upper body rolls over it, to where another touches. Nothing foresees it.
-                found = (Rate(none, none, 0.0, 0.0, none, none, 0.0),) * n_loads
-            self._rates = key, found
-            self.work["rates"] += 1
-        return self._rates[1]
+                found[number] = Rate(none, none, 0.0, 0.0, none, none, 0.0)
+        return found
 
     def _active_set(self, history: InterfaceState, time: float, loads: tuple[float, ...]) -> tuple[InterfaceState | None, int, int]:
         """Semismooth Newton: states -> forces that meet them -> states that these want, until they agree.

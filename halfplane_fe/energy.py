@@ -20,6 +20,7 @@ subscripts being derivatives by the loads. The sum over the nodes is the work of
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,9 +96,10 @@ def increment_energy(
     loop += float(faces.work_of_imposed(0 * mean_p, mean_q)[:2] @ imposed[:2])
     curve, starting = np.zeros_like(slip), sign != slip_sign(before.state)  # of what starts, the curve is left out
     if enclosed is not None and not starting[sign != 0].all():
-        rates = problem.rates(after.state, len(after.loads))
+        pairs = np.argwhere(np.tril(enclosed)).tolist()
+        rates = problem.rates(after.state, len(after.loads), {number for pair in pairs for number in pair})
         of_normal = 0.0  # of the loads that the friction work along the curve leaves
-        for i, j in zip(*np.nonzero(np.tril(enclosed)), strict=True):
+        for i, j in pairs:
             one, other, area = rates[i], rates[j], float(enclosed[i, j])
             exchanged = one.pressure * other.slip - other.pressure * one.slip
             curve = curve + problem.friction * np.where(starting, 0.0, sign) * exchanged * area
@@ -121,7 +123,7 @@ def increment_energy(
     )
 
 
-def _normal_work(problem: ContactProblem, rates: tuple[Rate, ...], i: int, j: int) -> float:
+def _normal_work(problem: ContactProblem, rates: Mapping[int, Rate], i: int, j: int) -> float:
     """Work per unit of load i times change of load j, but for that of shear: of P in the approach, of p in bulk stress and tilt."""
     one, other = rates[i], rates[j]
     change = np.array([float(j == 2), float(j == 3), other.tilt])

@@ -47,10 +47,12 @@ def next_event(problem: ContactProblem, history: InterfaceState, loads_at: Loads
         if not min(start_load, end_load) < wanted < max(start_load, end_load):
             return "regular", end
     else:  # by tilt nodes meet at constant P too: the gap or the force of the first of them, as the loads go
+        name, moving = ("gap" if event == "touch" else "pressure"), np.flatnonzero(np.subtract(held.loads, history.loads)).tolist()
+        before, rates = float(getattr(history, name)[node]), problem.rates(history.state, len(history.loads), moving)
+        by_load = [float(getattr(rates[number], name)[node]) for number in moving]
 
         def left(time: float) -> float:
-            then = problem.holding(history, time, loads_at(time))
-            return float((then.gap if event == "touch" else then.pressure)[node])
+            return before + float(np.subtract(loads_at(time), history.loads)[moving] @ by_load)
 
     time = float(brentq(left, history.time, end, xtol=1e-15, rtol=8.9e-16))
     if not history.time < time < end:

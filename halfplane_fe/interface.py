@@ -136,24 +136,18 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     )
 
 
-# Nodes within which what only the mesh makes of N - T and K dies out, and those behind them whose mean is the plateau there.
-_LOCAL, _PLATEAU = 8, (9, 10)
+# Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out, and up to which it is looked at
+# what is left behind that.
+_LOCAL, _PLATEAU = 8.5, 10.5
+# Largest degree of the polynomial that stands for what is smooth of bodies, in both places together, nodes that one more degree
+# needs, and samples that it goes through.
+_DEGREE, _NODES_A_DEGREE, _SAMPLES = 8, 25, 48
 # Nodes of the contact side below which there is no such plateau.
 _LEAST_NODES = 21
 
 
-def smooth_over_nodes(scene: Scene, faces: Interface) -> bool:
-    """Whether ten nodes next to each other see no end of a face and no base: there N - T has parts that are not the mesh's."""
-    apart, nodes = np.diff(faces.x), max(_PLATEAU)
-    depth = min(
-        float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper)
-    )
-    at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
-    return len(faces.x) >= _LEAST_NODES and at_ends and depth >= 2 * nodes * float(apart.max())
-
-
-def without_local_difference(faces: Interface) -> Interface:
-    r"""The faces without the parts of N - T and of K that only the mesh makes.
+def without_local_difference(faces: Interface, scene: Scene) -> Interface | None:
+    r"""The faces without the parts of N - T and of K that only the mesh makes; None where these can't be told from the bodies' own.
 
     On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x - x'| along itself, whether it
     presses or shears: N and T have one singular part, N - T is smooth, and K jumps at x = x', smooth on either side. On a mesh of
@@ -161,26 +155,63 @@ def without_local_difference(faces: Interface) -> Interface:
     that touch, T the compliance of those that stick: the same set is longer for the one than for the other by a share of an
     element, and wherever edges move W has an error of first order. Here these parts go, T being what is changed:
 
-        D_ij = (m_i + m_j)/2,   D = N - T,   |i - j| <= 8,   m_i the mean of D_ij at |i - j| = 9 and 10,
+        D = N - T = S + R,   R_ij = (m_i + m_j)/2 where |x_i - x_j| <= 8.5 h_ij
 
-    and K likewise on each side of its diagonal, which is the mean of both. All that it takes from elasticity is that the singular
-    parts are equal: that is imposed thereby, and not tested any more. It is for faces that are `smooth_over_nodes`.
+    S is a polynomial in x_i and x_j through D beyond that distance: what is smooth, of bodies of any shape; m_i is the mean of R_ij
+    over 8.5 to 10.5 h_ij, and h_ij the larger size at i and at j; of small elements next to large ones that of the large. K
+    goes likewise on each side of its diagonal, which is the mean of both. All that it takes from elasticity is that the singular
+    parts are equal: that is imposed thereby, and not tested any more. Where ten nodes next to each other see the end of a face, or
+    a base, N - T has parts that are not the mesh's.
     """
-    n = len(faces.x)
-    ahead = np.subtract.outer(np.arange(n), np.arange(n))
+    n, apart, nodes = len(faces.x), np.diff(faces.x), int(_PLATEAU)
+    depth = min(
+        float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper)
+    )
+    at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
+    if n < _LEAST_NODES or not at_ends or depth < 2 * nodes * float(apart.max()):
+        return None
+    ahead = _sizes_ahead(faces.x)
     band = np.abs(ahead) <= _LOCAL
-    tangential = np.where(band, faces.normal - _plateau(faces.normal - faces.tangential, np.abs(ahead)), faces.tangential)
+    tangential = np.where(band, faces.normal - _smooth(faces.normal - faces.tangential, faces.x, np.abs(ahead)), faces.tangential)
     coupling = faces.coupling
     if coupling is not None:
-        left, right = _plateau(coupling, ahead), _plateau(coupling, -ahead)
+        left, right = _smooth(coupling, faces.x, ahead), _smooth(coupling, faces.x, -ahead)
         smooth = np.where(ahead == 0, (left + right) / 2, np.where(ahead > 0, left, right))
         coupling = freeze(np.where(band, smooth, coupling))
     return replace(faces, tangential=freeze(tangential), coupling=coupling)
 
 
-def _plateau(matrix: Array, ahead: NDArray[np.int64]) -> Array:
-    """(n, n) means of the row and of the column of each entry over those 9 and 10 nodes ahead; their mean, or the one there is."""
-    behind: NDArray[np.bool_] = np.isin(ahead, _PLATEAU)
+def _sizes_ahead(x: Array) -> Array:
+    """(n, n) distance x_i - x_j over the larger element size at i and at j: between equal elements, a number of nodes.
+
+    What large elements make reaches into small ones beside them, as far as 8 of the large ones: they count as larger there.
+    """
+    apart = np.diff(x)
+    size = np.maximum(np.append(apart, apart[-1]), np.insert(apart, 0, apart[0]))
+    size = np.max(size - np.abs(np.subtract.outer(x, x)) / _LOCAL, axis=1)
+    return np.asarray(np.subtract.outer(x, x) / np.maximum.outer(size, size))
+
+
+def _smooth(matrix: Array, x: Array, ahead: Array) -> Array:
+    """(n, n) what is smooth in a matrix beyond `_LOCAL` sizes ahead, and the mean of the rest of rows and columns behind that."""
+    u = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
+    some = np.searchsorted(u, np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)).clip(0, len(x) - 1)
+    some = np.union1d(some, len(x) - 1 - some)  # with their images: faces that are their own mirror image stay so
+    i, j = np.nonzero(ahead[np.ix_(some, some)] > _LOCAL)
+    i, j = some[i], some[j]
+    degree = min(_DEGREE, len(x) // _NODES_A_DEGREE)
+    series = np.polynomial.legendre.legvander(u, degree)
+    pairs = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]
+    values = np.linalg.lstsq(np.stack([series[i, k] * series[j, m] for k, m in pairs], axis=1), matrix[i, j], rcond=1e-10)[0]
+    terms = np.zeros((degree + 1, degree + 1))
+    terms[tuple(np.transpose(pairs))] = values
+    whole = series @ terms @ series.T
+    return whole + _plateau(matrix - whole, ahead)
+
+
+def _plateau(matrix: Array, ahead: Array) -> Array:
+    """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean, or the one there is."""
+    behind = (ahead > _LOCAL) & (ahead <= _PLATEAU)
     rows, columns = ((matrix * behind).sum(axis=axis) / np.maximum(behind.sum(axis=axis), 1) for axis in (1, 0))
     there = np.add.outer(np.any(behind, axis=1).astype(float), np.any(behind, axis=0).astype(float))  # the sums are 0 where none is
     return np.asarray(np.add.outer(rows, columns) / np.maximum(there, 1.0))

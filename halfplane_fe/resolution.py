@@ -146,25 +146,30 @@ def _of_slip(seen: Seen) -> Iterator[str]:
 # times this, is the share of the mesh in the uncertainty. Chosen on 56 random half-plane scenes, tested on others
 # (benchmarks/uncertainty.py). Linear elements and penalty layers have errors of their own: there the whole difference counts.
 _SAFETY = 8.0
+# Twice the scatter (root mean square) of W over where the edges stand in their elements, over A f^2 P^2 (h/a)^2: 0.005 to 0.015 at
+# any phase of P and Q, on elements of a/80 and a/160. Where W is small that is a large share of it, and the difference may miss it.
+_SCATTER = 0.02
 # Refinement from the coarse run below which their difference says nothing.
 _LEAST_REFINEMENT = 1.4
 
 
-def uncertainty(difference: float, refinement: float, plain: bool) -> float:
-    """Share of the mesh in the uncertainty of W, from its difference to W of the coarse run; NaN on a mesh hardly finer than that.
+def uncertainty(difference: float, refinement: float, element: float, plain: bool) -> float:
+    """Share of the mesh in the uncertainty of W over A f^2 P^2; NaN on a mesh hardly finer than that of the coarse run.
 
     Parameters
     ----------
+    difference : of W to that of the coarse run, over A f^2 P^2
     refinement : element of the coarse run over that of the answer
+    element : of the answer, over the half-width
     plain : linear elements or a penalty layer
 
-    >>> uncertainty(0.01, 10.0, plain=False)
-    0.0008
+    >>> round(uncertainty(0.01, 10.0, 0.01, plain=False), 12)  # 8 0.01/10^2 + 0.02 0.01^2
+    0.000802
     """
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
     share = _SAFETY / refinement**2
-    return difference * (max(share, 1.0) if plain else share)
+    return difference * (max(share, 1.0) if plain else share) + _SCATTER * element**2
 
 
 def uncertainty_note(dissipation: float, uncertain: float, tolerance: float) -> Iterator[str]:

@@ -217,6 +217,8 @@ def _columns_of(path: Path, quantities: Mapping[str, Kind], stated: Mapping[str,
         ("columns separated by", found.separator),
         ("decimal sign", found.decimal),
     ]
+    if not found.encoding.startswith("UTF-8"):
+        said.append(("characters", found.encoding))
     if found.skipped:
         said.append(("lines above the headings", f"{found.skipped} skipped"))
     values, thickness, converted = found.values, stated.get("thickness"), False

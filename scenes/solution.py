@@ -51,7 +51,7 @@ class Record:
     Attributes
     ----------
     converged : whether every step met its tolerance
-    termination : "steady", "end of path", "not converged" or "interrupted"
+    termination : "steady", "ratcheting" (U drifts by the same in each cycle), "end of path", "not converged" or "interrupted"
     message : the same, as a sentence
     iterations : (n_steps,) contact iterations of each step
     certificates : name -> (n_steps,), dimensionless residuals and violations of each step (0 is perfect)

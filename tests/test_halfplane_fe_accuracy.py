@@ -23,7 +23,7 @@ from halfplane_fe.contact import ContactProblem
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.elasticity import condense
-from halfplane_fe.interface import couple
+from halfplane_fe.interface import couple, without_local_difference
 from halfplane_fe.run import Pace, run_path
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings, SurfaceGrading, half_disc
@@ -281,6 +281,39 @@ def growing(kind):
     return np.abs([idealisation(kind, size, mesh) - idealisation("half-planes", 0.0, mesh) for size in (8.0, 16.0, 32.0)]).T
 
 
+@functools.cache
+def moving_edges(elements, cured=True):
+    """W over loops of straight lines in which contact and stick edges move, of five sizes; `cured`: with the N - T of `solve`."""
+    sides, body, found = interface(elements, 2), Elastic(young_modulus=1.82, poisson_ratio=0.3), []
+    alike = Materials(upper=body, lower=body)
+    like = load_scene("hertz-paper").vary(material=alike, profile=Hertz(radius=RADIUS), friction=FRICTION)
+    for p in np.linspace(0.8, 1.0, 5):
+        load = PolygonLoad(initial_loading=[(p, 0.0)], cycle=[(0.55 * p, 0.12 * p), (0.6 * p, -0.15 * p), (p, -0.05 * p)])
+        scene = like.vary(load=load)
+        faces = without_local_difference(sides, scene) if cured else sides
+        none = np.zeros_like(faces.x)
+        contact = ContactProblem(faces, np.square(faces.x) / (2 * RADIUS), FRICTION, Layer(none, none))
+        run = run_path(contact, load.path(), Pace(1.0, 32, np.inf), 2, lambda *_: None)
+        exact = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
+        found.append(run.cycle_density[-1].sum() / exact - 1)
+    return rms(found)
+
+
+@functools.cache
+def moving_edges_of(name, elements):
+    """W of a scene of the library, its nodes shifted by quarters of an element at the edges."""
+    scene, found = load_scene(name), []
+    known = halfplane_fe.solve(scene, COARSE).scales
+    for share in (0.0, 0.25, 0.5, 0.75):
+        apart = share * known.half_width / elements
+        scales = replace(known, inner=known.inner + apart if known.inner else 0.0, reach=known.reach + apart)
+        answer = halfplane_fe.solve(
+            scene, MeshSettings(edge_element_size=1 / elements), SolverSettings(step_tolerance=2e-5), scales=scales
+        )
+        found.append(answer.dissipation / semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation - 1)
+    return rms(found)
+
+
 def ladder(function, sizes):
     return lambda: (sizes, [function(round(1 / size)) for size in sizes])
 
@@ -299,6 +332,7 @@ LADDERS = {
         f"mindlin {name}": ladder(lambda n, name=name: mindlin_errors(n)[name], HALVED)
         for name in ("shear", "stick edge", "dissipation")
     },
+    "moving edges": ladder(moving_edges, HALVED),
     "step": lambda: (HALVED, step_errors((8, 16, 32), lambda answer: answer.dissipation_density)),
     "stiff punch": lambda: ([1e-2, 1e-3], stiff_punch()),
     **{
@@ -307,6 +341,10 @@ LADDERS = {
     },
 }
 VARIANTS = {
+    **{
+        f"moving edges, {name}": ("moving edges", ladder(functools.partial(moving_edges_of, name), [1 / 40, 1 / 80, 1 / 160]))
+        for name in ("hertz-paper", "phase-45", "flat-rounded-paper")
+    },
     **{
         f"{late} work, {method}": (
             f"{late} work",
@@ -329,9 +367,8 @@ VARIANTS = {
         for kind in ("cylinders", "pad on block")
     },
 }
-COSTLY = [
-    name for name in (*LADDERS, *VARIANTS) if name.startswith(("idealisation", "stiff", "external")) or name.endswith(", penalty")
-]
+_SLOW = ("idealisation", "stiff", "external", "moving edges,")
+COSTLY = [name for name in (*LADDERS, *VARIANTS) if name.startswith(_SLOW) or name.endswith(", penalty")]
 
 
 @pytest.mark.parametrize(
@@ -343,10 +380,11 @@ def test_every_error_falls_at_its_order(name):
 
 
 def test_a_sequence_of_another_order_would_fail_that_test():
-    """First-order faults in W; the step's error with the pressure at the end of each increment, which is the classical choice."""
+    """First-order faults in W, the mesh's part of N - T among them; the step's error with the pressure at an increment's end."""
     sizes, sequence = LADDERS["mindlin dissipation"]()
     for name, at, spoilt in (
         ("mindlin dissipation", sizes, [error + 0.3 * h for error, h in zip(sequence, sizes, strict=True)]),
+        ("moving edges", HALVED, [moving_edges(n, cured=False) for n in (8, 16, 32)]),
         ("step", HALVED, step_errors((8, 16, 32), end_of_step_density)),
         (
             "end_of_step work",

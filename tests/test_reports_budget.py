@@ -184,6 +184,23 @@ def test_an_idealisation_error_stands_out_and_vanishes(paper):
     assert nothing.budget("dissipation").resolved is False
 
 
+@pytest.mark.parametrize(("stated", "kept"), [(1e-4, False), (0.0, False), (9e-3, True), (float("nan"), True)])
+def test_the_work_of_a_scattered_ladder_has_the_smaller_uncertainty_that_the_answer_states(paper, stated, kept):
+    """Rungs at 0, 1e-3, -1e-3 are three times their spread uncertain, 6e-3; the answer's own is of the mesh and the steps."""
+    comparison, ladders = paper
+    values = (0.0, 1e-3, -1e-3)
+    rungs = tuple(Rung(f"{h:g}h", h, {"dissipation": v}) for h, v in zip((1.0, 2.0, 4.0), values, strict=True))
+    result = replace(comparison.result, dissipation_uncertainty=stated * comparison.reference.dissipation)
+    found = error_budget(replace(comparison, result=result), replace(ladders, mesh=rungs), 1.0).budget("dissipation")
+    mesh = found.terms[0]
+    assert mesh.uncertainty == pytest.approx(6e-3 if kept else stated)
+    assert mesh.value is None
+    assert ("that the run itself states" in mesh.how) is not kept
+    if not kept:
+        assert "three times the spread, 6.0e-03" in mesh.how
+        assert found.uncertainty < 6e-3
+
+
 def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_squares(paper):
     comparison, ladders = paper
     fallen = tuple(replace(rung, values={}, failure=f"{rung.label} did not converge") for rung in ladders.mesh[1:])

@@ -467,6 +467,21 @@ def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
             assert set(row) <= set(numbers)
 
 
+@pytest.mark.parametrize(("encoding", "said"), [("utf-8", ""), ("utf-8-sig", ""), ("utf-16", "UTF-16"), ("cp1252", "Windows-1252")])
+def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(encoding: str, said: str, tmp_path: Path) -> None:
+    text = "# Kraft über Zeit\r\nZeit;P;Q\r\n0;1,5;0,5\r\n1;2,5;0,5\r\n"
+    (tmp_path / "table.csv").write_bytes(text.encode(encoding))
+    scene = PLAIN.replace(*SERIES).replace('"table.csv"', '"table.csv"\ncolumns = {time = "Zeit"}')
+    (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
+    load = load_scene(tmp_path / "mine.toml").load
+    assert load.rows.values.tolist() == [[0, 1.5, 0.5], [1, 2.5, 0.5]]  # type: ignore[union-attr]
+    found = dict(load.read_as or ()).get("characters", "")  # type: ignore[union-attr]
+    assert found.startswith(said)
+    assert bool(found) == bool(said)
+    (tmp_path / "table.csv").write_bytes(b"\xff\xfe\x00\xd8\x41\x00" if said == "UTF-16" else b"time,P,Q\n\xff\x00,1\n")
+    assert "the file can't be read: it is not UTF-" in refusal(tmp_path / "mine.toml")
+
+
 def test_two_million_rows_are_streamed(tmp_path: Path) -> None:
     """A tenth of them here: what is held beside the numbers is that of some ten thousand rows."""
     path, count = tmp_path / "long.csv", 200_000
