@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import NORMAL_LOAD, Combination, Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
+from scenes.chebyshev import Unresolved
 from semi_analytic.elasticity import composite_modulus
+from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import contact_of
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
 from semi_analytic.unsymmetric import TiltedParabola
@@ -27,7 +29,7 @@ _SAMPLES = 40
 
 NO_ONE_CURVE = (
     "load: half-plane theory takes bulk strain that is kappa Q and tilt that is kappa P, with the same kappa and each with a "
-    "constant, as long as contact intervals stay nested; of other bulk stress and tilt the finite elements give the answer"
+    "constant, as long as contact intervals, at constant P stick zones, stay nested; of others the finite elements give the answer"
 )
 """Why a scene is refused that `one_curve` does not take."""
 
@@ -88,6 +90,8 @@ def strain_of(materials: Materials) -> tuple[float, float]:
 def one_curve(scene: Scene) -> OneCurve | None:
     """The scene's path where its memory is one curve: alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with nested intervals.
 
+    At constant P large bulk strain is one as well, as long as the stick zones recede at both ends: see `opposite_slip`.
+
     While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do what it will: nothing is sheared,
     and nothing is remembered. None where there is another memory, or intervals are not nested.
 
@@ -127,7 +131,19 @@ def one_curve(scene: Scene) -> OneCurve | None:
     else:
         contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
     if not contact.is_nested(most):
-        return None
+        # At constant P the stick zones are nested where contacts are not.
+        if radius is None or np.ptp(p) > _ROUNDING * most or scene.friction.coefficient == 0:
+            return None
+        reach = float(np.max(np.abs(q)))
+        turned_by = tilt + slope * most
+        contact = OppositeSlip(
+            modulus, radius, datum, tilt=turned_by, slope=slope, friction=scene.friction.coefficient, most=most, reach=reach
+        )
+        try:
+            if not contact.is_nested(most):
+                return None
+        except (ArithmeticError, Unresolved):
+            return None
     loading, cycle = (tuple(replace(leg, bulk=None, turning=None) for leg in part) for part in (path.initial_loading, path.cycle))
     bare, bulk, turning = LoadPath(loading, cycle), _companions(path, "bulk"), _companions(path, "turning")
     return OneCurve(contact, bare, bulk, turning, path.moment_given)

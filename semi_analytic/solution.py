@@ -51,6 +51,7 @@ from semi_analytic.friction_work import (
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
 from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, pieces, rounding_of_shift, rounding_of_slip, value_on
+from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
@@ -455,7 +456,9 @@ def _grids_of(
     if "slip" in fields:
         found["slip"] = 2 / (math.pi * request.modulus) * slip.over(snapshot)
     if "state" in fields:
-        sliding = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)[snapshot.direction + 1][:, None]
+        # Where the ends slip opposite ways a direction is that of one side.
+        sense = contact.sense(x).astype(int) if isinstance(contact, OppositeSlip) else 1
+        sliding = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)[snapshot.direction[:, None] * sense + 1]
         sticks, touches = (_within(series[name], x) for name in ("stick_edges", "contact_edges"))
         inner = np.where(sticks, np.int8(STICK), sliding)
         found["state"] = np.where(touches & (snapshot.load[:, None] > 0), inner, np.int8(OPEN))

@@ -193,7 +193,7 @@ class TiltedParabola(HertzContact):
 
     def under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """m and c of the contact of loads and tilts (n,)."""
-        return -tilt * self.radius, self.half_width(load)
+        return -tilt * self.radius, HertzContact.half_width(self, load)
 
     def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
         """p at points (k,) of contacts (n,): (n, k)."""

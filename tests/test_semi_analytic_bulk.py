@@ -5,16 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import special
 
 import bulk_oracle
 from scenes import Compound, EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, PolygonLoad, Scene, Tabulated, Wedge
 from semi_analytic import compliance, dissipation, eccentricity, edge_tension, events, friction_from, hysteresis, solve, stress
+from semi_analytic.opposite_slip import loads_of
 from semi_analytic.profiles import contact_of
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
 from semi_analytic.unsymmetric import TiltedParabola
 from semi_analytic_cases import make_scene
 
 A0 = math.sqrt(12 / math.pi)  # Hertz with E* = R = 1 and P = 3
+LARGE = (-0.7063363748151722, 1.4493185287005215)  # ends of stick of P = 3, f = 1, then Q = 0.9 and eps = 1
+BACK = (-LARGE[1], -LARGE[0])
 
 
 def parabola(x):
@@ -35,7 +39,7 @@ STICK = {
     "bulk alone, c = 0.9 a": (0.0, 0.2007250992650, 1, (-0.9 * A0, 0.9 * A0)),
     "bulk alone, c = 0.5 a": (0.0, 1.1763560617531, 8, (-0.5 * A0, 0.5 * A0)),
     "bulk alone, c = 0.1 a": (0.0, 3.3340559259752, 8, (-0.1 * A0, 0.1 * A0)),
-    "large bulk": (0.9, 1.0, 8, (-0.7063363748151722, 1.4493185287005215)),
+    "large bulk": (0.9, 1.0, 8, LARGE),
 }
 
 
@@ -103,6 +107,7 @@ def leaning(kappa, tilt=0.0, mirror=1, **more):
 EXACT = {
     "constant P, no bulk": (fretting(0.0), 0.6128781396315213, (-1.2360774464742066, 1.2360774464742066)),
     "constant P, bulk in phase": (fretting(0.3), 0.9368781396315213, (0.3 - 1.2360774464742066, 0.3 + 1.2360774464742066)),
+    "large bulk": (fretting(1.0, q=0.9), 2.03050286028, LARGE),
     "P, Q, bulk and tilt": (leaning(0.1), 0.32380811606118304, (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461)),
 }
 
@@ -159,6 +164,8 @@ ON_GRID = {
     "a tilt before": (leaning(-0.15, 0.15), 2.8),
     "mirrored": (leaning(0.1, -0.2, mirror=-1), 2.8),
     "a fixed tilt": (leaning(0.0, 0.3), 2.8),
+    "large bulk": (fretting(1.0, q=0.9), 2.5),
+    "large bulk against Q": (fretting(-0.8, q=1.2), 2.5),
     "a flat face, bulk": (with_profile(fretting(0.3), FLAT), 3.2),
     "a flat face, bulk and tilt": (with_profile(leaning(0.1), FLAT), 3.2),
     "a flat face, fixed tilt": (with_profile(leaning(0.0, 0.2), FLAT), 3.2),
@@ -196,6 +203,34 @@ def test_fields_are_those_of_the_grid(name):
     assert np.mean(found.state != grid.state) < 0.02
     steady = solve(scene, x=0.0, fields="dissipation", cycles="steady")
     assert steady.loop_work == pytest.approx(steady.dissipation, rel=1e-10)
+
+
+@pytest.mark.parametrize(("share", "strain"), [(0.9, 0.2007250992650), (0.5, 1.1763560617531), (0.1, 3.3340559259752)])
+def test_bulk_alone(share, strain):
+    """Stick of half-length c = share a under Q = 0 has a closed form, the complete elliptic integrals K and E."""
+    e, force = loads_of(np.array([1 - share]), np.array([1 - share]))
+    assert -e[0] * A0 == pytest.approx(strain, abs=1e-12)
+    assert force[0] == pytest.approx(0, abs=1e-14)
+    m = 1 - share**2
+    assert -e[0] == pytest.approx(2 / math.pi * (special.ellipk(m) - special.ellipe(m)), rel=1e-12)
+
+
+def test_large_bulk():
+    """Both ends of stick, for all signs of Q and bulk; loads first, then P is constant."""
+    for eps, q, ends in ((1.0, 0.9, LARGE), (-1.0, -0.9, LARGE), (-1.0, 0.9, BACK), (1.0, -0.9, BACK)):
+        found = solve(fretting(eps, q=q), x=[-1.7, 0.5, 1.7], time=2.0, fields=("state", "shear", "pressure"))
+        assert found.stick_edges[0] == pytest.approx(ends, abs=1e-10)
+        sense = math.copysign(1, eps)
+        assert found.state[0].tolist() == [2 if eps > 0 else 3, 1, 3 if eps > 0 else 2]
+        assert found.shear[0, [0, 2]] == pytest.approx(found.pressure[0, [0, 2]] * [sense, -sense], rel=1e-12)
+
+
+def test_large_bulk_meets_moderate_bulk():
+    """Just above the limit of moderate bulk, on the straight way of small Q, stick is what it is just below."""
+    limit = 2 / (math.pi * A0) * 0.01
+    below, above = (solve(fretting(limit * (1 + share), q=0.01), x=0.0, time=2.0) for share in (-1e-3, 5e-3))
+    assert above.stick_edges[0] == pytest.approx(below.stick_edges[0], abs=1e-4)
+    assert above.tangential_displacement == pytest.approx(below.tangential_displacement, rel=1e-3)
 
 
 def test_a_tilted_flat_pad():
@@ -368,3 +403,61 @@ def test_tilts_that_no_contact_takes_are_refused(name):
     scene = with_profile(make_scene(PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)), profile)
     with pytest.raises(InputError, match=words):
         solve(scene)
+
+
+# ----------------------------------------------------- all loads in phase, of any slopes: a formula for engines of any history
+def in_phase(means, swings, friction=1.0, count=60):
+    """W and permanent stick of a parabola, E* = R = 1, under P, Q, eps and tilt = mean +- swing in phase.
+
+    While both ends slip one way. From the reversal A on, forward slip is the contact of load N = [N+ + N-(A)]/2f and tilt
+    tau = [a+ + a-(A)]/2f opening, N+- = f P -+ Q, a+- = f alpha -+ eps: slip is 2 f times its gap, and W = int f p ds. The integral
+    over x is that of reciprocity, from the stick zone J up to the contact along nested intervals.
+    """
+    product, total = 2.0, 0.0
+    node, weight = np.polynomial.legendre.leggauss(count)
+    way, share = (1 + node) / 2, weight / 2
+    for sign in (1, -1):  # forward from the least Q, then reverse from the largest
+        mean, swing = (np.array(values) * [1, sign, sign, 1] for values in (means, swings))
+        first, rates = mean - sign * swing, 2 * sign * swing
+        (p0, q0, e0, t0), (dp, dq, de, dt) = first, rates
+        lam = (1 - np.cos(np.pi * way)) / 2  # crowds to the ends
+        step = share * np.pi / 2 * np.sin(np.pi * way)
+        p, q, eps, tilt = (first[:, None] + rates[:, None] * lam)[:, :, None]
+        load = (friction * (p + p0) - q + q0) / (2 * friction)
+        turn = (friction * (tilt + t0) - eps + e0) / (2 * friction)
+        d_load, d_turn = (friction * dp - dq) / (2 * friction), (friction * dt - de) / (2 * friction)
+        middle, square = -turn, 2 * product / math.pi * load
+        up = way  # from J to the contact
+        rise, tilted = p - load, tilt - turn
+        m, c2 = -(turn + tilted * up), 2 * product / math.pi * (load + rise * up)
+        arm = rise * m - math.pi * tilted / (2 * product) * c2
+        arm_j = d_load * middle - math.pi * d_turn / (2 * product) * square
+        kernel = d_load * rise * product / math.pi * np.log(c2 / square) / 2
+        kernel = kernel + d_turn * (middle * rise - arm) - tilted * (m * d_load - arm_j)
+        total -= 2 * friction**2 * float(step @ (kernel @ share))
+        half, centre = (
+            math.sqrt(2 * product / math.pi * (load[-1, 0] + d_load * (1 - lam[-1]))),
+            -(turn[-1, 0] + d_turn * (1 - lam[-1])),
+        )
+    return total, (centre - half, centre + half)
+
+
+def test_loads_in_phase():
+    """Two numbers of the table; where the slopes are of one family it is the engine's answer."""
+    work, stick = in_phase((3, 0.2, 0.1, 0.1), (0.6, 1.4, 0.15, 0.08))
+    assert work == pytest.approx(0.25922505566470, rel=1e-10)
+    assert np.array(stick) / A0 == pytest.approx((-0.704713575642, 0.755879911039), abs=1e-11)
+    for kappa in (0.05, -0.08):
+        load = {"mean_normal_load": 3, "normal_amplitude": 0.6, "tangential_amplitude": 1.4, "initial_loading": [(3, 0)]}
+        bulk = {"amplitude": 2.8 * abs(kappa), "phase_degrees": 0 if kappa > 0 else 180, "initial_loading": [0]}
+        turn = {
+            "mean": 3 * kappa,
+            "amplitude": 0.6 * abs(kappa),
+            "phase_degrees": bulk["phase_degrees"],
+            "initial_loading": [3 * kappa],
+        }
+        scene = make_scene(EllipseLoad(**load, phase_degrees=0, bulk_stress_lower=bulk, tilt=turn))
+        found = solve(scene, x=0.0, cycles="steady", fields="dissipation")
+        work, stick = in_phase((3, 0, 0, 3 * kappa), (0.6, 1.4, 1.4 * kappa, 0.6 * kappa))
+        assert found.dissipation == pytest.approx(work, rel=1e-10)
+        assert found.permanent_stick_edges == pytest.approx(stick, abs=1e-10)
