@@ -68,7 +68,7 @@ def fit_uncertainty(scene: Scene, resamples: int = RESAMPLES, seed: int = 0) -> 
     """
     if fit_of(scene) is None:
         raise InputError(f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow")
-    marched = not isinstance(scene.load, EllipseLoad)
+    marched = not isinstance(scene.load, EllipseLoad) or scene.load.has_bulk_or_tilt
     skipped = marched and isinstance(scene.load, TimeSeriesLoad) and len(scene.load.rows) > _MOST_ROWS
     count = min(resamples, _MARCHES) if marched and not skipped else resamples
     first, rows = _values(scene, marched, skipped), []

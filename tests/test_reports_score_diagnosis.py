@@ -16,7 +16,7 @@ import semi_analytic
 from meshes import MeshSettings
 from reports import compare
 from reports.comparison import Comparison
-from reports.scoring.against import score_surface
+from reports.scoring.against import score, score_surface
 from reports.scoring.diagnosis import FAULTS, NOISE, UNKNOWN, Diagnosis, diagnose, scatter, sentence_of
 from reports.scoring.flaws import Flaws, Model, NotSettledError
 from reports.scoring.hypotheses import Hypothesis, discrepancy, stiffer, with_friction
@@ -52,7 +52,44 @@ def slow(*values: object) -> Any:
 
 
 def test_every_fault_of_the_set_has_words_and_is_planted(table: ModuleType) -> None:
-    assert set(table.FAULTS) == set(FAULTS) == {*OF_FILE, *OF_QUESTION, *OF_MODEL}
+    assert set(table.FAULTS) == {*OF_FILE, *OF_QUESTION, *OF_MODEL}
+    assert set(FAULTS) - set(table.FAULTS) == {fault for _, _, fault in BULK_FAULTS}
+
+
+# E* = R = f = 1, P = 3 and Q = +-1.8. What the scene states, what the result has, which fault that is.
+BULK, TILT = {"bulk_stress_lower": (0.0, 0.6, -0.6)}, {"tilt": 0.1}
+BULK_FAULTS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
+    (BULK, {"bulk_stress_lower": (0.0, -0.6, 0.6)}, "bulk_sign"),
+    (BULK, {"bulk_stress_lower": None}, "bulk_left_out"),
+    (TILT, {"tilt": -0.1}, "tilt_sign"),
+    (TILT, {"tilt": None}, "tilt_left_out"),
+]
+
+
+def pulled(keys: dict[str, Any]) -> Scene:
+    load = {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)], **keys}
+    soft, profile = {"young_modulus": 2.0, "poisson_ratio": 0.0}, {"kind": "hertz", "radius": 1.0}
+    return Scene.model_validate({"material": soft, "profile": profile, "friction": 1.0, "load": load})
+
+
+@pytest.mark.parametrize(("stated", "wrong", "fault"), BULK_FAULTS, ids=[fault for _, _, fault in BULK_FAULTS])
+def test_bulk_stress_and_tilt_turned_or_left_out_are_found_in_a_foreign_result(
+    stated: dict[str, Any], wrong: dict[str, Any], fault: str
+) -> None:
+    """The file says nothing of them: bulk stress and tilt are the scene's."""
+    scene, time = pulled(stated), np.linspace(4.0, 6.0, 33)
+    x = np.linspace(-2.4, 2.4, 121)
+    theirs = semi_analytic.solve(scene.vary(load=wrong), x=x, time=time)
+    right = semi_analytic.solve(scene, x=x, time=time)
+    for answer, named in ((theirs, fault), (right, "")):
+        found = score(x, answer.pressure, answer.shear, scene=scene, time=time, slip=answer.slip, code="mine")
+        assert [one.fault for one in found.diagnoses][:1] == ([named] if named else [])
+        assert not found.guesses
+    # By one rule on both sides, so that a right result has no error at all.
+    assert max(abs(found.metric(key).value or 0.0) for key in ("stick_eccentricity", "dissipation")) < 1e-9
+    wronged = score(x, theirs.pressure, theirs.shear, scene=scene, time=time, slip=theirs.slip, code="mine")
+    assert abs(wronged.metric("stick_eccentricity").value or 0.0) > 0.04
+    assert "not looked for" in " ".join(wronged.diagnoses[0].evidence)
 
 
 @pytest.mark.parametrize("key", [*OF_FILE, *OF_QUESTION])

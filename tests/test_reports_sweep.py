@@ -259,6 +259,38 @@ def test_a_cheap_uncertainty_covers_the_error_of_half_planes() -> None:
             assert 0 < abs(answer["figures"][name]) <= answer["figures"][f"{name}.uncertainty"], name
 
 
+# Constant P and bulk in phase with Q: W of Cattaneo and Mindlin and 2 R em^2 Qm/f for the amplitude em of the bulk strain.
+PULLED: dict[str, Any] = {
+    "material": {"young_modulus": 2.0, "poisson_ratio": 0.0},
+    "profile": {"kind": "hertz", "radius": 1.0},
+    "friction": 1.0,
+    "load": {"kind": "ellipse", "mean_normal_load": 3.0, "tangential_amplitude": 1.8, "phase_degrees": 90.0,
+             "initial_loading": [[3.0, 0.0]],
+             "bulk_stress_lower": {"amplitude": 0.0, "phase_degrees": 90.0, "initial_loading": [0.0]}},
+}  # fmt: skip
+CONSTANT = PULLED | {"load": {"kind": "polygon", "initial_loading": [[3.0, 0.0], [3.0, 1.8]], "cycle": [[3.0, -1.8]]}}
+
+
+@pytest.mark.parametrize(
+    ("scene", "key", "values", "works"),
+    [
+        (PULLED, "load.bulk_stress_lower.amplitude", [0.2, 0.6], [0.6128781396315213 + 0.036, 0.9368781396315213]),
+        (PULLED | {"load": PULLED["load"] | {"bulk_stress_lower": None}}, "load.tilt", [0.0], [0.6128781396315213]),
+        (CONSTANT, "load.tilt", [0.0, 0.1], [0.6128781396315213] * 2),
+    ],
+    ids=["amplitude", "tilt of an ellipse", "tilt of a polygon"],
+)
+def test_a_sweep_goes_over_bulk_stress_and_tilt(scene: dict[str, Any], key: str, values: list[float], works: list[float]) -> None:
+    """None of these points is one of a batch, which knows P and Q alone."""
+    data = {"scene": scene, "axes": [{"name": "s", "key": key, "values": values}], "engines": ["exact"]}
+    points = expand(study_of(data | {"figures": ["exact.dissipation"]}, "here"))
+    task = {"engines": ["exact"], "figures": ["exact.dissipation"], "uncertainty": "none", "share": True}
+    text = json.dumps(task | {"versions": code_versions(), "points": [point.job() for point in points]})
+    answers = json.loads(solve_task(text))["answers"]
+    assert {answer["reason"] for answer in answers} == {""}
+    assert [answer["figures"]["exact.dissipation"] for answer in answers] == pytest.approx(works, rel=1e-9)
+
+
 def test_one_call_gives_what_solving_one_by_one_gives() -> None:
     axes = [
         F | {"linear": {"start": 0.9, "stop": 2, "count": 3}},

@@ -44,11 +44,12 @@ BOTH = {
     "SOLID SECTION": ("ELSET MATERIAL", "f"),
     "SURFACE BEHAVIOR": ("PRESSURE-OVERCLOSURE", "f"),
     "CONTACT PAIR": ("INTERACTION TYPE", "ww"),
-    "EQUATION": ("", "i|iifiif"),
+    "EQUATION": ("", "i|iifiif|iifiifiif|iifiifiifiif"),
+    "DLOAD": ("AMPLITUDE", "iwf"),
     "AMPLITUDE": ("NAME TIME", "f+"),
     "STEP": ("NLGEOM INC", ""),
     "STATIC": ("", "ffff"),
-    "BOUNDARY": ("?OP", "ii|iiif"),
+    "BOUNDARY": ("?OP ?AMPLITUDE", "ii|iiif"),
     "CLOAD": ("AMPLITUDE", "iif"),
     "END STEP": ("", ""),
 }
@@ -71,7 +72,7 @@ KEYWORDS: dict[Dialect, dict[str, tuple[str, str | None]]] = {
         "NODE OUTPUT": ("?NSET", "w+"),
     },
 }
-IN_STEP = {"STATIC", "CLOAD", "CONTROLS", "END STEP"}
+IN_STEP = {"STATIC", "CLOAD", "DLOAD", "CONTROLS", "END STEP"}
 BEFORE_STEPS = {"NODE", "ELEMENT", "NSET", "SURFACE", "MATERIAL", "ELASTIC", "EQUATION", "AMPLITUDE", "CONTACT PAIR"}
 
 Card = tuple[str, dict[str, str], list[list[str]]]
@@ -243,6 +244,133 @@ def test_the_gap_is_the_scenes_profile_and_true_faces_stay_as_they_are_made() ->
     deck = deck_of("cylinder-roller-frictionless")
     x, y = deck.upper.nodes[deck.upper.contact_nodes - deck.upper.first_node].T
     assert np.allclose(y, 50 - np.sqrt(50**2 - x**2), rtol=0, atol=1e-9)
+
+
+BLOCK = {"kind": "block", "width": 20.0, "height": 8.0}
+WAVE = {"mean": 3.0, "amplitude": 20.0, "phase_degrees": 90.0}
+
+
+def imposed(bodies: dict[str, Any] | None = None, **load: Any) -> Deck:
+    """A deck of hertz-paper with bulk stress or tilt; the size of the contact is that without."""
+    base = load_scene("hertz-paper")
+    scene = base.vary(load=load) if bodies is None else base.vary(load=load, bodies=bodies)
+    return build_deck(scene, COARSE, deck_of("hertz-paper").scales)
+
+
+def amplitudes(cards: list[Card]) -> dict[str, np.ndarray]:
+    """(n, 2) time and value of each."""
+    return {
+        parameters["NAME"]: np.array([float(word) for row in data for word in row]).reshape(-1, 2)
+        for keyword, parameters, data in cards
+        if keyword == "AMPLITUDE"
+    }
+
+
+def moved(deck: Deck, text: str, nodes: dict[tuple[int, int], float]) -> dict[tuple[int, int], float]:
+    """What the equations make of (node, direction) by the movements of the nodes that drive them."""
+    found = {}
+    for row in data_of(parse(text, "calculix"), "EQUATION")[1::2]:
+        terms = [(int(a), int(b), float(c)) for a, b, c in zip(row[::3], row[1::3], row[2::3], strict=True)]
+        first = terms[0]
+        found[first[:2]] = -sum(factor * nodes[node, way] for node, way, factor in terms[1:]) / first[2]
+    return found
+
+
+@pytest.mark.parametrize("turn", [{"tilt": 1e-3}, {"moment": 4.0}, {"line_of_action": {"x": 0.1, "height": 2.0}}, {}], ids=str)
+def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turns(turn: dict[str, Any]) -> None:
+    deck = imposed(bulk_stress_lower=WAVE, bulk_stress_upper=-7.0, **turn)
+    path, size, last = deck.scene.load.path(), deck.scales.half_width, len(deck.time) - 1
+    text = deck_text(deck, "calculix")
+    cards = parse(text, "calculix")
+    assert parse(deck_text(deck, "abaqus"), "abaqus")
+    tables = amplitudes(cards)
+    # u = eps (x, -nu/(1 - nu) y) of a uniform stress along x in plane strain, and a turn that opens the gap at x > 0.
+    nu, young = 0.3, 210e3
+    time = deck.time[last]
+    stresses = 3 + 20 * math.cos(time - math.pi / 2), -7.0
+    strains = [stress * (1 - nu**2) / young for stress in stresses]
+    for name, strain in zip(("LOWER", "UPPER"), strains, strict=True):
+        assert tables[f"{name}_STRAIN"][last, 1] == pytest.approx(strain * size, rel=1e-9)
+    nodes = {(deck.strained, way): strain * size for way, strain in zip((1, 2), strains, strict=True)}
+    alpha = 1e-3 if "tilt" in turn else 2e-3
+    nodes |= {(deck.turning, 1): alpha * size * bool(turn), (deck.reference, 1): 0.02, (deck.reference, 2): -0.05}
+    found = moved(deck, text, nodes)
+    for body, strain, plane, turned in ((deck.lower, strains[0], (0.0, 0.0), 0.0), (deck.upper, strains[1], (0.02, -0.05), alpha)):
+        for way, numbers in body.held.items():
+            x, y = body.nodes[numbers - body.first_node].T
+            stretched = strain * (x if way == 1 else -nu / (1 - nu) * y)
+            wanted = plane[way - 1] + stretched + (turned if turn else 0.0) * (-y if way == 1 else x)
+            # On the lower arc nothing moves the node at x = 0 along x, which is held.
+            by_equation = [found.get((node, way), 0.0) for node in numbers.tolist()]
+            assert by_equation == pytest.approx(wanted, rel=1e-9, abs=1e-15)
+    assert ("TILT" in tables) == ("tilt" in turn)
+    if "tilt" in turn:
+        assert tables["TILT"][last, 1] == pytest.approx(1e-3 * size)
+    elif turn:
+        p, q = path.at(time)
+        moment = 4.0 if "moment" in turn else 0.1 * p + 2 * q
+        assert tables["MOMENT"][last, 1] == pytest.approx(moment / size, rel=1e-9)
+        pushes = [row for k, parameters, data in cards if k == "CLOAD" and parameters["AMPLITUDE"] == "MOMENT" for row in data]
+        assert pushes == [[str(deck.turning), "1", "-1."]]  # what M does on -alpha
+    # A node that an equation moves is not held as well, and what drives it is.
+    held = {(int(row[0]), int(row[1])) for row in data_of(cards, "BOUNDARY")}
+    assert {(node, way) for way, numbers in deck.lower.held.items() for node in numbers.tolist()} <= held | found.keys()
+    assert not held & found.keys()
+    assert {(deck.strained, 1), (deck.strained, 2)} <= held
+
+
+def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_load() -> None:
+    bodies = {"lower": BLOCK | {"base": "rollers"}, "upper": BLOCK | {"base": "fixed"}}
+    deck = imposed(bodies, bulk_stress_lower=WAVE, bulk_stress_upper=5.0)
+    cards = parse(deck_text(deck, "calculix"), "calculix")
+    assert parse(deck_text(deck, "abaqus"), "abaqus")
+    places = np.concatenate([deck.lower.nodes, deck.upper.nodes])
+    corners = {int(row[0]): [int(word) for word in row[1:]] for row in data_of(cards, "ELEMENT")}
+    forces = {}
+    for keyword, parameters, data in cards:
+        if keyword == "DLOAD" and parameters["AMPLITUDE"] not in forces:
+            total = np.zeros(2)
+            for element, face, factor in data:
+                k = int(face[1:]) - 1
+                start, end = (places[corners[int(element)][n] - 1] for n in (k, (k + 1) % 4))
+                inward = np.array([-(end - start)[1], (end - start)[0]])  # corners go round anticlockwise
+                total += float(factor) * inward
+            forces[parameters["AMPLITUDE"]] = total
+    tables = {name: rows[:, 1] for name, rows in amplitudes(cards).items()}
+    height = BLOCK["height"]
+    for name, force in forces.items():
+        side = height if "RIGHT" in name else -height
+        # The gap is cut into the upper block, also at its ends.
+        assert force == pytest.approx([side, 0.0], rel=1e-9 if "LOWER" in name else 1e-3, abs=1e-12)
+    assert set(forces) == {f"{body}_{side}_END" for body in ("LOWER", "UPPER") for side in ("LEFT", "RIGHT")}
+    left, right = (tables[f"LOWER_{side}_END"] for side in ("LEFT", "RIGHT"))
+    q, stress = tables["TANGENTIAL_LOAD"], deck.bulk_stress[0]
+    assert (right - left) * height + q == pytest.approx(0 * q, abs=1e-9), "nothing is left for what keeps it from drifting"
+    assert (left + right) / 2 == pytest.approx(stress, abs=1e-9)
+    assert tables["UPPER_LEFT_END"] == pytest.approx(tables["UPPER_RIGHT_END"])
+
+
+@pytest.mark.parametrize(
+    ("bodies", "load", "words"),
+    [
+        ({"lower": BLOCK, "upper": BLOCK | {"base": "rollers"}}, {"bulk_stress_upper": 5.0}, "a deck holds Q by the rigid plane"),
+        ({"lower": BLOCK | {"sides": "guided"}}, {"bulk_stress_lower": 5.0}, "nothing pulls the ends of the lower body"),
+        ({"upper": {"kind": "pad", "width": 6.0, "height": 8.0}}, {"bulk_stress_upper": 5.0}, "nothing pulls the ends of the"),
+    ],
+    ids=["upper on rollers", "guided sides", "pad"],
+)  # fmt: skip
+def test_what_a_deck_can_not_pull_is_refused(bodies: dict[str, Any], load: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        imposed(bodies, **load)
+
+
+def test_unequal_sides_are_cut_as_they_are() -> None:
+    x = np.linspace(-4.0, 4.0, 161)
+    points = np.stack([x, np.where(x < 0, 2e-3, 5e-4) * x**2], axis=1).tolist()
+    scene = load_scene("hertz-paper").vary(profile={"kind": "tabulated", "points": points, "symmetric": False})
+    deck = build_deck(scene, COARSE, deck_of("hertz-paper").scales)
+    x, y = deck.upper.nodes[deck.upper.contact_nodes - deck.upper.first_node].T
+    assert np.allclose(y, np.where(x < 0, 2e-3, 5e-4) * x**2, rtol=0, atol=1e-9)
 
 
 def test_the_roller_benchmark_mirrors_the_half_cylinder_and_loads_its_top() -> None:

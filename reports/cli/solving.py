@@ -133,9 +133,15 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     from semi_analytic.profiles import contact_of
 
     path, friction = scene.load.path(), scene.friction.coefficient
-    half_width = contact_of(scene.profile, scene.material).half_width
+    largest, unsymmetric = largest_contact(scene, scene.name), scene.load.has_bulk_or_tilt or not scene.profile.symmetric
+    half_width: Callable[[float], Any] = (
+        contact_of(scene.profile, scene.material).half_width
+        if scene.profile.symmetric
+        else lambda load: largest.half_width * (load / largest.normal_load) ** 0.5
+    )
     spacing = mesh.edge_element_size / mesh.order  # of nodes, over the largest half-width
     mirrored = scene.material.alike and scene.bodies.lower == scene.bodies.upper and not scene.bodies.faces_are_true
+    mirrored = mirrored and not unsymmetric
     halved, halved_each = (_HALVED[0 if mirrored else 1], _HALVED_EACH) if needs_shear(scene) else (0, 0)
 
     def of(segments: Sequence[LoadSegment], steps: float) -> tuple[float, float]:
@@ -150,9 +156,8 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     first, way = of(path.initial_loading, settings.steps_per_cycle / 8)
     again, travel = of(path.cycle, settings.steps_per_cycle)
     revolutions = min(scene.cycles, 2)
-    largest = largest_contact(scene, scene.name).half_width
     nodes = 1.6 / spacing
-    increments = halved + first + revolutions * again + (way + revolutions * travel) / (spacing * largest)
+    increments = halved + first + revolutions * again + (way + revolutions * travel) / (spacing * largest.half_width)
     each = _EACH + _PAIR * (nodes / 2) ** 2 if mirrored else 2 * (_EACH + _PAIR * nodes**2)
     seconds = _MESHES + increments * each
     straight = all(one.is_straight for one in (*path.initial_loading, *path.cycle))

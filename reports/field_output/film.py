@@ -19,7 +19,7 @@ from reports.charts.publication import pixels_of
 from reports.charts.scale import limits
 from reports.charts.style import DIFFERENCE, QUIET, REFERENCE, RESULT, STATE_COLOURS, shades
 from reports.field_output.files import contact_line
-from reports.field_output.pictures import Skin, gap_share, rendered, round_down, state_blocks
+from reports.field_output.pictures import Skin, gap_share, outermost, rendered, round_down, state_blocks
 from reports.units import load_unit, minus, number, units
 from scenes import InputError
 
@@ -84,7 +84,7 @@ class Views:
 
 def views_of(solution: FiniteElementSolution, snapshots: Iterable[Snapshot]) -> Views:
     """Cut every snapshot down to the contact, and choose what holds for the whole film."""
-    half = _WIDTH * float(np.nanmax(solution.contact_half_width))
+    half = _WIDTH * outermost(solution)
     steps, bodies = [], []
     for snapshot in snapshots:
         steps.append(int(np.argmin(np.abs(solution.time - snapshot.time))))

@@ -281,10 +281,15 @@ def _whole(
     return Cell((panel, colour_scale(f"{name}-colours", floor, largest, words, log=True, width=440.0)), None)
 
 
+def outermost(solution: FiniteElementSolution) -> float:
+    """Half-width of the largest contact; of one that tilt moves, the largest |x| of its edges [length]."""
+    return float(np.nanmax(solution.contact_half_width if solution.tilt is None else np.abs(solution.contact_edges)))
+
+
 def _at_the_contact(solution: FiniteElementSolution, snapshot: Snapshot, largest: float, name: str, pixels: int) -> Cell:
     """The contact to true scale with the mesh, the state of its points and the colours beneath."""
     _, length, unit = units(solution.scene)
-    half, found = 1.75 * float(np.nanmax(solution.contact_half_width)), peak(snapshot)
+    half, found = 1.75 * outermost(solution), peak(snapshot)
     skins = []
     for body in snapshot.bodies:
         places = body.points + body.displacement + np.outer(gap_share(solution, body), (0.0, 1.0))

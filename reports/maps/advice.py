@@ -118,7 +118,8 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
     Raises
     ------
     InputError
-        Where the maps are not there, or have no such contact: frictionless, another profile than Hertz or flat with rounded edges.
+        Where the maps are not there, or have no such contact: frictionless, bulk stress or tilt, another profile than Hertz or flat
+        with rounded edges.
     """
     import semi_analytic
     from halfplane_fe.dundurs import dundurs
@@ -127,6 +128,8 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
     profile, f = scene.profile, scene.friction.coefficient
     if f == 0:
         raise InputError(f"{scene.name}: friction.coefficient = 0: nothing is dissipated, and no map is of frictionless contacts")
+    if scene.load.has_bulk_or_tilt:
+        raise InputError(f"{scene.name}: no map covers bulk stress or tilt: solve the scene (`halfplane run`)")
     if not isinstance(profile, Hertz | FlatRounded):
         raise InputError(
             f"{scene.name}: profile.kind = {profile.kind!r}: the maps are of 'hertz' and 'flat_rounded'; take `halfplane run`"

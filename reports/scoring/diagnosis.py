@@ -80,6 +80,11 @@ FAULTS = {
     " and shears them by {shear:.2g} Q/E* over a_ref^2; make them larger, or compare with finite bodies.",
     "coupling": "The difference is odd in x: pressure moves the faces along x. The bodies are not alike, in material (then not the "
     "scene's) or in shape (a narrow pad on a wide block), or one of them tilts; half-plane theory of like bodies has none of it.",
+    "bulk_sign": "The bulk stress has the other sign: tension along x is positive, and what counts is ε = σ/E′ of the lower body − "
+    "that of the upper one.",
+    "bulk_left_out": "The bulk stress was left out: pull the body as the scene says, in step with the loads.",
+    "tilt_sign": "The upper body is turned the other way: a tilt opens the gap at x > 0, and M = ∫x p dx.",
+    "tilt_left_out": "The tilt was left out: the faces approach each other without a turn, or the load acts along x = 0.",
     "coarse_edge": "The mesh is too coarse at the edges of contact and stick: the discrepancy stays within two elements of them; "
     "make the elements there smaller than {spacing:.2g} a_ref.",
 }
@@ -143,6 +148,9 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     unknown = "The discrepancy fits no known pattern: look at where and when it is largest."
     known = sorted(found, key=lambda one: -one.strength) or list(scatter(whole))
     first, *others = known or [Diagnosis(UNKNOWN, unknown, (size,), 0.0)]
+    if whole.unsymmetric:
+        words = "with bulk stress, tilt or unequal sides not looked for: no memory, unlike bodies, soft penalties, bodies too small"
+        first = replace(first, evidence=(*first.evidence, words))
     if untried:
         names = ", ".join(sorted(untried)).replace("_", " ")
         words = f"not all was tried: a model with this fault does not settle ({names})"
@@ -182,7 +190,7 @@ def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple
     tried = [*file_faults(what), *question_faults(what), coarse_edge(what)]
     if not taken & MODEL:
         tried += unlike_bodies(what)
-    if max(what.explained(one.predicted) for one in tried) < CLEAR:
+    if max(what.explained(one.predicted) for one in tried) < CLEAR and not what.unsymmetric:
         stiffness = next((one for one in tried if one.fault == "stiffness"), None)
         tried += model_faults(what, stiffness, untried)
     best: dict[str, tuple[float, Hypothesis]] = {}

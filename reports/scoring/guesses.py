@@ -80,12 +80,17 @@ def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> 
         )
 
     left, right = _extent(result)
-    if not mapping.x_offset and abs(left + right) / 2 > OFF_CENTRE * half_width and right - left <= 4 * half_width:
+    sides = np.nanmin(whole.contact_edges[:, 0]), np.nanmax(whole.contact_edges[:, 1])
+    centre = float(sides[0] + sides[1]) / 2 if whole.tilt is not None else 0.0
+    if not mapping.x_offset and abs((left + right) / 2 - centre) > OFF_CENTRE * half_width and right - left <= 4 * half_width:
         row = result.pressure[int(np.argmax(result.pressure.max(axis=1)))]
         middle = float(np.trapezoid(row * result.x, result.x) / np.trapezoid(row, result.x))
+        middle -= centre
         result = replace(result, x=freeze(result.x - middle))
         said.append(
-            f"x was counted from {middle:.6g}, the centroid of the largest pressure, where the file has it from 0 (x_offset)"
+            f"x was counted from {middle:.6g}, by the centroid of the largest pressure, where the file has it from 0 (x_offset)"
+            if centre
+            else f"x was counted from {middle:.6g}, the centroid of the largest pressure, where the file has it from 0 (x_offset)"
         )
     return result, tuple(said)
 

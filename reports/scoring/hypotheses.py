@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 import semi_analytic
 from reports.comparison import Comparison
 from reports.comparison.metrics import Verdict, norm, over, shares, verdict_on
-from scenes import EllipseLoad, InputError, Materials, Scene
+from scenes import EllipseLoad, InputError, LineOfAction, Materials, Scene, Wave, WaveSum
 from semi_analytic.profiles import contact_of
 
 Array = NDArray[np.float64]
@@ -85,6 +85,11 @@ class Discrepancy:
     def fraction(self) -> Array:
         """(k,) of the cycle."""
         return self.comparison.found.fraction[self.rows]
+
+    @property
+    def unsymmetric(self) -> bool:
+        """Whether bulk stress, tilt or unequal sides make tractions that are not even in x."""
+        return self.comparison.pulled or self.comparison.turned
 
     @property
     def of_pressure(self) -> Discrepancy:
@@ -276,7 +281,10 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
 
     def pressed(scene: Scene, offset: float = 0.0) -> Tractions:
         """The pressure alone, which has no history."""
-        p = contact_of(scene.profile, scene.material).pressure(what.x - offset, load)
+        if what.comparison.turned:
+            p = semi_analytic.solve(scene, x=what.x - offset, time=what.time, fields="pressure").pressure
+        else:
+            p = contact_of(scene.profile, scene.material).pressure(what.x - offset, load)
         return p + what.beyond_theory[0], what.expected[1]
 
     # E*/R times m: tractions know no more, since the gap scales with 1/R and the displacements with 1/E*. Loads k times too large
@@ -304,6 +312,7 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     fit = fitted(what.of_pressure, lambda d: pressed(scene, d), tries, **FINELY)
     if fit and abs(d := fit[0]) > 1e-4 * half_width:
         yield from _possible("offset", lambda: theory(what, scene, offset=d), {"distance": d / half_width})
+    yield from _bulk_faults(what)
     if scene.friction.coefficient and np.any(what.expected[1]):
         yield from _history_faults(what)
     if path.period is not None and len(what.rows) >= 4:  # so much of a period late
@@ -329,6 +338,44 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
             yield Hypothesis("other_times", fit[1], {"delay": fit[0]})
 
 
+def _bulk_faults(what: Discrepancy) -> Iterator[Hypothesis]:
+    """Bulk stress, or tilt, of the other sign; left out."""
+    scene = what.scene
+    for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("tilt", ("tilt", "moment", "line_of_action"))):
+        stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
+        if not stated:
+            continue
+        for fault, changes in (
+            (f"{name}_sign", {key: turned(value) for key, value in stated.items()}),
+            (f"{name}_left_out", dict.fromkeys(stated)),
+        ):
+            with contextlib.suppress(InputError):
+                other = scene.vary(load=changes)
+                yield from _possible(fault, lambda other=other: theory(what, other), {}, other)  # type: ignore[misc]
+
+
+def turned(value: Any) -> Any:
+    """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
+
+    >>> turned(0.5), turned((0.0, 2.0)), turned(LineOfAction(x=1.0, height=3.0))
+    (-0.5, (-0.0, -2.0), LineOfAction(x=-1.0, height=-3.0))
+    """
+    match value:
+        case Wave():
+            phase = value.phase_degrees + (180 if value.phase_degrees <= 0 else -180)
+            return value.vary(mean=-value.mean, phase_degrees=phase, initial_loading=turned(value.initial_loading))
+        case WaveSum():
+            waves = tuple((amplitude, phase + 180) for amplitude, phase in value.harmonics)
+            return value.vary(mean=-value.mean, harmonics=waves, initial_loading=turned(value.initial_loading))
+        case LineOfAction():
+            return value.vary(x=-value.x, height=-value.height)
+        case tuple():
+            return tuple(-one for one in value)
+        case _ if callable(value):
+            return lambda time: -value(time)
+    return -value
+
+
 def _possible(
     fault: str, predict: Callable[[], Tractions], figures: Mapping[str, float], scene: Scene | None = None
 ) -> Iterator[Hypothesis]:
@@ -351,10 +398,10 @@ def _history_faults(what: Discrepancy) -> Iterator[Hypothesis]:
     if fit := fitted(what, of_friction, tuple(np.log(NO_SLIP))):
         yield Hypothesis("full_stick", fit[1])
     # Cattaneo's first loading at every instant: q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
-    contact = contact_of(scene.profile, scene.material)
     normal, tangential = (np.asarray(load)[:, None] for load in path.at(what.time))
     stuck = normal - np.abs(tangential) / f
-    if np.all(stuck > 0):
+    if np.all(stuck > 0) and not what.unsymmetric:
+        contact = contact_of(scene.profile, scene.material)
         shear = np.sign(tangential) * f * (contact.pressure(what.x, normal) - contact.pressure(what.x, stuck))
         yield Hypothesis("memoryless", (what.expected[0], shear))
     if path.period is not None:
@@ -370,7 +417,10 @@ def _polygon(what: Discrepancy) -> Iterator[Hypothesis]:
         return
     polygon = comparison.polygon_reference
     if polygon is None or len(polygon.x) != len(what.x):
-        polygon = semi_analytic.solve(comparison.scene, x=what.x, time=comparison.result.time, straight_steps=True)
+        try:
+            polygon = semi_analytic.solve(comparison.scene, x=what.x, time=comparison.result.time, straight_steps=True)
+        except InputError:  # which not every bulk stress and tilt has
+            return
     rows = polygon.last_cycle
     if len(rows) == len(comparison.found.time):
         pairs = zip((polygon.pressure, polygon.shear), (comparison.expected.pressure, comparison.expected.shear), strict=True)
@@ -384,7 +434,7 @@ def unlike_bodies(what: Discrepancy) -> Iterator[Hypothesis]:
 
     It is 0.73 to 0.99 of what unlike materials change, and 0 of every other fault of a model (measured on the planted faults).
     """
-    if what.scene.friction.coefficient and np.any(what.found[1]):
+    if what.scene.friction.coefficient and np.any(what.found[1]) and not what.unsymmetric:
         off = [found - expected for found, expected in zip(what.found, what.expected, strict=True)]
         p, q = ((one - np.array([np.interp(-what.x, what.x, row) for row in one])) / 2 for one in off)
         yield Hypothesis("coupling", (what.expected[0] + p, what.expected[1] + q))
@@ -406,7 +456,10 @@ def coarse_edge(what: Discrepancy) -> Hypothesis:
         for side in (0, 1):
             with np.errstate(invalid="ignore"):
                 near |= np.abs(x - edges[:, side][:, None]) <= REACH * spacing
-    if np.isfinite(cycle.stick_edges).any():
+    if what.unsymmetric and np.isfinite(cycle.stick_edges).any():
+        for innermost in (np.nanmax(cycle.stick_edges[:, 0]), np.nanmin(cycle.stick_edges[:, 1])):
+            near |= np.abs(x - innermost) <= REACH * spacing
+    elif np.isfinite(cycle.stick_edges).any():
         near |= np.abs(np.abs(x) - np.nanmin(np.abs(cycle.stick_edges))) <= REACH * spacing
     root = np.sqrt(2 * spacing / half)
     parts = []

@@ -19,7 +19,7 @@ from reports.scoring.guesses import guessed, oddities
 from reports.scoring.history import matched
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import TOUCHES, SurfaceResult
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, Record, Scene, Work, freeze
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, LoadPath, Record, Scene, Work, freeze
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -105,10 +105,32 @@ def contact_solution(
         steady_from=None,
         record=Record(True, "end of path", f"read from {result.source}", freeze(np.zeros(len(history.time)), np.int64), notes=said),
         work=Work({"instants": len(history.time), "points": len(result.x)}, skipped),
+        **_of_bulk(scene, history.time, result, found.stick_edges[steps]),
         settings={"source": result.source, DERIVED: ["state", "contact_edges", "stick_edges", *more]}
         | ({"element_size": mapping.element_size} if mapping.element_size else {}),
     )
     return solution, (*guesses, *oddities(result, history.tangential_load, scene))
+
+
+def _of_bulk(scene: Scene, time: Array, result: SurfaceResult, stick: Array) -> dict[str, Any]:
+    """Bulk stresses and tilt of the scene at the instants, and moments of the tractions; nothing of a scene without either.
+
+    Of a tilt that follows from a moment the tractions say nothing: there is none.
+    """
+    path = scene.load.path()
+    if not path.has_bulk_or_tilt and scene.profile.symmetric:
+        return {}
+    found = {"moment": freeze(np.trapezoid(result.x * result.pressure, result.x, axis=1))}
+    if result.sheared:
+        found["shear_moment"] = freeze(np.trapezoid(result.x * result.shear, result.x, axis=1))
+        found["permanent_stick_edges"] = freeze(_permanent_edges(stick))
+    for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("turning", ("tilt",))):
+        legs = [[getattr(leg, name) for leg in part] for part in (path.initial_loading, path.cycle)]
+        there = all(leg is not None for part in legs for leg in part)
+        values = LoadPath(tuple(legs[0]), tuple(legs[1])).at(np.maximum(time, path.start)) if there else np.zeros((2, len(time)))
+        if name == "bulk" or not path.moment_given:
+            found |= {key: freeze(value) for key, value in zip(keys, values, strict=False)}
+    return found
 
 
 def _last_cycle(scene: Scene, time: Array) -> NDArray[np.intp]:
@@ -155,10 +177,15 @@ def friction_work(shear: Array, slip: Array) -> Array:
 
 def _permanent_stick(edges: Array) -> float:
     """Half-width that sticks at every instant, of stick edges (k, 2) [length]; NaN where nothing does, or there is no instant."""
-    if not len(edges) or np.isnan(edges).any():
-        return float("nan")
-    half = float(edges[:, 1].min() - edges[:, 0].max()) / 2
-    return half if half > 0 else float("nan")
+    left, right = _permanent_edges(edges).tolist()
+    return (right - left) / 2
+
+
+def _permanent_edges(edges: Array) -> Array:
+    """Left and right end of that, (2,)."""
+    if not len(edges) or np.isnan(edges).any() or edges[:, 1].min() <= edges[:, 0].max():
+        return np.full(2, np.nan)
+    return np.array([edges[:, 0].max(), edges[:, 1].min()])
 
 
 # ----------------------------------------------------------------------------------------------- contact, stick and slip
@@ -277,6 +304,12 @@ def by_same_rule(reference: ContactSolution, result: ContactSolution, length: fl
         "stick_edges": freeze(np.where(told[:, None], ruled, np.nan)),
         "permanent_stick_half_width": _permanent_stick(ruled[reference.last_cycle]),
     }
+    if reference.shear_moment is not None:
+        known["permanent_stick_edges"] = freeze(_permanent_edges(ruled[reference.last_cycle]))
+        known |= {
+            name: freeze(np.trapezoid(reference.x * field, reference.x, axis=1))
+            for name, field in (("moment", reference.pressure), ("shear_moment", reference.shear))
+        }
     if np.array_equal(reference.time, result.time) and "dissipation" not in missing(result):
         steps = reference.last_cycle
         density = friction_work(reference.shear[steps], reference.slip[steps])

@@ -70,12 +70,18 @@ QUANTITIES: dict[str, Quantity] = {
     "permanent_stick_half_width": Quantity(
         lambda s: s.permanent_stick_half_width, "half-width that sticks through the cycle [length]", edges=_STICK
     ),
+    "permanent_stick_centre": Quantity(
+        lambda s: float("nan") if s.permanent_stick_edges is None else float(np.mean(s.permanent_stick_edges)),
+        "middle of what sticks through the cycle, with bulk stress or tilt [length]",
+    ),
     "stroke": Quantity(
         lambda s: np.ptp(s.tangential_displacement[s.last_cycle]),
         "range of the tangential displacement [length]",
         ("tangential_displacement",),
     ),
-    "loop_work": Quantity(lambda s: s.loop_work, "closed integral of Q dU [energy / thickness]", ("dissipation",)),
+    "loop_work": Quantity(
+        lambda s: s.loop_work, "closed integral of Q dU, with its bulk term [energy / thickness]", ("dissipation",)
+    ),
 }
 _ENGINES = {"fe": "the finite elements", "exact": "half-plane theory"}
 

@@ -121,9 +121,10 @@ def in_one_call(points: list[Question]) -> dict[str, dict[str, Any]]:
     begun = time.perf_counter()
     kinds: dict[str, dict[str, tuple[Scene, EllipseLoad]]] = {}
     for point in points if (points[0].engines, points[0].figures) == (["exact"], ["exact.dissipation"]) else ():
-        if isinstance(point.scene.load, EllipseLoad) and point.scene.friction.coefficient > 0:
+        load, plain = point.scene.load, point.scene.profile.symmetric and not point.scene.load.has_bulk_or_tilt
+        if isinstance(load, EllipseLoad) and point.scene.friction.coefficient > 0 and plain:
             kind = point.scene.profile.model_dump_json() + point.scene.material.model_dump_json()
-            kinds.setdefault(kind, {})[point.address] = point.scene, point.scene.load
+            kinds.setdefault(kind, {})[point.address] = point.scene, load
     found: dict[str, dict[str, Any]] = {}
     for members in kinds.values():
         scenes, loads = zip(*members.values(), strict=True)
@@ -215,8 +216,10 @@ def finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, s
     """The solution, on the bodies that its whole group shares if wanted; where these don't hold the contact, on its own."""
     import halfplane_fe
 
-    why = {}
-    if point.share:
+    why, load = {}, point.scene.load
+    if point.share and (load.tilt is not None or load.moment_given):
+        why = {"": "the contact moves with the tilt; solved on bodies of its own"}
+    elif point.share:
         try:
             return halfplane_fe.solve(point.scene, point.mesh, point.solver, scales=_shared_scales(point.scene)), {}
         except ConvergenceError as failure:

@@ -6,16 +6,17 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.interface import check_supports, meshed_pair
-from halfplane_fe.path import stretches
+from halfplane_fe.interface import check_bulk_stress, check_supports, meshed_pair
+from halfplane_fe.path import has_bulk_stress, stretches
 from halfplane_fe.scales import Scales, find_scales, sheared
 from halfplane_fe.solve import surface_grading
 from meshes import BodyMesh, MeshSettings
-from scenes import Cylinder, HalfPlane, InputError, Profile, Scene, Shape, freeze
+from scenes import Block, Cylinder, HalfPlane, InputError, LoadPath, Profile, Scene, Shape, freeze
 from scenes.frozen import validated
 
 Array = NDArray[np.float64]
@@ -27,7 +28,7 @@ _TOUCH = 0.25
 # Increments of the initial loading, over those of a revolution.
 _INITIAL_LOADING = 0.25
 # Directions in which a boundary of that support can't move against the rigid plane behind it.
-_HELD = {"fixed": (1, 2), "half_plane": (1, 2), "rollers": (2,), "guided": (1,)}
+_HELD = {"fixed": (1, 2), "half_plane": (1, 2), "rollers": (2,), "guided": (1,), "pulled": ()}
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,7 @@ class DeckBody:
     contact_faces : (k, 2) element number and face 1-4, from the nodes (1, 2), (2, 3), (3, 4), (4, 1)
     contact_nodes : (k + 1,) node numbers by ascending x
     held : direction 1 or 2 -> node numbers that move as the rigid plane does
+    ends : (element number, face) of the left and of the right end of a block that bulk stress pulls; none of other bodies
     """
 
     name: str
@@ -87,6 +89,7 @@ class DeckBody:
     contact_faces: Indices
     contact_nodes: Indices
     held: Mapping[int, Indices]
+    ends: tuple[Indices, ...] = ()
 
     def areas(self) -> Array:
         """(m,) areas of the elements, positive where they go round anticlockwise [length^2]."""
@@ -104,6 +107,8 @@ class Deck:
     time : (n + 1,) instants of the scene's path, the unloaded one first; deck times are counted from that one
     normal_load, tangential_load : (n + 1,) [force per thickness]
     touch_time, touch_approach : duration of the first step, and how far the upper plane comes down in it [time, length]
+    bulk_stress : of the lower and of the upper body, (n + 1,) [stress]; None for none
+    tilt, moment : (n + 1,) turn of the upper body about x = y = 0, or the moment of the pressure, where either is given
     """
 
     scene: Scene
@@ -116,6 +121,39 @@ class Deck:
     tangential_load: Array
     touch_time: float
     touch_approach: float
+    bulk_stress: tuple[Array | None, Array | None] = (None, None)
+    tilt: Array | None = None
+    moment: Array | None = None
+
+    @property
+    def strained(self) -> int:
+        """Number of the node whose movements along x and y are the bulk strains of half-planes, lower and upper, times a."""
+        return self.reference + 1
+
+    @property
+    def turning(self) -> int:
+        """Number of the node whose movement along x is the tilt of the upper body times a."""
+        return self.reference + 2
+
+    def strain(self, body: int) -> Array | None:
+        """(n + 1,) bulk strain sigma/E' of the lower (0) or the upper (1) body where it is a half-plane; else None."""
+        stress, side = self.bulk_stress[body], ("lower", "upper")[body]
+        if stress is None or not stress.any() or not isinstance(getattr(self.scene.bodies, side), HalfPlane):
+            return None
+        material = getattr(self.scene.material, side)
+        return np.asarray(stress * (1 - material.poisson_ratio**2) / material.young_modulus)
+
+    def end_stresses(self, body: int) -> tuple[Array, Array] | None:
+        """(n + 1,) stress along x at the left and at the right end of a block that is pulled: on rollers they hold Q by halves.
+
+        None of other bodies, and where it is 0 throughout.
+        """
+        pulled, shape = (self.lower, self.upper)[body], (self.scene.bodies.lower, self.scene.bodies.upper)[body]
+        if not pulled.ends or not isinstance(shape, Block):
+            return None
+        mean = np.zeros(len(self.time)) if (stress := self.bulk_stress[body]) is None else stress
+        half = self.tangential_load / (2 * shape.height) if shape.base == "rollers" and body == 0 else np.zeros(len(self.time))
+        return (mean + half, mean - half) if mean.any() or half.any() else None
 
     @property
     def reference(self) -> int:
@@ -165,11 +203,15 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
     Raises
     ------
     InputError
-        For a scene that does not pass its own check, and for bodies that can't be meshed or held, see `meshes.solids` and
-        `halfplane_fe.solve`.
+        For a scene that does not pass its own check, for bodies that can't be meshed, held or pulled, see `meshes.solids` and
+        `halfplane_fe.solve`, and for an upper block on rollers under bulk stress and Q.
     """
     scene, settings = validated(scene, Scene), settings or DeckSettings()
     check_supports(scene, sheared(scene))
+    check_bulk_stress(scene)
+    path, on_rollers = scene.load.path(), getattr(scene.bodies.upper, "base", "") == "rollers"
+    if has_bulk_stress(path) and on_rollers and sheared(scene):
+        raise InputError("bodies.upper.base: a deck holds Q by the rigid plane above, which rollers let go: take base = 'fixed'")
     scales = scales or find_scales(scene, Counter())
     cut = MeshSettings(
         element_size=settings.element_size,
@@ -184,10 +226,23 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
     profile = None if scene.bodies.faces_are_true else scene.profile
     upper = _body("UPPER", meshes[1], _upper_places(meshes[1], profile), len(lower.nodes) + 1, len(lower.elements) + 1)
     time = _instants(scene, settings)
-    normal, tangential = scene.load.path().at(time)
+    normal, tangential = path.at(time)
+    bulk, turning = (_companion(path, name, time) for name in ("bulk", "turning"))
+    more: dict[str, Any] = {} if bulk is None else {"bulk_stress": (bulk[0], bulk[1])}
+    if turning is not None:
+        more |= {"moment": turning[1]} if path.moment_given else {"tilt": turning[0]}
     approach = _approach(scene, settings, scales, _TOUCH * float(normal[1]))
     touch = float(_TOUCH * (time[1] - time[0]))
-    return Deck(scene, settings, scales, lower, upper, freeze(time), freeze(normal), freeze(tangential), touch, approach)
+    return Deck(scene, settings, scales, lower, upper, freeze(time), freeze(normal), freeze(tangential), touch, approach, **more)
+
+
+def _companion(path: LoadPath, name: str, time: Array) -> tuple[Array, Array] | None:
+    """The two columns at instants (n + 1,) of what all legs of a path carry under this name; None where they carry nothing."""
+    parts = [[getattr(leg, name) for leg in legs] for legs in (path.initial_loading, path.cycle)]
+    if any(leg is None for legs in parts for leg in legs):
+        return None
+    first, second = LoadPath(tuple(parts[0]), tuple(parts[1])).at(time)
+    return freeze(first), freeze(second)
 
 
 def _instants(scene: Scene, settings: DeckSettings) -> Array:
@@ -232,9 +287,18 @@ def _body(name: str, mesh: BodyMesh, places: Array, first_node: int, first_eleme
     clockwise = _areas(places, cells) < 0
     cells[:, clockwise] = cells[:, clockwise][[0, 3, 2, 1]]
     nodes_of = {boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()}
-    # A side of an element is on the contact face where its two nodes, in either order, are those of a facet there.
+    # A side of an element is on a boundary where its two nodes, in either order, are those of a facet there.
     pairs = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1) @ [places.shape[1], 1]
-    element, side = np.nonzero(np.isin(pairs, np.sort(nodes_of["contact"].T) @ [places.shape[1], 1]).T)
+
+    def faces(facets: Indices) -> Indices:
+        """(k, 2) element number and face of the facets (2, k)."""
+        element, side = np.nonzero(np.isin(pairs, np.sort(facets.T) @ [places.shape[1], 1]).T)
+        return freeze(np.stack([element + first_element, side + 1], axis=1), np.int64)
+
+    pulled: tuple[Indices, ...] = ()
+    if mesh.supports.get("sides") == "pulled":
+        right = places[0, nodes_of["sides"]].mean(axis=0) > 0
+        pulled = faces(nodes_of["sides"][:, ~right]), faces(nodes_of["sides"][:, right])
     ends = np.unique(nodes_of["contact"])
     held: dict[int, list[Indices]] = {1: [], 2: []}
     for boundary, support in mesh.supports.items():
@@ -250,9 +314,10 @@ def _body(name: str, mesh: BodyMesh, places: Array, first_node: int, first_eleme
         first_element,
         freeze(places.T),
         freeze(cells.T + first_node, np.int64),
-        freeze(np.stack([element + first_element, side + 1], axis=1), np.int64),
+        faces(nodes_of["contact"]),
         freeze(ends[np.argsort(places[0, ends])] + first_node, np.int64),
         {way: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64) for way, nodes in held.items() if nodes},
+        pulled,
     )
 
 
@@ -266,8 +331,8 @@ def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
     if profile is None:
         return np.stack([x, y])
     end = mesh.grading.outer
-    distance, step = np.abs(x), 1e-4 * end
-    before, at = (float(profile.height(np.array(end - part))) for part in (step, 0.0))
-    gap = np.asarray(profile.height(np.minimum(distance, end)))
+    side, distance, step = np.where(x < 0, -1.0, 1.0), np.abs(x), 1e-4 * end
+    before, at = (np.asarray(profile.height(side * (end - part))) for part in (step, 0.0))
+    gap = np.asarray(profile.height(side * np.minimum(distance, end)))
     gap = gap + (at - before) / step * end * np.tanh(np.maximum(distance - end, 0.0) / end)
     return np.stack([x, y + gap * (1 - y / y.max())])

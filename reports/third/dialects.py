@@ -10,10 +10,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from reports.third.deck import Deck, DeckBody
 
+Array = NDArray[np.float64]
 Dialect = Literal["calculix", "abaqus"]
 
 # The longest line that CalculiX reads.
@@ -112,6 +113,12 @@ def _bodies(deck: Deck) -> Iterator[str]:
     plane = [f"{deck.reference}, 0., {number(float(deck.upper.nodes[:, 1].max()))}, 0."]
     words = "The node that the upper rigid plane moves with: loads act on it, its reactions are P and Q."
     yield from _card("NODE, NSET=PLANE", plane, words)
+    if any(deck.strain(body) is not None for body in (0, 1)):
+        words = "A node whose movements along x and y are the bulk strains of the lower and the upper half-plane times a."
+        yield from _card("NODE, NSET=STRAINS", [f"{deck.strained}, 0., 0., 0."], words)
+    if deck.tilt is not None or deck.moment is not None:
+        words = "A node whose movement along x is the tilt of the upper body times a."
+        yield from _card("NODE, NSET=TURN", [f"{deck.turning}, 0., 0., 0."], words)
     for body in (deck.lower, deck.upper):
         numbered = np.hstack([np.arange(len(body.elements))[:, None] + body.first_element, body.elements])
         yield from _card(f"ELEMENT, TYPE=CPE4, ELSET={body.name}", _rows(numbered, 5), "Plane strain, linear.")
@@ -149,21 +156,103 @@ def _contact(deck: Deck, dialect: Dialect) -> Iterator[str]:
         yield from _card(f"FRICTION, ELASTIC SLIP={number(elastic_slip(deck))}", [number(friction)], words)
     words = "Lower face dependent (slave), upper face independent (master); their nodes lie opposite each other if sizes are alike."
     yield from _card("CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE", ["LOWER_FACE, UPPER_FACE"], words)
-    words = "The upper body's far side is bonded to a rigid plane that can't turn: each node there moves as the plane's node."
+    turns = deck.tilt is not None or deck.moment is not None
+    words = (
+        "The upper body's far side is bonded to a rigid plane"
+        + (" that turns about x = y = 0" if turns else " that can't turn")
+        + ": each node there moves as the plane's node"
+        + (", and by the bulk strain of its half-plane." if deck.strain(1) is not None else ".")
+    )
     for direction, nodes in sorted(deck.upper.held.items()):
-        tied = (f"2\n{node}, {direction}, 1., {deck.reference}, {direction}, -1." for node in nodes.tolist())
+        tied = (_equation(deck, deck.upper, node, direction) for node in nodes.tolist())
         yield from _card("EQUATION", tied, words)
         words = ""
-    yield from _card("BOUNDARY", _held(deck.lower), "What holds the lower body.")
+    if deck.strain(0) is not None:
+        words = "The lower half-plane's arc moves by its bulk strain."
+        for direction, nodes in sorted(deck.lower.held.items()):
+            tied = (_equation(deck, deck.lower, node, direction) for node in nodes.tolist() if not _still(deck, node, direction))
+            yield from _card("EQUATION", tied, words)
+            words = ""
+    if held := [*_held(deck), *_further(deck)]:
+        yield from _card("BOUNDARY", held, "What holds the lower body.")
     words = "The scene's loads, straight between the instants of output; total time 0 is the unloaded instant of its path."
-    for name, values in (("NORMAL_LOAD", deck.normal_load), ("TANGENTIAL_LOAD", deck.tangential_load)):
+    for name, values in (("NORMAL_LOAD", deck.normal_load), ("TANGENTIAL_LOAD", deck.tangential_load), *_imposed(deck)):
         pairs = np.stack([deck.deck_time, values], axis=1)
         yield from _card(f"AMPLITUDE, NAME={name}, TIME=TOTAL TIME", _rows(pairs, 4), words)
         words = ""
 
 
-def _held(body: DeckBody) -> list[str]:
-    return [f"{node}, {direction}" for direction, nodes in sorted(body.held.items()) for node in nodes.tolist()]
+def _equation(deck: Deck, body: DeckBody, node: int, direction: int) -> str:
+    """A node of a far side moves as the rigid plane (of the upper body), by its bulk strain and by the plane's turn."""
+    size, (x, y) = deck.scales.half_width, body.nodes[node - body.first_node].tolist()
+    terms, which = [(node, direction, 1.0)], int(body is deck.upper)
+    if which:
+        terms.append((deck.reference, direction, -1.0))
+    if deck.strain(which) is not None:
+        ratio = (deck.scene.material.lower, deck.scene.material.upper)[which].poisson_ratio
+        # A uniform stress along x in plane strain: u_x = eps x, u_y = -nu/(1 - nu) eps y.
+        share = -x if direction == 1 else ratio / (1 - ratio) * y
+        terms.append((deck.strained, which + 1, share / size))
+    if which and (deck.tilt is not None or deck.moment is not None):
+        # A turn that opens the gap at x > 0: u_x = -alpha y, u_y = alpha x.
+        terms.append((deck.turning, 1, (y if direction == 1 else -x) / size))
+    terms = [term for term in terms if term[2]]
+    return f"{len(terms)}\n" + ", ".join(f"{of}, {way}, {number(factor)}" for of, way, factor in terms)
+
+
+def _imposed(deck: Deck) -> Iterator[tuple[str, Array]]:
+    """Amplitudes of bulk stress, tilt and moment: strains and tilt times a, so that they are movements of a node."""
+    size = deck.scales.half_width
+    for body, name in enumerate(("LOWER", "UPPER")):
+        if (strain := deck.strain(body)) is not None:
+            yield f"{name}_STRAIN", strain * size
+        if (stresses := deck.end_stresses(body)) is not None:
+            yield from zip((f"{name}_LEFT_END", f"{name}_RIGHT_END"), stresses, strict=True)
+    if deck.tilt is not None:
+        yield "TILT", deck.tilt * size
+    if deck.moment is not None:
+        yield "MOMENT", deck.moment / size
+
+
+def _driven(deck: Deck, *, touching: bool) -> Iterator[str]:
+    """Nodes that bulk strains and tilt move, and loads on the ends of blocks; in the touch a moment does not act yet."""
+    driven = "BOUNDARY" if touching else "BOUNDARY, OP=NEW"
+    for which, name in enumerate(("LOWER", "UPPER")):
+        if deck.strain(which) is not None:
+            words = f"Bulk stress of the {name.lower()} body, as the strain of its half-plane."
+            yield from _card(f"{driven}, AMPLITUDE={name}_STRAIN", [f"{deck.strained}, {which + 1}, {which + 1}, 1."], words)
+    if deck.tilt is not None:
+        yield from _card(f"{driven}, AMPLITUDE=TILT", [f"{deck.turning}, 1, 1, 1."], "The tilt; it opens the gap at x > 0.")
+    if deck.moment is not None and touching:
+        yield from _card("BOUNDARY", [f"{deck.turning}, 1, 1, 0."], "The moment acts from the next step on.")
+    elif deck.moment is not None:
+        words = "The moment of the pressure about x = 0: what acts on the tilt times a is -M/a."
+        yield from _card("CLOAD, AMPLITUDE=MOMENT", [f"{deck.turning}, 1, -1."], words)
+    for which, body in enumerate((deck.lower, deck.upper)):
+        for side, faces in zip(("LEFT", "RIGHT"), body.ends if deck.end_stresses(which) else (), strict=False):
+            pulls = (f"{element}, P{face}, -1." for element, face in faces.tolist())
+            words = f"Bulk stress of the {body.name.lower()} body at its {side.lower()} end: a pressure of the other sign."
+            yield from _card(f"DLOAD, AMPLITUDE={body.name}_{side}_END", pulls, words)
+
+
+def _further(deck: Deck) -> list[str]:
+    """Movements that mean nothing of the nodes for bulk strain and tilt."""
+    found = []
+    if any(deck.strain(body) is not None for body in (0, 1)):
+        found += [f"{deck.strained}, {body + 1}" for body in (0, 1) if deck.strain(body) is None]
+    return found + ([f"{deck.turning}, 2"] if deck.tilt is not None or deck.moment is not None else [])
+
+
+def _held(deck: Deck) -> list[str]:
+    """Nodes of the lower body that stand still."""
+    held = ((direction, node) for direction, nodes in sorted(deck.lower.held.items()) for node in nodes.tolist())
+    return [f"{node}, {direction}" for direction, node in held if _still(deck, node, direction)]
+
+
+def _still(deck: Deck, node: int, direction: int) -> bool:
+    """Whether a held node of the lower body does not move: on a half-plane's arc bulk strain leaves its middle alone."""
+    place = deck.lower.nodes[node - deck.lower.first_node, direction - 1]
+    return deck.strain(0) is None or not place * (1.0 if direction == 1 else deck.scene.material.lower.poisson_ratio)
 
 
 def _steps(deck: Deck, dialect: Dialect) -> Iterator[str]:
@@ -180,6 +269,7 @@ def _steps(deck: Deck, dialect: Dialect) -> Iterator[str]:
     )
     yield from step(deck.touch_time, words)
     yield from _card("BOUNDARY", [f"{plane}, 1, 1, 0.", f"{plane}, 2, 2, {number(-deck.touch_approach)}"])
+    yield from _driven(deck, touching=True)
     yield from _card("END STEP")
     words = (
         "Step 2 and all others, the scene's loads: initial loading and cycles, a step to each instant of output. Every step is one "
@@ -200,7 +290,9 @@ def _loads_and_output(deck: Deck, dialect: Dialect) -> Iterator[str]:
         yield from _card("CONTROLS, PARAMETERS=FIELD", [_RESIDUAL], "Residual and correction.")
         yield from _card("CONTROLS, PARAMETERS=CONTACT", [_CONTACT])
     words = "The upper plane is let go" + ("." if slides else " along y; there is no friction, and nothing else holds it along x.")
-    yield from _card("BOUNDARY, OP=NEW", [*_held(deck.lower), *([] if slides else [f"{plane}, 1, 1, 0."])], words)
+    held = [*_held(deck), *_further(deck), *([] if slides else [f"{plane}, 1, 1, 0."])]
+    yield from _card("BOUNDARY, OP=NEW", held, words) if held else _comment(words)
+    yield from _driven(deck, touching=False)
     yield from _card("CLOAD, AMPLITUDE=NORMAL_LOAD", [f"{plane}, 2, -1."], "P presses, Q pulls along +x.")
     if slides:
         yield from _card("CLOAD, AMPLITUDE=TANGENTIAL_LOAD", [f"{plane}, 1, 1."])
