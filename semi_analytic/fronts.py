@@ -240,7 +240,8 @@ class NotFollowed(Exception):
 class State:
     def __init__(self, t, b1, b2, d1, d2, pieces):
         self.t, self.b1, self.b2, self.d1, self.d2 = t, b1, b2, d1, d2
-        self.frozen = Frozen(trimmed(pieces, b1, b2))
+        pieces = trimmed(pieces, b1, b2)
+        self.frozen = Frozen(pieces)
         self.low, self.high = self.frozen.low[0], self.frozen.high[-1]
 
     def end_slope(self, side):
@@ -251,8 +252,8 @@ class State:
 
 def trimmed(pieces, b1, b2):
     """Pieces that reach into [b1, b2]; the outer ones are kept whole."""
-    tiny = 1e-13 * (b2 - b1)
-    return [p for p in pieces if p.high > b1 + tiny and p.low < b2 - tiny]
+    tiny = 1e-11 * (b2 - b1)
+    return [p for p in pieces if p.high > b1 + tiny and p.low < b2 - tiny and p.high > p.low + tiny]
 
 
 def cut_piece(piece, low, high):
@@ -444,6 +445,16 @@ class Engine:
         # start: constant edges, or contact edges
         b1 = l.copy() if k1 == "S" else np.full(n + 1, state.b1)
         b2 = r.copy() if k2 == "S" else np.full(n + 1, state.b2)
+        # Where a contact edge has just stopped to stick, q* has no root there yet: the stick edge returns at about the speed of
+        # the contact edge before.
+        if k1 == "R" and not state.d1:
+            b1 = b1 + np.maximum(l[0] - l, 0)
+        if k2 == "R" and not state.d2:
+            b2 = b2 - np.maximum(r - r[0], 0)
+        if k1 == "R":
+            b1 = np.maximum(b1, l + 0.98 * min(state.b1 - l[0], 1e-2 * size) + 1e-5 * (t - t[0]) / (t[-1] - t[0]) * size)
+        if k2 == "R":
+            b2 = np.minimum(b2, r - 0.98 * min(r[0] - state.b2, 1e-2 * size) - 1e-5 * (t - t[0]) / (t[-1] - t[0]) * size)
         b1[0], b2[0] = state.b1, state.b2
         span = slice(1, None)
         cut = lambda v: v[..., span]
@@ -482,9 +493,9 @@ class Engine:
                 if max(np.max(np.abs(dd1)), np.max(np.abs(dd2))) < 1e-12 * size:
                     break
             else:
-                return None
+                return self.failed(16)
             if not (np.all(np.isfinite(c1)) and np.all(np.isfinite(c2))):
-                return None
+                return self.failed(16)
             b1[1:], b2[1:] = c1, c2
             return b1, b2
 
@@ -498,7 +509,7 @@ class Engine:
             """Residuals (2n,), the matrix of d residual / d G, all edges."""
             edges = advanced(b1, b2)
             if edges is None:
-                return None
+                return self.failed(16)
             b1, b2 = edges
             low, high = np.maximum(b1, state.b1) if k1 in "SA" else b1, np.minimum(b2, state.b2) if k2 in "SA" else b2
             # frozen pieces reach to where the growing ones begin
@@ -516,12 +527,12 @@ class Engine:
         one = [v[:1] for v in (l, r)] + [np.array([state.b1]), np.array([state.b2])]
         left0, left1 = self.residual(frozen, load[:, :1], *one, d1, d2)
         left = np.concatenate([left0 * fade, left1 * fade])
-        last = math.inf
+        last, fresh = math.inf, False
         for iteration in range(25):
             self.counts["newton"] += 1
             found = whole(b1, b2, G)
             if found is None or not np.all(np.isfinite(found[0])):
-                return None
+                return self.failed(16)
             res, mat, c1, c2 = found
             if not moves:
                 dG = -np.linalg.solve(mat, res)
@@ -529,7 +540,7 @@ class Engine:
                 b1, b2 = c1, c2
                 if iteration or True:
                     break
-            if not grows and iteration > 0:
+            if not grows and iteration > 0 and not fresh:
                 # Broyden's update of the 2 x 2 matrix of every instant
                 (a11, a21), (a12, a22) = cols if moves[0] < 0 else cols[::-1]
                 y0, y1 = res[:n] - before[:n], res[n:] - before[n:]
@@ -543,7 +554,7 @@ class Engine:
             else:
                 cols = self.columns(whole, moves, nA, b1, b2, G, res, size, n)
                 if cols is None:
-                    return None
+                    return self.failed(20)
             before = res
             with np.errstate(all="ignore"):
                 if not grows:
@@ -557,11 +568,11 @@ class Engine:
                     try:
                         step = -np.linalg.solve(J, res)
                     except np.linalg.LinAlgError:
-                        return None
+                        return self.failed(24)
                     steps = {side: step[i * n : (i + 1) * n] for i, side in enumerate(moves)}
                     G = G + step[len(moves) * n :]
             if not all(np.all(np.isfinite(s)) for s in steps.values()):
-                return None
+                return self.failed(16)
             o1, o2 = b1.copy(), b2.copy()
             if -1 in steps:
                 b1[1:] = np.clip(b1[1:] + steps[-1], np.maximum(l[1:], state.low), None)
@@ -573,15 +584,21 @@ class Engine:
                 b2 = np.where(tight, (3 * o2 + o1) / 4, b2)
             done = b1[1:] - o1[1:], b2[1:] - o2[1:]
             change = max(np.max(np.abs(b1 - o1)), np.max(np.abs(b2 - o2)))
+            clipped = [np.max(np.abs(done[i] - steps[side])) > 1e-9 * size for i, side in ((0, -1), (1, 1)) if side in steps]
+            fresh = any(clipped)
             if iteration > 7 and change > 1e-3 * size:
-                return None
+                return self.failed(16)
+            if fresh:
+                if iteration > 12:
+                    return self.failed(20)
+                continue
             if change < 1e-12 * size or (iteration > 4 and change < 1e-9 * size and change > last / 4):
                 break
             if self.verbose > 2:
                 print("     newton", iteration, change, np.max(np.abs(res)), int(np.argmax(np.abs(b2 - o2))), int(np.argmax(np.abs(b1 - o1))))
             last = change
         else:
-            return None
+            return self.failed(12)
         if nA:
             b1, b2 = advanced(b1, b2)
         new = []
@@ -602,7 +619,7 @@ class Engine:
                     (q2 if side > 0 else q1)[j + 1] -= side * h
                     other = whole(q1, q2, G)
                     if other is None:
-                        return None
+                        return self.failed(24)
                     Jb[:, j] = (other[0] - res) / (-side * h)
                 cols.append(Jb)
             else:
@@ -866,14 +883,14 @@ class Engine:
                 part = flo / (flo - fhi)
                 guess = lo + (hi - lo) * (part if turn % 3 < 2 else 0.5)
             if hi - lo < 1e-13 * abs(step.t1 - start.t):
-                return None
+                return self.failed(16)
         return None
 
     def hold(self, state, kinds, longest, stop):
         """A short step with edges held, up to a turning point of their loads or the end."""
         (k1, d1), (k2, d2) = kinds
         if (k1, k2) != ("R", "R"):
-            return None
+            return self.failed(12)
         n = self.order
         t1 = min(stop, state.t + 2e-3 * longest)
         for turn in range(2):
@@ -900,19 +917,21 @@ class Engine:
         """A step over the instant at which edges leave a stretch that had no q* left."""
         (k1, d1), (k2, d2) = kinds
         if (k1, k2) != ("R", "R"):
-            return None
+            return self.failed(12)
         high = state.frozen.high[:-1]
         lefts = np.array([state.b1, *[x for x in high if state.b1 < x < state.b2]])
         rights = np.array([state.b2, *[x for x in high[::-1] if state.b1 < x < state.b2]])
         c1, c2 = (v.ravel() for v in np.meshgrid(lefts, rights, indexing="ij"))
         keep = c1 < c2
         c1, c2 = c1[keep], c2[keep]
+        order = np.argsort(c1 - c2)[:40]
+        c1, c2 = c1[order], c2[order]
         size = state.b2 - state.b1
         inset = 1e-4 * size
         for delta in 10.0 ** np.arange(-9, -2):
             t = state.t + delta * longest
             if t >= stop:
-                return None
+                return self.failed(16)
             load = self.loads(np.full(len(c1), t))
             l, r = self.normal.edges(load[0], load[3])
             b1, b2 = c1 + inset, c2 - inset
@@ -930,7 +949,8 @@ class Engine:
                     b1, b2 = np.clip(b1 + s1, state.b1, None), np.clip(b2 + s2, None, state.b2)
                     bad = b2 - b1 < 1e-3 * size
                     b1, b2 = np.where(bad, c1, b1), np.where(bad, c2, b2)
-            good = (np.maximum(np.abs(s1), np.abs(s2)) < 1e-9 * size) & ((b1 > state.b1 + 1e-5 * size) | (b2 < state.b2 - 1e-5 * size))
+            fits = np.maximum(np.abs(e0) * size, np.abs(e1)) < 1e-8 * self.A * self.f * load[0]
+            good = fits & (np.maximum(np.abs(s1), np.abs(s2)) < 1e-9 * size) & ((b1 > state.b1 + 1e-5 * size) | (b2 < state.b2 - 1e-5 * size))
             best = None
             for i in np.flatnonzero(good):
                 x = b1[i] + (b2[i] - b1[i]) * np.linspace(0.02, 0.98, 49)
@@ -948,7 +968,12 @@ class Engine:
                 self.steps_done(step, state)
                 new = State(t, *best, d1, d2, state.frozen.pieces)
                 return step, new
-        return None
+        return self.failed(8)
+
+    def failed(self, why):
+        if self.verbose > 2:
+            import sys
+            print("failed at line", sys._getframe(1).f_lineno)
 
     verbose = 0
     tolerance = 1e-9
