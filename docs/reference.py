@@ -8,13 +8,29 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from scenes import Scene
+from scenes.bulk_stress import KEYS
 
 BEGIN, END = "<!-- scene keys: written by `make pages` -->", "<!-- end of scene keys -->"
 # The unit as a description states it: "..., length units (library: mm)".
 _UNIT = re.compile(r"(?:, (?:both )?(?:length units|stress units|force per unit thickness|any time unit))? \(library: ([^)]*)\)")
 _NONE = "–"
 # Tables of keys within a table.
-_TABLES = {"ProfileFit": "table of keys: see `profile.fit`", "Fitted": "table, written by the fit"}
+_TABLES = {
+    "ProfileFit": "table of keys: see `profile.fit`",
+    "Fitted": "table, written by the fit",
+    "LineOfAction": "table {x, height}",
+}
+# Keys that every load has stand once; how their values vary with time, by the kind of load.
+_VARYING = {"Wave": "beside an ellipse", "WaveSum": "beside harmonics", "LineOfAction": "line_of_action"}
+_VALUES = """A value is a number: in proportion to P during initial loading, constant afterwards. Or it varies with time:
+
+| load | value |
+|---|---|
+| ellipse, harmonics | a table with the keys below |
+| polygon | a list, one number for each point of `initial_loading` and `cycle` |
+| time series | a list, one number for each row; or a column of the file, named under `columns` |
+| callable | a Python function |
+"""
 _BOUNDS = (("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<"))
 _Row = tuple[str, str, str, str, str, str]
 
@@ -45,8 +61,18 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
                 yield f"| `{_kind(model)}` | {_cell(model['description'].partition(chr(10))[0])} |"
             yield ""
         if found:
-            rows = [_row(_kind(model), key, model) for model in found for key in model["properties"] if key != "kind"]
+            shared = ("kind", *(KEYS if name == "load" else ()))
+            rows = [_row(_kind(model), key, model) for model in found for key in model["properties"] if key not in shared]
             yield from _section("" if kinds else title, rows)
+        if name == "load":
+            every = {key: dict(found[0]["properties"][key]) for key in KEYS}
+            for one in every.values():
+                one["anyOf"] = [way for way in one["anyOf"] if "Wave" not in way.get("$ref", "")]
+            rows = [_row("", key, {"properties": every}) for key in every]
+            yield from _section("Bulk stress, tilt and moment, of every load", rows)
+            yield _VALUES
+            rows = [_row(kind, key, models[model]) for model, kind in _VARYING.items() for key in models[model]["properties"]]
+            yield from _section("", rows)
         if name == "profile":
             yield from _section(
                 "`profile.fit`", [_row("", key, models["ProfileFit"]) for key in models["ProfileFit"]["properties"]]

@@ -14,6 +14,7 @@ In the order in which a scene passes through::
     systems.py, active_subsets.py          its linear systems, of like and unlike bodies: Woodbury updates, cached
     tresca.py                              the two convex halves (Signorini, Tresca), where the sets do not settle
     events.py, stepping.py, run.py         to the next touch or release, along a stretch, over the whole path
+    steady.py                              shakedown and ratcheting: what revolutions have left to go
     energy.py                              balance, friction work, step error, admissibility checks
     edges.py, visible.py                   edges of contact and stick, states as a reader sees them
     answer.py, solve.py                    the answer: `solve`; datum of approach and tangential displacement

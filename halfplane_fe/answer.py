@@ -170,6 +170,8 @@ def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable
 def _termination(run: PathRun) -> str:
     if run.failure is not None:
         return "interrupted" if isinstance(run.failure, Interrupted) else "not converged"
+    if run.ratchets:
+        return "ratcheting"
     return "end of path" if run.steady_from is None else "steady"
 
 
@@ -177,9 +179,10 @@ def _message(run: PathRun) -> str:
     if run.failure is not None:
         return str(run.failure)
     steps = len(run.energies)
+    drift = "; the upper body goes further by the same distance in each: ratcheting" if run.ratchets else ""
     if run.steady_from is None:
-        return f"the path ended after {steps} increments without a revolution that repeats"
+        return f"the path ended after {steps} increments without a revolution that repeats{drift}"
     return (
         f"revolution {run.steady_from + 1} ended in the state it started from, to {run.cycle_change[-1]:.1e} of the largest "
-        f"nodal force, after {steps} increments"
+        f"nodal force, after {steps} increments{drift}"
     )

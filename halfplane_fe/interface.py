@@ -122,18 +122,8 @@ _LOCAL, _PLATEAU = 8, (9, 10)
 _LEAST_NODES = 21
 
 
-def smooth_over_nodes(scene: Scene, faces: Interface) -> bool:
-    """Whether ten nodes next to each other see no end of a face and no base: there N - T has parts that are not the mesh's."""
-    apart, nodes = np.diff(faces.x), max(_PLATEAU)
-    depth = min(
-        float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper)
-    )
-    at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
-    return len(faces.x) >= _LEAST_NODES and at_ends and depth >= 2 * nodes * float(apart.max())
-
-
-def without_local_difference(faces: Interface) -> Interface:
-    r"""The faces without the parts of N - T and of K that only the mesh makes.
+def without_local_difference(faces: Interface, scene: Scene) -> Interface | None:
+    r"""The faces without the parts of N - T and of K that only the mesh makes; None where these can't be told from the bodies' own.
 
     On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x - x'| along itself, whether it
     presses or shears: N and T have one singular part, N - T is smooth, and K jumps at x = x', smooth on either side. On a mesh of
@@ -144,9 +134,16 @@ def without_local_difference(faces: Interface) -> Interface:
         D_ij = (m_i + m_j)/2,   D = N - T,   |i - j| <= 8,   m_i the mean of D_ij at |i - j| = 9 and 10,
 
     and K likewise on each side of its diagonal, which is the mean of both. All that it takes from elasticity is that the singular
-    parts are equal: that is imposed thereby, and not tested any more. It is for faces that are `smooth_over_nodes`.
+    parts are equal: that is imposed thereby, and not tested any more. Where ten nodes next to each other see the end of a face, or
+    a base, N - T has parts that are not the mesh's.
     """
-    n = len(faces.x)
+    n, apart, nodes = len(faces.x), np.diff(faces.x), max(_PLATEAU)
+    depth = min(
+        float(getattr(body, "height", getattr(body, "radius", np.inf))) for body in (scene.bodies.lower, scene.bodies.upper)
+    )
+    at_ends = face_room(scene) - float(np.abs(faces.x).max()) >= nodes * max(apart[0], apart[-1])
+    if n < _LEAST_NODES or not at_ends or depth < 2 * nodes * float(apart.max()):
+        return None
     ahead = np.subtract.outer(np.arange(n), np.arange(n))
     band = np.abs(ahead) <= _LOCAL
     tangential = np.where(band, faces.normal - _plateau(faces.normal - faces.tangential, np.abs(ahead)), faces.tangential)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.energy import IncrementEnergy, certificates
 from halfplane_fe.path import stretches
+from halfplane_fe.steady import Trend, ratchets, trend
 from halfplane_fe.stepping import follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
 
@@ -18,8 +19,10 @@ Array = NDArray[np.float64]
 Progress = Callable[[int, int | None, str], None]
 
 # Two revolutions end alike when no nodal force differs by more than this share of the largest. Nodes at the rim of the permanent
-# stick zone go on creeping towards the steady cycle, each time a tenth as far; what they leave is far below the mesh error.
+# stick zone go on creeping towards the steady cycle. How fast is another matter (`steady`): the dissipation has to be there too.
 REPEATS = 5e-4
+# The same where they are equal but for round-off of the nodal forces.
+_EQUAL = 1e-9
 # Dissipation over f^2 P^2/E* below which the step error need not follow it down.
 _LEAST_DISSIPATION = 3e-3
 # Instants of a path of straight legs that keep pressure, shear and gap: a record of 2,000 rows has 40,000 increments, which would
@@ -44,7 +47,8 @@ class PathRun:
     density : (n,) dissipation of each node in the revolution so far
     cycle_starts : index of the state at which each revolution starts
     cycle_density : per revolution, (n,) dissipation of each node; one for the whole path where it is not periodic
-    steady_from : index of the first revolution that ended as it started
+    steady_from : index of the first revolution that ended as it started, with what is left of the dissipation's way within its
+        uncertainty
     cycle_change : per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end, over the largest p
     failure : what stopped the run, or None
     """
@@ -66,6 +70,23 @@ class PathRun:
     _whole: int = 1
     _stride: int = 1
     _corner_stride: int = 1
+
+    @property
+    def trend(self) -> Trend:
+        """Where the dissipation of the revolutions goes."""
+        if self.cycle_change and self.cycle_change[-1] <= _EQUAL:
+            return Trend("steady", 0.0, float(self.cycle_density[-1].sum()))
+        return trend([float(density.sum()) for density in self.cycle_density])
+
+    @property
+    def ratchets(self) -> bool:
+        """Whether each revolution leaves the upper body further along by the same distance."""
+        ends = [self.states[index].shift for index in (*self.cycle_starts, len(self.states) - 1)]
+        if len(self.cycle_change) < len(self.cycle_starts) or len(ends) < 2:  # the last one failed, or the path does not repeat
+            return False
+        drifts = np.diff(ends).tolist()
+        travel = float(np.ptp([state.shift for state in self.states[self.cycle_starts[-1] :]]))
+        return ratchets([drifts[-1]] * 2 if self.cycle_change[-1] <= _EQUAL else drifts, travel)
 
     @property
     def kept(self) -> NDArray[np.int64]:
@@ -122,9 +143,19 @@ class Pace:
 
 
 def run_path(
-    problem: ContactProblem, path: LoadPath, pace: Pace, cycles: int, progress: Progress, *, keep_all: bool = False
+    problem: ContactProblem,
+    path: LoadPath,
+    pace: Pace,
+    cycles: int,
+    progress: Progress,
+    *,
+    uncertainty: Callable[[PathRun], float] = lambda _run: np.inf,
+    keep_all: bool = False,
 ) -> PathRun:
     """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats; `keep_all` states of a long path.
+
+    A revolution repeats where its nodal forces do, and what is left of the dissipation's way is less than the `uncertainty` that
+    its mesh and steps give it (scaled; NaN where that is unknown: then up to round-off).
 
     Neither a ConvergenceError nor Ctrl-C gets lost: it ends the run and is kept in `failure` with everything solved before it.
     """
@@ -142,7 +173,7 @@ def run_path(
             _follow_legs(problem, run, path.cycle_legs(number), pace.steps_per_cycle, pace, progress, f"revolution {number + 1}")
             run.cycle_density.append(run.density)
             run.cycle_change.append(_change(before, run.states[-1], problem.friction))
-            if run.cycle_change[-1] <= REPEATS:
+            if run.cycle_change[-1] <= REPEATS and abs(run.trend.left) <= np.nan_to_num(uncertainty(run)):
                 run.steady_from = number
                 break
     except ConvergenceError as failure:

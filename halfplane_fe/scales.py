@@ -23,7 +23,6 @@ from halfplane_fe.interface import (
     initial_gap,
     meshed_pair,
     shapes_alike,
-    smooth_over_nodes,
     without_local_difference,
 )
 from halfplane_fe.run import Pace, PathRun, run_path
@@ -169,7 +168,7 @@ class _CoarsePair:
         if self._made is None or self._made[0] != made_at:
             bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(made_at, ratio))
             faces = couple(*condensed_pair(self.scene, bodies, made_at, self.work))
-            self._made = made_at, without_local_difference(faces) if smooth_over_nodes(self.scene, faces) else faces
+            self._made = made_at, without_local_difference(faces, self.scene) or faces
         interface = self._made[1]
         return interface if made_at == size else interface.scaled(made_at / size, 1.0)
 

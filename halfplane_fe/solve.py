@@ -27,7 +27,6 @@ from halfplane_fe.interface import (
     couple,
     initial_gap,
     meshed_pair,
-    smooth_over_nodes,
     without_local_difference,
 )
 from halfplane_fe.mirror import half, mirrored, whole
@@ -40,7 +39,7 @@ from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, check
-from scenes import ContactSolution, ConvergenceError, Scene, Work, freeze, scene_of
+from scenes import ContactSolution, ConvergenceError, InputError, Scene, Work, freeze, scene_of
 
 Array = NDArray[np.float64]
 
@@ -130,14 +129,15 @@ def _solve(
     datum = max(scene.profile.datum_length, scales.reach)
     condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
-    faces = couple(*condensed)
-    if smooth_over_nodes(scene, faces):
-        faces = without_local_difference(faces)
+    made = couple(*condensed)
+    faces = without_local_difference(made, scene) or made
+    if faces is not made:
         work["interfaces without the mesh's part of N - T"] += 1
     problem = _contact_problem(scene, mesh, settings, scales, faces, work)
     solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if mirrored(faces, sheared(scene)) else problem
     pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance)
-    run = run_path(solved, scene.load.path(), pace, scene.cycles, report)
+    doubt = partial(_uncertainty, scene, mesh, settings, scales)
+    run = run_path(solved, scene.load.path(), pace, scene.cycles, report, uncertainty=doubt)
     if solved is not problem:
         run = whole(run, faces)
     if datum > scene.profile.datum_length:
@@ -171,6 +171,8 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> None:
 
 
 def _check_loads(scene: Scene) -> None:
+    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+        raise InputError("load: these finite elements take neither bulk stress nor tilt, nor two unequal sides of a profile")
     check_admissible(scene.load.path(), scene.friction.coefficient)
     check_supports(scene, sheared(scene))
 
@@ -251,7 +253,8 @@ def _solution(
 ) -> FiniteElementSolution:
     arrays = answer_arrays(scene, problem, run, scales)
     apart = abs(float(np.max(arrays["pressure"])) - scales.largest_pressure)
-    uncertain = _uncertainty(scene, mesh, settings, scales, run, arrays)
+    uncertain = float("nan") if run.failure is not None else _uncertainty(scene, mesh, settings, scales, run)
+    uncertain = (uncertain + float(np.nan_to_num(abs(run.trend.left)))) * scales.load**2 / scales.modulus
     states = tuple(run.states[index] for index in run.kept)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     own: dict[str, Any] = {
@@ -266,7 +269,7 @@ def _solution(
     }
     grading = condensed[0].body.grading
     tolerance = scene.tolerances.limit("dissipation") or 0.0
-    of_mesh = _notes(scene, mesh, run, arrays, grading.edge_size)
+    of_mesh = _notes(scene, mesh, scales, run, arrays)
     notes = (*refusals(problem.work), *of_mesh, *uncertainty_note(arrays["dissipation"], uncertain, tolerance))
     return FiniteElementSolution(
         engine="halfplane_fe",
@@ -289,32 +292,29 @@ def _solution(
     )
 
 
-def _uncertainty(
-    scene: Scene, mesh: MeshSettings, settings: SolverSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]
-) -> float:
-    """Of the dissipation [energy / thickness]: 0 where no shear can arise, NaN of a run that failed."""
-    if run.failure is not None:
-        return float("nan")
+def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, scales: Scales, run: PathRun) -> float:
+    """Of the last revolution's dissipation by mesh and steps, scaled: 0 where no shear can arise."""
     if not needs_shear(scene):
         return 0.0
     first = run.cycle_starts[-1] if run.cycle_starts else 0
-    steps = sum(energy.step_error for energy in run.energies[first:]) * scales.load**2 / scales.modulus
+    steps = sum(energy.step_error for energy in run.energies[first:])
     refinement = scales.element / (mesh.edge_element_size * max(mesh.upper_ratio, 1.0))
     plain = mesh.order == 1 or settings.method == "penalty"
-    return steps + uncertainty(abs(arrays["dissipation"] - scales.dissipation), refinement, plain)
+    coarse = scales.dissipation * scales.modulus / scales.load**2
+    return steps + uncertainty(abs(float(run.cycle_density[-1].sum()) - coarse), refinement, plain)
 
 
-def _notes(scene: Scene, mesh: MeshSettings, run: PathRun, arrays: Mapping[str, Any], element: float) -> tuple[str, ...]:
-    """What the mesh does not resolve in the last revolution; `element` is that of the lower side [length]."""
+def _notes(scene: Scene, mesh: MeshSettings, scales: Scales, run: PathRun, arrays: Mapping[str, Any]) -> tuple[str, ...]:
+    """What the mesh does not resolve in the last revolution, and what of the path is left."""
     if run.failure is not None:
         return ()
     first = int(np.searchsorted(run.kept, run.cycle_starts[-1])) + 1 if run.cycle_starts else 1
     load, contact, stick = (arrays[name][first:] for name in ("normal_load", "contact_half_width", "stick_half_width"))
     unit = 2 / contact_modulus(scene.material.lower, scene.material.upper) * (scene.friction.coefficient * np.max(load)) ** 2
     work = float(arrays["dissipation"] / unit) if unit > 0 else 0.0
-    coarser = element * max(mesh.upper_ratio, 1.0)
+    coarser = mesh.edge_element_size * scales.half_width * max(mesh.upper_ratio, 1.0)
     seen = Seen(load, contact, stick, coarser, mesh.order, work, needs_shear(scene))
-    return (*_drift_notes(run), *_thinned_notes(run), *resolution_notes(scene, seen))
+    return (*_drift_notes(run, scales), *_thinned_notes(run), *resolution_notes(scene, seen))
 
 
 def _thinned_notes(run: PathRun) -> Iterator[str]:
@@ -327,18 +327,35 @@ def _thinned_notes(run: PathRun) -> Iterator[str]:
         )
 
 
-def _drift_notes(run: PathRun) -> Iterator[str]:
-    """That no revolution repeats, and by how much the dissipation still changes."""
-    if run.steady_from is not None or not run.cycle_change:
+def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
+    """Shakedown that is only approached, and what the dissipation has left to go; ratcheting."""
+    if not run.cycle_change:
         return
     works = [float(density.sum()) for density in run.cycle_density]
-    drift = ""
+    drift, unit, found = "", scales.load**2 / scales.modulus, run.trend
     if len(works) > 1 and works[-1] > 0:
         drift = f"; its dissipation differs by {1 - works[-2] / works[-1]:+.1e} of itself from that of the one before"
-    yield (
-        f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of the largest nodal force away from its "
-        f"start (up to {REPEATS:g} counts as the same){drift}; give the scene more cycles"
-    )
+    if run.steady_from is None:
+        yield (
+            f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of the largest nodal force away from "
+            f"its start (up to {REPEATS:g} counts as the same){drift}; give the scene more cycles"
+        )
+    if np.isfinite(found.limit) and found.left and works[-1] > 0:
+        yield (
+            f"shakedown: the dissipation of the revolutions goes to {found.limit * unit:.6g}, {found.left / works[-1]:+.1e} of "
+            f"itself from that of revolution {len(works)} ({found.kind} trend); this is in its uncertainty"
+        )
+    elif run.steady_from is not None and found.left and works[-1] > 0:
+        yield (
+            f"shakedown: revolution {len(works)} repeats but for {run.cycle_change[-1]:.1e} of the largest nodal force{drift}; "
+            f"{found.left / works[-1]:.1e} are in its uncertainty, for no trend is clear yet"
+        )
+    if run.ratchets:
+        before, after = (run.states[index].shift for index in (run.cycle_starts[-1], -1))
+        yield (
+            f"ratcheting: each revolution moves the upper body by {(after - before) * scales.load / scales.modulus:.3g} along x; "
+            "the closed integral of Q dU holds the work of the mean Q on that way"
+        )
 
 
 def _work(

@@ -9,6 +9,7 @@ The question::
     fitting.py      convex curves through noisy rows: parabola, flat and rounded, polynomial, smoothing spline
     loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions
     reduction.py    fewer rows for a long record: turning points above a hysteresis threshold, or a tolerance on P and Q
+    bulk_stress.py  bulk stresses, tilt, moment, line of action beside P and Q
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
     chebyshev.py    piecewise Chebyshev series that stand for functions
     frozen.py       what every table of keys has in common: checked at every door, changed by `vary`, refused in one sentence
@@ -24,6 +25,7 @@ Its files and the answer::
 """
 
 from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape
+from scenes.bulk_stress import LineOfAction, Wave, WaveSum
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LoadPath, PolygonLoad, TimeSeriesLoad
 from scenes.measured import Tabulated
@@ -37,6 +39,7 @@ from scenes.segments import (
     Combination,
     Ellipse,
     HarmonicSegment,
+    LinearSegment,
     LoadSegment,
     StraightSegment,
     ellipse_segment,
@@ -76,6 +79,8 @@ __all__ = [
     "InadmissibleLoadError",
     "InputError",
     "Interrupted",
+    "LineOfAction",
+    "LinearSegment",
     "LoadSegment",
     "LoadPath",
     "Materials",
@@ -92,6 +97,8 @@ __all__ = [
     "Tabulated",
     "TimeSeriesLoad",
     "Tolerances",
+    "Wave",
+    "WaveSum",
     "Wedge",
     "Work",
     "ellipse_segment",

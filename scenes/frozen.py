@@ -32,8 +32,6 @@ _NAMED = 4  # keys at fault beside the first that a refusal names
 
 # What no scene can state, by how a word of a key begins that would state it: section "What is neglected" of docs/theory.md.
 _NEGLECTED = {
-    ("bulk", "remote"): "bulk stress in a body is not modelled, loads are P and Q",
-    ("moment", "tilt", "rotation", "inclination", "misalignment"): "the bodies carry no moment and do not tilt",
     ("wear", "archard"): "wear is not modelled",
     ("plastic", "yield", "hardening", "hardness"): "the materials are linear elastic, without plasticity",
     ("creep", "visco", "relaxation"): "the materials are linear elastic, without creep",
@@ -44,6 +42,8 @@ _NEGLECTED = {
     ("adhesion", "adhesive", "roughness"): "the faces are smooth and do not adhere",
     ("thickness",): "the bodies are in plane strain, and loads are per unit thickness",
 }
+# What loads state, asked for elsewhere or by another word.
+_OF_LOADS = ("bulk", "remote", "moment", "tilt", "rotation", "inclination", "misalignment", "eccentricity")
 
 
 def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
@@ -95,7 +95,7 @@ def _also(keys: Sequence[str]) -> str:
 
 
 def neglected(word: str) -> str:
-    """Why no scene has a key of this name, with a blank before it and the page that says so; empty where that is not the reason.
+    """Why there is no key of this name, with a blank before it and the page that says so; empty where that is not the reason.
 
     >>> neglected("yield_stress")
     " the materials are linear elastic, without plasticity: docs/theory.md, 'What is neglected'"
@@ -103,6 +103,8 @@ def neglected(word: str) -> str:
     ''
     """
     words = re.split("[^a-z]+", word.lower())
+    if any(part.startswith(_OF_LOADS) for part in words):
+        return " bulk_stress_lower, bulk_stress_upper, tilt, moment and line_of_action are keys of [load]: docs/scene-keys.md"
     found = next((limit for stems, limit in _NEGLECTED.items() if any(part.startswith(stems) for part in words)), "")
     return f" {found}: docs/theory.md, 'What is neglected'" if found else ""
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Generic, Literal, Self, TypeVar
+from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
+from scenes.bulk_stress import KEYS, BulkAndTilt, Column, Harmonic, Wave, WaveSum, column, growing, straight_pairs, wave_pair
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.frozen import Frozen, Positive, PythonFunction
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, RowError, Table
@@ -27,6 +28,7 @@ from scenes.segments import (
     parabola_segment,
     straight_segments,
 )
+from scenes.unit_words import Kind
 
 # Of the loads: difference within which two are one.
 _ROUNDING = 1e-12
@@ -38,6 +40,13 @@ class LoadPath:
 
     initial_loading: tuple[LoadSegment, ...]
     cycle: tuple[LoadSegment, ...]
+    moment_given: bool = False
+    """Whether the segments' `turning` states the moment, from which the tilt follows, and not the tilt."""
+
+    @property
+    def has_bulk_or_tilt(self) -> bool:
+        """Whether segments carry bulk stresses, tilt or moment along with P and Q."""
+        return any(leg.bulk is not None or leg.turning is not None for leg in (*self.initial_loading, *self.cycle))
 
     @property
     def start(self) -> float:
@@ -96,7 +105,32 @@ def straight_loading(initial_loading: InitialLoading, first: LoadSegment, durati
     return straight_segments([(start + k * duration, *point) for k, point in enumerate(points)])
 
 
-class EllipseLoad(Frozen):
+W = TypeVar("W", bound=Wave | WaveSum)
+
+
+class CyclicLoad(BulkAndTilt[W], Generic[W]):
+    """A load whose cycle has formulas of time, and its bulk stresses and tilts too."""
+
+    def _carrying(self, path: LoadPath) -> LoadPath:
+        """`path` with what these keys state; itself where they state nothing."""
+        if not self.has_bulk_or_tilt:
+            return path
+        pairs: dict[str, list[LoadSegment]] = {}
+        for name, two in self._stated().items():
+            cycle = [wave_pair(leg, two) for leg in path.cycle]
+            pairs[name] = [*growing(path.initial_loading, two, cycle[0].loads(path.cycle_start)), *cycle]
+        first = len(path.initial_loading)
+        legs = self._carried((*path.initial_loading, *path.cycle), pairs)
+        return LoadPath(legs[:first], legs[first:], self.moment_given)
+
+    @model_validator(mode="after")
+    def _bulk_and_tilt_can_be_followed(self) -> Self:
+        if self.has_bulk_or_tilt:
+            self.path()  # type: ignore[attr-defined]
+        return self
+
+
+class EllipseLoad(CyclicLoad[Wave]):
     """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase); a revolution takes 2 pi.
 
     The cycle starts where |Q - Q0| is largest while P grows.
@@ -135,11 +169,34 @@ class EllipseLoad(Frozen):
         )
         first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
         if self.initial_loading == "parabola":
-            return LoadPath((parabola_segment(begin - math.pi, begin, first, 0.0),), (turn,))
-        return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
+            return self._carrying(LoadPath((parabola_segment(begin - math.pi, begin, first, 0.0),), (turn,)))
+        return self._carrying(LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,)))
 
 
-class PolygonLoad(Frozen):
+class StraightLoad(BulkAndTilt[Column]):
+    """A load of straight lines, whose bulk stresses and tilts are straight between its corners too."""
+
+    def _carrying(self, path: LoadPath, places: Sequence[int], first: int, words: str) -> LoadPath:
+        """`path` with what these keys state: lists by `places` (see `column`), numbers that grow up to corner `first`."""
+        if not self.has_bulk_or_tilt:
+            return path
+        legs = (*path.initial_loading, *path.cycle)
+        loads = [0.0, *(float(leg.loads(leg.end)[0]) for leg in legs)]
+        pairs = {}
+        for name, pair in self._stated().items():
+            corners = [column(value, places, loads, first, words) for value in pair]
+            pairs[name] = straight_pairs(legs, np.stack(corners, axis=1))
+        count, legs = len(path.initial_loading), self._carried(legs, pairs)
+        return LoadPath(legs[:count], legs[count:], self.moment_given)
+
+    @model_validator(mode="after")
+    def _bulk_and_tilt_can_be_followed(self) -> Self:
+        if self.has_bulk_or_tilt:
+            self.path()  # type: ignore[attr-defined]
+        return self
+
+
+class PolygonLoad(StraightLoad):
     """Straight lines in the P-Q plane, one unit of time each: from (0, 0) along `initial_loading`, then `cycle` and back.
 
     The cycle starts at the last point of the initial loading, not repeated in `cycle`; an empty cycle is a path that just ends.
@@ -171,13 +228,12 @@ class PolygonLoad(Frozen):
             straight_segments([(float(k), *point) for k, point in enumerate(self._corners)]),
             len(self.initial_loading),
         )
-        return LoadPath(segments[:first], segments[first:])
+        places = [*range(-1, len(self.initial_loading) + len(self.cycle)), *([first - 1] if self.cycle else [])]
+        words = "one for each point of initial_loading and cycle"
+        return self._carrying(LoadPath(segments[:first], segments[first:]), places, first, words)
 
 
-Harmonic = tuple[Annotated[float, Field(ge=0, description="amplitude")], Annotated[float, Field(description="lag, degrees")]]
-
-
-class HarmonicLoad(Frozen):
+class HarmonicLoad(CyclicLoad[WaveSum]):
     """P = P0 + sum over k of P_k cos(k t - phi_k), Q likewise; a revolution takes 2 pi and starts at t = 0.
 
     >>> load = HarmonicLoad(mean_normal_load=3, normal_harmonics=[(1, 0)], tangential_harmonics=[(0.5, 90), (0.25, 0)])
@@ -201,7 +257,7 @@ class HarmonicLoad(Frozen):
             for harmonics in (self.normal_harmonics, self.tangential_harmonics)
         )
         turn = HarmonicSegment(0.0, 2 * math.pi, (self.mean_normal_load, self.mean_tangential_load), *waves)
-        return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
+        return self._carrying(LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,)))
 
     def in_words(self, unit: str) -> str:
         return (
@@ -219,6 +275,10 @@ class OfLoads(Frozen, Generic[T]):
     time: T | None = None
     P: T | None = None
     Q: T | None = None
+    bulk_stress_lower: T | None = None
+    bulk_stress_upper: T | None = None
+    tilt: T | None = None
+    moment: T | None = None
 
 
 class Threshold(Frozen):
@@ -228,7 +288,7 @@ class Threshold(Frozen):
     Q: float = Field(0.0, ge=0, description="of Q, force per unit thickness (library: N/mm)")
 
 
-class TimeSeriesLoad(FromFile):
+class TimeSeriesLoad(StraightLoad, FromFile):
     """Rows of time, P and Q joined by straight lines; before the first row a straight line from (0, 0), unless it is (0, 0) itself.
 
     With `repeats` the rows are one cycle, which must end with the loads that it starts with. With `reduce` the path goes through
@@ -240,6 +300,12 @@ class TimeSeriesLoad(FromFile):
     """
 
     table, quantities = "rows", {"time": "time", "P": "load", "Q": "load"}
+    further: ClassVar[dict[str, Kind]] = {
+        "bulk_stress_lower": "stress",
+        "bulk_stress_upper": "stress",
+        "tilt": "angle",
+        "moment": "moment",
+    }
 
     kind: Literal["time_series"] = "time_series"
     file: str | None = Field(None, description="text table with the columns time, P, Q; path relative to the scene file")
@@ -273,6 +339,8 @@ class TimeSeriesLoad(FromFile):
             raise ValueError("average goes with records that do not repeat: means have no row at which the cycle closes")
         if self.average > 1 and len(self.rows) < 2 * self.average:
             raise ValueError(f"average = {self.average} leaves one of {len(self.rows)} rows: two at least are needed")
+        if self.has_bulk_or_tilt and (self.average > 1 or self.reduce is not None):
+            raise ValueError("average and reduce go with records of P and Q alone: leave them out beside bulk stress or tilt")
         if self.reduce == "tolerance" and (self.threshold is None or not max(self.threshold.P, self.threshold.Q)):
             raise ValueError('reduce = "tolerance" needs a threshold, such as {P = 1.0, Q = 0.5}')
         return self
@@ -311,7 +379,8 @@ class TimeSeriesLoad(FromFile):
 
     def path(self) -> LoadPath:
         segments = straight_segments(self.series().tolist())
-        return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
+        path = LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
+        return self._carrying(path, range(len(self.rows) - len(segments) - 1, len(self.rows)), 1, "one for each row")
 
     def in_words(self, unit: str) -> str:
         low, high = np.min(self.rows.values, axis=0), np.max(self.rows.values, axis=0)
@@ -330,7 +399,7 @@ class TimeSeriesLoad(FromFile):
         )
 
 
-class CallableLoad(Frozen):
+class CallableLoad(BulkAndTilt[PythonFunction]):
     """P and Q given by Python functions of time on 0 <= time <= duration; corners are found, jumps refused.
 
     >>> import math
@@ -361,6 +430,7 @@ class CallableLoad(Frozen):
 
     def _segments(self) -> list[ChebyshevSegment]:
         functions = {"normal_load": values_of(self.normal_load), "tangential_load": values_of(self.tangential_load)}
+        functions |= {key: values_of(getattr(self, key)) for key in KEYS if callable(getattr(self, key))}
         # Not in halves: a function of few turns is met between its corners, not on them.
         edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
         times = np.linspace(0, self.duration, 65)
@@ -368,30 +438,48 @@ class CallableLoad(Frozen):
             bad = ~np.isfinite(function(times))
             if np.any(bad):
                 raise ValueError(f"{name} is not finite at time {times[bad][0]:.6g}")
-        scale = float(np.max(np.abs(functions["normal_load"](times))))
+        scales = {name: float(np.max(np.abs(function(times)))) for name, function in functions.items()}
+        scale = scales["tangential_load"] = scales["normal_load"]
         for name, function in [*functions.items()] * 2:  # the edges of one are cuts of the other
             try:
-                edges = fit(function, edges, scale).edges
+                edges = fit(function, edges, scales[name] or 1.0).edges
             except Unresolved as fault:
                 why = "not finite, or it jumps or swings too fast"
                 raise ValueError(f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}: {why}") from fault
         found = []
+        pair = [functions["normal_load"], functions["tangential_load"]]
         for low, high in pairwise(edges.tolist()):
-            both = [series(function(low + (high - low) * (1 + NODES) / 2)) for function in functions.values()]
-            # Without what is rounding at their ends.
-            degrees = [int(np.max(np.flatnonzero(np.abs(one) > 1e-16 * scale), initial=0)) for one in both]
-            found.append(ChebyshevSegment(low, high, *(tuple(one[: n + 1].tolist()) for one, n in zip(both, degrees, strict=True))))
+            found.append(_chebyshev_piece(low, high, pair, scale))
         return found
 
     def path(self) -> LoadPath:
         segments = tuple(self._segments())
         first, last = np.abs(segments[0].loads(0.0)), np.abs(segments[-1].loads(self.duration))
-        if (
-            not self.repeats and self.initial_loading == "straight" and np.max(first) <= _ROUNDING * np.max(last)
-        ):  # unloaded at first
-            return LoadPath(segments, ())
-        initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
-        return LoadPath(initial_loading, segments) if self.repeats else LoadPath((*initial_loading, *segments), ())
+        initial_loading: tuple[LoadSegment, ...] = ()
+        # Unless it is unloaded at first.
+        if self.repeats or self.initial_loading != "straight" or np.max(first) > _ROUNDING * np.max(last):
+            initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
+        legs: tuple[LoadSegment, ...] = (*initial_loading, *segments)
+        if self.has_bulk_or_tilt:
+            pairs = {}
+            for name, pair in self._stated().items():
+                functions = [values_of(one) if callable(one) else _constant(one) for one in pair]
+                pieces = [_chebyshev_piece(leg.start, leg.end, functions) for leg in segments]
+                pairs[name] = [*growing(initial_loading, pair, pieces[0].loads(0.0)), *pieces]
+            legs = self._carried(legs, pairs)
+        count = len(initial_loading) if self.repeats else len(legs)
+        return LoadPath(legs[:count], legs[count:], self.moment_given)
 
     def in_words(self, unit: str) -> str:
         return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"
+
+
+def _constant(value: float | None) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    return lambda time: np.full(np.shape(time), value or 0.0)
+
+
+def _chebyshev_piece(low: float, high: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0) -> ChebyshevSegment:
+    """Two functions of time between two edges as series, without what is rounding at their ends."""
+    both = [series(function(low + (high - low) * (1 + NODES) / 2)) for function in functions]
+    degrees = [int(np.max(np.flatnonzero(np.abs(one) > 1e-16 * scale), initial=0)) for one in both]
+    return ChebyshevSegment(low, high, *(tuple(one[: n + 1].tolist()) for one, n in zip(both, degrees, strict=True)))

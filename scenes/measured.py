@@ -118,6 +118,8 @@ class FromFile(Frozen):
 
     table: ClassVar[str]
     quantities: ClassVar[dict[str, Kind]]
+    further: ClassVar[dict[str, Kind]] = {}
+    """Keys that are lists, an entry for each row, which may be columns of the file too, where `columns` names them."""
 
     kind: str
     file: str | None
@@ -136,22 +138,31 @@ class FromFile(Frozen):
                 stated[key] = adapter.validate_python(value)
         except ValidationError:  # said with its key when the fields are checked, for which rows are needed
             return data | {cls.table: [[0.0] * len(cls.quantities)]}
-        units = (info.context or {}).get("units")
-        rows, read_as = _columns_of(
-            _folder(info) / data["file"], cls.quantities, stated, units if isinstance(units, str) else _UNITS
-        )
-        return data | {cls.table: rows, "read_as": read_as}
+        units, named = (info.context or {}).get("units"), cls._named(stated.get("columns"))
+        wanted = cls.quantities | {name: cls.further[name] for name in named}
+        rows, read_as = _columns_of(_folder(info) / data["file"], wanted, stated, units if isinstance(units, str) else _UNITS)
+        if both := [name for name in named if data.get(name) is not None]:
+            raise InputError(f"{data['file']}: {both[0]} is a column of the file and stated beside it: leave one out")
+        count = len(cls.quantities)
+        more = {name: tuple(rows.values[:, count + k].tolist()) for k, name in enumerate(named)}
+        return data | {cls.table: Table.of(rows.values[:, :count]) if named else rows, "read_as": read_as} | more
+
+    @classmethod
+    def _named(cls, columns: Frozen | None) -> list[str]:
+        """Which of the further columns a table of `columns` names."""
+        return [name for name in _given(columns) if name in cls.further]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """As for every table; rows of one file are not those of another, nor is a file the source of other rows."""
         data = super().merged(changes)
         if "fitted" not in changes:
             data.pop("fitted", None)
+        read = self._named(getattr(self, "columns", None))
         if self.table in changes and "file" not in changes:
-            for key in ("file", "read_as", *READING):
+            for key in ("file", "read_as", *READING, *(set(read) - changes.keys())):
                 data.pop(key, None)
         elif self.table not in changes and data.get("file") is not None and not changes.keys().isdisjoint(("file", *READING)):
-            for key in (self.table, "read_as"):
+            for key in (self.table, "read_as", *(set(read) - changes.keys())):
                 data.pop(key, None)
         return data
 
@@ -206,6 +217,8 @@ def _columns_of(path: Path, quantities: Mapping[str, Kind], stated: Mapping[str,
         ("columns separated by", found.separator),
         ("decimal sign", found.decimal),
     ]
+    if not found.encoding.startswith("UTF-8"):
+        said.append(("characters", found.encoding))
     if found.skipped:
         said.append(("lines above the headings", f"{found.skipped} skipped"))
     values, thickness, converted = found.values, stated.get("thickness"), False
@@ -346,6 +359,7 @@ class Tabulated(FromFile):
     kind: Literal["tabulated"] = "tabulated"
     file: str | None = Field(None, description="text table with the columns x, h; path relative to the scene file")
     points: Table = Field(description="the rows themselves, [x, h] each, in place of a file, length units (library: mm)")
+    symmetric: bool = Field(True, description="false keeps two unequal sides as they are; each must rise from x = 0")
     asymmetry: float = Field(1e-3, ge=0, description="admitted difference of the two sides over the largest gap")
     columns: OfProfile[str | int] | None = Field(None, description=COLUMNS)
     units: OfProfile[str] | None = Field(None, description=UNITS)
@@ -365,7 +379,22 @@ class Tabulated(FromFile):
             except UnfitRowError as fault:
                 raise RowError(fault.row, fault.rule) from fault
             return
-        one_sided(self.points.values, self.asymmetry)
+        self._sides()
+
+    def _sides(self) -> tuple[tuple[Array, Array], ...]:
+        """(x, h) from x = 0, h = 0 up: of both sides averaged, or of the left side, turned round, and of the right."""
+        rows = self.points.values
+        if self.symmetric:
+            return (one_sided(rows, self.asymmetry),)
+        turned = rows[rows[:, 0] <= 0][::-1] * [-1.0, 1.0] if rows.shape[1] == 2 else rows
+        try:
+            left = one_sided(turned, self.asymmetry)
+        except RowError as fault:
+            raise RowError(max(len(turned) - 1 - fault.row, 0), f"left side, x counted to the left: {fault.rule}") from fault
+        try:
+            return left, one_sided(rows[rows[:, 0] >= 0], self.asymmetry)
+        except RowError as fault:
+            raise RowError(len(rows[rows[:, 0] < 0]) + fault.row, fault.rule) from fault
 
     @property
     def kinks(self) -> tuple[float, ...]:
@@ -374,7 +403,7 @@ class Tabulated(FromFile):
 
     @property
     def datum_length(self) -> float:
-        """Distance from the load at which a half-plane's surface counts as unmoved: the last x of the table."""
+        """Distance from the load at which a half-plane's surface counts as unmoved: the largest x of the table."""
         return float(np.max(self.points.values[:, 0]))
 
     def in_words(self, length: str) -> str:
@@ -390,7 +419,14 @@ class Tabulated(FromFile):
         """The curve for x >= 0; InputError for rows that are to be fitted, which are another profile in a scene."""
         if self.fit is not None:
             raise InputError("profile: rows with the key `fit` are to be part of a scene; without one take scenes.fit_profile")
-        return rising_spline(*one_sided(self.points.values, self.asymmetry))
+        if not self.symmetric:
+            raise InputError("profile: its two sides are unequal, and each has a spline of its own: take `sides`")
+        return self.sides()[-1]
+
+    def sides(self) -> tuple[Spline, Spline]:
+        """The curve to the left of x = 0, x counted to the left, and to the right."""
+        found = [rising_spline(*side) for side in self._sides()]
+        return found[0], found[-1]
 
     def row_before(self, distance: float) -> int:
         """Number, counted from 0, of the last row with x <= `distance` [length]."""
@@ -402,18 +438,25 @@ class Tabulated(FromFile):
 
     def step_of_heights(self) -> float | None:
         """The step in which h is written [length], where rises of neighbouring rows are few of these; None where it is finer."""
-        rise = np.abs(np.diff(one_sided(self.points.values, self.asymmetry)[1]))
+        rise = np.abs(np.diff(self._sides()[-1][1]))
         step = float(np.min(rise[rise > 0]))
         whole = np.max(np.abs(rise / step - np.round(rise / step))) < _WHOLE
         return step if whole and np.median(rise) < _COARSE * step else None
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
-        distance, spline = np.abs(np.asarray(x, dtype=float)), self.spline()
-        number = np.clip(np.searchsorted(spline.x, distance, side="right") - 1, 0, len(spline.x) - 1)
-        step = distance - spline.x[number]
-        bend = np.append(spline.curvature, 0.0)[number]
-        return np.asarray(spline.height[number] + step * (spline.slope[number] + bend * step / 2))
+        if self.symmetric or self.fit is not None:
+            return _on(self.spline(), np.abs(np.asarray(x, dtype=float)))
+        at, (left, right) = np.asarray(x, dtype=float), self.sides()
+        return np.asarray(np.where(at < 0, _on(left, np.abs(at)), _on(right, np.abs(at))))
+
+
+def _on(spline: Spline, distance: Array) -> Array:
+    """h at distances >= 0 from x = 0, any shape; straight beyond the last knot."""
+    number = np.clip(np.searchsorted(spline.x, distance, side="right") - 1, 0, len(spline.x) - 1)
+    step = distance - spline.x[number]
+    bend = np.append(spline.curvature, 0.0)[number]
+    return np.asarray(spline.height[number] + step * (spline.slope[number] + bend * step / 2))
 
 
 def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:

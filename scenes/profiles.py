@@ -1,4 +1,7 @@
-"""Initial gap h(x) between the faces: symmetric, not falling for x > 0. The one verb that both engines share."""
+"""Initial gap h(x) between the faces: falling nowhere away from x = 0, and symmetric, but for tables with two unequal sides.
+
+The one verb that both engines share.
+"""
 
 from __future__ import annotations
 
@@ -26,6 +29,11 @@ class Gap(Frozen):
     def kinks(self) -> tuple[float, ...]:
         """Distances from the middle at which the curvature jumps [length]: pressure is steep there."""
         return ()
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether h(-x) = h(x)."""
+        return True
 
     @property
     @abc.abstractmethod

@@ -1,5 +1,7 @@
 """Load segments: the smooth pieces of a load history P(t), Q(t), by straight lines, harmonics or Chebyshev series of time.
 
+Bulk stresses and tilt or moment, where a load has them, are pairs of numbers over the same time: segments that P and Q carry along.
+
 # notation: c_P P + c_Q Q a linear combination of the two loads, given as the pair (c_P, c_Q)
 
 The ellipse of the paper is a `HarmonicSegment` of one wave, its parabola a `ChebyshevSegment` of degree 2. Every segment gives the
@@ -13,7 +15,7 @@ import abc
 import cmath
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, NamedTuple, Self
@@ -77,10 +79,18 @@ class Ellipse(NamedTuple):
 
 @dataclass(frozen=True)
 class LoadSegment(abc.ABC):
-    """A smooth piece of a load path on start <= t <= end; times may have any shape, and results have the shape of the times."""
+    """A smooth piece of a load path on start <= t <= end; times may have any shape, and results have the shape of the times.
+
+    Attributes
+    ----------
+    bulk : over the same time, with the stresses of the lower and of the upper body in place of P and Q; None for none
+    turning : likewise with tilt and moment, one of which is 0 throughout; None where neither is stated
+    """
 
     start: float
     end: float
+    bulk: LoadSegment | None = field(default=None, kw_only=True)
+    turning: LoadSegment | None = field(default=None, kw_only=True)
 
     @property
     def is_straight(self) -> bool:
@@ -172,7 +182,10 @@ class LoadSegment(abc.ABC):
 
     def shifted(self, delay: float) -> Self:
         """The same segment, `delay` later."""
-        return replace(self, start=self.start + delay, end=self.end + delay)
+        late = replace(self, start=self.start + delay, end=self.end + delay)
+        if self.bulk is None and self.turning is None:
+            return late
+        return replace(late, bulk=self.bulk and self.bulk.shifted(delay), turning=self.turning and self.turning.shifted(delay))
 
 
 @dataclass(frozen=True)
@@ -439,6 +452,48 @@ class ChebyshevSegment(LoadSegment):
             return None
         second = higher[0] if higher else 0.0
         return (first + 4 * second * float(self._unit(time))) / rise, 2 * second / rise**2
+
+
+@dataclass(frozen=True)
+class LinearSegment(LoadSegment):
+    """Two linear combinations of the P and Q of another segment: `rows` has (c_P, c_Q) of each.
+
+    >>> line = StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0))
+    >>> [float(one) for one in LinearSegment(0.0, 1.0, line, (Combination(0.0, 0.0), Combination(2.0, 5.0))).loads(1.0)]
+    [0.0, 11.0]
+    """
+
+    of: LoadSegment
+    rows: tuple[Combination, Combination]
+
+    def _of(self, what: Combination) -> Combination:
+        return Combination(*(what[0] * one + what[1] * other for one, other in zip(*self.rows, strict=True)))
+
+    @property
+    def is_straight(self) -> bool:
+        return self.of.is_straight
+
+    @property
+    def most_turns(self) -> int:
+        return self.of.most_turns
+
+    def loads(self, time: ArrayLike) -> Loads:
+        p, q = self.of.loads(time)
+        first, second = (row.normal * p + row.tangential * q for row in self.rows)
+        return first, second
+
+    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
+        return self.of.rate_of(self._of(what), time)
+
+    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
+        return self.of.change_of(self._of(what), time, since)
+
+    def turning_points(self, what: Combination) -> list[float]:
+        combined = self._of(what)
+        return self.of.turning_points(combined) if any(combined) else []
+
+    def shifted(self, delay: float) -> Self:
+        return replace(super().shifted(delay), of=self.of.shifted(delay))
 
 
 def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:

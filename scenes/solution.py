@@ -51,7 +51,7 @@ class Record:
     Attributes
     ----------
     converged : whether every step met its tolerance
-    termination : "steady", "end of path", "not converged" or "interrupted"
+    termination : "steady", "ratcheting" (U drifts by the same in each cycle), "end of path", "not converged" or "interrupted"
     message : the same, as a sentence
     iterations : (n_steps,) contact iterations of each step
     certificates : name -> (n_steps,), dimensionless residuals and violations of each step (0 is perfect)
@@ -110,6 +110,12 @@ class ContactSolution:
     cycle_dissipation : (n_cycles,); a path that is not periodic counts as one cycle
     permanent_stick_half_width : largest half-width that sticks through the whole last cycle [length]; NaN if none
     steady_from : index of the first cycle that ends in the state it started from; None if none did
+    bulk_stress_lower, bulk_stress_upper : (n_steps,) bulk stress along x in each body, tension positive [stress]; these and the
+        next four are None where the scene has neither bulk stress nor tilt and a symmetric profile
+    tilt, moment : (n_steps,) turn of the upper body that opens the gap at x > 0 [rad]; int x p dx [force]
+    shear_moment : (n_steps,) int x q dx, with which the closed integral of Q dU - shear_moment d(bulk strain) is the dissipation
+        [force]
+    permanent_stick_edges : (2,) left and right end of what sticks through the whole last cycle [length]; NaN if nothing does
     record, work, scene, settings, versions : how it came about
     engine : "semi_analytic", "halfplane_fe", or somebody else's name
     """
@@ -141,6 +147,12 @@ class ContactSolution:
     versions: Mapping[str, str] = field(default_factory=dict)
     loop_work: float = float("nan")
     dissipation_uncertainty: float = float("nan")
+    bulk_stress_lower: Array | None = None
+    bulk_stress_upper: Array | None = None
+    tilt: Array | None = None
+    moment: Array | None = None
+    shear_moment: Array | None = None
+    permanent_stick_edges: Array | None = None
 
     @property
     def thinned(self) -> bool:
@@ -162,7 +174,8 @@ class ContactSolution:
         """Everything but the meshes as an xarray.Dataset over time and x, with units; the inverse is `from_dataset`."""
         import xarray as xr
 
-        arrays = {name: (dims, getattr(self, name)) for name, dims in _FORM.items() if name not in ("time", "x", "iterations")}
+        form = _FORM | {name: dims for name, dims in _WITH_BULK.items() if getattr(self, name) is not None}
+        arrays = {name: (dims, getattr(self, name)) for name, dims in form.items() if name not in ("time", "x", "iterations")}
         record = {name: getattr(self.record, name) for name in ("converged", "termination", "message", "notes")}
         kinds = {"certificate": self.record.certificates, "energy": self.record.energy}
         each = {f"{kind}_{name}": values for kind, these in kinds.items() for name, values in these.items()}
@@ -181,8 +194,17 @@ class ContactSolution:
             | texts,
         )
         force, length, stress = self.scene.unit_words
-        units = {"length": length, "stress": stress, "load": f"{force}/{length}", "energy": f"{force}·{length}/{length}", "": "1"}
+        units = {
+            "length": length,
+            "stress": stress,
+            "load": f"{force}/{length}",
+            "force": force,
+            "energy": f"{force}·{length}/{length}",
+            "": "1",
+        }
         for name, (words, kind) in _MEANING.items():
+            if name not in form:
+                continue
             data[name].attrs |= {"long_name": words, "units": units[kind]}
         if self.scene.load.kind == "ellipse":
             data["time"].attrs["units"] = "rad"
@@ -199,7 +221,8 @@ class ContactSolution:
         def starting_with(prefix: str) -> dict[str, Array]:
             return {str(k).removeprefix(prefix): freeze(v.values) for k, v in data.items() if str(k).startswith(prefix)}
 
-        values: dict[str, Any] = {name: freeze(data[name].values, data[name].dtype) for name in _FORM if name != "iterations"}
+        present = [name for name in (*_FORM, *_WITH_BULK) if name != "iterations" and (name in _FORM or name in data)]
+        values: dict[str, Any] = {name: freeze(data[name].values, data[name].dtype) for name in present}
         for name in _NUMBERS:  # the uncertainty is not in files of earlier versions
             values[name] = float(stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name])
         return cls(
@@ -296,6 +319,12 @@ _MEANING = {
     "dissipation_density": ("friction work per unit area of the last cycle", "load"),
     "cycle_dissipation": ("friction work of each cycle per unit thickness", "energy"),
     "iterations": ("contact iterations", ""),
+    "bulk_stress_lower": ("bulk stress of the lower body", "stress"),
+    "bulk_stress_upper": ("bulk stress of the upper body", "stress"),
+    "tilt": ("tilt of the upper body", ""),
+    "moment": ("moment of the pressure about x = 0 per unit thickness", "force"),
+    "shear_moment": ("integral of x times shear traction per unit thickness", "force"),
+    "permanent_stick_edges": ("edges of what sticks through the whole cycle", "length"),
 }
 _FORM: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"), ("time",)),
@@ -304,5 +333,10 @@ _FORM: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("pressure", "shear", "slip", "state"), ("time", "x")),
     **dict.fromkeys(("x", "dissipation_density"), ("x",)),
     "cycle_dissipation": ("cycle",),
+}
+# Only of scenes with bulk stress, tilt or an unsymmetric profile.
+_WITH_BULK: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment"), ("time",)),
+    "permanent_stick_edges": ("side",),
 }
 _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")

@@ -6,6 +6,7 @@ are streamed, so that two million of them take no more memory than their numbers
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -26,8 +27,9 @@ Array = NDArray[np.float64]
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the engines. A row of somebody else's
 # table may hold all the frames of a point.
 MOST_ROWS, _LONGEST, _LONGEST_OF_ALL = 2_000_000, 100_000, 10_000_000
-# UTF-8; a mark of byte order, which spreadsheets put at the front, is no part of the first name or number.
-_ENCODING = "utf-8-sig"
+# What a file may be written in; a mark of byte order, which spreadsheets put at the front, is no part of the first name or number.
+_ENCODINGS = {"utf-8-sig": "UTF-8", "cp1252": "Windows-1252, since it is not UTF-8", "utf-16": "UTF-16"}
+_MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
 # Lines that are looked at before the table is read, rows and characters that are read at a time: some MB of text.
 _LOOK, _CHUNK, _CHARACTERS = 200, 50_000, 20_000_000
 # Of a number: the square of a larger one, in whatever units, would be none.
@@ -78,7 +80,7 @@ class TextTable:
     lines : (n_rows,) the line of each row
     headings : of these columns in the file; "column 2" where it has no line of headings
     units : of these columns in the file, empty where none stands there
-    separator, decimal : words
+    separator, decimal, encoding : words
     head : number of the line of headings, 0 where there is none
     skipped : number of lines above it that are no remarks
     """
@@ -90,6 +92,7 @@ class TextTable:
     units: tuple[str, ...]
     separator: str
     decimal: str
+    encoding: str
     head: int
     skipped: int
 
@@ -137,30 +140,45 @@ def text_table(
     InputError
         One sentence that names file, line, column, value and rule.
     """
-    longest = _LONGEST if columns else _LONGEST_OF_ALL
     try:
         check_size(path, what, TEXT, cure)
-        with path.open(encoding=_ENCODING) as stream:
-            lines: list[Line] = []
-            for line in islice(_lines(path, stream, longest), _LOOK):
-                lines.append(line)
-                if len(lines) > 2 and sum(len(text) for _, text in lines) > _CHARACTERS:
-                    break
-            layout = _layout(path, lines, columns, stated or {}, known)
-            stream.seek(0)
-            comma = layout.separator != "," and _has_decimal_comma(path, stream, layout)
-        with path.open(encoding=_ENCODING) as stream:
-            values, numbers = _stream(path, _lines(path, stream, longest), layout, comma, bool(columns), f"{what}; {cure}")
-    except (OSError, UnicodeDecodeError) as reason:
-        why = reason.strerror if isinstance(reason, OSError) else "it is not UTF-8 text"
-        raise InputError(f"{path}: the file can't be read: {why}") from reason
+        with path.open("rb") as stream:
+            start = stream.read(_CHUNK)
+        many = start.startswith(_MARKS_OF_16)
+        for encoding in ("utf-16",) if many else ("utf-8-sig",) if b"\0" in start else ("utf-8-sig", "cp1252"):
+            with contextlib.suppress(UnicodeError):
+                return _text_table(path, columns, f"{what}; {cure}", stated or {}, known, encoding)
+    except OSError as reason:
+        raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
+    raise InputError(f"{path}: the file can't be read: it is not {'UTF-16' if many else 'UTF-8'} text")
+
+
+def _text_table(
+    path: Path,
+    columns: tuple[str, ...],
+    too_many: str,
+    stated: Mapping[str, str | int],
+    known: Callable[[str], bool],
+    encoding: str,
+) -> TextTable:
+    """As `text_table`, of a file in a known encoding; OSError, UnicodeError."""
+    longest = _LONGEST if columns else _LONGEST_OF_ALL
+    with path.open(encoding=encoding) as stream:
+        lines: list[Line] = []
+        for line in islice(_lines(path, stream, longest), _LOOK):
+            lines.append(line)
+            if len(lines) > 2 and sum(len(text) for _, text in lines) > _CHARACTERS:
+                break
+        layout = _layout(path, lines, columns, stated, known)
+        stream.seek(0)
+        comma = layout.separator != "," and _has_decimal_comma(path, stream, layout)
+    with path.open(encoding=encoding) as stream:
+        values, numbers = _stream(path, _lines(path, stream, longest), layout, comma, bool(columns), too_many)
     headings, units = (tuple(each[k] for k in layout.used) for each in (layout.names, layout.units))
     if not layout.head:
         headings = tuple(f"column {k + 1}" for k in layout.used)
-    decimal = "comma" if comma else "point"
-    return TextTable(
-        columns or headings, values, numbers, headings, units, SEPARATORS[layout.separator], decimal, layout.head, layout.skipped
-    )
+    words = SEPARATORS[layout.separator], "comma" if comma else "point", _ENCODINGS[encoding]
+    return TextTable(columns or headings, values, numbers, headings, units, *words, layout.head, layout.skipped)
 
 
 def _lines(path: Path, stream: TextIO, longest: int) -> Iterator[Line]:

@@ -9,12 +9,14 @@ from typing import Literal
 FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kip": 4448.2216152605}
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6, "in": 0.0254}
 STRESSES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168, "ksi": 6894757.293168}
+ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295, "°": 0.017453292519943295}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0}
 # Of files alone: no scene has them.
 _MORE_FORCES, _MORE_LENGTHS = {"mN": 1e-3, "daN": 10.0, "kgf": 9.80665}, {"nm": 1e-9}
 _ROUNDING = 1e-6
 
-Kind = Literal["time", "length", "load"]
+# Kinds of columns; a moment is not converted.
+Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
 
 
 def stress_in_pascal(word: str) -> float:
@@ -65,12 +67,12 @@ def unit_in(heading: str) -> tuple[str, str]:
 
 
 def is_unit(word: str) -> bool:
-    """Whether it is a unit of time, length, force, force per length or stress.
+    """Whether it is a unit of time, angle, length, force, force per length or stress.
 
     >>> is_unit("N/mm"), is_unit("ms"), is_unit("volts")
     (True, True, False)
     """
-    return word in TIMES or word in STRESSES or _size(word) is not None
+    return word in TIMES or word in ANGLES or word in STRESSES or _size(word) is not None
 
 
 def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
@@ -88,10 +90,18 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     >>> unit_factor("kN", "load", "N, mm, MPa"), unit_factor("kN/m", "load", "N, mm, MPa"), unit_factor("ms", "time", "SI")
     ((1000.0, False), (1.0, True), (0.001, False))
     """
-    if kind == "time":
-        if unit not in TIMES:
-            raise ValueError(f"{unit!r} is no unit of time; known are {', '.join(TIMES)}")
-        return TIMES[unit], False
+    if kind in ("time", "angle", "moment"):
+        known = {"time": TIMES, "angle": ANGLES}.get(kind, {})
+        if unit not in known:
+            raise ValueError(f"{unit!r} is no unit of {kind} that is known; known are {', '.join(known) or 'none'}")
+        return known[unit], False
+    if kind == "stress":
+        own = STRESSES.get(([*re.split(r"[,\s]+", units), "", "", ""])[2])
+        if unit not in STRESSES or own is None:
+            raise ValueError(
+                f"{unit!r} can't be turned into the stresses of {units!r}; known are {', '.join(STRESSES)}; or use scale"
+            )
+        return float(f"{STRESSES[unit] / own:.12g}"), False
     size = _size(unit)
     if size is None or size[0] != kind:
         what = {"length": "length", "load": "force, or of force per length,"}[kind]

@@ -447,6 +447,8 @@ def is_plain_ellipse(segment: LoadSegment) -> bool:
 
 def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
     """The history along a path: as many cycles as `time` needs; until it is steady where it needs none, `cycles` at most."""
+    if path.has_bulk_or_tilt:
+        raise InputError("load: half-plane theory with one memory curve takes neither bulk stress nor tilt")
     check([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
         return follow((), [Turn(path.initial_loading)], friction)

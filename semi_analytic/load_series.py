@@ -417,6 +417,8 @@ def own_series(scene: Scene, time: Array | None) -> LoadSeries | None:
         For gross sliding or separation, with the instant and the loads.
     """
     friction, load, long = scene.friction.coefficient, scene.load, False
+    if load.has_bulk_or_tilt:
+        return None
     if isinstance(load, TimeSeriesLoad):  # a leg for each of a million rows would take a gigabyte
         rows, long = load.series(), len(load.kept_rows()) > _MANY
         loading, cycle = (rows[:2], rows[1:]) if load.repeats else (rows, rows[:0])
@@ -446,6 +448,8 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
 
     A revolution that starts between two of the times starts on the straight line between them.
     """
+    if path.has_bulk_or_tilt:
+        raise InputError("straight_steps: not with bulk stress or tilt")
     if np.any(np.diff(time) <= 0):
         raise InputError("straight_steps: the times must ascend, no two of them equal")
     times = np.concatenate([[path.start], time]) if float(time[0]) > path.start else time

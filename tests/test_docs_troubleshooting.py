@@ -31,7 +31,7 @@ FOOT = ('"hertz"\nradius = 1000.0', '"tabulated"\nfile = "foot.csv"')
 # Key of the scene that is spoilt, what it becomes, parts of the message.
 SPOILT = [
     (("radius", "radus"), ["unknown key profile.radus = 1000.0; did you mean radius?"]),
-    (("cycle =", "bulk_stress = 10.0\ncycle ="), ["bulk stress in a body is not modelled, loads are P and Q"]),
+    (("cycle =", "wear_rate = 10.0\ncycle ="), ["wear is not modelled"]),
     (("90.0, 27.0", "90.0, 47.0"), ["gross sliding from time ", "|Q| exceeds f P"]),
     (("90.0, -27.0", "-5.0, 0.0"), ["separation from time ", "P is not positive there"]),
     ((SCENE, SCENE + BLOCK.replace("20.0", "1.0")), ["the contact ", "reaches past the end of the narrower face"]),

@@ -18,7 +18,11 @@ import halfplane_fe.run
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, stepping
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
+from halfplane_fe.interface import Interface
 from halfplane_fe.law import project
+from halfplane_fe.run import Pace, run_path
+from halfplane_fe.steady import trend
+from halfplane_fe.systems import Layer
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run, law_violations, layer_run, stepped_run
 from reports import compare, write
@@ -108,6 +112,86 @@ def test_stops_when_the_cycle_repeats_and_says_so():
     path = fe_run(load_scene("hertz-normal"))
     assert (path.steady_from, path.record.termination, len(path.cycle_dissipation)) == (None, "end of path", 1)
     assert path.last_cycle.tolist() == list(range(len(path.time)))
+
+
+# Dissipation of revolution k = 1, 2, ...; where it goes; from how many revolutions on the trend is known, and its name.
+SERIES = {
+    "steady from the second on": (lambda k: np.where(k == 1, 5.0, 1.0), 1.0, 3, "steady"),
+    "geometric": (lambda k: 1 + 0.5**k, 1.0, 4, "geometric"),
+    "geometric, from below, slowly": (lambda k: 1 - 0.9**k, 1.0, 4, "geometric"),
+    "k^-3": (lambda k: 1 + k**-3, 1.0, 4, "algebraic"),
+    "k^-2, after a loading of its own": (lambda k: np.where(k == 1, 3.0, 1 - k**-2), 1.0, 5, "algebraic"),
+    "k^-1": (lambda k: 1 + 0.3 / k, 1.0, 4, "algebraic"),
+    "grows": (lambda k: k, np.nan, 2, "unclear"),
+    "swings": (lambda k: 1 + (-0.5) ** k, np.nan, 2, "unclear"),
+    "log k": (lambda k: 1 + np.log(k), np.nan, 2, "unclear"),
+}
+
+
+@pytest.mark.parametrize("count", [6, 12, 25])
+@pytest.mark.parametrize("name", SERIES)
+def test_the_trend_of_a_series_and_what_is_left_of_it(name, count):
+    series, limit, known, kind = SERIES[name]
+    values = series(np.arange(1.0, count + 1)).tolist()
+    found = trend(values)
+    assert found.kind == kind
+    if kind == "unclear":
+        assert np.isnan(found.limit)
+        assert found.left == pytest.approx(count * abs(values[-1] - values[-2]))
+    else:
+        left = limit - values[-1]
+        assert found.left == pytest.approx(left, rel=0.04, abs=1e-15)
+        assert found.limit == pytest.approx(limit, abs=0.04 * abs(left) + 1e-15)
+    assert trend(values[: known - 1]).kind == "unclear"
+    assert np.isnan(trend(values[:1]).left)
+
+
+@pytest.mark.parametrize(
+    ("name", "uncertainty", "revolutions"),
+    [
+        ("steady from the second on", 0.0, 3),  # the third has the dissipation of the second
+        ("geometric", 1e-4, 14),  # 2^-14 = 6.1e-5
+        ("k^-3", 1.1e-3, 10),  # a thousandth is left after ten
+        ("k^-3", np.nan, 30),  # unknown: nothing but a repetition counts
+        ("grows", 1e-3, 30),
+    ],
+)
+def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncertainty(monkeypatch, name, uncertainty, revolutions):
+    series = SERIES[name][0]
+
+    def revolve(_problem, run, _legs, _steps, _pace, _progress, text):
+        if text.startswith("revolution"):
+            run.density = np.array([float(series(np.float64(text.split()[1])))])
+        moved = run.states[-1].pressure + 1e-6  # nodal forces that all but repeat
+        run.states.append(replace(run.states[-1], pressure=np.where(moved > 1e-5, moved, 1.0)))
+
+    monkeypatch.setattr("halfplane_fe.run._follow_legs", revolve)
+    problem, load = walking(0.7, 0.9)
+    found = run_path(problem, load.path(), Pace(1.0, 8, np.inf), 30, lambda *_: None, uncertainty=lambda _run: uncertainty)
+    assert len(found.cycle_density) == revolutions
+    assert found.steady_from == (revolutions - 1 if revolutions < 30 else None)
+
+
+def walking(low, high):
+    """Two nodes on springs: Q moves pressure from one to the other, and the one with less slides forward."""
+    none, coupling = np.zeros(2), 6 * np.array([[1.0, -1.0], [1.0, -1.0]])
+    faces = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0, 0], [1.0, 1.0]]), none, np.eye(2), 200 * np.eye(2), coupling)
+    problem = ContactProblem(faces, np.array([9.6, 0.0]), 0.5, Layer(none, none))
+    return problem, PolygonLoad(initial_loading=[(2.0, 0.8), (2.0, low)], cycle=[(2.0, high)])
+
+
+@pytest.mark.parametrize(("swing", "drift"), [(0.1, 160.0), (0.08, 112.0), (0.05, 40.0), (0.02, 0.0)])
+def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
+    """p = 1 +- 6 (Q - 0.8), f = 0.5; each node holds back the other by f p, and lets go by turns: U gains 2400 (swing - 1/30)."""
+    problem, load = walking(0.8 - swing, 0.8 + swing)
+    run = run_path(problem, load.path(), Pace(1.0, 8, np.inf), 6, lambda *_: None)
+    assert run.cycle_change[-1] < 1e-12
+    assert run.states[-1].shift - run.states[run.cycle_starts[-1]].shift == pytest.approx(drift, abs=1e-9)
+    assert drift == pytest.approx(max(2400 * (swing - 1 / 30), 0))
+    assert run.ratchets == (drift > 0)
+    work = run.cycle_density[-1].sum()
+    assert work == pytest.approx(sum(energy.loop for energy in run.energies[run.cycle_starts[-1] :]), abs=1e-9)
+    assert (work > 0) == (drift > 0)
 
 
 def test_full_stick_dissipates_nothing_and_never_iterates_on_slip():

@@ -45,7 +45,7 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
     """
     answer = fe_run(scene_of(name))
     made = couple(*answer.condensed)
-    smooth = without_local_difference(made)
+    smooth = without_local_difference(made, answer.scene)
     steps = [len(answer.time) // 3, len(answer.time) // 2, len(answer.time) - 1]
     unit = answer.scales.load / answer.scales.modulus
     for step, snapshot in zip(steps, fields(answer, answer.time[steps]), strict=True):

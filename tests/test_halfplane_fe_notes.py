@@ -116,6 +116,15 @@ def test_the_scene_does_not_repeat_within_six_revolutions_on_the_coarse_mesh() -
     assert solution.steady_from is None
     assert "the last of 6" in drift_note(solution)
     assert solution.dissipation_drift == pytest.approx(-3.4e-4, rel=0.2)  # as measured: small, and not rounding
+    (shakedown,) = (note for note in solution.record.notes if note.startswith("shakedown"))
+    limit = float(re.search(r"goes to ([\d.]+),", shakedown)[1])
+    assert "algebraic trend" in shakedown
+    # The limit of 14 revolutions, of which the 13th and 14th differ by 8.5e-6; at the sixth 4.2e-4 are left.
+    assert limit == pytest.approx(0.0488193, rel=1e-5)
+    refinement = solution.scales.element / MeshSettings.coarse().edge_element_size
+    of_mesh = 8 * abs(solution.dissipation - solution.scales.dissipation) / refinement**2
+    steps = solution.record.energy["step_error"][solution.last_cycle[1:]].sum()
+    assert solution.dissipation_uncertainty == pytest.approx(of_mesh + steps + solution.dissipation - limit, rel=1e-3)
 
 
 @pytest.fixture

@@ -224,11 +224,6 @@ def test_files_that_can_not_be_read_and_names_that_are_none(tmp_path: Path, monk
 
 
 NEGLECTED = {
-    "bulk": "bulk stress in a body is not modelled",
-    "bulk_stress": "bulk stress in a body is not modelled",
-    "bulk_stress_lower": "bulk stress in a body is not modelled",
-    "moment": "the bodies carry no moment and do not tilt",
-    "tilt": "the bodies carry no moment and do not tilt",
     "wear": "wear is not modelled",
     "wear_coefficient": "wear is not modelled",
     "plasticity": "linear elastic, without plasticity",
@@ -254,10 +249,17 @@ def test_what_no_scene_can_state_is_answered_by_the_limit(key: str, tmp_path: Pa
         assert "did you mean" not in sentence
 
 
+@pytest.mark.parametrize("key", ["bulk", "bulk_stress", "remote_stress", "moments", "tilt_degrees", "eccentricity"])
+def test_bulk_stress_and_tilt_are_sent_to_the_load(key: str, tmp_path: Path) -> None:
+    for old in ("[load]", "[friction]", "[profile]"):
+        (tmp_path / "mine.toml").write_text(PLAIN.replace(old, f"{old}\n{key} = 0.5", 1), encoding="utf-8")
+        assert f"unknown key {old.strip('[]')}.{key} = 0.5; bulk_stress_lower," in refusal(tmp_path / "mine.toml")
+
+
 def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_it_too() -> None:
     assert "\n## What is neglected\n" in (DOCS / "theory.md").read_text(encoding="utf-8")
-    axes = [{"name": "s", "key": "bulk.lower", "values": [1.0, 2.0]}]
-    with pytest.raises(InputError, match="the scene has no bulk; bulk stress in a body is not modelled"):
+    axes = [{"name": "s", "key": "wear.rate", "values": [1.0, 2.0]}]
+    with pytest.raises(InputError, match="the scene has no wear; wear is not modelled"):
         expand(study_of({"scene": "hertz-paper", "axes": axes}, "here"))
 
 
@@ -463,6 +465,21 @@ def test_whatever_stands_in_a_table_is_numbers_or_a_sentence(
             )
             numbers = [float(cell.replace(",", ".")) for cell in cells if cell]
             assert set(row) <= set(numbers)
+
+
+@pytest.mark.parametrize(("encoding", "said"), [("utf-8", ""), ("utf-8-sig", ""), ("utf-16", "UTF-16"), ("cp1252", "Windows-1252")])
+def test_tables_of_other_systems_are_read_and_what_they_are_written_in_is_said(encoding: str, said: str, tmp_path: Path) -> None:
+    text = "# Kraft über Zeit\r\nZeit;P;Q\r\n0;1,5;0,5\r\n1;2,5;0,5\r\n"
+    (tmp_path / "table.csv").write_bytes(text.encode(encoding))
+    scene = PLAIN.replace(*SERIES).replace('"table.csv"', '"table.csv"\ncolumns = {time = "Zeit"}')
+    (tmp_path / "mine.toml").write_text(scene, encoding="utf-8")
+    load = load_scene(tmp_path / "mine.toml").load
+    assert load.rows.values.tolist() == [[0, 1.5, 0.5], [1, 2.5, 0.5]]  # type: ignore[union-attr]
+    found = dict(load.read_as or ()).get("characters", "")  # type: ignore[union-attr]
+    assert found.startswith(said)
+    assert bool(found) == bool(said)
+    (tmp_path / "table.csv").write_bytes(b"\xff\xfe\x00\xd8\x41\x00" if said == "UTF-16" else b"time,P,Q\n\xff\x00,1\n")
+    assert "the file can't be read: it is not UTF-" in refusal(tmp_path / "mine.toml")
 
 
 def test_two_million_rows_are_streamed(tmp_path: Path) -> None:
