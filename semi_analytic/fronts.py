@@ -1,7 +1,7 @@
 """Front following: slip and stick of a parabola under P, Q, bulk strain and tilt of any course while one stick interval remains.
 
 # notation: A = 2/E*; p, q tractions, q > 0 on the lower face; s slip of the upper face over the lower; eps bulk strain, alpha tilt;
-#           l, r edges of contact, b1, b2 of stick; m, c middle and half-length of stick, zeta = x - m, w = sqrt(c^2 - zeta^2);
+#           a1, a2 edges of contact, b1, b2 of stick; m, c middle and half-length of stick, zeta = x - m, w = sqrt(c^2 - zeta^2);
 #           d = +1, -1 direction of slip; q = d (f p - q*), so that q* = 0 where the faces slip in direction d
 #           H principal value of int (.)/(x - xi) d xi
 
@@ -33,8 +33,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
-from scenes import InputError
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError, LoadPath, LoadSegment
+from semi_analytic.history import check
 
 Array = NDArray[np.float64]
 
@@ -105,11 +107,12 @@ def _integral(values: Array) -> float:
 
 
 def _clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
-    """Values of the series `number` out of (n + 1, pieces) at t."""
-    last, before = np.zeros_like(t), np.zeros_like(t)
-    for row in coefficients[:0:-1]:
-        last, before = row[number] + 2 * t * last - before, last
-    return np.asarray(coefficients[0][number] + t * last - before)
+    """Values of the series `number` (k,) out of (n + 1, pieces) at t, (k,) or (k, m)."""
+    rows = coefficients[:, number, None] if t.ndim == 2 else coefficients[:, number]
+    last, before, twice = np.zeros_like(t), np.zeros_like(t), 2 * t
+    for row in rows[:0:-1]:
+        last, before = twice * last - before + row, last
+    return np.asarray(rows[0] + t * last - before)
 
 
 def _inverse(coefficients: Array, wanted: Array) -> Array:
@@ -177,8 +180,8 @@ class Piece:
         return Piece(low, high, series, float(self.slip_at(low)))
 
 
-def _merged(pieces: Sequence[Piece]) -> list[Piece]:
-    """Neighbours put together where one series resolves both to round-off."""
+def _merged(pieces: Sequence[Piece], scale: float) -> list[Piece]:
+    """Neighbours put together where one series resolves both to `scale`."""
     done = [pieces[0]]
     for piece in pieces[1:]:
         last = done[-1]
@@ -188,8 +191,7 @@ def _merged(pieces: Sequence[Piece]) -> list[Piece]:
         one = Piece(last.low, piece.high, both, last.begin)
         test = np.concatenate([np.linspace(each.low, each.high, 13) for each in (last, piece)])
         true = np.where(test < piece.low, last.slope_at(test), piece.slope_at(test))
-        size = float(np.max(np.abs(true))) + 1e-300
-        if max(np.max(np.abs(one.slope_at(test) - true)), np.max(np.abs(both[-3:]))) < 1e-12 * size:
+        if max(np.max(np.abs(one.slope_at(test) - true)), np.max(np.abs(both[-3:]))) < scale:
             done[-1] = one
         else:
             done.append(piece)
@@ -217,12 +219,12 @@ class Frozen:
         self.begin, self.length = np.array([p.begin for p in pieces]), self.high - self.low
         self._slope, self._rise = (self._stacked([getattr(p, name) for p in pieces]) for name in ("slope", "rise"))
         share, weight = _PLAIN
-        every = np.broadcast_to(np.arange(len(pieces))[:, None], (len(pieces), 2 * len(share)))
+        every = np.arange(len(pieces))
         length, near = self.length[:, None], np.sin(np.pi * share / 2) ** 2
         self._up, self._down = (length * np.concatenate(two) for two in ((near, 1 - near), (1 - near, near)))
         bent = np.sin(np.pi * share) * np.pi * weight / 2
         self._weight = length * np.concatenate([bent, bent])
-        at = np.broadcast_to(2 * np.concatenate([share, 1 - share]) - 1, every.shape)
+        at = np.broadcast_to(2 * np.concatenate([share, 1 - share]) - 1, (len(pieces), 2 * len(share)))
         self._slopes, self._slips = _clenshaw(self._slope, every, at), _clenshaw(self._rise, every, at) + self.begin[:, None]
 
     @staticmethod
@@ -248,8 +250,8 @@ class Frozen:
         number = self._number(x)
         return _clenshaw(self._rise, number, 2 * self._theta(number, x) / np.pi - 1) + self.begin[number]
 
-    def quadratures(self, b1: Array, b2: Array) -> list[Quadrature]:
-        """Nodes of [b1, b2] (n,), piece by piece, with distances from both edges that do not cancel."""
+    def quadratures(self, b1: Array, b2: Array, *, slip: bool = False) -> list[Quadrature]:
+        """Nodes of [b1, b2] (n,), piece by piece, with distances from both edges that do not cancel; s where asked for."""
         left, right = b1[:, None], b2[:, None]
         inside = np.minimum(right, self.high) > np.maximum(left, self.low)
         whole = inside & (left <= self.low) & (right >= self.high)
@@ -274,18 +276,18 @@ class Frozen:
             x = np.where(cut1, b1[k][:, None], self.low[p][:, None]) + up
             up = np.where(cut1, up, up + (self.low[p] - b1[k])[:, None])
             down = np.where(cut2, down, down + (b2[k] - self.high[p])[:, None])
-            every, at = np.broadcast_to(p[:, None], theta.shape), 2 * theta / np.pi - 1
-            slip = _clenshaw(self._rise, every, at) + self.begin[every]
-            weight = weight * length / 2 * np.sin(theta)
-            found.append(Quadrature(k, x, weight, _clenshaw(self._slope, every, at), slip, up, down))
+            at, weight = 2 * theta / np.pi - 1, weight * length / 2 * np.sin(theta)
+            slips = _clenshaw(self._rise, p, at) + self.begin[p][:, None] if slip else theta
+            found.append(Quadrature(k, x, weight, _clenshaw(self._slope, p, at), slips, up, down))
         return found
 
-    def moments(self, b1: Array, b2: Array) -> Array:
-        """int s'/w, int zeta s'/w, int zeta^2 s'/w and int s/w over [b1, b2] (n,): (4, n)."""
-        found = np.zeros((4, len(b1)))
-        for each in self.quadratures(b1, b2):
+    def moments(self, b1: Array, b2: Array, *, slip: bool = False) -> Array:
+        """int s'/w, int zeta s'/w and, where asked for, int zeta^2 s'/w and int s/w over [b1, b2] (n,): (2 or 4, n)."""
+        found = np.zeros((4 if slip else 2, len(b1)))
+        for each in self.quadratures(b1, b2, slip=slip):
             w, zeta = each.weight / np.sqrt(each.up * each.down), (each.up - each.down) / 2
-            for row, values in enumerate((each.slope, zeta * each.slope, zeta**2 * each.slope, each.slip)):
+            wanted = (each.slope, zeta * each.slope, zeta**2 * each.slope, each.slip)
+            for row, values in enumerate(wanted[: len(found)]):
                 found[row] += np.bincount(each.row, np.sum(w * values, axis=1), len(b1))
         return found
 
@@ -299,13 +301,13 @@ class Parabola:
     radius: float
 
     def edges(self, load: Array, tilt: Array) -> tuple[Array, Array]:
-        """l and r, (n,) each."""
+        """a1 and a2, (n,) each."""
         middle, half = -tilt * self.radius, np.sqrt(2 * self.compliance * self.radius * load / np.pi)
         return middle - half, middle + half
 
-    def pressure(self, x: Array, l: Array, r: Array) -> Array:  # noqa: E741 the edges have these names
+    def pressure(self, x: Array, a1: Array, a2: Array) -> Array:
         """p(x), 0 outside."""
-        return np.asarray(np.sqrt(np.maximum((x - l) * (r - x), 0.0)) / (self.compliance * self.radius))
+        return np.asarray(np.sqrt(np.maximum((x - a1) * (a2 - x), 0.0)) / (self.compliance * self.radius))
 
     def slope(self, x: Array) -> Array:
         """h'(x)."""
@@ -316,9 +318,9 @@ class Parabola:
         m, c = (b1 + b2) / 2, (b2 - b1) / 2
         return np.pi * m / self.radius, np.pi * c**2 / 2 / self.radius
 
-    def beyond(self, x: Array, l: Array, r: Array) -> Array:  # noqa: E741
-        """(A/pi) H p = h' + alpha inside [l, r], and outside."""
-        zeta, half = x - (l + r) / 2, (r - l) / 2
+    def beyond(self, x: Array, a1: Array, a2: Array) -> Array:
+        """(A/pi) H p = h' + alpha inside [a1, a2], and outside."""
+        zeta, half = x - (a1 + a2) / 2, (a2 - a1) / 2
         return np.asarray((zeta - np.sign(zeta) * np.sqrt(np.maximum(zeta**2 - half**2, 0.0))) / self.radius)
 
 
@@ -403,8 +405,8 @@ class State:
         return [new, head, *pieces[1:]]
 
     def without_slivers(self, side: int) -> State:
-        """With the stick edge moved to an old edge within 1e-7 of the stick interval: a loop that closes brings it back there."""
-        near, edge = 1e-7 * (self.b2 - self.b1), self.edge(side)
+        """With the stick edge moved to an old edge within 1e-8 of the stick interval: a loop that closes brings it back there."""
+        near, edge = 1e-8 * (self.b2 - self.b1), self.edge(side)
         ends = [p.low if side > 0 else p.high for p in self.frozen.pieces]
         close = [x for x in ends if 0 <= side * (edge - x) < near]
         if not close:
@@ -425,8 +427,8 @@ class Step:
     time: Array
     loads: Array
     rates: Array
-    l: Array  # noqa: E741 the edges have these names
-    r: Array
+    a1: Array
+    a2: Array
     b1: Array
     b2: Array
     frozen: Frozen
@@ -442,13 +444,13 @@ class Step:
 
     @property
     def edges(self) -> tuple[Array, Array, Array, Array]:
-        """l, r, b1, b2."""
-        return self.l, self.r, self.b1, self.b2
+        """a1, a2, b1, b2."""
+        return self.a1, self.a2, self.b1, self.b2
 
     @property
     def size(self) -> float:
         """Width of the contact at first."""
-        return float(self.r[0] - self.l[0])
+        return float(self.a2[0] - self.a1[0])
 
     def phi(self, time: Array) -> Array:
         """Place of times within the step, in [-1, 1]."""
@@ -468,6 +470,11 @@ def _zone(low: Array, high: Array) -> tuple[Array, Array]:
     return (low + high)[:, None] / 2 - half * np.cos(_ANGLE), half * np.sin(_ANGLE) * _ANGLE_WEIGHT
 
 
+def _root_beyond(zeta: Array, c: Array) -> Array:
+    """sqrt(zeta^2 - c^2) > 0, also where a zone has no width yet, with nothing in it."""
+    return np.sqrt(np.maximum((zeta - c) * (zeta + c), (1e-10 * c) ** 2))
+
+
 @dataclass
 class Follower:
     """Steps from state to state.
@@ -479,6 +486,7 @@ class Follower:
     loads : P, Q, eps and alpha of time
     longest : longest step
     order : degree in time of a step
+    fastest : largest slip rate so far
     counts : steps, tries, iterations of Newton's method, jumps of an edge, stretches bridged
     """
 
@@ -487,6 +495,7 @@ class Follower:
     loads: Loads
     longest: float
     order: int = ORDER
+    fastest: float = np.finfo(float).tiny
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(("steps", "tries", "iterations", "jumps", "bridged"), 0))
 
     # ------------------------------------------------------------------------------------------------ laws at an instant
@@ -494,45 +503,43 @@ class Follower:
         self, frozen: Frozen, loads: Array, edges: tuple[Array, Array, Array, Array], slips: tuple[int, int]
     ) -> tuple[Array, Array]:
         """Of the two equations of the stick edges, (n,) each, without what a step adds to s'."""
-        (P, Q, eps, alpha), (l, r, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
+        (P, Q, eps, alpha), (a1, a2, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
         d = slips[1] or slips[0] or 1
         m, c = (b1 + b2) / 2, (b2 - b1) / 2
-        (g0, g1, _, _), (h0, h1) = frozen.moments(b1, b2), self.contact.moments(b1, b2)
+        (g0, g1), (h0, h1) = frozen.moments(b1, b2), self.contact.moments(b1, b2)
         first = f * h0 - d * g0 + np.pi * (f * alpha - d * eps)
         second = f * h1 - d * g1 - A * (f * P - d * Q)
         if slips[0] * slips[1] < 0:
-            x, weight = _zone(l, b1)
+            x, weight = _zone(a1, b1)
             zeta = x - m[:, None]
-            p = 2 * A * f * weight * self.contact.pressure(x, l[:, None], r[:, None]) / np.sqrt(zeta**2 - (c**2)[:, None])
+            p = 2 * A * f * weight * self.contact.pressure(x, a1[:, None], a2[:, None]) / _root_beyond(-zeta, c[:, None])
             first, second = first - np.sum(p, axis=1), second - np.sum(p * zeta, axis=1)
         return first, second
 
-    def _pressure_rate(self, x: Array, rates: Array, l: Array, r: Array) -> Array:  # noqa: E741
+    def _pressure_rate(self, x: Array, rates: Array, a1: Array, a2: Array) -> Array:
         """dp/dt at x (n, m)."""
-        turning = rates[3][:, None] / self.contact.compliance * (x - ((l + r) / 2)[:, None])
+        turning = rates[3][:, None] / self.contact.compliance * (x - ((a1 + a2) / 2)[:, None])
         return np.asarray(
-            (rates[0][:, None] / np.pi - turning) / np.sqrt(np.maximum((x - l[:, None]) * (r[:, None] - x), np.finfo(float).tiny))
+            (rates[0][:, None] / np.pi - turning) / np.sqrt(np.maximum((x - a1[:, None]) * (a2[:, None] - x), np.finfo(float).tiny))
         )
 
-    def _edge_load(
-        self, side: int, d: int, opposite: bool, rates: Array, edges: tuple[Array, Array, Array, Array]
-    ) -> Array:
+    def _edge_load(self, side: int, d: int, opposite: bool, rates: Array, edges: tuple[Array, Array, Array, Array]) -> Array:
         """K of q*' = K/(pi w) at the stick edge of a side that slips in direction d, (n,): negative where the edge recedes."""
-        (P, Q, eps, alpha), (l, r, b1, b2), f = rates, edges, self.friction
+        (P, Q, eps, alpha), (a1, a2, b1, b2), f = rates, edges, self.friction
         load = f * P - d * Q - side * np.pi * (b2 - b1) / 2 / self.contact.compliance * (f * alpha - d * eps)
         if opposite:
-            x, weight = _zone(l, b1) if side > 0 else _zone(b2, r)
+            x, weight = _zone(a1, b1) if side > 0 else _zone(b2, a2)
             near, far = (b1, b2) if side > 0 else (b2, b1)
             share = np.sqrt((x - near[:, None]) / (x - far[:, None]))
-            load = load - 2 * f * np.sum(weight * self._pressure_rate(x, rates, l, r) * share, axis=1)
+            load = load - 2 * f * np.sum(weight * self._pressure_rate(x, rates, a1, a2) * share, axis=1)
         return np.asarray(load)
 
     def _at_contact_edge(
         self, side: int, other: int, rates: Array, edges: tuple[Array, Array, Array, Array]
     ) -> tuple[Array, Array]:
         """Strengths of q' and of f p' at a contact edge that sticks, (n,) each; `other` is the slip at the other end."""
-        l, r, b1, b2 = edges
-        c, d = (r - l) / 2, other or 1
+        a1, a2, b1, b2 = edges
+        c, d = (a2 - a1) / 2, other or 1
         pressure = self.friction * (rates[0] - side * np.pi * c / self.contact.compliance * rates[3]) / np.sqrt(2 * c)
         return d * (pressure - self._edge_load(side, d, False, rates, edges) / np.sqrt(b2 - b1)), pressure
 
@@ -540,7 +547,7 @@ class Follower:
         self, side: int, slips: tuple[int, int], x: Array, rates: Array, edges: tuple[Array, Array, Array, Array]
     ) -> Array:
         """d ds/dt at x (n, m) in the slip zone of a side: positive."""
-        (P, Q, eps, alpha), (l, r, b1, b2), f, A = rates, edges, self.friction, self.contact.compliance
+        (P, Q, eps, alpha), (a1, a2, b1, b2), f, A = rates, edges, self.friction, self.contact.compliance
         d = slips[1] if side > 0 else slips[0]
         m, c = ((b1 + b2) / 2)[:, None], ((b2 - b1) / 2)[:, None]
         zeta = side * (x - m)
@@ -549,8 +556,8 @@ class Follower:
         load, turning = (f * P - d * Q)[:, None], side * (f * alpha - d * eps)[:, None]
         rate = turning * w - A / np.pi * load * np.arctanh(w / zeta)
         if slips[0] * slips[1] < 0:
-            xi, weight = _zone(l, b1) if side > 0 else _zone(b2, r)
-            p = weight * self._pressure_rate(xi, rates, l, r)
+            xi, weight = _zone(a1, b1) if side > 0 else _zone(b2, a2)
+            p = weight * self._pressure_rate(xi, rates, a1, a2)
             there = (side * (xi - m))[:, None, :]
             ratio = (c[:, :, None] ** 2 - there * zeta[:, :, None]) / (c[:, :, None] * (zeta[:, :, None] - there))
             rate = rate + 2 * A / np.pi * f * np.einsum("kj,kij->ki", p, np.arccosh(np.maximum(ratio, 1.0)))
@@ -560,7 +567,7 @@ class Follower:
         self, frozen: Frozen, x: Array, loads: Array, edges: tuple[float, float, float, float], slips: tuple[int, int]
     ) -> Array:
         """q*/w at x (m,) within the stick interval at an instant: q = d (f p - q*)."""
-        (_, _, eps, alpha), (l, r, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
+        (_, _, eps, alpha), (a1, a2, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
         d = slips[1] or slips[0] or 1
         here = f * (self.contact.slope(x) + alpha) - d * (frozen.slope(x) + eps)
         total = np.zeros(len(x))
@@ -572,8 +579,8 @@ class Follower:
             total += np.sum(np.where(same, 0.0, w * (there - here[:, None]) / np.where(same, 1.0, gap)), axis=1)
         total /= np.pi * A
         if slips[0] * slips[1] < 0:
-            xi, weight = _zone(np.array([l]), np.array([b1]))
-            p = weight * self.contact.pressure(xi, np.array(l), np.array(r))
+            xi, weight = _zone(np.array([a1]), np.array([b1]))
+            p = weight * self.contact.pressure(xi, np.array(a1), np.array(a2))
             total += 2 * f / np.pi * np.sum(p / np.sqrt((b1 - xi) * (b2 - xi)) / (x[:, None] - xi), axis=1)
         return np.asarray(total)
 
@@ -581,7 +588,7 @@ class Follower:
         self, frozen: Frozen, side: int, x: Array, loads: Array, edges: tuple[float, float, float, float], slips: tuple[int, int]
     ) -> Array:
         """s' at x (m,) beyond the stick edge of a side, in the slip zone and outside the contact."""
-        (_, _, eps, alpha), (l, r, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
+        (_, _, eps, alpha), (a1, a2, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
         d = (slips[1] if side > 0 else slips[0]) or slips[0] or slips[1] or 1
         edge = b2 if side > 0 else b1
         at_edge = f * (self.contact.slope(np.array([edge])) + alpha) - d * (frozen.slope(np.array([edge])) + eps)
@@ -592,10 +599,10 @@ class Follower:
             there = f * (self.contact.slope(y) + alpha) - d * (each.slope.ravel() + eps)
             total += np.sum(w * (there - at_edge) / (x[:, None] - y), axis=1)
         if slips[0] * slips[1] < 0:
-            xi, weight = _zone(np.array([l]), np.array([b1])) if side > 0 else _zone(np.array([b2]), np.array([r]))
-            p = weight * self.contact.pressure(xi, np.array(l), np.array(r))
+            xi, weight = _zone(np.array([a1]), np.array([b1])) if side > 0 else _zone(np.array([b2]), np.array([a2]))
+            p = weight * self.contact.pressure(xi, np.array(a1), np.array(a2))
             total -= 2 * A * f * side * np.sum(p / np.sqrt((xi - b1) * (xi - b2)) / (x[:, None] - xi), axis=1)
-        return np.asarray(d * (f * self.contact.beyond(x, np.array(l), np.array(r)) - at_edge - root / np.pi * total) - eps)
+        return np.asarray(d * (f * self.contact.beyond(x, np.array(a1), np.array(a2)) - at_edge - root / np.pi * total) - eps)
 
     # ------------------------------------------------------------------------------------------------------------ a step
     def _instants(self, begin: float, end: float) -> tuple[Array, Array, Array, Array, Array]:
@@ -607,28 +614,31 @@ class Follower:
         """The step up to `end`, by Newton's method; None where that does not converge."""
         self.counts["tries"] += 1
         n, frozen = self.order, state.frozen
-        time, loads, rates, l, r = self._instants(state.time, end)
-        size, share = float(r[0] - l[0]), (time - time[0]) / (time[-1] - time[0])
-        b1, b2 = (np.full(n + 1, state.b1) if slips[0] else l.copy()), (np.full(n + 1, state.b2) if slips[1] else r.copy())
+        time, loads, rates, a1, a2 = self._instants(state.time, end)
+        size, share = float(a2[0] - a1[0]), (time - time[0]) / (time[-1] - time[0])
+        b1, b2 = (np.full(n + 1, state.b1) if slips[0] else a1.copy()), (np.full(n + 1, state.b2) if slips[1] else a2.copy())
         # First guesses. Where a contact edge has just stopped to stick, q* has no root there yet, and the stick edge returns at
         # about the speed that the contact edge has. Where the contact recedes, the slip zone is about as wide as it was.
         if slips[0]:
-            b1 = b1 if state.slips[0] else b1 + np.maximum(l[0] - l, 0)
-            b1 = np.maximum(b1, l + 0.98 * min(state.b1 - l[0], 1e-2 * size) + 1e-5 * share * size)
+            b1 = b1 if state.slips[0] else b1 + np.maximum(a1[0] - a1, 0)
+            b1 = np.maximum(b1, a1 + 0.98 * min(state.b1 - a1[0], 1e-2 * size) + 1e-5 * share * size)
         if slips[1]:
-            b2 = b2 if state.slips[1] else b2 - np.maximum(r - r[0], 0)
-            b2 = np.minimum(b2, r - 0.98 * min(r[0] - state.b2, 1e-2 * size) - 1e-5 * share * size)
+            b2 = b2 if state.slips[1] else b2 - np.maximum(a2 - a2[0], 0)
+            b2 = np.minimum(b2, a2 - 0.98 * min(a2[0] - state.b2, 1e-2 * size) - 1e-5 * share * size)
         b1[0], b2[0] = state.stick
-        grows, moves = [side for side, d in ((-1, slips[0]), (1, slips[1])) if not d], [s for s, d in ((-1, slips[0]), (1, slips[1])) if d]
+        grows, moves = (
+            [side for side, d in ((-1, slips[0]), (1, slips[1])) if not d],
+            [s for s, d in ((-1, slips[0]), (1, slips[1])) if d],
+        )
         first = {side: state.end_slope(side) for side in grows}
         values = np.concatenate([np.full(n, first[side]) for side in grows]) if grows else np.zeros(0)
         d = slips[1] or slips[0] or 1
         # What the step before has left fades over this one: a jump would make s' singular.
-        left = self._residual(frozen, loads[:, :1], (l[:1], r[:1], b1[:1], b2[:1]), slips)
+        left = self._residual(frozen, loads[:, :1], (a1[:1], a2[:1], b1[:1], b2[:1]), slips)
         left_over = np.concatenate([each * (1 - share[1:]) for each in left])
 
         def residuals(b1: Array, b2: Array) -> tuple[Array, Array | None]:
-            found = np.concatenate(self._residual(frozen, loads[:, 1:], (l[1:], r[1:], b1[1:], b2[1:]), slips)) - left_over
+            found = np.concatenate(self._residual(frozen, loads[:, 1:], (a1[1:], a2[1:], b1[1:], b2[1:]), slips)) - left_over
             columns = []
             for i, side in enumerate(grows):
                 both = np.concatenate(_growing_moments(side, b1, b2))
@@ -662,7 +672,9 @@ class Follower:
                     change = -np.stack([u * e - v * b, a * v - c * u]) / (a * e - b * c)
                 else:
                     assert columns is not None  # for the type checker: something grows
-                    blocks = [np.concatenate([np.diag(matrix[0, (side + 1) // 2]), np.diag(matrix[1, (side + 1) // 2])]) for side in moves]
+                    blocks = [
+                        np.concatenate([np.diag(matrix[0, (side + 1) // 2]), np.diag(matrix[1, (side + 1) // 2])]) for side in moves
+                    ]
                     try:
                         solved = -np.linalg.solve(np.concatenate([*blocks, columns], axis=1), found)
                     except np.linalg.LinAlgError:
@@ -674,9 +686,9 @@ class Follower:
                     return None
                 old1, old2 = b1.copy(), b2.copy()
                 if slips[0]:
-                    b1[1:] = np.maximum(b1[1:] + change[0], np.maximum(l[1:], low))
+                    b1[1:] = np.maximum(b1[1:] + change[0], np.maximum(a1[1:], low))
                 if slips[1]:
-                    b2[1:] = np.minimum(b2[1:] + change[1], np.minimum(r[1:], high))
+                    b2[1:] = np.minimum(b2[1:] + change[1], np.minimum(a2[1:], high))
                 crossed = b2 <= b1
                 b1, b2 = np.where(crossed, (3 * old1 + old2) / 4, b1), np.where(crossed, (3 * old2 + old1) / 4, b2)
                 moved = np.stack([(b1 - old1)[1:], (b2 - old2)[1:]])
@@ -690,7 +702,7 @@ class Follower:
             else:
                 return None
         grown = tuple((side, np.append(first[side], values[i * n : (i + 1) * n])) for i, side in enumerate(grows))
-        return Step(slips, time, loads, rates, l, r, b1, b2, frozen, grown)
+        return Step(slips, time, loads, rates, a1, a2, b1, b2, frozen, grown)
 
     def _monitors(self, step: Step) -> list[tuple[str, int, Array]]:
         """What is positive while both ends do as they do, (n + 1,) each, with the side."""
@@ -698,7 +710,7 @@ class Follower:
         for side, d, other in ((-1, *step.slips), (1, *step.slips[::-1])):
             if d:
                 found.append(("turn", side, -self._edge_load(side, d, step.opposite, step.rates, step.edges)))
-                found.append(("gone", side, step.r - step.b2 if side > 0 else step.b1 - step.l))
+                found.append(("gone", side, step.a2 - step.b2 if side > 0 else step.b1 - step.a1))
             else:
                 shear, limit = self._at_contact_edge(side, other, step.rates, step.edges)
                 found += [("stick", side, limit - shear), ("stick", side, limit + shear)]
@@ -709,7 +721,7 @@ class Follower:
         found: list[tuple[float, str, int, Array]] = []
         for side, d, edge in ((-1, step.slips[0], -step.b1), (1, step.slips[1], step.b2)):
             marks = side * step.frozen.high[:-1]
-            marks = marks[(marks < edge[0] - 1e-8 * step.size) & (marks > np.min(edge))]
+            marks = marks[(marks < edge[0] - 3e-7 * step.size) & (marks > np.min(edge))]
             if d and len(marks):
                 values = edge - np.max(marks)
                 k = int(np.flatnonzero(values < 0)[0])
@@ -735,7 +747,7 @@ class Follower:
                 high, at_high = guess, math.nan
             else:
                 value = side * float((new.b2 if side > 0 else new.b1)[-1] - mark)
-                if abs(value) < 1e-10 * step.size:
+                if abs(value) < 1e-7 * step.size:
                     return replace(new, passed=True)
                 low, at_low, high, at_high = (guess, value, high, at_high) if value > 0 else (low, at_low, guess, value)
             share = at_low / (at_low - at_high) if math.isfinite(at_high) and turn % 3 < 2 else 0.5
@@ -757,22 +769,23 @@ class Follower:
                 pieces = end.joined(side, low, high, _fit(_value(at, _fit(values))))
                 end = State(state.time, (low, end.b2) if side < 0 else (end.b1, high), state.slips, pieces)
         if step.grown:
-            pieces = _merged(pieces)
+            pieces = _merged(pieces, 10 * _RESOLVED * self.friction * step.size / self.contact.radius)
         frozen = Frozen(pieces)
         end = State(float(step.time[-1]), (float(step.b1[-1]), float(step.b2[-1])), step.slips, pieces)
         rate_of_time = np.cos(np.pi * _nodes(self.order) / 2) * np.pi / 4 * (step.time[-1] - step.time[0])
         work, wrong = 0.0, 0.0
         for side, d in ((-1, step.slips[0]), (1, step.slips[1])):
             if d:
-                x, weight = _zone(step.l, step.b1) if side < 0 else _zone(step.b2, step.r)
+                x, weight = _zone(step.a1, step.b1) if side < 0 else _zone(step.b2, step.a2)
                 rate = self.slip_rate(side, step.slips, x, step.rates, step.edges)
-                p = self.contact.pressure(x, step.l[:, None], step.r[:, None])
+                p = self.contact.pressure(x, step.a1[:, None], step.a2[:, None])
                 work += _integral(self.friction * np.sum(weight * p * rate, axis=1) * rate_of_time)
-                wrong = max(wrong, -float(np.min(rate)) / max(float(np.max(rate)), np.finfo(float).tiny))
+                self.fastest = max(self.fastest, float(np.max(rate)))
+                wrong = max(wrong, -float(np.min(rate)) / self.fastest)
         x = end.b1 + (end.b2 - end.b1) * np.linspace(0.01, 0.99, 40)
-        edges = (float(step.l[-1]), float(step.r[-1]), end.b1, end.b2)
+        edges = (float(step.a1[-1]), float(step.a2[-1]), end.b1, end.b2)
         reserve = self.shear_reserve(end.frozen, x, step.loads[:, -1], edges, step.slips) * np.sqrt((x - end.b1) * (end.b2 - x))
-        limit = 2 * self.friction * self.contact.pressure(x, step.l[-1], step.r[-1])
+        limit = 2 * self.friction * self.contact.pressure(x, step.a1[-1], step.a2[-1])
         wrong = max(wrong, float(np.max(np.maximum(-reserve, reserve - limit)) / np.max(limit)) * 2)
         return replace(step, frozen=frozen, work=work, wrong=wrong), end
 
@@ -794,11 +807,11 @@ class Follower:
         """What both ends do just after an instant; slip zones that come to rest are closed. `turned`: sides of a turning point."""
         now = np.array([state.time])
         loads, rates = self.loads.values(now), self.loads.rates(now + 1e-6 * self.longest)
-        l, r = self.contact.edges(loads[0], loads[3])
-        both = float(l[0]), float(r[0])
+        a1, a2 = self.contact.edges(loads[0], loads[3])
+        both = float(a1[0]), float(a2[0])
 
         def edges(of: State) -> tuple[Array, Array, Array, Array]:
-            return l, r, np.array([of.b1]), np.array([of.b2])
+            return a1, a2, np.array([of.b1]), np.array([of.b2])
 
         goes_on = dict.fromkeys((-1, 1), False)
         for _ in range(3):
@@ -829,7 +842,9 @@ class Follower:
             # The contact recedes: slip goes to where q' is beyond what q/p at the edge would make of p'.
             end, d = np.array([both[i]]), state.slips[0] or state.slips[1] or 1
             four = (*both, *state.stick)
-            reserve = float(self.shear_reserve(state.frozen, end, loads[:, 0], four, state.slips)[0]) * math.sqrt(state.b2 - state.b1)
+            reserve = float(self.shear_reserve(state.frozen, end, loads[:, 0], four, state.slips)[0]) * math.sqrt(
+                state.b2 - state.b1
+            )
             pressure = math.sqrt(both[1] - both[0]) / (self.contact.compliance * self.contact.radius)
             slips[i] = 1 if shear > d * (1 - reserve / (self.friction * pressure)) * limit else -1
         return state, (slips[0], slips[1])
@@ -849,13 +864,13 @@ class Follower:
             if time >= stop:
                 return None
             loads = self.loads.values(np.full(len(first), time))
-            l, r = self.contact.edges(loads[0], loads[3])
+            a1, a2 = self.contact.edges(loads[0], loads[3])
             b1, b2, h = first + 1e-4 * size, second - 1e-4 * size, 1e-8 * size
             found = change = np.zeros((2, len(first)))
             with np.errstate(all="ignore"):
                 for _ in range(20):
                     found, right, left = (
-                        np.stack(self._residual(state.frozen, loads, (l, r, b1 + i, b2 - j), slips))
+                        np.stack(self._residual(state.frozen, loads, (a1, a2, b1 + i, b2 - j), slips))
                         for i, j in ((0.0, 0.0), (h, 0.0), (0.0, h))
                     )
                     (a, c), (b, e) = (right - found) / h, (found - left) / h
@@ -869,7 +884,7 @@ class Follower:
             best: tuple[float, float] | None = None
             for i in np.flatnonzero(solved):
                 x = b1[i] + (b2[i] - b1[i]) * np.linspace(0.02, 0.98, 49)
-                reserve = self.shear_reserve(state.frozen, x, loads[:, i], (l[i], r[i], b1[i], b2[i]), slips)
+                reserve = self.shear_reserve(state.frozen, x, loads[:, i], (a1[i], a2[i], b1[i], b2[i]), slips)
                 if np.min(reserve) > -_WRONG * np.max(reserve) and (best is None or b2[i] - b1[i] > best[1] - best[0]):
                     best = float(b1[i]), float(b2[i])
             if best is not None:
@@ -879,9 +894,9 @@ class Follower:
 
     def _held(self, state: State, slips: tuple[int, int], end: float) -> tuple[Step, State]:
         """A short step with edges held."""
-        time, loads, rates, l, r = self._instants(state.time, end)
+        time, loads, rates, a1, a2 = self._instants(state.time, end)
         b1, b2 = (np.full(self.order + 1, each) for each in state.stick)
-        return self._finished(Step(slips, time, loads, rates, l, r, b1, b2, state.frozen), state)
+        return self._finished(Step(slips, time, loads, rates, a1, a2, b1, b2, state.frozen), state)
 
     def _bridge(self, state: State, slips: tuple[int, int], stop: float) -> tuple[Step, State, set[int]] | None:
         """Edges held up to a turning point or `stop` that is near: where a loop closes there they meet a stretch without q*."""
@@ -945,12 +960,18 @@ class Follower:
                 if event is not None:
                     turned = {event[2]} if event[1] == "turn" else set()
                     if event[1] == "gone":
-                        i, edge = (event[2] + 1) // 2, float((step.r if event[2] > 0 else step.l)[-1])
+                        i, edge = (event[2] + 1) // 2, float((step.a2 if event[2] > 0 else step.a1)[-1])
                         stick = (state.b1, edge) if i else (edge, state.b2)
                         state = State(state.time, stick, (slips[0], 0) if i else (0, slips[1]), state.frozen.pieces)
                 if event is not None or state.time >= stop:
                     slips = None
                 trial = min(self.longest, 2 * trial)
+            if DEBUG:
+                print(
+                    f"{step.time[0]:.7f} {step.time[-1]:.7f} {step.slips} {state.b1:.6f} {state.b2:.6f} pieces {len(state.frozen.pieces)} wrong {step.wrong:.1e} rough {rough:.1e}",
+                    event and event[:3],
+                    self.counts,
+                )
             if step.wrong > _WRONG:
                 raise _broken(float(step.time[-1]), "friction would be broken inside what slips or sticks")
             steps.append(step)
@@ -968,3 +989,347 @@ def _broken(time: float, why: str) -> NotOneStickInterval:
         f"load: the stick zone breaks into several intervals near time {time:.6g} ({why}); half-plane theory here follows one "
         "interval: keep bulk stress and tilt in phase with the loads, or use the finite elements"
     )
+
+
+# ---------------------------------------------------------------------------------------------------- paths and answers
+@dataclass(frozen=True, eq=False)
+class PathLoads:
+    """P, Q, eps and alpha of a load path; of several times at once only within one leg, which is that of their mean.
+
+    `strain` is what the bulk stress of the lower and of the upper body adds to eps, `radius` that of the parabola, for a moment.
+    """
+
+    path: LoadPath
+    strain: tuple[float, float]
+    radius: float
+
+    def _place(self, time: float) -> tuple[LoadSegment, float]:
+        """The leg at a time, and by how much it is late."""
+        late = 0.0
+        if self.path.period is not None and time > self.path.cycle_start:
+            late = math.floor((time - self.path.cycle_start) / self.path.period) * self.path.period
+        legs = (*self.path.initial_loading, *self.path.cycle)
+        return next((leg for leg in legs if time - late <= leg.end), legs[-1]), late
+
+    def values(self, time: Array) -> Array:
+        """(4, n)."""
+        leg, late = self._place(float(np.mean(time)))
+        (p, q), eps, (tilt, moment) = leg.loads(time - late), self._eps(leg.bulk, time - late), self._turning(leg, time - late)
+        return np.stack(np.broadcast_arrays(p, q, eps, -moment / (self.radius * p) if self.path.moment_given else tilt))
+
+    def rates(self, time: Array) -> Array:
+        """(4, n)."""
+        leg, late = self._place(float(np.mean(time)))
+        inside = time - late
+        (p, q), eps = leg.rates(inside), 0.0 * time
+        if leg.bulk is not None:
+            lower, upper = leg.bulk.rates(inside)
+            eps = self.strain[0] * lower + self.strain[1] * upper
+        tilt = moment = 0.0 * time
+        if leg.turning is not None:
+            tilt, moment = leg.turning.rates(inside)
+        if self.path.moment_given:
+            load, given = leg.loads(inside)[0], self._turning(leg, inside)[1]
+            tilt = -(moment * load - given * p) / (self.radius * load**2)
+        return np.stack(np.broadcast_arrays(p, q, eps, tilt))
+
+    def stresses(self, time: Array) -> Array:
+        """Bulk stress of the lower and of the upper body, (2, n), for any times."""
+        found = np.zeros((2, len(time)))
+        for k, each in enumerate(time):
+            leg, late = self._place(float(each))
+            if leg.bulk is not None:
+                found[:, k] = leg.bulk.loads(float(each) - late)
+        return found
+
+    def _eps(self, bulk: LoadSegment | None, time: Array) -> Array:
+        if bulk is None:
+            return 0.0 * time
+        lower, upper = bulk.loads(time)
+        return np.asarray(self.strain[0] * lower + self.strain[1] * upper)
+
+    def _turning(self, leg: LoadSegment, time: Array) -> tuple[Array, Array]:
+        if leg.turning is None:
+            return 0.0 * time, 0.0 * time
+        tilt, moment = leg.turning.loads(time)
+        return np.asarray(tilt), np.asarray(moment)
+
+    def corners(self, cycles: int) -> Array:
+        """Times at which a leg ends."""
+        ends = [leg.end for leg in self.path.initial_loading]
+        late = np.arange(cycles)[:, None] * (self.path.period or 0.0)
+        return np.unique(np.concatenate([ends, (late + np.array([leg.end for leg in self.path.cycle])).ravel()]))
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """What was followed, n instants and k points; edges (n, 2), fields (n, k).
+
+    Attributes
+    ----------
+    loads : (4, n) P, Q, eps and alpha
+    moment, shear_moment : (n,) int x p and m_q = int x q
+    displacement : (n,) U of x = 0, with the datum length 1 in the logarithm
+    contact_edges, stick_edges : (n, 2)
+    pressure, shear, slip, state : (n, k), as in a ContactSolution
+    works : friction work of each cycle that was followed; of the whole path where none repeats
+    loop : closed integral of Q dU - m_q d eps of the last
+    remainder : estimate of what the work of the last cycle still is from the steady one
+    steady_from : index of the first cycle that repeats the one before to 1e-8 of W, None if none does
+    density : (k,) friction work at the points, of the last cycle
+    permanent_stick_edges : (2,) of the last cycle; NaN where none
+    counts : see `Follower`
+    """
+
+    time: Array
+    loads: Array
+    moment: Array
+    shear_moment: Array
+    displacement: Array
+    contact_edges: Array
+    stick_edges: Array
+    pressure: Array
+    shear: Array
+    slip: Array
+    state: NDArray[np.int8]
+    works: Array
+    loop: float
+    remainder: float
+    steady_from: int | None
+    density: Array
+    permanent_stick_edges: Array
+    counts: dict[str, int]
+
+
+def remainder_of(works: Sequence[float]) -> float:
+    """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
+
+    Geometric where changes fall to less than half from cycle to cycle, and like k^-4 where they fall more slowly: (k/3) times the last.
+
+    >>> remainder_of([1.5, 1.05, 1.005])  # 0.005 is left
+    0.005
+    >>> works = [1 + k**-3.0 for k in range(1, 41)]  # 1.6e-5 is left
+    >>> 1e-5 < remainder_of(works) < 3e-5
+    True
+    """
+    changes = np.abs(np.diff(works))
+    if len(changes) < 2 or changes[-1] == 0:
+        return float(changes[-1]) if len(changes) else math.inf
+    ratio = float(changes[-1] / changes[-2]) if changes[-2] > 0 else 1.0
+    if ratio < 0.5:
+        return round(float(changes[-1]) * ratio / (1 - ratio), 15)
+    return float(changes[-1]) * max(len(works) / 3, min(ratio, 0.9) / (1 - min(ratio, 0.9)))
+
+
+def follow(
+    path: LoadPath,
+    contact: Parabola,
+    friction: float,
+    strain: tuple[float, float],
+    x: Array,
+    time: Array | None = None,
+    *,
+    cycles: int = 1,
+    most: int = 12,
+    order: int = ORDER,
+) -> Followed:
+    """Follow a load path with bulk stress and tilt from first touch, cycle by cycle until it is steady.
+
+    Parameters
+    ----------
+    path : P, Q, bulk stresses, and tilt or moment; the first leg of its initial loading starts from nothing
+    contact : the parabola, with A = 2/E*
+    friction : f
+    strain : what the bulk stress of the lower and of the upper body adds to eps, 1/E' and -1/E' with E' = E/(1 - nu^2)
+    x : (k,) points
+    time : (n,) instants in any order; those of the steps if None
+    cycles : least number of cycles; more are followed until one repeats the one before to 1e-8 of its work
+    most : largest number of cycles
+    order : degree in time of a step
+
+    Raises
+    ------
+    NotOneStickInterval
+        (an InputError) where stick breaks into several intervals: with bulk stress or tilt out of phase with P and Q.
+    InadmissibleLoadError
+        For gross sliding and separation.
+    """
+    check([*path.initial_loading, *path.cycle], friction)
+    loads = PathLoads(path, strain, contact.radius)
+    first, period = path.initial_loading[0], path.period
+    latest = float(np.max(time)) if time is not None and len(time) else path.cycle_start
+    needed = cycles if period is None else max(cycles, math.ceil((latest - path.cycle_start) / period - 1e-9))
+    most = max(most, needed)
+    longest = (period if period is not None else path.cycle_start - path.start) / 16
+    state = _touched(loads, contact, first.start + 1e-4 * (first.end - first.start))
+    follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest, order)
+    steps, state = follower.run(state, path.cycle_start)
+    last, works = steps, [math.fsum(step.work for step in steps)] if period is None else []
+    while period is not None and len(works) < most:
+        last, state = follower.run(state, path.cycle_start + (len(works) + 1) * period)
+        steps = [*steps, *last]
+        works.append(math.fsum(step.work for step in last))
+        if len(works) >= max(needed, 2) and abs(works[-1] - works[-2]) <= 1e-8 * works[-1]:
+            break
+    changes = np.abs(np.diff(works)) <= 1e-8 * np.array(works[1:])
+    steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
+    instants = np.unique(np.concatenate([step.time[::2] for step in steps])) if time is None else np.asarray(time, dtype=float)
+    rows = [_at(follower, steps, float(each), x) for each in instants]
+    columns = [np.array(column) for column in zip(*rows, strict=True)]
+    given, moment, shear_moment, displacement, contact_edges, stick_edges, pressure, shear, slip, state_of = columns
+    low, high = max(float(np.max(step.b1)) for step in last), min(float(np.min(step.b2)) for step in last)
+    return Followed(
+        time=instants,
+        loads=given.T,
+        moment=moment,
+        shear_moment=shear_moment,
+        displacement=displacement,
+        contact_edges=contact_edges,
+        stick_edges=stick_edges,
+        pressure=pressure,
+        shear=shear,
+        slip=slip,
+        state=state_of.astype(np.int8),
+        works=np.array(works),
+        loop=math.fsum(_loop_of(follower, step) for step in last),
+        remainder=remainder_of(works),
+        steady_from=steady,
+        density=np.sum([_density_of(follower, step, x) for step in last], axis=0),
+        permanent_stick_edges=np.array([low, high] if low < high else [math.nan, math.nan]),
+        counts=dict(follower.counts),
+    )
+
+
+def _touched(loads: PathLoads, contact: Parabola, time: float) -> State:
+    """The state of a contact that has just begun, q = (Q/P) p: what bulk and tilt change of it so far is below 1e-6 of the end."""
+    p, q, eps, alpha = loads.values(np.array([time]))[:, 0].tolist()
+    a1, a2 = (float(edge) for edge in contact.edges(np.array(p), np.array(alpha)))
+    series = _fit(q / p * (contact.slope(Piece.places(a1, a2, ORDER)) + alpha) - eps)
+    piece = Piece(a1, a2, series)
+    piece.begin = -float(piece.slip_at(0.0))
+    return State(time, (a1, a2), (0, 0), [piece])
+
+
+def _displacement(follower: Follower, step: Step, loads: Array, edges: tuple[Array, Array, Array, Array]) -> tuple[Array, Array]:
+    """U and m_q at instants of a step, (n,) each: from the means of the equations of stick over 1/w."""
+    (_, Q, eps, _), (a1, a2, b1, b2), A = loads, edges, follower.contact.compliance
+    m, c = (b1 + b2) / 2, (b2 - b1) / 2
+    _, _, second, slip = step.frozen.moments(b1, b2, slip=True)
+    U = slip / np.pi + eps * m - A / np.pi * Q * np.log(c / 2)
+    moment = m * Q + (second + eps * np.pi * c**2 / 2) / A
+    for side, d in ((-1, step.slips[0]), (1, step.slips[1])):
+        if d:
+            x, weight = _zone(a1, b1) if side < 0 else _zone(b2, a2)
+            zeta = x - m[:, None]
+            q = d * follower.friction * weight * follower.contact.pressure(x, a1[:, None], a2[:, None])
+            w = _root_beyond(np.abs(zeta), c[:, None])
+            U = U - A / np.pi * np.sum(q * np.arccosh(np.maximum(np.abs(zeta) / c[:, None], 1.0)), axis=1)
+            moment = moment + side * np.sum(q * zeta**2 / w, axis=1)
+    return U, moment
+
+
+def _loop_of(follower: Follower, step: Step) -> float:
+    """Integral of Q dU - m_q d eps over a step."""
+    U, moment = _displacement(follower, step, step.loads, step.edges)
+    nodes = _nodes(follower.order)
+    dU, deps = (_value(nodes, _slope(_fit(each))) for each in (U, step.loads[2]))
+    return _integral(step.loads[1] * dU - moment * deps)
+
+
+def _at(follower: Follower, steps: Sequence[Step], time: float, x: Array) -> tuple[Array | float, ...]:
+    """Everything at an instant, in the order of `Followed`."""
+    step = steps[min(int(np.searchsorted([each.time[-1] for each in steps], time)), len(steps) - 1)]
+    inside, f, contact = np.clip(np.array([time]), step.time[0], step.time[-1]), follower.friction, follower.contact
+    loads, phi = follower.loads.values(inside), step.phi(inside)
+    a1, a2 = contact.edges(loads[0], loads[3])
+    b1 = np.maximum(_value(phi, _fit(step.b1)), a1) if step.slips[0] else a1
+    b2 = np.minimum(_value(phi, _fit(step.b2)), a2) if step.slips[1] else a2
+    U, shear_moment = _displacement(follower, step, loads, (a1, a2, b1, b2))
+    edges = tuple(float(edge[0]) for edge in (a1, a2, b1, b2))
+    now, d = loads[:, 0], step.slips[1] or step.slips[0] or 1
+    p = contact.pressure(x, a1, a2)
+    touching, sticks = (x >= edges[0]) & (x <= edges[1]), (x >= edges[2]) & (x <= edges[3])
+    q = f * p * np.where(x > edges[3], step.slips[1], step.slips[0])
+    s = np.zeros(len(x))
+    state = np.where(touching, np.where(q > 0, SLIP_FORWARD, SLIP_REVERSE), OPEN)
+    if np.any(sticks):
+        here = x[sticks]
+        root = np.sqrt((here - edges[2]) * (edges[3] - here))
+        reserve = follower.shear_reserve(step.frozen, here, now, edges, step.slips) * root
+        q[sticks], s[sticks], state[sticks] = d * (f * p[sticks] - reserve), step.frozen.slip(here), STICK
+    for side, begin, middle in ((-1, edges[2], edges[0]), (1, edges[3], edges[1])):
+        beyond = side * (x - begin) > 0
+        if not np.any(beyond):
+            continue
+        at_begin, far = float(step.frozen.slip(np.array([begin]))[0]), float(x[beyond][-1 if side > 0 else 0])
+        for first, last in ((begin, middle), (middle, far)):
+            if side * (last - first) <= 1e-12 * step.size:
+                continue
+            n = 2 * follower.order
+            share = (_nodes(n) + 1) / 2
+            y = first + (last - first) * share**2
+            slope = np.empty(n + 1)
+            slope[1:] = follower.outer_slope(step.frozen, side, y[1:], now, edges, step.slips)
+            slope[0] = 2 * slope[1] - slope[2] if first == middle != begin else step.frozen.slope(np.array([begin]))[0]
+            rise = np.asarray(chebyshev.chebint(_fit(slope * share * (last - first)), lbnd=-1.0))
+            here = beyond & (side * (x - first) > 0) & (side * (x - last) <= 0)
+            s[here] = at_begin + _value(2 * np.sqrt((x[here] - first) / (last - first)) - 1, rise)
+            at_begin += float(_value(1.0, rise))
+    moment = float(now[0] * (a1[0] + a2[0]) / 2)
+    both, stick = np.array(edges[:2]), np.array(edges[2:])
+    return (
+        now,
+        moment,
+        float(shear_moment[0]),
+        float(U[0]),
+        both,
+        stick,
+        np.where(touching, p, 0.0),
+        np.where(touching, q, 0.0),
+        s,
+        state,
+    )
+
+
+def _density_of(follower: Follower, step: Step, x: Array) -> Array:
+    """Friction work at points (k,) over a step: f p |ds/dt| over the time that each is in a slip zone."""
+    found, fine = np.zeros(len(x)), np.linspace(-1, 1, 65)
+    duration = step.time[-1] - step.time[0]
+    series = [_fit(each) for each in (step.a1, step.a2, step.b1, step.b2)]
+    for side, d in ((-1, step.slips[0]), (1, step.slips[1])):
+        if not d:
+            continue
+        outer, inner = (side * _value(fine, series[i]) for i in ((1, 3) if side > 0 else (0, 2)))
+        for k in np.flatnonzero((side * x > np.min(inner)) & (side * x < np.max(outer))):
+            inside = np.minimum(side * x[k] - inner, outer - side * x[k])
+            marks = [-1.0, *(_crossing(series, side, float(x[k]), a, b) for a, b in _changes(fine, inside)), 1.0]
+            for begin, end in pairwise(marks):
+                angle = begin + (end - begin) * np.sin(_ANGLE / 2) ** 2
+                weight = (end - begin) / 2 * np.sin(_ANGLE) * _ANGLE_WEIGHT
+                a1, a2, b1, b2 = edges = tuple(_value(angle, each) for each in series)
+                if min(np.min(side * (x[k] - (b2 if side > 0 else b1))), np.min(side * ((a2 if side > 0 else a1) - x[k]))) <= 0:
+                    continue
+                time = step.time[0] + duration * np.sin(np.pi * (angle + 1) / 4) ** 2
+                rate = follower.slip_rate(side, step.slips, np.full((len(time), 1), x[k]), follower.loads.rates(time), edges)[:, 0]
+                p = follower.contact.pressure(np.array(x[k]), a1, a2)
+                found[k] += np.sum(weight * np.cos(np.pi * angle / 2) * np.pi / 4 * duration * follower.friction * p * rate)
+    return found
+
+
+def _changes(at: Array, values: Array) -> list[tuple[float, float]]:
+    """Intervals in which values change sign."""
+    k = np.flatnonzero((values[1:] > 0) != (values[:-1] > 0))
+    return list(zip(at[k].tolist(), at[k + 1].tolist(), strict=True))
+
+
+def _crossing(series: Sequence[Array], side: int, x: float, low: float, high: float) -> float:
+    """Where a point enters or leaves the slip zone of a side."""
+    outer, inner = (series[i] for i in ((1, 3) if side > 0 else (0, 2)))
+
+    def inside(phi: float) -> float:
+        return float(min(side * (x - _value(phi, inner)), side * (_value(phi, outer) - x)))
+
+    return float(brentq(inside, low, high, xtol=1e-14))
+
+
+DEBUG = False
