@@ -1,25 +1,25 @@
-"""Front following: slip and stick of a parabola under P, Q, bulk strain and tilt of any course while one stick interval remains.
+"""Front following: slip and stick of a parabola under any course of P, Q, bulk strain and tilt, while one stick interval remains.
 
-# notation: A = 2/E*; p, q tractions, q > 0 on the lower face; s slip of the upper face over the lower; eps bulk strain, alpha tilt;
-#           a1, a2 edges of contact, b1, b2 of stick; m, c middle and half-length of stick, zeta = x - m, w = sqrt(c^2 - zeta^2);
-#           d = +1, -1 direction of slip; q = d (f p - q*), so that q* = 0 where the faces slip in direction d
+# notation: A = 2/E*; p, q tractions, q > 0 on the lower face; s slip of the upper face over the lower; eps bulk strain,
+#           alpha tilt; a1, a2 edges of contact, b1, b2 of stick; m, c middle and half-length of stick, zeta = x - m,
+#           w = sqrt(c^2 - zeta^2); d = +1, -1 direction of slip; q = d (f p - q*), so that q* = 0 where the faces slip in direction d;
 #           H principal value of int (.)/(x - xi) d xi
 
     h' + alpha = (A/pi) H p  in contact,    s' = (A/pi) H q - eps  everywhere         (like bodies, Dundurs' beta = 0)
 
-The frozen slope s'(x) of the stick interval is the whole memory of friction. On stick (A/pi) H q* = F = f (h' + alpha) - d (s' + eps),
-and q* is bounded at both edges, of the total f P - d Q:
+The frozen slope s'(x) of the stick interval is the whole memory of friction. On stick (A/pi) H q* = F, with
+F = f (h' + alpha) - d (s' + eps), and q* is bounded at both edges, of the total f P - d Q:
 
     int F/w = A K_0,    int zeta F/w = A (f P - d Q - K_1),    K_j = 2 f int_opposite p |zeta|^j / sqrt(zeta^2 - c^2) d xi
 
-K_j is there where the zone at the other end slips in the opposite direction: q* = 2 f p in it. A *receding* stick edge follows from
-these two equations at once, however long the step. A contact edge that *advances in stick* freezes the s' that it meets: there s' is
-the unknown, a Volterra equation of the first kind in time. A zone that comes to rest freezes its s' as it is, by the formula of H q*
-outside the stick interval. Steps end at events, and are spectral in time between them.
+K_j is there where the zone at the other end slips in the opposite direction: q* = 2 f p in it. A *receding* stick edge follows
+from these two equations at once, however long the step. A contact edge that *advances in stick* freezes the s' that it meets:
+there s' is the unknown, a Volterra equation of the first kind in time. A zone that comes to rest freezes its s' as it is, by the
+formula of H q* outside the stick interval. Steps end at events, and are spectral in time between them.
 
-Where the loads turn round with bulk or tilt out of phase, slip stops at the edge of contact first: stick then has several intervals.
-The same may happen where a front meets what a loop has left. Both are found, by the sign of the slip rate and by |q| <= f p, and
-refused. Loads in phase, and most polygons of loads, have one stick interval throughout.
+Where loads turn round with bulk or tilt out of phase, slip stops at the edge of contact first, and stick has several intervals. So
+it may where a front meets what a loop has left. Both are found, by the sign of the slip rate and by |q| <= f p, and refused. Of
+cycles, those in phase have one stick interval throughout, whatever share P, Q, bulk and tilt have in them.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def _fit(values: Array) -> Array:
     """Chebyshev coefficients of values at `_nodes`, (n + 1, ...)."""
     n = len(values) - 1
     if n not in _FITS:
-        _FITS[n] = np.linalg.inv(chebyshev.chebvander(_nodes(n), n))
+        _FITS[n] = np.asarray(np.linalg.inv(chebyshev.chebvander(_nodes(n), n)), dtype=float)
     return np.asarray(_FITS[n] @ values)
 
 
@@ -98,6 +98,11 @@ def _value(at: Array | float, coefficients: Array) -> Array:
 
 def _slope(coefficients: Array) -> Array:
     return np.asarray(chebyshev.chebder(coefficients))
+
+
+def _primitive(coefficients: Array) -> Array:
+    """The integral from -1."""
+    return np.asarray(chebyshev.chebint(coefficients, lbnd=-1.0), dtype=float)
 
 
 def _integral(values: Array) -> float:
@@ -152,7 +157,7 @@ class Piece:
         self.low, self.high, self.slope, self.begin = low, high, coefficients, begin
         at = _nodes(2 * len(coefficients) + 8)
         rate = _value(at, coefficients) * (high - low) * np.sin(np.pi * (at + 1) / 2) * np.pi / 4
-        self.rise = np.asarray(chebyshev.chebint(_fit(rate), lbnd=-1.0))
+        self.rise = _primitive(_fit(rate))
 
     @staticmethod
     def places(low: float, high: float, n: int) -> Array:
@@ -419,8 +424,8 @@ class State:
 class Step:
     """A stretch of time without events. Values at nodes 0..n of phi, with time = begin + duration sin(pi (1 + phi)/4)^2.
 
-    `slips` are the directions at both ends: +1, -1, or 0 for a contact edge that advances in stick. `frozen` holds all of s' that is
-    frozen at the end. `work` is the friction work, `wrong` the largest share of slip rate or of f p0 that breaks a law of friction.
+    `slips` are the directions at both ends: +1, -1, or 0 for a contact edge that advances in stick. `frozen` holds all of s' that
+    is frozen at the end. `work` is the friction work, `wrong` the largest share of slip rate or f p0 that breaks a law of friction.
     """
 
     slips: tuple[int, int]
@@ -966,12 +971,6 @@ class Follower:
                 if event is not None or state.time >= stop:
                     slips = None
                 trial = min(self.longest, 2 * trial)
-            if DEBUG:
-                print(
-                    f"{step.time[0]:.7f} {step.time[-1]:.7f} {step.slips} {state.b1:.6f} {state.b2:.6f} pieces {len(state.frozen.pieces)} wrong {step.wrong:.1e} rough {rough:.1e}",
-                    event and event[:3],
-                    self.counts,
-                )
             if step.wrong > _WRONG:
                 raise _broken(float(step.time[-1]), "friction would be broken inside what slips or sticks")
             steps.append(step)
@@ -1104,9 +1103,9 @@ class Followed:
 def remainder_of(works: Sequence[float]) -> float:
     """How far the work of the last cycle may be from that of the steady one, from the trend of the changes.
 
-    Geometric where changes fall to less than half from cycle to cycle, and like k^-4 where they fall more slowly: (k/3) times the last.
+    Geometric where changes fall to less than half from cycle to cycle. Where they fall more slowly, like k^-4: k/3 times the last.
 
-    >>> remainder_of([1.5, 1.05, 1.005])  # 0.005 is left
+    >>> round(remainder_of([1.5, 1.05, 1.005]), 12)  # W falls to 1
     0.005
     >>> works = [1 + k**-3.0 for k in range(1, 41)]  # 1.6e-5 is left
     >>> 1e-5 < remainder_of(works) < 3e-5
@@ -1117,7 +1116,7 @@ def remainder_of(works: Sequence[float]) -> float:
         return float(changes[-1]) if len(changes) else math.inf
     ratio = float(changes[-1] / changes[-2]) if changes[-2] > 0 else 1.0
     if ratio < 0.5:
-        return round(float(changes[-1]) * ratio / (1 - ratio), 15)
+        return float(changes[-1]) * ratio / (1 - ratio)
     return float(changes[-1]) * max(len(works) / 3, min(ratio, 0.9) / (1 - min(ratio, 0.9)))
 
 
@@ -1245,7 +1244,7 @@ def _at(follower: Follower, steps: Sequence[Step], time: float, x: Array) -> tup
     b1 = np.maximum(_value(phi, _fit(step.b1)), a1) if step.slips[0] else a1
     b2 = np.minimum(_value(phi, _fit(step.b2)), a2) if step.slips[1] else a2
     U, shear_moment = _displacement(follower, step, loads, (a1, a2, b1, b2))
-    edges = tuple(float(edge[0]) for edge in (a1, a2, b1, b2))
+    edges = float(a1[0]), float(a2[0]), float(b1[0]), float(b2[0])
     now, d = loads[:, 0], step.slips[1] or step.slips[0] or 1
     p = contact.pressure(x, a1, a2)
     touching, sticks = (x >= edges[0]) & (x <= edges[1]), (x >= edges[2]) & (x <= edges[3])
@@ -1270,10 +1269,10 @@ def _at(follower: Follower, steps: Sequence[Step], time: float, x: Array) -> tup
             y = first + (last - first) * share**2
             slope = np.empty(n + 1)
             slope[1:] = follower.outer_slope(step.frozen, side, y[1:], now, edges, step.slips)
-            slope[0] = 2 * slope[1] - slope[2] if first == middle != begin else step.frozen.slope(np.array([begin]))[0]
-            rise = np.asarray(chebyshev.chebint(_fit(slope * share * (last - first)), lbnd=-1.0))
-            here = beyond & (side * (x - first) > 0) & (side * (x - last) <= 0)
-            s[here] = at_begin + _value(2 * np.sqrt((x[here] - first) / (last - first)) - 1, rise)
+            slope[0] = 0.0  # not used: x stands still there
+            rise = _primitive(_fit(slope * share * (last - first)))
+            between = beyond & (side * (x - first) > 0) & (side * (x - last) <= 0)
+            s[between] = at_begin + _value(2 * np.sqrt((x[between] - first) / (last - first)) - 1, rise)
             at_begin += float(_value(1.0, rise))
     moment = float(now[0] * (a1[0] + a2[0]) / 2)
     both, stick = np.array(edges[:2]), np.array(edges[2:])
@@ -1306,7 +1305,7 @@ def _density_of(follower: Follower, step: Step, x: Array) -> Array:
             for begin, end in pairwise(marks):
                 angle = begin + (end - begin) * np.sin(_ANGLE / 2) ** 2
                 weight = (end - begin) / 2 * np.sin(_ANGLE) * _ANGLE_WEIGHT
-                a1, a2, b1, b2 = edges = tuple(_value(angle, each) for each in series)
+                a1, a2, b1, b2 = edges = _four(angle, series)
                 if min(np.min(side * (x[k] - (b2 if side > 0 else b1))), np.min(side * ((a2 if side > 0 else a1) - x[k]))) <= 0:
                     continue
                 time = step.time[0] + duration * np.sin(np.pi * (angle + 1) / 4) ** 2
@@ -1314,6 +1313,12 @@ def _density_of(follower: Follower, step: Step, x: Array) -> Array:
                 p = follower.contact.pressure(np.array(x[k]), a1, a2)
                 found[k] += np.sum(weight * np.cos(np.pi * angle / 2) * np.pi / 4 * duration * follower.friction * p * rate)
     return found
+
+
+def _four(at: Array, series: Sequence[Array]) -> tuple[Array, Array, Array, Array]:
+    """Values of the series of all four edges."""
+    a1, a2, b1, b2 = (_value(at, each) for each in series)
+    return a1, a2, b1, b2
 
 
 def _changes(at: Array, values: Array) -> list[tuple[float, float]]:
@@ -1330,6 +1335,3 @@ def _crossing(series: Sequence[Array], side: int, x: float, low: float, high: fl
         return float(min(side * (x - _value(phi, inner)), side * (_value(phi, outer) - x)))
 
     return float(brentq(inside, low, high, xtol=1e-14))
-
-
-DEBUG = False
