@@ -2,7 +2,7 @@
 
 # notation: A = 2/E*; p, q tractions, q > 0 on the lower face; s slip of the upper face over the lower; eps bulk strain,
 #           alpha tilt; a1, a2 edges of contact, b1, b2 of stick; m, c middle and half-length of stick, zeta = x - m,
-#           w = sqrt(c^2 - zeta^2); d = +1, -1 direction of slip; q = d (f p - q*), so that q* = 0 where the faces slip in direction d;
+#           w = sqrt(c^2 - zeta^2); d = +1, -1 direction of slip; q = d (f p - q*), so that q* = 0 where they slip in direction d;
 #           H principal value of int (.)/(x - xi) d xi
 
     h' + alpha = (A/pi) H p  in contact,    s' = (A/pi) H q - eps  everywhere         (like bodies, Dundurs' beta = 0)
@@ -73,7 +73,7 @@ class Loads(NamedTuple):
 
 
 class NotOneStickInterval(InputError):
-    """The stick zone has broken into several intervals, or an event was met that the engine has no state for."""
+    """The stick zone has broken into several intervals, or its edges could not be followed."""
 
 
 # ------------------------------------------------------------------------------------------------- series on [-1, 1]
@@ -597,7 +597,7 @@ class Follower:
         d = (slips[1] if side > 0 else slips[0]) or slips[0] or slips[1] or 1
         edge = b2 if side > 0 else b1
         at_edge = f * (self.contact.slope(np.array([edge])) + alpha) - d * (frozen.slope(np.array([edge])) + eps)
-        root = side * np.sqrt((x - b1) * (x - b2))
+        root = side * np.sqrt(np.maximum((x - b1) * (x - b2), 0.0))
         total = np.zeros(len(x))
         for each in frozen.quadratures(np.array([b1]), np.array([b2])):
             w, y = (each.weight / np.sqrt(each.up * each.down)).ravel(), each.x.ravel()
@@ -914,7 +914,7 @@ class Follower:
             for name, side, values in self._monitors(step)
             if name == "turn" and values[-1] < 0 < values[0]
         ]
-        if not turns and end < stop:
+        if not turns and stop - state.time > 2e-4 * self.longest:
             return None
         self.counts["bridged"] += 1
         if turns:
@@ -958,7 +958,10 @@ class Follower:
                 elif trial > _SHORTEST * self.longest:
                     continue
                 else:
-                    raise _broken(state.time, "the stick edges cannot be followed")
+                    raise NotOneStickInterval(
+                        f"load: the edges of stick could not be followed past time {state.time:.6g}, where the engine has no "
+                        "state for them; keep bulk stress and tilt in phase with the loads, or use the finite elements"
+                    )
                 trial = self.longest / 16
             else:
                 step, state = self._finished(step, state)

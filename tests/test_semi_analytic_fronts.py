@@ -135,8 +135,8 @@ def path_of(rows, *, moment=False):
 
 
 # A tilt that stays, and a bulk strain in phase with Q at constant P.
-ROWS, TIMES = ((3.0, 0.0), (0.0, 1.8), (0.0, 0.3), (0.1, 0.0)), np.concatenate([[-0.5], np.arange(1, 61) * 2 * PI / 30])
-CELLS = 320
+ROWS, TIMES = ((3.0, 0.0), (0.0, 1.8), (0.0, 0.3), (0.1, 0.0)), np.concatenate([[-0.5], np.arange(1, 41) * 2 * PI / 20])
+CELLS = 240
 
 
 @pytest.fixture(scope="module")
@@ -150,19 +150,16 @@ def test_all_that_is_followed_agrees_with_the_dense_grid(followed):
     """Tractions, slip, U, moments and works of every increment, within what 320 cells and 30 increments a cycle leave."""
     P, Q, eps, alpha = followed.loads
     grid = bulk_oracle.solve(lambda x: x**2 / 2, (-2.5, 2.5), CELLS, 1.0, P, Q, eps, alpha)
-    for name, size, share in (
-        ("pressure", 1.0, 0.03),
-        ("shear", 1.0, 0.06),
-        ("slip", 1.0, 2e-3),
-        ("displacement", 1.0, 1e-3),
-        ("shear_moment", 1.0, 3e-3),
-        ("moment", 1.0, 1e-3),
-    ):
+    for name, share in (("pressure", 3e-3), ("shear", 1e-2), ("slip", 5e-4)):
         theirs, own = getattr(grid, name), getattr(followed, name)
-        print(name, np.max(np.abs(own - theirs)), np.max(np.abs(theirs)))
-        assert np.max(np.abs(own - theirs)) < share * size, name
-    print(followed.works, grid.cycle_work(30), followed.loop)
-    print([(np.mean(followed.state[k] == grid.state[k])) for k in range(0, 61, 6)])
+        assert np.linalg.norm(own - theirs) < share * np.linalg.norm(theirs), name
+    for name in ("displacement", "shear_moment", "moment"):
+        theirs, own = getattr(grid, name), getattr(followed, name)
+        assert own == pytest.approx(theirs, abs=1e-3 * np.max(np.abs(theirs))), name
+    q, s = followed.shear, followed.slip
+    works = grid.step * np.sum((q[1:] + q[:-1]) * np.diff(s, axis=0), axis=1) / 2  # by the trapezoidal rule, as the grid's
+    assert np.sum(works[-20:]) == pytest.approx(grid.cycle_work(20)[-1], rel=1e-3)
+    assert np.mean(followed.state == grid.state) > 0.995
 
 
 def test_work_loop_and_work_at_the_points_are_one(followed):
