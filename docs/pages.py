@@ -189,6 +189,10 @@ SYMBOLS = {
     "largest_pressure": "p",
     "permanent_stick_half_width": "c",
     "stick_share": "c/a",
+    "stick_centre": "m",
+    "contact_left": "left",
+    "contact_right": "right",
+    "moment": "M",
     "lower_face_displacement": "u",
 }
 

@@ -105,8 +105,9 @@ def findings(comparison: Comparison) -> Findings:
     if both.unfinished:
         raise InputError(f"{name}: not converged, so not published: {'; '.join(both.unfinished)}")
     kept = {key: value for key, value in both.figures.items() if not key.startswith("semi_analytic.")}
-    for one in published_by_others(comparison.scene):
-        kept.setdefault(f"halfplane_fe.{one.quantity}", measure(comparison.result, one.quantity))
+    for one in comparison.scene.expected:
+        if one.engine == "finite elements":
+            kept.setdefault(f"halfplane_fe.{one.quantity}", measure(comparison.result, one.quantity))
     return Findings(name, both.scene, kept | dict(alone.figures), {**both.engines, **alone.engines})
 
 
@@ -155,8 +156,16 @@ def externals(scene: Scene, largest_load: float) -> Iterator[External]:
             )
     if scene.name == "layer":
         yield from LAYER
+    if scene.load.has_bulk_or_tilt:
+        works = (one for one in scene.expected if one.quantity == "dissipation")
+        yield from (External(_key(one), repr(one.value), one.tolerance, one.source) for one in works)
     for one in published_by_others(scene):
-        yield External(f"halfplane_fe.{one.quantity}", repr(one.value), one.tolerance, one.source)
+        yield External(_key(one), repr(one.value), one.tolerance, one.source)
+
+
+def _key(one: Expected) -> str:
+    """The figure that an expected number is of."""
+    return f"{'semi_analytic' if one.engine == 'half-plane theory' else 'halfplane_fe'}.{one.quantity}"
 
 
 def error_of(external: External, figures: Mapping[str, float | None], scene: Scene, largest_load: float) -> float:
@@ -206,6 +215,10 @@ _QUANTITIES = {
     "permanent_stick_right": "right end of permanent stick",
     "largest_half_width": "largest contact half-width",
     "largest_pressure": "largest pressure at the points",
+    "stick_centre": "middle of the permanent stick zone",
+    "contact_left": "left edge of the contact",
+    "contact_right": "right edge of the contact",
+    "moment": "moment of the pressure about x = 0",
     "lower_face_displacement": "displacement of the lower face's middle along y",
 }
 _HEADS = ("metric", "discrepancy", "as a share", "tolerance", "accurate")

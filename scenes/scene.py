@@ -48,6 +48,8 @@ Tag = Literal[
     "constant-load",
     "normal-only",
     "other-sense",
+    "bulk",
+    "tilt",
     "unloading",
     # what happens
     "partial-slip",
@@ -76,6 +78,10 @@ Quantity = Literal[
     "largest_pressure",
     "permanent_stick_half_width",
     "stick_share",
+    "stick_centre",
+    "contact_left",
+    "contact_right",
+    "moment",
     "lower_face_displacement",
 ]
 
@@ -90,8 +96,9 @@ class Expected(Frozen):
     quantity: Quantity = Field(
         description="of the last cycle (the whole path where nothing repeats): dissipation, loop_work (closed integral of Q dU), "
         "largest_half_width, least_half_width of the contact, largest_pressure, permanent_stick_half_width, "
-        "stick_share (the latter over largest_half_width), lower_face_displacement (along y, of the lower face's middle at the "
-        "largest load: finite elements of a real body)"
+        "stick_share (the latter over largest_half_width), stick_centre (middle of the permanent stick zone), contact_left and "
+        "contact_right (outermost edges of the contact), moment (of the pressure about x = 0 at the largest load), "
+        "lower_face_displacement (along y, of the lower face's middle at the largest load: finite elements of a real body)"
     )
     value: float = Field(description="in the scene's units; energies and loads per unit thickness")
     tolerance: Positive = Field(

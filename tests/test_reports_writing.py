@@ -330,7 +330,7 @@ class TestNotebook:
         scene = load_scene(name)
         shown = ET.fromstring(scene._repr_html_())
         assert scene.title in "".join(shown.itertext())
-        assert len(shown.findall(".//tr")) == 10
+        assert len(shown.findall(".//tr")) == 10 + scene.load.has_bulk_or_tilt
         [line] = [element for element in shown.iter() if element.tag.endswith("path") and len(element.get("d", "")) > 20][:1]
         assert line is not None
 

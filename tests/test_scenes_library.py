@@ -84,6 +84,8 @@ def honest_tags(scene: Scene) -> dict[str, bool]:
         "normal-only": pressed,
         "constant-load": periodic and float(np.ptp(turns[:, 0])) == 0,
         "line": periodic and float(np.ptp(turns[:, 0])) > 0 and bool(wide[1] < 1e-9 * wide[0]),
+        "bulk": load.bulk_stress_lower is not None or load.bulk_stress_upper is not None,
+        "tilt": any(one is not None for one in (load.tilt, load.moment, load.line_of_action)),
         "other-sense": isinstance(load, EllipseLoad) and -180 < load.phase_degrees < 0,
     }
 
@@ -265,7 +267,7 @@ def test_a_number_that_is_off_is_missed(mindlin: ContactSolution) -> None:
 
 def test_no_such_thing_is_missed_not_met(mindlin: ContactSolution) -> None:
     sliding = replace(mindlin, permanent_stick_half_width=math.nan)
-    for quantity in ("permanent_stick_half_width", "stick_share", "lower_face_displacement"):
+    for quantity in ("permanent_stick_half_width", "stick_share", "stick_centre", "moment", "lower_face_displacement"):
         missed = finding(sliding, quantity=quantity, value=0.5)
         assert not missed.met
         assert expected.rows([missed])[0][3] == "none"

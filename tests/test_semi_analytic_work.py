@@ -313,7 +313,10 @@ def routes(scene):
     return np.array(found)
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in scene_names()])
+PLAIN = [name for name in scene_names() if not load_scene(name).load.has_bulk_or_tilt]  # the others: test_semi_analytic_bulk.py
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in PLAIN])
 def test_every_way_to_the_work_of_a_scene_of_the_library_meets(name):
     """Worst measured 3e-11 (tiny-slip, Q dU, where W is 1e-9 of A f^2 P^2), 1.2e-13 elsewhere; 0 where nothing slips."""
     scene = load_scene(name)

@@ -58,6 +58,17 @@ def _lower_face_displacement(solution: ContactSolution) -> float:
     return float(lower.displacement[middle, 1])
 
 
+def _stick_centre(solution: ContactSolution) -> float:
+    edges = solution.permanent_stick_edges
+    return math.nan if edges is None else float(np.mean(edges))
+
+
+def _moment(solution: ContactSolution) -> float:
+    """At the largest load of the last cycle."""
+    largest = solution.last_cycle[np.argmax(solution.normal_load[solution.last_cycle])]
+    return math.nan if solution.moment is None else float(solution.moment[largest])
+
+
 _MEASURES: dict[str, Callable[[ContactSolution], float]] = {
     "dissipation": lambda solution: float(solution.dissipation),
     "loop_work": lambda solution: float(solution.loop_work),
@@ -66,6 +77,10 @@ _MEASURES: dict[str, Callable[[ContactSolution], float]] = {
     "largest_pressure": lambda solution: float(np.max(solution.pressure[solution.last_cycle])),
     "permanent_stick_half_width": lambda solution: float(solution.permanent_stick_half_width),
     "stick_share": lambda solution: float(solution.permanent_stick_half_width) / _largest_half_width(solution),
+    "stick_centre": _stick_centre,
+    "contact_left": lambda solution: float(np.nanmin(solution.contact_edges[solution.last_cycle, 0])),
+    "contact_right": lambda solution: float(np.nanmax(solution.contact_edges[solution.last_cycle, 1])),
+    "moment": _moment,
     "lower_face_displacement": _lower_face_displacement,
 }
 

@@ -25,7 +25,7 @@ SUPPORT_WORDS = {
     "rollers": "on rollers along x",
     "guided": "guided along y",
     "half_plane": "joined to the half-plane around it",
-    "pulled": "free, and pulled by the bulk stress",
+    "pulled": "free, with the bulk stress on them",
 }
 _SIDES = {"free": "its sides free", "guided": "its sides guided by smooth walls"}
 _BASE = {"fixed": "its base fixed to a rigid plane", "rollers": "its base on rollers along a rigid plane"}
