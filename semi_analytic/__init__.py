@@ -1,4 +1,4 @@
-"""The half-plane engine: partial slip of any symmetric profile under any history of P and Q, exact to rounding.
+"""The half-plane engine: partial slip of any profile under any history of P and Q, with bulk stress and tilt, exact to rounding.
 
 Normal contact::
 
@@ -6,6 +6,9 @@ Normal contact::
     hertz.py                Hertz law: the parabola in closed form
     profiles.py             P(a) of every profile: flat and rounded, power law, two curvatures; Abel transform of tables
     punch_superposition.py  Ciavarella-Jaeger superposition of flat punches: p, outer displacement and slip kernel of any P(a)
+    unsymmetric.py          the same with tilt and bulk strain: families of nested contact intervals; the parabola in closed form
+    opposite_slip.py        large bulk stress at constant P: ends that slip opposite ways (Nowell and Hills)
+    tilted_profile.py       flat and rounded, compound, wedge and tables under a tilt, with unequal sides: sums over their knots
 
 The history of P and Q::
 
@@ -13,6 +16,7 @@ The history of P and Q::
     history.py              curved paths: spans of stick and slip, the steady cycle, gross sliding and separation
     load_series.py          straight paths of any length: knots of the memory curve, slip of each step
     event_times.py          events: the instants A to M
+    bulk_and_tilt.py        bulk stress and tilt: which paths have one memory curve; eccentricity of stick (Nowell and Hills)
 
 From a request to an answer::
 
@@ -33,6 +37,7 @@ Arrays of ellipses in one call::
 """
 
 from semi_analytic.batches import DissipationBatch, PeakBatch, Reason, dissipation, peak_dissipation
+from semi_analytic.bulk_and_tilt import Eccentricity, eccentricity
 from semi_analytic.damping import Hysteresis, compliance, hysteresis
 from semi_analytic.event_times import Event, event, events
 from semi_analytic.measured_friction import FrictionBatch, NoFriction, friction_from
@@ -43,6 +48,7 @@ from semi_analytic.subsurface import edge_tension, stress
 __all__ = [
     "FIELDS",
     "DissipationBatch",
+    "Eccentricity",
     "Event",
     "FrictionBatch",
     "Hysteresis",
@@ -51,6 +57,7 @@ __all__ = [
     "Reason",
     "compliance",
     "dissipation",
+    "eccentricity",
     "edge_tension",
     "event",
     "events",

@@ -55,6 +55,8 @@ def hysteresis(solution: ContactSolution) -> Hysteresis:
     0.00607
     """
     cycle = solution.last_cycle
+    if any(np.any(stress) for stress in (solution.bulk_stress_lower, solution.bulk_stress_upper) if stress is not None):
+        raise InputError("hysteresis: with bulk stress the loop of Q over U is not the dissipation: `solve` gives both")
     if len(cycle) < 3:
         raise InputError("hysteresis: the times of the solution hold no whole cycle")
     force, shift = (np.ptp(values[cycle]) / 2 for values in (solution.tangential_load, solution.tangential_displacement))
@@ -74,12 +76,16 @@ def hysteresis(solution: ContactSolution) -> Hysteresis:
 def compliance(solution: ContactSolution) -> tuple[Array, Array]:
     """dU/dQ at constant P, (n_steps,) [1/stress]: while slip goes on (infinite where nothing sticks), right after a reversal.
 
+    InputError for solutions with bulk stress or tilt.
+
     >>> from scenes import load_scene
     >>> from semi_analytic import solve
     >>> tangent, stick = compliance(solve(load_scene("cattaneo-mindlin"), x=[0.0], time=[1.0, 2.0]))
     >>> bool(tangent[0] == stick[0] == stick[1]), round(float(tangent[1] / stick[1]), 6)  # ln(2000/0.632)/ln(2000)
     (True, 1.060275)
     """
+    if solution.tilt is not None:
+        raise InputError("compliance: it is for symmetric profiles without bulk stress and tilt")
     factor, datum = 2 / (math.pi * composite_modulus(solution.scene.material)), 2 * solution.scene.profile.datum_length
     with np.errstate(divide="ignore"):
         tangent, stick = (

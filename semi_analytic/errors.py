@@ -21,8 +21,9 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import NotFoundError
 from semi_analytic.history import Span
 from semi_analytic.memory import PROMISED, Snapshot, level, pieces
-from semi_analytic.profiles import Contact
+from semi_analytic.profiles import Contact, SymmetricContact
 from semi_analytic.request import Request
+from semi_analytic.tilted_profile import TiltedProfile
 
 Array = NDArray[np.float64]
 
@@ -69,7 +70,7 @@ def field_errors(
     if "slip" in asked.fields:
         size = max(float(np.max(np.abs(grids["slip"]))) * math.pi * asked.modulus / 2, _TINY)
         arcs["slip"] = _largest(arc_errors["slip"]) / size
-    if contact.closed_form:
+    if contact.closed_form or isinstance(contact, TiltedProfile):
         return {name: value for name, value in arcs.items() if value > PROMISED}
     knots = 2 * max((sum(1 for _ in pieces(snapshot.actives[k])) for k in snapshot.which[chosen]), default=0) + 2
     found: dict[str, float] = {}
@@ -81,7 +82,7 @@ def field_errors(
 
 
 def _of_tractions(
-    contact: Contact, points: Array, x: Array, loads: Array, top: float, lines: dict[str, Array], knots: int, arcs: float
+    contact: SymmetricContact, points: Array, x: Array, loads: Array, top: float, lines: dict[str, Array], knots: int, arcs: float
 ) -> dict[str, float]:
     """Errors of pressure and shear over `top` and f times it, away from the edges and at those next to `points`."""
     away = np.abs(x - contact.half_width(loads)) > _NEAR * contact.half_width(loads)
@@ -102,7 +103,7 @@ def _largest(values: ArrayLike) -> float:
     return largest
 
 
-def _at_edges(contact: Contact, x: Array, half: Array, least: float) -> float:
+def _at_edges(contact: SymmetricContact, x: Array, half: Array, least: float) -> float:
     """What the error of a half-width does to a pressure (g/pi) sqrt(2 d/a) at the small distance d of the nearest point."""
     inside = half[np.isfinite(half) & (half > 0)]
     if not len(inside):

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 
 from scenes import NORMAL_LOAD, Combination, InputError, Scene
 from scenes.frozen import validated
+from semi_analytic.bulk_and_tilt import followed_path
 from semi_analytic.history import History, Span, history_of, is_plain_ellipse
 from semi_analytic.memory import Curve, level
 
@@ -61,13 +62,15 @@ def events(scene: Scene) -> tuple[Event, ...]:
     ------
     InadmissibleLoadError
         Gross sliding or separation somewhere in the path.
+    InputError
+        Bulk stress or tilt under which the memory is not one curve.
 
     >>> from scenes import load_scene
     >>> "".join(event.letter for event in events(load_scene("hertz-paper")))
     'ABCDEFGHIKJLM'
     """
     scene = validated(scene, Scene)
-    history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles)
+    history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
     times = _letter_times(history)
     merged: list[Event] = []
     for one in sorted(_named(history), key=lambda event: event.time):

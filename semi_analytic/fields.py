@@ -41,6 +41,7 @@ from scenes import NORMAL_LOAD, LoadSegment
 from scenes.chebyshev import DEGREE, NODES, series, tail
 from semi_analytic.memory import Curve, Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import Contact
+from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic.quadrature import gauss, graded
 
 Array = NDArray[np.float64]
@@ -449,7 +450,7 @@ class Integrals:
         total = np.zeros((len(top), len(self.x)))
         there = np.flatnonzero((slope != 0) & (top != bottom))
         short = np.zeros(len(there), dtype=bool)
-        if self.kernel == "slip" and not self.contact.closed_form:
+        if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
             length = top[there] - bottom[there]
             # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
             below, above = (np.searchsorted(self.contact.break_loads, ends) for ends in (bottom[there] - length, top[there]))

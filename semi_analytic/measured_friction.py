@@ -137,6 +137,8 @@ def friction_from(
     if any(value is not None for value in others):
         raise InputError("friction_from: a scene comes without profile, material and loads")
     scene = validated(scene, Scene)
+    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+        raise InputError("friction_from: it takes scenes of symmetric profiles without bulk stress and tilt; `solve` takes others")
     if isinstance(scene.load, EllipseLoad):
         loads = {name: getattr(scene.load, name) for name in _LOADS}
         return _of_ellipses(dissipation, {"profile": scene.profile, "material": scene.material}, loads)

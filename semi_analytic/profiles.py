@@ -42,13 +42,15 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, PunchSuperposition
 from semi_analytic.quadrature import panels
+from semi_analytic.tilted_profile import TiltedProfile
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-Contact = HertzContact | PunchSuperposition
+SymmetricContact = HertzContact | PunchSuperposition
+Contact = SymmetricContact | TiltedProfile
 
 
-def contact_of(profile: Profile, materials: Materials) -> Contact:
+def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
     """The normal contact of a scene's profile.
 
     Raises
@@ -56,6 +58,8 @@ def contact_of(profile: Profile, materials: Materials) -> Contact:
     InputError
         For a kind of profile that this engine does not know, and for one under which the contact would split.
     """
+    if not profile.symmetric:
+        raise InputError("profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both")
     modulus, datum = composite_modulus(materials), getattr(profile, "datum_length", 0.0)
     match profile:
         case Hertz():

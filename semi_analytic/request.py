@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import InputError
 from scenes.errors import present_name
+from semi_analytic.bulk_and_tilt import OneCurve
 from semi_analytic.profiles import Contact
 
 Array = NDArray[np.float64]
@@ -33,8 +34,9 @@ class Request:
     contact, modulus : normal contact, E*
     time : (n,) instants as asked for
     x : (m,) points as asked for
-    distance, fold : (k,) different |x|, (m,) where each x finds its own
+    distance, fold : (k,) different |x|, (m,) where each x finds its own; different x of an unsymmetric contact
     fields : what is wanted
+    family : the path with bulk stress and tilt; None without
     """
 
     contact: Contact
@@ -44,6 +46,7 @@ class Request:
     distance: Array
     fold: NDArray[np.int64]
     fields: frozenset[str]
+    family: OneCurve | None = None
 
 
 def checked(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str]:

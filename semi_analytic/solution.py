@@ -35,6 +35,7 @@ from scenes import (
     freeze,
     scene_of,
 )
+from semi_analytic.bulk_and_tilt import NO_ONE_CURVE, one_curve
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -50,10 +51,13 @@ from semi_analytic.friction_work import (
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
 from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, pieces, rounding_of_shift, rounding_of_slip, value_on
-from semi_analytic.profiles import Contact, contact_of
+from semi_analytic.opposite_slip import OppositeSlip
+from semi_analytic.profiles import Contact, SymmetricContact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
-from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of
+from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
+from semi_analytic.tilted_profile import TiltedProfile
+from semi_analytic.unsymmetric import TiltedParabola
 
 Array = NDArray[np.float64]
 
@@ -108,12 +112,20 @@ def solve(
     scene = scene_of(scene)
     wanted, points, asked = checked(fields, cycles), vector(x, "x"), vector(time, "time")
     started = clock.perf_counter()
-    contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient
+    family = None
+    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+        family = one_curve(scene)
+        if family is None:
+            raise InputError(NO_ONE_CURVE)
+    contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
+    friction = scene.friction.coefficient
     path: LoadSeries | History
     if straight_steps:
         if asked is None:
             raise InputError("straight_steps: give the times between which the steps are straight")
-        path = straight_series(scene.load.path(), friction, asked)
+        path = straight_series(scene.load.path() if family is None else family.path, friction, asked)
+    elif family is not None:
+        path = history_of(family.path, friction, scene.cycles, asked)
     else:
         path = own_series(scene, asked) or history_of(scene.load.path(), friction, scene.cycles, asked)
     pointwise, left_out = not wanted.isdisjoint(POINTWISE), 0
@@ -122,13 +134,14 @@ def solve(
         path = replace(path, covered=path.covered[-1:]) if cycles == "steady" else path
     if points is None:
         needed = pointwise or "dissipation_density" in wanted or not path.long
-        points = mirrored_points(1.05 * float(contact.half_width(path.largest))) if needed else np.zeros(1)
-    request = Request(contact, composite_modulus(scene.material), asked, points, *folded(points), wanted)
+        points = _points_of(contact, path.largest) if needed else np.zeros(1)
+    every = folded(points) if family is None else np.unique(points, return_inverse=True)
+    request = Request(contact, composite_modulus(scene.material), asked, points, *every, wanted, family)
     followed = clock.perf_counter()
     found = _along_series(path, request) if isinstance(path, LoadSeries) else _along_spans(path, request)
     worked = clock.perf_counter()
     series = _series_of(request, found.snapshot)
-    grids, arcs = _grids_of(request, found.snapshot, series["contact_half_width"], series["stick_half_width"])
+    grids, arcs = _grids_of(request, found.snapshot, series)
     evaluated = clock.perf_counter()
     arrays: dict[str, Any] = {name: freeze(values) for name, values in series.items()} | grids
     work = float(found.each[-1])
@@ -147,7 +160,10 @@ def solve(
     seconds = {"history": followed - started, "fields": evaluated - worked}
     seconds["dissipation"] = worked - followed + clock.perf_counter() - evaluated
     # A front that is nothing but the last digits of P is none.
-    stick = float(contact.half_width(found.least if found.least > LAST_DIGITS * path.largest else 0.0))
+    least = found.least if found.least > LAST_DIGITS * path.largest else 0.0
+    stick = float(contact.half_width(least))
+    if isinstance(contact, TiltedParabola | TiltedProfile):
+        arrays["permanent_stick_edges"] = freeze(contact.interval(least) if stick > 0 else np.full(2, math.nan))
     termination, message = _ending(path)
     return ContactSolution(
         engine="semi_analytic",
@@ -177,7 +193,7 @@ def solve(
     )
 
 
-def memory_at(scene: Scene, time: Array) -> tuple[Contact, Snapshot]:
+def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     """Normal contact of a scene, and its memory curves at instants (n,) of its load path.
 
     Raises
@@ -186,6 +202,8 @@ def memory_at(scene: Scene, time: Array) -> tuple[Contact, Snapshot]:
         As `solve`.
     """
     contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient
+    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+        raise InputError("load: stress inside the bodies is for scenes without bulk stress and tilt, and for symmetric profiles")
     series = own_series(scene, time)
     if series is None:
         return contact, history_of(scene.load.path(), friction, scene.cycles, time).snapshot(time)
@@ -324,7 +342,9 @@ def _along_spans(history: History, request: Request) -> Along:
         spans = history.cycles[number]
         used.extend(spans)
         if ellipse is not None and history.is_loop(number):
-            works[number] = unit * float(sum(part[0] for part in dissipation_of(ellipse, contact, careful=True))), 0.0
+            leans = isinstance(contact, TiltedParabola | TiltedProfile)
+            parts = works_over_time(ellipse, contact) if leans else dissipation_of(ellipse, contact, careful=True)
+            works[number] = unit * float(sum(part[0] for part in parts)), 0.0
         else:
             split = global_dissipation(contact, modulus, spans)
             own = float(split.error / split.total) if split.error else 0.0
@@ -378,15 +398,28 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     stick[slid] = _half_width(contact, front[slid])
     stick[(front <= 0) & (stick == 0)] = np.nan
     shift = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0] if "tangential_displacement" in fields else nothing
-    return {
+    sides, approach, more = np.array([-1.0, 1.0]), nothing, {}
+    if "normal_approach" in fields:
+        approach = factor * contact.log_distance(snapshot.load)
+    edges, fronts = half[:, None] * sides, stick[:, None] * sides
+    if (family := request.family) is not None:
+        more = family.series(request.time, snapshot.load)
+        more["shear_moment"] = Integrals(replace(family.contact, rigid="moment"), np.zeros(1), "shift").over(snapshot)[:, 0]
+        edges = more.pop("contact_edges")
+        half = np.diff(edges)[:, 0] / 2
+        fronts = np.where(
+            ((snapshot.slipped > 0) | np.isnan(stick))[:, None], family.contact.centre(front)[:, None] + fronts, edges
+        )
+        approach = more.pop("normal_approach") if "normal_approach" in fields else nothing
+    return more | {
         "normal_load": snapshot.load,
         "tangential_load": snapshot.force,
         "tangential_displacement": factor * shift,
-        "normal_approach": factor * contact.log_distance(snapshot.load) if "normal_approach" in fields else nothing,
+        "normal_approach": approach,
         "contact_half_width": half,
         "stick_half_width": stick,
-        "contact_edges": half[:, None] * np.array([-1.0, 1.0]),
-        "stick_edges": stick[:, None] * np.array([-1.0, 1.0]),
+        "contact_edges": edges,
+        "stick_edges": fronts,
     }
 
 
@@ -399,7 +432,9 @@ def _half_width(contact: Contact, load: Array) -> Array:
     return half
 
 
-def _grids_of(request: Request, snapshot: Snapshot, half: Array, stick: Array) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
+def _grids_of(
+    request: Request, snapshot: Snapshot, series: Mapping[str, Array]
+) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
     """pressure, shear, slip, state: (n, m), read-only; whatever was not asked for is NaN (open) and takes no room. Errors of arcs.
 
     NotFoundError where a value that is due was not found; tractions are infinite at the tip of a sharp wedge.
@@ -410,16 +445,23 @@ def _grids_of(request: Request, snapshot: Snapshot, half: Array, stick: Array) -
     grids["state"] = np.broadcast_to(np.int8(OPEN), shape)
     found: dict[str, NDArray[Any]] = {}
     if "pressure" in fields:
-        found["pressure"] = contact.pressure(x, snapshot.load[:, None])
+        if (family := request.family) is not None:
+            m, c = np.mean(series["contact_edges"], axis=1), series["contact_half_width"]
+            found["pressure"] = family.contact.pressure_over(x, m, c)
+        else:
+            found["pressure"] = contact.pressure(x, snapshot.load[:, None])
     shear, slip = Integrals(contact, x, "shear"), Integrals(contact, x, "slip")
     if "shear" in fields:
         found["shear"] = shear.over(snapshot)
     if "slip" in fields:
         found["slip"] = 2 / (math.pi * request.modulus) * slip.over(snapshot)
     if "state" in fields:
-        sliding = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)[snapshot.direction + 1][:, None]
-        inner = np.where(x > np.nan_to_num(stick)[:, None], sliding, np.int8(STICK))
-        found["state"] = np.where((x <= half[:, None]) & (snapshot.load[:, None] > 0), inner, np.int8(OPEN))
+        # Where the ends slip opposite ways a direction is that of one side.
+        sense = contact.sense(x).astype(int) if isinstance(contact, OppositeSlip) else 1
+        sliding = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)[snapshot.direction[:, None] * sense + 1]
+        sticks, touches = (_within(series[name], x) for name in ("stick_edges", "contact_edges"))
+        inner = np.where(sticks, np.int8(STICK), sliding)
+        found["state"] = np.where(touches & (snapshot.load[:, None] > 0), inner, np.int8(OPEN))
     for name, values in found.items():
         due = np.isfinite(values)
         if name in ("pressure", "shear"):
@@ -431,6 +473,18 @@ def _grids_of(request: Request, snapshot: Snapshot, half: Array, stick: Array) -
         grid.flags.writeable = False
         grids[name] = grid
     return grids, {"shear": shear.arc_error, "slip": slip.arc_error}
+
+
+def _within(edges: Array, x: Array) -> NDArray[np.bool_]:
+    """Whether points (k,) are between two edges (n, 2): (n, k); of no stick zone only its middle x = 0 is within."""
+    low, high = (np.nan_to_num(edges[:, [side]]) for side in (0, 1))
+    return (x >= low) & (x <= high)
+
+
+def _points_of(contact: Contact, largest: float) -> Array:
+    """Points across the largest contact and a little beyond; an unsymmetric one is not mirrored."""
+    points = mirrored_points(1.05 * float(contact.half_width(largest)))
+    return points + float(contact.centre(largest)) if isinstance(contact, TiltedParabola | TiltedProfile) else points
 
 
 # ------------------------------------------------------------------------------------- what a solution says of itself

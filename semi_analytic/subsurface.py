@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, InputError, Scene, scene_of
 from semi_analytic.memory import Piece, Snapshot, front_time, pieces
-from semi_analytic.profiles import Contact
+from semi_analytic.profiles import SymmetricContact
 from semi_analytic.quadrature import INVERSE_ROOTS, ROOTS
 from semi_analytic.request import vector
 from semi_analytic.solution import memory_at
@@ -159,7 +159,7 @@ def _slope_of(piece: Piece, friction: float) -> Slope:
     return slope
 
 
-def _potentials(contact: Contact, lines: Iterator[tuple[float, float, Slope]], x: Array, y: Array) -> Complex:
+def _potentials(contact: SymmetricContact, lines: Iterator[tuple[float, float, Slope]], x: Array, y: Array) -> Complex:
     """N, T, N' and T' at x + i y, y <= 0: (4, n). N' and T' are left 0 on the face, where they go with y."""
     found = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
@@ -174,7 +174,7 @@ def _potentials(contact: Contact, lines: Iterator[tuple[float, float, Slope]], x
     return found
 
 
-def _add_panel(found: Complex, contact: Contact, slope: Slope, ends: tuple[float, float], x: Array, y: Array) -> None:
+def _add_panel(found: Complex, contact: SymmetricContact, slope: Slope, ends: tuple[float, float], x: Array, y: Array) -> None:
     """Adds the punches of half-widths between `ends`; where |x| is one of them the panel is cut there."""
     low, high = ends
     inside = (x > low) & (x < high)
@@ -199,7 +199,7 @@ def _add_panel(found: Complex, contact: Contact, slope: Slope, ends: tuple[float
                 _add(found, here, _weights(contact, slope, half, reach * rule.share), delta, x, y)
 
 
-def _weights(contact: Contact, slope: Slope, half: Array, share: Array) -> Array:
+def _weights(contact: SymmetricContact, slope: Slope, half: Array, share: Array) -> Array:
     """d eta and M' d eta of the nodes `half`, (2, ...)."""
     rise = contact.stiffness(half) * share
     return np.stack([rise, rise * slope(contact.load(half))])

@@ -1,0 +1,254 @@
+"""From a scene with bulk stress and tilt to the family of its contact intervals: which load paths have one memory curve.
+
+# notation: alpha tilt, eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2), kappa as in `unsymmetric`
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import NORMAL_LOAD, Combination, Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
+from scenes.chebyshev import Unresolved
+from semi_analytic.elasticity import composite_modulus
+from semi_analytic.opposite_slip import OppositeSlip
+from semi_analytic.profiles import contact_of
+from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
+from semi_analytic.unsymmetric import TiltedParabola
+
+Array = NDArray[np.float64]
+
+# Share of the largest value within which two affine functions are one.
+_ROUNDING = 1e-11
+# Instants of a curved leg that are compared, besides two for each turn that it may take.
+_SAMPLES = 40
+
+NO_ONE_CURVE = (
+    "load: half-plane theory takes bulk strain that is kappa Q and tilt that is kappa P, with the same kappa and each with a "
+    "constant, as long as contact intervals, at constant P stick zones, stay nested; of others the finite elements give the answer"
+)
+"""Why a scene is refused that `one_curve` does not take."""
+
+
+@dataclass(frozen=True, eq=False)
+class OneCurve:
+    """A load path with bulk stress and tilt whose memory is one curve.
+
+    Attributes
+    ----------
+    contact : the nested intervals of its family
+    path : P and Q alone
+    bulk, turning : stresses of both bodies, tilt and moment as paths over the same time; None for none
+    moment_given : whether `turning` states the moment
+    """
+
+    contact: TiltedParabola | TiltedProfile
+    path: LoadPath
+    bulk: LoadPath | None
+    turning: LoadPath | None
+    moment_given: bool
+
+    def series(self, time: Array, load: Array) -> dict[str, Array]:
+        """Bulk stresses, tilt, moment, contact edges and normal approach at instants (n,) with the normal loads (n,)."""
+        # Somebody else's instant may be before the start by rounding.
+        inside, contact = np.maximum(time, self.path.start), self.contact
+        lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
+        tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
+        if self.moment_given and isinstance(contact, TiltedParabola):
+            tilt = _tilt_of(contact.radius, load, moment)
+        m, c = contact.under(load, tilt)
+        return {
+            "bulk_stress_lower": lower,
+            "bulk_stress_upper": upper,
+            "tilt": tilt,
+            "moment": moment if self.moment_given else contact.moment(m, c, load, tilt),
+            "contact_edges": np.stack([m - c, m + c], axis=-1),
+            "normal_approach": contact.approach(m, c, load, tilt),
+        }
+
+
+def _tilt_of(radius: float, load: Array, moment: Array) -> Array:
+    """Tilt of a parabola that carries `moment`; 0 where it carries no load."""
+    return -moment / (radius * np.where(load > 0, load, np.inf))
+
+
+def strain_of(materials: Materials) -> tuple[float, float]:
+    """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' = E/(1 - nu^2) (plane strain).
+
+    >>> from scenes import Elastic
+    >>> strain_of(Materials(lower=Elastic(young_modulus=0.91, poisson_ratio=0.3), upper=Elastic(young_modulus=2, poisson_ratio=0)))
+    (1.0, -0.5)
+    """
+    lower, upper = ((1 - body.poisson_ratio**2) / body.young_modulus for body in (materials.lower, materials.upper))
+    return lower, -upper
+
+
+def one_curve(scene: Scene) -> OneCurve | None:
+    """The scene's path where its memory is one curve: alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with nested intervals.
+
+    At constant P large bulk strain is one as well, as long as the stick zones recede at both ends: see `opposite_slip`.
+
+    While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do what it will: nothing is sheared,
+    and nothing is remembered. None where there is another memory, or intervals are not nested.
+
+    Raises
+    ------
+    InputError
+        For a profile that is no piecewise parabola, a moment on another one than Hertz', a contact that leaves the profile.
+    """
+    path, profile = scene.load.path(), scene.profile
+    legs = (*path.initial_loading, *path.cycle)
+    radius = profile.radius if isinstance(profile, Hertz) else None
+    shape = piecewise_parabola(profile)
+    if shape is None:
+        raise InputError(
+            f"profile.kind = {profile.kind!r}: under bulk stress or tilt half-plane theory takes hertz, flat_rounded, compound, "
+            "wedge and tabulated"
+        )
+    found = [_sampled(leg, radius, strain_of(scene.material), path.moment_given) for leg in legs]
+    first = 0
+    largest, _, strained = np.max([np.max(np.abs(each[:3]), axis=1) for each in found], axis=0).tolist()
+    while first < len(path.initial_loading) and _presses_only(found[first], largest, strained):
+        first += 1
+    p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
+    turned = np.isfinite(alpha)
+    slope = _slope_of(q, eps) if np.ptp(q) > _ROUNDING * np.max(np.abs(q)) else _slope_of(p[turned], alpha[turned])
+    tilt = float(np.mean(alpha[turned] - slope * p[turned])) if np.any(turned) else 0.0
+    offset = eps - slope * q
+    apart = np.abs(alpha[turned] - tilt - slope * p[turned])
+    if np.ptp(offset) > _ROUNDING * (np.max(np.abs(eps)) + abs(slope) * np.max(np.abs(q))):
+        return None
+    if np.any(apart > _ROUNDING * (np.max(np.abs(alpha[turned])) + abs(slope) * np.max(p))):
+        return None
+    modulus, datum, most = composite_modulus(scene.material), profile.datum_length, float(np.max(p))
+    contact: TiltedParabola | TiltedProfile
+    if radius is not None:
+        contact = TiltedParabola(modulus, radius, datum, tilt=tilt, slope=slope)
+    else:
+        contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
+    if not contact.is_nested(most):
+        # At constant P the stick zones are nested where contacts are not.
+        if radius is None or np.ptp(p) > _ROUNDING * most or scene.friction.coefficient == 0:
+            return None
+        reach = float(np.max(np.abs(q)))
+        turned_by = tilt + slope * most
+        contact = OppositeSlip(
+            modulus, radius, datum, tilt=turned_by, slope=slope, friction=scene.friction.coefficient, most=most, reach=reach
+        )
+        try:
+            if not contact.is_nested(most):
+                return None
+        except (ArithmeticError, Unresolved):
+            return None
+    loading, cycle = (tuple(replace(leg, bulk=None, turning=None) for leg in part) for part in (path.initial_loading, path.cycle))
+    bare, bulk, turning = LoadPath(loading, cycle), _companions(path, "bulk"), _companions(path, "turning")
+    return OneCurve(contact, bare, bulk, turning, path.moment_given)
+
+
+class Eccentricity(NamedTuple):
+    """How far bulk strain moves the stick zone, and whether it is moderate.
+
+    `value` is e = eps R/(f a) of a parabola, eps half the range of the bulk strain in the cycle and a the half-width at the largest
+    P: at constant P and in phase the centre of stick moves by e a; NaN of other profiles and without friction. `strain` is
+    eps, `limit` = (A/(pi a)) Q with half the range of Q: up to it bulk is `moderate`, in phase and at constant P both ends then
+    slip one way.
+    """
+
+    value: float
+    strain: float
+    limit: float
+
+    @property
+    def moderate(self) -> bool:
+        """Whether eps is not above its limit."""
+        return self.strain <= self.limit * (1 + _ROUNDING)
+
+
+def eccentricity(scene: Scene) -> Eccentricity | None:
+    """Eccentricity of stick by bulk stress over the cycle, over the whole path where it has none; None without bulk stress.
+
+    Like bodies with bulk in one: e = sigma/(4 f p0) (Nowell and Hills 1987). It is a measure, and no bound: with P, Q or bulk out
+    of phase the ends may slip opposite ways although bulk is moderate.
+
+    >>> from scenes import load_scene
+    >>> scene = load_scene("cattaneo-mindlin")
+    >>> eccentricity(scene) is None
+    True
+    """
+    path, profile, friction = scene.load.path(), scene.profile, scene.friction.coefficient
+    legs = path.cycle or path.initial_loading
+    if not path.has_bulk_or_tilt or all(leg.bulk is None for leg in legs):
+        return None
+    strains = strain_of(scene.material)
+    p, q, eps, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strains, False) for leg in legs], axis=1)
+    modulus, most = composite_modulus(scene.material), float(np.max(p))
+    shape = piecewise_parabola(profile)
+    half = (
+        float(shape.contact(2 / modulus * most, 0.0)[1]) if shape else float(contact_of(profile, scene.material).half_width(most))
+    )
+    strain, force = float(np.ptp(eps)) / 2, float(np.ptp(q)) / 2
+    known = isinstance(profile, Hertz) and friction > 0
+    value = strain * profile.radius / (friction * half) if known else math.nan  # type: ignore[union-attr]
+    return Eccentricity(value, strain, 2 * force / (math.pi * modulus * half))
+
+
+def followed_path(scene: Scene) -> LoadPath:
+    """P and Q of a scene whose memory is one curve: its whole path without bulk stress and tilt.
+
+    Raises
+    ------
+    InputError
+        For another memory, and as `one_curve`.
+    """
+    path = scene.load.path()
+    if not path.has_bulk_or_tilt:
+        return path
+    family = one_curve(scene)
+    if family is None:
+        raise InputError(NO_ONE_CURVE)
+    return family.path
+
+
+def _presses_only(samples: Array, largest: float, strained: float) -> bool:
+    """Whether a leg has no Q and no change of bulk strain, to rounding of the largest P and eps."""
+    _, q, eps, _ = samples
+    return bool(np.max(np.abs(q)) <= _ROUNDING * largest and np.ptp(eps) <= _ROUNDING * strained)
+
+
+def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float], moment_given: bool) -> Array:
+    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load.
+
+    InputError for a moment where there is no radius to find the tilt from.
+    """
+    parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
+    turns = max(part.most_turns for part in parts)
+    share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
+    # The turning points too: the extreme loads and strains are among them.
+    turning = leg.turning_points(NORMAL_LOAD) + leg.turning_points(Combination(0.0, 1.0))
+    turning += leg.bulk.turning_points(Combination(*strain)) if leg.bulk is not None else []
+    time = np.unique(np.append(leg.start + (leg.end - leg.start) * share, turning))
+    p, q = leg.loads(time)
+    lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
+    tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)
+    if moment_given and np.any(moment):
+        if radius is None:
+            raise InputError("load: half-plane theory takes a moment or a line of action under the parabola alone; state the tilt")
+        tilt = np.where(p > 0, _tilt_of(radius, p, moment), np.nan)
+    return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
+
+
+def _slope_of(load: Array, what: Array) -> float:
+    """Least-squares slope; 0 where the load is constant."""
+    away = load - np.mean(load) if len(load) else load
+    square = float(away @ away)
+    return float(away @ what) / square if square > 0 and np.ptp(load) > _ROUNDING * np.max(np.abs(load)) else 0.0
+
+
+def _companions(path: LoadPath, name: str) -> LoadPath | None:
+    """What all segments carry under this name, as a path."""
+    loading, cycle = ([getattr(leg, name) for leg in legs] for legs in (path.initial_loading, path.cycle))
+    return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))

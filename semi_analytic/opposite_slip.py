@@ -1,0 +1,279 @@
+"""Large bulk stress at constant normal load: the two ends of a Hertzian contact slip opposite ways (Nowell and Hills 1987).
+
+# notation: A = 2/E*, k = E*/(2 R), p = k sqrt(a^2 - x^2), eps = kappa Q bulk strain in proportion to Q; b1, b2 ends of stick,
+#           w = sqrt((b1 - xi)(b2 - xi)), m = (b1 + b2)/2, c = (b2 - b1)/2; e = eps/(A f k a)
+
+Above |eps| = (A/(pi a)) |Q| the stick zone leaves both edges, and friction has two signs on its two sides. With eps < 0, right end
+forward and left end reverse,
+
+    eps/(A f k) = m - (2/pi) int_{-a}^{b1} sqrt(a^2 - xi^2)/w d xi
+    Q = f P + (pi eps/A) m - f k pi (m^2 + c^2/2) + 2 f k int_{-a}^{b1} xi sqrt(a^2 - xi^2)/w d xi
+
+and for eps > 0 the same with -Q and -eps. While Q and eps grow in proportion the stick zones I are nested, and q is a sum of the
+increments [1/pi - (kappa/A) t]/sqrt(c^2 - t^2) dQ on them. So the memory curve of constant P holds with I(eta), eta = P - |Q|/f, in
+place of contact intervals of load eta (Masing rule), and so do the formulas of s, U, m_q and W in `unsymmetric`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes.chebyshev import Pieces, halved
+from semi_analytic.hertz import HertzContact
+from semi_analytic.quadrature import crowded, gauss, graded
+from semi_analytic.unsymmetric import TiltedParabola
+
+Array = NDArray[np.float64]
+
+# Parts in which loads grow from nothing to those asked for, and steps of Newton's method in each at most.
+_PARTS, _STEPS = 12, 30
+# Step by which derivatives are taken: they need few digits.
+_WIDTH = 1e-6
+# Integrals that are taken at a time.
+_MEMBERS = 10_000
+
+
+def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
+    """e < 0 and Q/(f P) under which the contact -1 < x < 1 slips for d1 = `left` and d2 = `right` at its ends.
+
+    >>> e, q = loads_of(np.array([0.5]), np.array([0.5]))  # Q = 0: -e = (2/pi) [K(m) - E(m)], m = 1 - c^2
+    >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
+    (-0.6018957302, 0.0)
+    """
+    m, c = (left - right) / 2, 1 - (left + right) / 2
+    # xi = b1 - d1 v^2
+    v, weight = graded(np.zeros(left.shape), np.ones(left.shape))
+    deep = left[..., None] * (1 - v * v)
+    xi, root = deep - 1, np.sqrt((1 - v) * (1 + v) * (2 - deep) / (2 - deep - right[..., None]))
+    parts = weight * 2 * left[..., None] * root
+    e = m - 2 / np.pi * np.sum(parts, axis=-1)
+    return e, 1 + 2 * e * m - 2 * m * m - c * c + 4 / np.pi * np.sum(xi * parts, axis=-1)
+
+
+def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
+    """d1 and d2 of e < 0 and Q/(f P), (n,) each, that grow in proportion from nothing: the inverse of `loads_of`.
+
+    Raises
+    ------
+    ArithmeticError
+        Where there are none: one slip zone closes again, or sticks next to nothing.
+    """
+    wanted = np.stack([e, force])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        depth = _depths(wanted)
+        fault = np.abs(np.stack(loads_of(*depth)) - wanted)
+    if not np.all(fault <= 1e-11 * np.abs(wanted).max(axis=0)):
+        raise ArithmeticError("no stick zone with slip of opposite sense at both ends")
+    return depth[0], depth[1]
+
+
+def _depths(wanted: Array) -> Array:
+    """Depths (2, n) by Newton's method, the loads growing in parts; NaN or anything where it fails."""
+    e, force = wanted
+    depth = np.stack([-e - force / 2, -e + force / 2]) / _PARTS
+    for part in range(1, _PARTS + 1):
+        share = part / _PARTS
+        for _ in range(_STEPS):
+            fault = np.stack(loads_of(*depth)) - share * wanted
+            rates = []
+            for row in (0, 1):
+                width = _WIDTH * depth * (np.arange(2) == row)[:, None]
+                rates.append((np.stack(loads_of(*(depth + width))) - np.stack(loads_of(*(depth - width)))) / (2 * width[row]))
+            (of_left, force_of_left), (of_right, force_of_right) = rates
+            determinant = of_left * force_of_right - of_right * force_of_left
+            step = np.stack([force_of_right * fault[0] - of_right * fault[1], of_left * fault[1] - force_of_left * fault[0]])
+            step = step / determinant
+            # Never more than half the way to an end of contact, or to where both slip zones meet.
+            room = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
+            depth = depth - np.clip(step, -room, room)
+            if np.all(np.abs(step) <= 1e-14 * depth) or not np.all(np.isfinite(depth)):
+                break
+        further = depth * (part + 1) / part
+        depth = np.where(further.sum(axis=0) < 2, further, depth) if part < _PARTS else depth
+    return depth
+
+
+def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
+    """Nodes and weights of Gauss' rule on [begin, end], a new last axis."""
+    node, weight = gauss(8)
+    length = (end - begin)[..., None]
+    return begin[..., None] + length * node, length * weight
+
+
+@lru_cache(maxsize=8)  # the same zones under other values of `rigid`
+def _stick_zones(eccentric: float, forced: float, most: float) -> tuple[Pieces, Pieces]:
+    """b1/a and b2/a over P - eta up to `most`, -e = `eccentric` (P - eta) and Q/(f P) = `forced` (P - eta)."""
+
+    def ends(v: Array) -> tuple[Array, Array]:
+        left, right = slip_depths(-eccentric * v.ravel(), forced * v.ravel())
+        return (left - 1).reshape(v.shape), (1 - right).reshape(v.shape)
+
+    marks = np.array([0.0, most])
+    return halved(lambda v: ends(v)[0], marks, 1.0), halved(lambda v: ends(v)[1], marks, 1.0)
+
+
+@dataclass(frozen=True)
+class OppositeSlip(TiltedParabola):
+    """The parabola at constant P under bulk strain kappa Q that is large; its I(eta), eta <= P, are stick zones.
+
+    Attributes
+    ----------
+    tilt, slope : alpha, which is constant, and kappa
+    friction, most, reach : f, P, and the largest |Q| that is asked for
+    """
+
+    friction: float = 1.0
+    most: float = 1.0
+    reach: float = 1.0
+
+    @cached_property
+    def half(self) -> float:
+        """a."""
+        return float(HertzContact.half_width(self, self.most))
+
+    @property
+    def _middle(self) -> float:
+        """Centre of contact."""
+        return -self.tilt * self.radius  # type: ignore[return-value]
+
+    @cached_property
+    def _series(self) -> tuple[Pieces, Pieces]:
+        """b1 and b2 from the centre of contact, over a, as functions of P - eta."""
+        return _stick_zones(
+            abs(self._lean) / self.half, -float(np.sign(self.slope)) / self.most, self.reach / self.friction * (1 + 1e-9)
+        )
+
+    @cached_property
+    def _as_loop(self) -> OppositeSlip:
+        return replace(self, rigid="loop")
+
+    def _at(self, load: ArrayLike) -> tuple[Array, Array]:
+        """m and c of I(eta)."""
+        left, right = (
+            ends(np.clip(self.most - np.asarray(load, dtype=float), 0.0, self.reach / self.friction)) for ends in self._series
+        )
+        return self._middle + self.half * (left + right) / 2, self.half * (right - left) / 2
+
+    def is_nested(self, load: float) -> bool:  # noqa: ARG002 whatever the load is
+        """Whether stick zones recede at both ends."""
+        ends = self.interval(self.most - self.reach / self.friction * np.linspace(0, 1, 200))
+        slack = 1e-12 * self.half
+        return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))
+
+    def centre(self, load: ArrayLike) -> Array:
+        return self._at(load)[0]
+
+    def half_width(self, load: ArrayLike) -> Array:
+        """c(eta) [length]."""
+        return self._at(load)[1]
+
+    def advance(self, load: ArrayLike) -> Array:
+        """What kernels know an interval by: its load."""
+        return np.asarray(load, dtype=float)
+
+    def load_at(self, advance: ArrayLike) -> Array:
+        """The same."""
+        return np.asarray(advance, dtype=float)
+
+    def load(self, half_width: ArrayLike) -> Array:
+        """P_x: above P out of contact, 0 where nothing slips up to the largest Q."""
+        place = (np.asarray(half_width, dtype=float) - self._middle) / self.half
+        low, high = np.zeros(place.shape), np.full(place.shape, self.reach / self.friction)
+        left, right = self._series
+        for _ in range(60):
+            v = (low + high) / 2
+            outside = np.where(place < 0, place < left(v), place > right(v))
+            low, high = np.where(outside, low, v), np.where(outside, v, high)
+        never = (place >= left(np.array(self.reach / self.friction))) & (place <= right(np.array(self.reach / self.friction)))
+        out = np.abs(place) - 1
+        return np.where(out > 0, self.most * (1 + out), np.where(never, 0.0, self.most - (low + high) / 2))
+
+    def sense(self, x: ArrayLike) -> Array:
+        """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
+        return np.where(np.asarray(x, dtype=float) > self._middle, -1.0, 1.0) * np.sign(self.slope)
+
+    def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """p(x) at the constant load, with the sign of `sense`: q/f where x slips [stress]."""
+        t = np.asarray(x, dtype=float) - self._middle + 0 * np.asarray(load, dtype=float)
+        size = np.sqrt(np.maximum((self.half - t) * (self.half + t), 0.0)) * (2 / (np.pi * self.stretch))
+        return np.asarray(self.sense(x) * size)
+
+    def _to_the_top(self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]) -> Array:
+        """Integral of a kernel from `load` to P, of slip over loads at which x is open, of shear where x sticks.
+
+        From load to load: close to P_x by the rule for singular ends, else by Gauss' rule.
+        """
+        places, loads = np.broadcast_arrays(np.asarray(x, dtype=float), np.clip(load, self._least, self.most))
+        (points, column), (stops, row) = (np.unique(values, return_inverse=True) for values in (places, loads))
+        low, high, edge = stops[:, None], np.append(stops[1:], self.most)[:, None], self.load(points)
+        if kernel == "inverse_root":
+            begin, end, away = low + 0 * edge, high + 0 * edge, low - np.maximum(edge, self._least)
+            inside = (low >= edge) & (high > low)
+        else:
+            begin, end = low + 0 * edge, np.minimum(high, edge)
+            inside, away = end > begin, np.minimum(edge, self.most) - end
+        cells, near = np.zeros(inside.shape), away < 3 * (high - low)
+        for some, rule in ((inside & near, graded), (inside & ~near, _by_gauss)):
+            cell, point = np.nonzero(some)
+            for k in range(0, len(cell), _MEMBERS):
+                here = cell[k : k + _MEMBERS], point[k : k + _MEMBERS]
+                eta, weight = rule(begin[here], end[here])
+                cells[here] = np.sum(weight * getattr(self, kernel)(points[here[1], None], 0.0, eta), axis=-1)
+        total = np.cumsum(cells[::-1], axis=0)[::-1]
+        return np.asarray(total[row.ravel(), column.ravel()].reshape(places.shape))
+
+    @property
+    def _least(self) -> float:
+        """P - eta of the largest Q."""
+        return self.most - self.reach / self.friction
+
+    def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """Integral of dp/d eta up to a load, less that up to P: -q/f after Q = f (P - eta)."""
+        sticks = self.load(x) < np.minimum(load, self.most)
+        return -np.where(sticks, self._to_the_top(x, load, "inverse_root") / np.pi, self.pressure(x, load))
+
+    def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """Integral of the kernel of slip up to a load, less that up to P."""
+        return -self._to_the_top(x, load, "arccosh_ratio")
+
+    def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
+        """The kernel of slip from the load; 0 inside."""
+        del excess
+        m, c = self._at(advance)
+        t = np.asarray(x, dtype=float) - m
+        root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
+        return np.arcsinh(root / c) - 2 * self._lean / self.stretch * np.sign(t) * root
+
+    def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
+        """pi times the increment of q over that of Q, from the load; 0 outside."""
+        del excess
+        m, c = self._at(advance)
+        t = np.asarray(x, dtype=float) - m
+        square = (c - t) * (c + t)
+        return (1 - 2 * self._lean / self.stretch * t) / np.sqrt(np.where(square > 0, square, np.inf))
+
+    def log_ratio(self, load: ArrayLike) -> Array:
+        """As `TiltedParabola`: from m and c."""
+        m, c = self._at(load)
+        lean = 2 * self._lean / self.stretch
+        arm = m - lean * c * c / 2
+        if self.rigid == "moment":
+            return arm
+        return np.log(2 * self.datum_length / c) + lean * (m + arm if self.rigid == "loop" else m)
+
+    def log_distance(self, load: ArrayLike) -> Array:
+        """Integral of `log_ratio` up to a load, less that up to P."""
+        low = np.clip(load, self.most - self.reach / self.friction, self.most)
+        eta, weight = graded(low, np.full(np.shape(low), self.most))
+        return np.asarray(-np.sum(weight * self.log_ratio(eta), axis=-1))
+
+    def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
+        """Lam = int_{P_c}^P of the loop's rate at P_c less that at eta [force per thickness]."""
+        load, slipped = np.broadcast_arrays(np.asarray(load, dtype=float), np.asarray(slipped, dtype=float))
+        rate, (eta, weight) = self._as_loop.log_ratio, crowded(load - slipped, load)
+        return np.asarray(np.sum(weight * (rate(load - slipped)[..., None] - rate(eta)), axis=-1))

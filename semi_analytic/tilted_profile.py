@@ -1,0 +1,554 @@
+"""Normal contact of any piecewise parabolic profile under a tilt, in closed form; the same as a family of nested intervals.
+
+# notation: b_j knots, J_j jumps of h'' there, k_0 and s_0 the curvature left of b_0 and the slope at it; m, c centre and
+#           half-length of the contact, x = m + t, b_j = m + c cos(theta_j), 0 <= theta_j <= pi; alpha tilt, A = 2/E*; sums run over
+#           the knots
+
+    h' = s_0 + k_0 (x - b_0) + sum J_j (x - b_j)_+
+
+A contact interval under load P and tilt alpha is where h' + alpha has no mean over sqrt(c^2 - t^2) and carries P:
+
+    0   = alpha + s_0 + k_0 (m - b_0) + (c/pi) sum J (sin - theta cos)
+    A P = (c^2/2) [pi k_0 + sum J (theta - sin cos)]
+
+Pressure, gap, approach and moment follow by integrating h'' over the contact. Flat and rounded, compound, wedges with a rounded tip
+and tables, whose sides may be unequal, are such profiles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import ClassVar, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import Compound, FlatRounded, Hertz, InputError, Profile, Tabulated, Wedge
+from scenes.chebyshev import Pieces, halved
+from semi_analytic.quadrature import crowded, panels
+
+Array = NDArray[np.float64]
+
+# Steps of Newton's method, kept in a bracket: about ten are taken, sixty halvings would do.
+_STEPS = 120
+# Angle below which sin - theta cos = sum 2 k (-1)^(k + 1) theta^(2 k + 1)/(2 k + 1)! and theta - sin cos are summed as series.
+_SMALL = 0.3
+_K = np.arange(1.0, 9.0)
+_FACTORIAL = np.array([float(math.factorial(2 * k + 1)) for k in range(1, 9)])
+_OF_MEAN = -((-1.0) ** _K) * 2 * _K / _FACTORIAL
+_OF_LOAD = -((-1.0) ** _K) * 4**_K / _FACTORIAL
+# Relative error of m and c by their series, measured against the equations themselves.
+_NOISE = 1e-12
+# Values of knots that are held at a time.
+_VALUES = 500_000
+# Share of P up to which the kernel of W is a quadrature; above, a difference of closed forms.
+_APART = 0.03
+
+
+class Balance(NamedTuple):
+    """Of contacts: mean of h' over sqrt(c^2 - t^2), A P, int h'' d theta and int h'' cos(theta) d theta."""
+
+    mean_slope: Array
+    load: Array
+    whole: Array
+    odd: Array
+
+
+class Angles(NamedTuple):
+    """Of the knots over contacts of any shape, with a new last axis: theta, its sine and cosine."""
+
+    theta: Array
+    sine: Array
+    cosine: Array
+
+
+def _stepped(
+    now: Array, excess: Array, rate: Array, low: Array, high: Array, unit: Array, known: NDArray[np.bool_] | bool = False
+) -> tuple[Array, bool]:
+    """Newton's step where it stays in the bracket, else the middle; and whether what is left is round-off, or `known` anyhow."""
+    new = now - excess / np.where(rate > 0, rate, np.inf)
+    inside = (new >= low) & (new <= high) & (rate > 0)
+    new = np.where(inside, new, (low + high) / 2)
+    # The next step would be about the power 3/2 of this one.
+    done = (inside & (np.abs(new - now) <= 1e-10 * unit)) | (high - low <= 4e-16 * (np.abs(new) + unit)) | known
+    return new, bool(np.all(done))
+
+
+@dataclass(frozen=True, eq=False)
+class PiecewiseParabola:
+    """A profile whose h'' is constant between knots.
+
+    Attributes
+    ----------
+    knots, curvature : (n,) ascending [length], (n + 1,) of the pieces between and beyond [1/length]
+    slope, height : h' and h at the first knot
+    extent : ends of the profile [length]
+    """
+
+    knots: Array
+    curvature: Array
+    slope: float
+    height: float
+    extent: tuple[float, float] = (-np.inf, np.inf)
+
+    @cached_property
+    def jumps(self) -> Array:
+        """J."""
+        return np.diff(self.curvature)
+
+    def angles(self, m: Array, c: Array) -> Angles:
+        """Of the knots over contacts of centre m and half-length c; 0 beyond the right end, pi beyond the left one."""
+        away, size = self.knots - m[..., None], np.asarray(c)[..., None]
+        cosine = np.clip(np.where(size > 0, away / np.where(size > 0, size, 1.0), np.sign(away)), -1.0, 1.0)
+        return Angles(np.arccos(cosine), np.sqrt((1 - cosine) * (1 + cosine)), cosine)
+
+    @cached_property
+    def slopes(self) -> Array:
+        """h' at the knots."""
+        return np.concatenate([[self.slope], self.slope + np.cumsum(self.curvature[1:-1] * np.diff(self.knots))])
+
+    def touch(self, tilt: ArrayLike) -> Array:
+        """Where h' + alpha = 0: the middle of that place, infinite if there is none [length]."""
+        wanted, last = -np.asarray(tilt, dtype=float), len(self.knots) - 1
+        first, after = np.searchsorted(self.slopes, wanted, "left"), np.searchsorted(self.slopes, wanted, "right")
+        known, bend = np.clip(first - 1, 0, last), self.curvature[first]
+        apart = wanted - self.slopes[known]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            between = self.knots[known] + np.where(bend > 0, apart / bend, np.copysign(np.inf, apart))
+        level = (self.knots[np.minimum(first, last)] + self.knots[np.maximum(after - 1, 0)]) / 2
+        return np.where(after > first, level, between)
+
+    def balance(self, m: Array, c: Array) -> Balance:
+        """What a contact carries. Knots left of m count by (b - x)_+, so that ends next to a knot keep their digits."""
+        number = np.searchsorted(self.knots, m)
+        known, bend = np.maximum(number - 1, 0), self.curvature[number]
+        away = self.knots - m[..., None]
+        depth = np.clip(1 - np.abs(away) / np.where(c > 0, c, 1.0)[..., None], 0.0, 1.0)
+        theta, sine, side = 2 * np.arcsin(np.sqrt(depth / 2)), np.sqrt(depth * (2 - depth)), np.where(away >= 0, 1.0, -1.0)
+        cosine, square = 1 - depth, np.square(theta)
+        # sin - theta cos and theta - sin cos, both by their series where they would cancel.
+        mean, load, small = sine - theta * cosine, theta - sine * cosine, theta < _SMALL
+        if np.any(small):
+            mean = np.where(small, theta * square * np.polynomial.polynomial.polyval(square, _OF_MEAN), mean)
+            load = np.where(small, theta * square * np.polynomial.polynomial.polyval(square, _OF_LOAD), load)
+        return Balance(
+            c * (mean @ self.jumps) / np.pi + self.slopes[known] + bend * (m - self.knots[known]),
+            c * c / 2 * (np.pi * bend + (side * load) @ self.jumps),
+            np.pi * bend + (side * theta) @ self.jumps,
+            sine @ self.jumps,
+        )
+
+    def centre(self, tilt: Array, c: Array) -> Array:
+        """m of a contact of half-length c in balance under a tilt."""
+        middle = self.touch(tilt)
+        low, high, m = middle - c, middle + c, middle + 0 * c
+        for _ in range(_STEPS):
+            found = self.balance(m, c)
+            excess, rate = found.mean_slope + tilt, found.whole / np.pi
+            low, high = np.where(excess < 0, m, low), np.where(excess >= 0, m, high)
+            m, done = _stepped(m, excess, rate, low, high, c)
+            if done:
+                break
+        return m
+
+    def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
+        """m and c of the contact under A P and a tilt, arrays that broadcast.
+
+        Raises
+        ------
+        InputError
+            For a tilt steeper than the sides, and for a contact that reaches beyond the profile.
+        """
+        product, tilt = np.broadcast_arrays(np.asarray(product, dtype=float), np.asarray(tilt, dtype=float))
+        if not np.all(np.isfinite(self.touch(tilt))):
+            raise InputError("load: the tilt is steeper than the sides of the profile: it touches nowhere along its sides")
+        low, high = np.zeros(product.shape), self._wide_enough(product, tilt)
+        c = high / 2
+        for _ in range(_STEPS):
+            found = self.balance(self.centre(tilt, c), c)
+            excess = found.load - product
+            low, high = np.where(excess < 0, c, low), np.where(excess >= 0, c, high)
+            rate = c * (found.whole - found.odd**2 / np.where(found.whole > 0, found.whole, np.inf))
+            c, done = _stepped(c, excess, rate, low, high, c, product <= 0)
+            if done:
+                break
+        c = np.where(product > 0, c, 0.0)
+        m = self.centre(tilt, c)
+        ends = float(np.min(m - c, initial=0.0)), float(np.max(m + c, initial=0.0))
+        if ends[0] < self.extent[0] * (1 + _NOISE) or ends[1] > self.extent[1] * (1 + _NOISE):
+            raise InputError(
+                f"profile: the load needs a contact from {ends[0]:.6g} to {ends[1]:.6g}, the profile goes from "
+                f"{self.extent[0]:.6g} to {self.extent[1]:.6g}"
+            )
+        return m, c
+
+    def _wide_enough(self, product: Array, tilt: Array) -> Array:
+        """A half-length that carries more than A P."""
+        reach = np.abs(self.touch(tilt)) + float(np.ptp(self.knots)) + 1e-3 / float(np.max(self.curvature)) + 0 * product
+        for _ in range(_STEPS):
+            short = self.balance(self.centre(tilt, reach), reach).load < product
+            if not np.any(short):
+                return reach
+            reach = np.where(short, 2 * reach, reach)
+        raise InputError("profile: its sides do not rise enough to carry the load under this tilt")
+
+    # --- what follows from a contact
+
+    def pressure(self, x: Array, m: Array, c: Array) -> Array:
+        """pi A p(x) over a contact; 0 outside. Arrays that broadcast."""
+        return self._in_parts(self._pressure, x, m, c)
+
+    def gap(self, x: Array, m: Array, c: Array) -> Array:
+        """Gap outside a contact; 0 inside. Arrays that broadcast."""
+        return self._in_parts(self._gap, x, m, c)
+
+    def _in_parts(self, function: Callable[[Array, Array, Array], Array], *arguments: Array) -> Array:
+        """Of so many values at a time that their knots fit into memory."""
+        whole = np.broadcast_arrays(*arguments)
+        flat, block = [values.ravel() for values in whole], max(_VALUES // len(self.knots), 1)
+        parts = [function(*(values[k : k + block] for values in flat)) for k in range(0, whole[0].size, block)]
+        return np.concatenate(parts or [np.empty(0)]).reshape(whole[0].shape)
+
+    def _pressure(self, x: Array, m: Array, c: Array) -> Array:
+        t, over = x - m, self.angles(m, c)
+        root = np.sqrt(np.maximum((c - t) * (c + t), 0.0))[..., None]
+        size, knot = np.where(c > 0, c, 1.0)[..., None], self.knots - x[..., None]
+        # ln|sin((theta_x + theta)/2)/sin((theta_x - theta)/2)|
+        one, other = root / size * (1 + over.cosine), over.sine * (1 + t[..., None] / size)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            logarithm = np.where((knot == 0) | (over.sine == 0), 0.0, np.log(np.abs((one + other) / (one - other))))
+        terms = root * over.theta - knot * np.where(np.isfinite(logarithm), logarithm, 0.0)
+        return np.where(root[..., 0] > 0, terms @ self.jumps + np.pi * self.curvature[0] * root[..., 0], 0.0)
+
+    def _gap(self, x: Array, m: Array, c: Array) -> Array:
+        t, over = x - m, self.angles(m, c)
+        distance = np.maximum(np.abs(t), c)
+        root = np.sqrt((distance - c) * (distance + c))
+        angle = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
+        area = distance * root - c * c * angle
+        side, share = np.sign(t)[..., None], np.divide(root, distance + c, out=np.zeros(c.shape), where=distance + c > 0)[..., None]
+        tangent = np.where(side > 0, over.sine, share * over.sine), np.where(side > 0, share, 1.0) * (1 + over.cosine)
+        turned = np.where(over.cosine <= -1, np.pi, np.where(over.cosine >= 1, 0.0, 2 * np.arctan2(*tangent)))
+        knot, sine, whole = x[..., None] - self.knots, c[..., None] * over.sine, c[..., None] * over.cosine
+        terms = np.square(np.maximum(knot, 0.0)) / 2 - knot * knot * turned / (2 * np.pi)
+        terms += (over.theta * area[..., None] - side * sine * (root[..., None] - side * whole * angle[..., None])) / (2 * np.pi)
+        return np.where(np.abs(t) > c, terms @ self.jumps + self.curvature[0] / 2 * area, 0.0)
+
+    def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
+        """Normal approach of x = 0 less (A P/pi) ln(2 L/c)."""
+        theta, sine, cosine = self.angles(m, c)
+        away, knot = m - self.knots[0], self.knots - m[..., None]
+        bent = (theta * knot * knot + np.square(c)[..., None] * (theta / 2 - 1.5 * sine * cosine)) @ self.jumps
+        plain = self.height + self.slope * away + self.curvature[0] / 2 * (away * away + c * c / 2)
+        return np.asarray(plain + np.asarray(tilt) * m + bent / (2 * np.pi))
+
+    def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
+        """A int x p."""
+        theta, sine, cosine = self.angles(m, c)
+        half, knot = c[..., None], self.knots - m[..., None]
+        bent = (half * (sine - sine**3 / 3 - sine * cosine * cosine / 2) - theta * knot / 2) @ self.jumps
+        level = np.asarray(tilt) + self.slope + self.curvature[0] * (m - self.knots[0])
+        return np.asarray(m * self.balance(m, c).load + c * c * (bent + np.pi / 2 * level))
+
+
+def piecewise_parabola(profile: Profile) -> PiecewiseParabola | None:
+    """The profile as parabolas; None where it is none of them.
+
+    Raises
+    ------
+    InputError
+        For a table that bends down somewhere: under a tilt its contact may split.
+    """
+    match profile:
+        case Hertz():
+            knots, bends, slope, height = [0.0], [1 / profile.radius] * 2, 0.0, 0.0
+        case FlatRounded():
+            knots, bends = [-profile.flat_half_length, profile.flat_half_length], [1 / profile.radius, 0.0, 1 / profile.radius]
+            slope, height = 0.0, 0.0
+        case Compound():
+            b, outer = profile.inner_half_length, 1 / profile.outer_radius
+            knots, bends = [-b, b], [outer, 1 / profile.inner_radius, outer]
+            slope, height = -b / profile.inner_radius, b * b / (2 * profile.inner_radius)
+        case Wedge():
+            b = profile.tip_half_length
+            knots, bends = [-b, b], [0.0, 1 / profile.tip_radius, 0.0]
+            slope, height = -b / profile.tip_radius, b * b / (2 * profile.tip_radius)
+        case Tabulated():
+            left, right = profile.sides()
+            bend = np.concatenate([[0.0], left.curvature[::-1], right.curvature, [0.0]])
+            if np.min(bend) < -_NOISE * np.max(bend):
+                raise InputError("profile: under a tilt, or with unequal sides, a table must not bend down anywhere")
+            at = np.concatenate([-left.x[::-1], right.x[1:]])
+            return PiecewiseParabola(at, bend, -float(left.slope[-1]), float(left.height[-1]), (float(at[0]), float(at[-1])))
+        case _:
+            return None
+    return PiecewiseParabola(np.array(knots), np.array(bends), slope, height)
+
+
+@dataclass(frozen=True, eq=False)
+class NestedIntervals:
+    """Contacts I(eta) of a piecewise parabola under the loads eta and the tilts alpha_0 + kappa eta, by series.
+
+    m and c are series of the root of eta - eta_b behind each load eta_b at which an end meets a knot.
+
+    Attributes
+    ----------
+    shape, product : the profile, A
+    tilt, slope : alpha_0 and kappa [1/force per thickness]
+    most : the largest load that is asked for
+    """
+
+    shape: PiecewiseParabola
+    product: float
+    tilt: float
+    slope: float
+    most: float
+
+    def exactly(self, load: ArrayLike) -> tuple[Array, Array]:
+        """m and c of I(eta) from the equations themselves."""
+        eta = np.asarray(load, dtype=float)
+        return self.shape.contact(self.product * eta, self.tilt + self.slope * eta)
+
+    @cached_property
+    def scale(self) -> float:
+        """The largest half-length."""
+        return float(self.exactly(self.most)[1])
+
+    @cached_property
+    def start(self) -> tuple[Array, Array]:
+        """m and c of no load."""
+        return self.exactly(0.0)
+
+    @cached_property
+    def break_loads(self) -> Array:
+        """Loads at which an end of I(eta) is at a knot, ascending."""
+        loads = self.load(self.shape.knots)
+        return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.most)])
+
+    @cached_property
+    def _series(self) -> tuple[Array, Array, Pieces, Pieces]:
+        """Loads behind which stretches begin and their places on one axis; m and c over that axis."""
+        marks = np.concatenate([[0.0], self.break_loads[self.break_loads < self.most * (1 - 1e-9)], [self.most]])
+        places, found = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(marks)))]), []
+        for low, high in pairwise(marks.tolist()):
+            ends = np.array([0.0, math.sqrt(high - low)])
+            both = (halved(lambda v, k=k, low=low: self.exactly(low + v * v)[k], ends, self.scale) for k in (0, 1))  # type: ignore[misc]
+            found.append(tuple(both))
+        middle, half = (
+            Pieces(
+                np.concatenate([[0.0], *(piece.edges[1:] + place for piece, place in zip(pieces, places[:-1], strict=True))]),
+                np.concatenate([piece.coefficients for piece in pieces], axis=1),
+            )
+            for pieces in zip(*found, strict=True)
+        )
+        return marks[:-1], places, middle, half
+
+    def at(self, load: ArrayLike) -> tuple[Array, Array]:
+        """m and c of I(eta)."""
+        eta = np.clip(np.asarray(load, dtype=float), 0.0, self.most)
+        marks, places, middle, half = self._series
+        number = np.searchsorted(marks, eta, side="right") - 1
+        place = np.minimum(places[number] + np.sqrt(eta - marks[number]), places[number + 1])
+        return middle(place), np.maximum(half(place), 0.0)
+
+    def load(self, x: Array) -> Array:
+        """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none up to the largest is.
+
+        With x as an end the mean slope falls with c.
+        """
+        side = np.sign(x - float(self.shape.touch(self.tilt)))
+        low, high = np.zeros(x.shape), np.full(x.shape, 2.1 * self.scale)
+        for _ in range(60):
+            c = (low + high) / 2
+            found = self.shape.balance(x - side * c, c)
+            excess = side * (found.mean_slope + self.tilt + self.slope * found.load / self.product)
+            low, high = np.where(excess > 0, c, low), np.where(excess > 0, high, c)
+        c = (low + high) / 2
+        eta = self.shape.balance(x - side * c, c).load / self.product
+        return np.where((c < 2 * self.scale) & (eta <= self.most * (1 + 1e-9)), eta, np.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class TiltedProfile:
+    """A piecewise parabola under the tilt alpha_0 + kappa eta; see `unsymmetric`. Arrays broadcast; points x carry their sign.
+
+    Attributes
+    ----------
+    intervals : I(eta)
+    datum_length : L, distance of the datum of rigid movements [length]
+    rigid : as of `unsymmetric.TiltedParabola`
+    """
+
+    intervals: NestedIntervals
+    datum_length: float
+    rigid: Literal["displacement", "loop", "moment"] = "displacement"
+    closed_form: ClassVar[bool] = False
+    bends_anywhere: ClassVar[bool] = False
+    breaks: ClassVar[tuple[float, ...]] = ()
+    least: ClassVar[float] = 0.0
+    noise: ClassVar[float] = _NOISE
+
+    @property
+    def shape(self) -> PiecewiseParabola:
+        """The profile."""
+        return self.intervals.shape
+
+    @property
+    def _product(self) -> float:
+        """A."""
+        return self.intervals.product
+
+    @property
+    def _lean(self) -> float:
+        """pi kappa/A."""
+        return float(np.pi * self.intervals.slope / self._product)
+
+    @property
+    def break_loads(self) -> Array:
+        """Loads at which an end of I(eta) is at a knot, ascending."""
+        return self.intervals.break_loads
+
+    def is_nested(self, load: float) -> bool:
+        """Whether every I(eta) up to a load holds all that come before it."""
+        ends, slack = self.interval(load * np.linspace(0, 1, 400) ** 2), 1e-9 * self.intervals.scale
+        return bool(np.all(np.diff(ends[:, 0]) <= slack) and np.all(np.diff(ends[:, 1]) >= -slack))
+
+    def centre(self, load: ArrayLike) -> Array:
+        """m(eta) [length]."""
+        return self.intervals.at(load)[0]
+
+    def half_width(self, load: ArrayLike) -> Array:
+        """c(eta) [length]."""
+        return self.intervals.at(load)[1]
+
+    def interval(self, load: ArrayLike) -> Array:
+        """Ends of I(eta) [length], a new last axis."""
+        m, c = self.intervals.at(load)
+        return np.stack([m - c, m + c], axis=-1)
+
+    def advance(self, load: ArrayLike) -> Array:
+        """What kernels know an interval by: its load."""
+        return np.asarray(load, dtype=float)
+
+    load_at = advance
+
+    def load(self, half_width: ArrayLike) -> Array:
+        """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none up to the largest is."""
+        return self.intervals.load(np.asarray(half_width, dtype=float))
+
+    # --- normal contact under any tilt
+
+    def under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
+        """m and c of the contact of loads and tilts (n,)."""
+        return self.shape.contact(self._product * load, tilt)
+
+    def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
+        """p at points (k,) of contacts (n,): (n, k)."""
+        return np.asarray(np.maximum(self.shape.pressure(x, m[:, None], c[:, None]), 0.0) / (np.pi * self._product))
+
+    def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
+        """Normal approach at x = 0 of contacts (n,) [length]."""
+        logarithm = np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
+        return self.shape.approach(m, c, tilt) + self._product / np.pi * load * logarithm
+
+    def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
+        """int x p of contacts (n,) [force]."""
+        del load
+        return self.shape.moment(m, c, tilt) / self._product
+
+    # --- kernels of the family
+
+    def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """p(x, P) >= 0 [stress], 0 outside the contact."""
+        value = self.shape.pressure(np.asarray(x, dtype=float), *self.intervals.at(load))
+        return np.asarray(np.maximum(value, 0.0) / (np.pi * self._product))
+
+    pressure_rise = pressure
+
+    def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """int_0^P eta dp(x, eta) [stress * load]."""
+        place, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weight = self._nodes(np.minimum(self.load(place), load), load)
+        return load * self.pressure(place, load) - np.sum(weight * self.pressure(place[..., None], eta), axis=-1)
+
+    def _nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
+        """Nodes and weights on loads, cut at those at which an end meets a knot, a new last axis."""
+        found = panels(begin, end, self.break_loads)
+        shape = (*np.shape(end), -1)
+        return found.at.reshape(shape), found.weight.reshape(shape)
+
+    def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """int_0^eta of the kernel of slip while x is open: pi/A times what its gap closes by [force per thickness]."""
+        x, load = np.asarray(x, dtype=float), np.minimum(np.asarray(load, dtype=float), self.load(x))
+        closed = self.shape.gap(x, *self.intervals.start) - self.shape.gap(x, *self.intervals.at(load))
+        return np.maximum(closed, 0.0) * np.pi / self._product
+
+    def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
+        """The same with eta in front [force^2 per thickness^2]."""
+        x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weight = self._nodes(np.zeros(load.shape), np.minimum(load, self.load(x)))
+        return np.asarray(np.sum(weight * eta * self.arccosh_ratio(x[..., None], 0.0, eta), axis=-1))
+
+    def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
+        """The kernel of slip, arccosh(|t|/c) - (pi kappa/A) sgn(t) sqrt(t^2 - c^2), from the load; 0 inside."""
+        del excess
+        m, c = self.intervals.at(advance)
+        t = np.asarray(x, dtype=float) - m
+        root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
+        return np.arcsinh(root / np.where(c > 0, c, np.inf)) - self._lean * np.sign(t) * root
+
+    def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
+        """pi dp/d eta from the load; 0 outside."""
+        del excess
+        m, c = self.intervals.at(advance)
+        t = np.asarray(x, dtype=float) - m
+        square = (c - t) * (c + t)
+        return (1 - self._lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
+
+    def log_ratio(self, load: ArrayLike) -> Array:
+        """What `rigid` asks for: ln(2 L/c) + (pi kappa/A) m, with mu added to m, or mu alone."""
+        m, c = self.intervals.at(load)
+        arm = m - self._lean * c * c / 2
+        if self.rigid == "moment":
+            return arm
+        logarithm = np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
+        return logarithm + self._lean * (m + arm if self.rigid == "loop" else m)
+
+    def log_distance(self, load: ArrayLike) -> Array:
+        """int_0^P of `log_ratio`."""
+        load = np.asarray(load, dtype=float)
+        m, c = self.intervals.at(load)
+        turned = self.intervals.tilt + self.intervals.slope * load
+        moment = self.shape.moment(m, c, turned) / self._product
+        if self.rigid == "moment":
+            return moment
+        logarithm = np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
+        start = self.shape.approach(*self.intervals.start, self.intervals.tilt)
+        whole = np.pi / self._product * (self.shape.approach(m, c, turned) - start) + load * logarithm
+        return whole + self._lean * moment if self.rigid == "loop" else whole
+
+    def log_moment(self, load: ArrayLike) -> Array:
+        """int_0^P of eta times `log_ratio`."""
+        eta, weight = self._nodes(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
+        return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
+
+    def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
+        """Lam = int_{P_c}^P of the loop's rate at P_c less that at eta [force per thickness]."""
+        load, slipped = np.broadcast_arrays(np.asarray(load, dtype=float), np.asarray(slipped, dtype=float))
+        loop, front = replace(self, rigid="loop"), np.maximum(load - slipped, 0.0)
+        rate = loop.log_ratio(front)
+        result = np.array(slipped * rate - (loop.log_distance(load) - loop.log_distance(front)))
+        close = slipped < _APART * load
+        if np.any(close):
+            eta, weight = crowded(front[close], load[close])
+            result[close] = np.sum(weight * (rate[close][:, None] - loop.log_ratio(eta)), axis=-1)
+        return np.maximum(result, 0.0)
+
+    def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
+        """Error of the method `name` by the round-off of m and c; `dissipation_kernel` is a difference of larger numbers."""
+        value = np.abs(getattr(self, name)(*arguments))
+        return self.noise * (value + (np.abs(arguments[0]) if name == "dissipation_kernel" else 0.0))

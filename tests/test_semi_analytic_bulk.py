@@ -1,0 +1,463 @@
+"""Bulk stress and tilt in the half-plane engine, against closed values, a dense grid, mirrors and the energy balance."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import special
+
+import bulk_oracle
+from scenes import Compound, EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, PolygonLoad, Scene, Tabulated, Wedge
+from semi_analytic import compliance, dissipation, eccentricity, edge_tension, events, friction_from, hysteresis, solve, stress
+from semi_analytic.opposite_slip import loads_of
+from semi_analytic.profiles import contact_of
+from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
+from semi_analytic.unsymmetric import TiltedParabola
+from semi_analytic_cases import make_scene
+
+A0 = math.sqrt(12 / math.pi)  # Hertz with E* = R = 1 and P = 3
+LARGE = (-0.7063363748151722, 1.4493185287005215)  # ends of stick of P = 3, f = 1, then Q = 0.9 and eps = 1
+BACK = (-LARGE[1], -LARGE[0])
+
+
+def parabola(x):
+    return x**2 / 2
+
+
+def ramp(increments, *values):
+    """Loads in proportion from 0 to `values`."""
+    return [np.linspace(0, value, increments + 1) for value in values]
+
+
+# ------------------------------------------------------------------------------------------------------------- the oracle
+# From P = 3 alone: (Q, eps) in proportion, increments, edges of stick. Cattaneo-Mindlin; Nowell and Hills 1987; opposite slip at
+# the ends without and with Q.
+STICK = {
+    "cattaneo-mindlin": (1.8, 0.0, 1, (-1.2360774475, 1.2360774475)),
+    "moderate bulk": (1.8, 0.2, 1, (0.2 - 1.2360774475, 0.2 + 1.2360774475)),
+    "bulk alone, c = 0.9 a": (0.0, 0.2007250992650, 1, (-0.9 * A0, 0.9 * A0)),
+    "bulk alone, c = 0.5 a": (0.0, 1.1763560617531, 8, (-0.5 * A0, 0.5 * A0)),
+    "bulk alone, c = 0.1 a": (0.0, 3.3340559259752, 8, (-0.1 * A0, 0.1 * A0)),
+    "large bulk": (0.9, 1.0, 8, LARGE),
+}
+
+
+@pytest.mark.parametrize(("force", "strain", "increments", "edges"), STICK.values(), ids=STICK)
+def test_the_grid_finds_the_stick_zones_of_closed_solutions(force, strain, increments, edges):
+    shear, eps = ramp(increments, force, strain)
+    found = bulk_oracle.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, shear, eps)
+    assert found.edges(-1) == pytest.approx((-A0, A0), abs=found.step)
+    assert found.edges(-1, stick=True) == pytest.approx(edges, abs=found.step)
+
+
+def test_the_grid_finds_the_traction_of_cattaneo_and_mindlin():
+    found = bulk_oracle.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, [0.0, 1.8])
+    stick = math.sqrt(12 / math.pi * 0.4)
+    expected = [np.sqrt(np.maximum(half**2 - found.x**2, 0)) / 2 for half in (A0, stick)]
+    assert found.pressure[1] == pytest.approx(expected[0], abs=0.02)
+    assert found.shear[1] == pytest.approx(expected[0] - expected[1], abs=0.02)
+    assert np.sqrt(np.mean((found.shear[1] - expected[0] + expected[1]) ** 2)) < 3e-3
+
+
+def test_the_work_of_the_grid_is_its_loop_with_the_bulk_term():
+    """Discretely exact over a steady cycle."""
+    way = np.concatenate([np.linspace(0, 1, 21), np.linspace(1, -1, 41)[1:], np.linspace(-1, 1, 41)[1:]])
+    way = np.concatenate([way, way[21:]])
+    found = bulk_oracle.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, 1.8 * way, 0.3 * way)
+    works = found.cycle_work(80)
+    assert works == pytest.approx(0.9368781396315213, rel=1e-3)
+    assert found.cycle_work(80, loop=True) == pytest.approx(works, rel=1e-10)
+
+
+def test_the_grid_finds_a_tilted_punch():
+    def flat(x):
+        return np.maximum(np.abs(x) - 0.5, 0) ** 2 / 2
+
+    found = bulk_oracle.solve(flat, (-2.0, 2.0), 200, 1.0, 1.0, 0.0, tilt=0.2)
+    assert found.edges(0) == pytest.approx((-1.7331629996, 1.2194927292), abs=found.step)
+    assert found.moment[0] == pytest.approx(-0.3444188480137, rel=1e-3)
+    back = bulk_oracle.solve(flat, (-2.0, 2.0), 200, 1.0, 1.0, 0.0, moment=-0.3444188480137)
+    assert back.tilt[0] == pytest.approx(0.2, rel=1e-3)
+
+
+# ------------------------------------------------------------------------------- one memory curve: alpha, eps affine in P, Q
+# E* = 1 and E' = 2 for both bodies: eps = sigma/2 of the lower one.
+PAPER = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1, "phase_degrees": 90}
+
+
+def fretting(eps, *, q=1.8, p=3.0, loading=(), **more):
+    """Constant P, Q between +-q with a bulk strain of +-eps in phase, from Q = 0."""
+    before = [*loading, (p, 0), (p, q)]
+    columns = {"bulk_stress_lower": (*[0] * (len(before) - 1), 2 * eps, -2 * eps)}
+    return make_scene(PolygonLoad(initial_loading=before, cycle=[(p, -q)], **columns | more))
+
+
+def leaning(kappa, tilt=0.0, mirror=1, **more):
+    """The ellipse of the paper with alpha = tilt + kappa P and eps = kappa Q, or its mirror image; the upper body is pulled."""
+    turned = math.copysign(90, mirror)
+    stress = {"mean": -2.2 * kappa, "amplitude": 2 * abs(kappa), "phase_degrees": -90 if kappa > 0 else 90, "initial_loading": [0]}
+    turn = {"mean": mirror * (tilt + 3 * kappa), "amplitude": abs(kappa), "phase_degrees": 0 if kappa * mirror > 0 else 180}
+    loads = PAPER | {"phase_degrees": turned, "mean_tangential_load": mirror * 1.1, "initial_loading": [(2, 0)]}
+    turn["initial_loading"] = [mirror * (tilt + 2 * kappa)]
+    return make_scene(EllipseLoad(**loads, bulk_stress_upper=stress, tilt=turn, **more))
+
+
+# scene, W, permanent stick
+EXACT = {
+    "constant P, no bulk": (fretting(0.0), 0.6128781396315213, (-1.2360774464742066, 1.2360774464742066)),
+    "constant P, bulk in phase": (fretting(0.3), 0.9368781396315213, (0.3 - 1.2360774464742066, 0.3 + 1.2360774464742066)),
+    "large bulk": (fretting(1.0, q=0.9), 2.03050286028, LARGE),
+    "P, Q, bulk and tilt": (leaning(0.1), 0.32380811606118304, (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461)),
+}
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_exact_work_and_stick(name):
+    """W to 1e-10, its loop with the bulk term too, and the permanent stick; W(x) sums up to W."""
+    scene, work, stick = EXACT[name]
+    found = solve(scene, cycles="steady")
+    assert found.dissipation == pytest.approx(work, rel=1e-10)
+    assert found.loop_work == pytest.approx(found.dissipation, rel=1e-10)
+    assert found.permanent_stick_edges == pytest.approx(stick, abs=2e-9)
+    assert np.diff(found.permanent_stick_edges)[0] / 2 == pytest.approx(found.permanent_stick_half_width, rel=1e-12)
+    edges = found.contact_edges
+    ends = float(np.min(edges)), float(np.max(edges))
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    x = np.mean(ends) + np.diff(ends) / 2 * nodes
+    density = solve(scene, x=x, time=found.time, fields="dissipation_density").dissipation_density
+    assert np.diff(ends)[0] / 2 * float(weights @ density) == pytest.approx(work, rel=2e-5)
+    assert not found.record.errors
+
+
+def on_grid(scene, legs, per_leg, cells, extent=(-2.8, 2.8)):
+    """The oracle along the first `legs` of a path, and the engine at its instants and points."""
+    times = [np.linspace(leg.start, leg.end, per_leg + 1)[1:] for leg in legs]
+    columns = []
+    for leg, time in zip(legs, times, strict=True):
+        nothing = np.zeros((2, len(time)))
+        stresses, turns = (part.loads(time) if part is not None else nothing for part in (leg.bulk, leg.turning))
+        columns.append([*leg.loads(time), (np.asarray(stresses[0]) - stresses[1]) / 2, turns[0]])
+    p, q, eps, tilt = (np.concatenate(column) for column in zip(*columns, strict=True))
+    grid = bulk_oracle.solve(scene.profile.height, extent, cells, scene.friction.coefficient, p, q, eps, tilt)
+    return grid, solve(scene, x=grid.x, time=np.concatenate(times))
+
+
+def root_mean_square(difference):
+    return float(np.max(np.sqrt(np.mean(np.square(difference), axis=1))))
+
+
+def with_profile(scene, profile):
+    return Scene(**{name: getattr(scene, name) for name in ("name", "material", "friction", "load", "cycles")}, profile=profile)
+
+
+FLAT = FlatRounded(radius=1.0, flat_half_length=0.5)
+COMPOUND = Compound(inner_radius=1.0, outer_radius=0.4, inner_half_length=0.6)
+WEDGE = Wedge(tip_radius=1.0, tip_half_length=1.0)
+ROWS = [(float(x), float(x**2 / 2 if x > 0 else 0.4 * x**2 - x**3 / 10)) for x in np.linspace(-3, 3, 25)]
+UNEQUAL = Tabulated(points=ROWS, symmetric=False)
+# Scene, half-width of the grid.
+ON_GRID = {
+    "bulk": (fretting(0.3), 2.8),
+    "against Q": (fretting(-0.5, q=2.5), 2.8),
+    "bulk and tilt": (leaning(0.1), 2.8),
+    "a tilt before": (leaning(-0.15, 0.15), 2.8),
+    "mirrored": (leaning(0.1, -0.2, mirror=-1), 2.8),
+    "a fixed tilt": (leaning(0.0, 0.3), 2.8),
+    "large bulk": (fretting(1.0, q=0.9), 2.5),
+    "large bulk against Q": (fretting(-0.8, q=1.2), 2.5),
+    "a flat face, bulk": (with_profile(fretting(0.3), FLAT), 3.2),
+    "a flat face, bulk and tilt": (with_profile(leaning(0.1), FLAT), 3.2),
+    "a flat face, fixed tilt": (with_profile(leaning(0.0, 0.2), FLAT), 3.2),
+    "two curvatures": (with_profile(leaning(0.08, -0.1), COMPOUND), 3.2),
+    "a wedge": (with_profile(leaning(0.05, 0.1), WEDGE), 7.0),
+    "unequal sides": (with_profile(make_scene(EllipseLoad(**PAPER)), UNEQUAL), 3.0),
+}
+SLOW = (
+    "a flat face, bulk and tilt",
+    "a flat face, fixed tilt",
+    "two curvatures",
+    "a wedge",
+    "unequal sides",
+    "a tilt before",
+    "mirrored",
+)
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in ON_GRID])
+def test_fields_are_those_of_the_grid(name):
+    """Sizes are about 1; the grid errs by a cell (0.025) at edges, and by the step in first order."""
+    scene, reach = ON_GRID[name]
+    path = scene.load.path()
+    legs = [*path.initial_loading, *path.cycle]
+    grid, found = on_grid(scene, legs, 40 if len(path.cycle) > 1 else 100, 240, (-reach, reach))
+    datum = 2 / math.pi * math.log(scene.profile.datum_length)  # of the grid: 1
+    assert found.contact_edges == pytest.approx(np.array([grid.edges(k) for k in range(len(found.time))]), abs=0.03 * reach / 2.8)
+    assert root_mean_square(found.pressure - grid.pressure) < 5e-3
+    assert root_mean_square(found.shear - grid.shear) < 1e-2
+    assert np.max(np.abs(found.slip - grid.slip)) < 1.5e-2
+    assert found.tangential_displacement - datum * found.tangential_load == pytest.approx(grid.displacement, abs=4e-3)
+    assert found.normal_approach - datum * found.normal_load == pytest.approx(grid.approach, abs=1e-3)
+    assert found.moment == pytest.approx(grid.moment, abs=1e-3)
+    assert found.shear_moment == pytest.approx(grid.shear_moment, abs=6e-3)
+    assert np.mean(found.state != grid.state) < 0.02
+    steady = solve(scene, x=0.0, fields="dissipation", cycles="steady")
+    assert steady.loop_work == pytest.approx(steady.dissipation, rel=1e-10)
+
+
+@pytest.mark.parametrize(("share", "strain"), [(0.9, 0.2007250992650), (0.5, 1.1763560617531), (0.1, 3.3340559259752)])
+def test_bulk_alone(share, strain):
+    """Stick of half-length c = share a under Q = 0 has a closed form, the complete elliptic integrals K and E."""
+    e, force = loads_of(np.array([1 - share]), np.array([1 - share]))
+    assert -e[0] * A0 == pytest.approx(strain, abs=1e-12)
+    assert force[0] == pytest.approx(0, abs=1e-14)
+    m = 1 - share**2
+    assert -e[0] == pytest.approx(2 / math.pi * (special.ellipk(m) - special.ellipe(m)), rel=1e-12)
+
+
+def test_large_bulk():
+    """Both ends of stick, for all signs of Q and bulk; loads first, then P is constant."""
+    for eps, q, ends in ((1.0, 0.9, LARGE), (-1.0, -0.9, LARGE), (-1.0, 0.9, BACK), (1.0, -0.9, BACK)):
+        found = solve(fretting(eps, q=q), x=[-1.7, 0.5, 1.7], time=2.0, fields=("state", "shear", "pressure"))
+        assert found.stick_edges[0] == pytest.approx(ends, abs=1e-10)
+        sense = math.copysign(1, eps)
+        assert found.state[0].tolist() == [2 if eps > 0 else 3, 1, 3 if eps > 0 else 2]
+        assert found.shear[0, [0, 2]] == pytest.approx(found.pressure[0, [0, 2]] * [sense, -sense], rel=1e-12)
+
+
+def test_large_bulk_meets_moderate_bulk():
+    """Just above the limit of moderate bulk, on the straight way of small Q, stick is what it is just below."""
+    limit = 2 / (math.pi * A0) * 0.01
+    below, above = (solve(fretting(limit * (1 + share), q=0.01), x=0.0, time=2.0) for share in (-1e-3, 5e-3))
+    assert above.stick_edges[0] == pytest.approx(below.stick_edges[0], abs=1e-4)
+    assert above.tangential_displacement == pytest.approx(below.tangential_displacement, rel=1e-3)
+
+
+def test_a_tilted_flat_pad():
+    """Contact and moment under a tilt, without Q."""
+    load = PolygonLoad(initial_loading=[(1, 0)], cycle=[], tilt=0.2)
+    found = solve(with_profile(make_scene(load), FLAT), time=1.0)
+    assert found.contact_edges[0] == pytest.approx((-1.7331629996, 1.2194927292), abs=1e-10)
+    assert found.moment[0] == pytest.approx(-0.3444188480137, abs=1e-12)
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    low, high = found.contact_edges[0]
+    x = (low + high) / 2 + (high - low) / 2 * np.sin(np.pi / 2 * nodes)
+    weights = weights * (high - low) / 2 * np.pi / 2 * np.cos(np.pi / 2 * nodes)
+    pressure = solve(with_profile(make_scene(load), FLAT), x=np.sort(x), time=1.0, fields="pressure").pressure[0]
+    assert weights @ pressure == pytest.approx(1.0, abs=3e-5)
+    assert weights @ (np.sort(x) * pressure) == pytest.approx(found.moment[0], abs=3e-5)
+
+
+@pytest.mark.parametrize("profile", [Hertz(radius=1.0), FLAT, COMPOUND, WEDGE, Tabulated(points=ROWS[12:])], ids=lambda p: p.kind)
+def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
+    """Two derivations: sums over knots of an unsymmetric contact, and Abel integrals of a symmetric one."""
+    material = make_scene(EllipseLoad(**PAPER)).material
+    plain = contact_of(profile, material)
+    tilted = TiltedProfile(NestedIntervals(piecewise_parabola(profile), 2.0, 0.0, 0.0, 4.0), profile.datum_length)
+    x, load, loads = np.linspace(-2.2, 2.1, 87), np.linspace(0.05, 4, 49)[:, None], np.array([0.5, 1.0, 3.3, 3.9])
+    for name in ("pressure", "slip_integral"):
+        np.testing.assert_allclose(getattr(tilted, name)(x, load), getattr(plain, name)(x, load), rtol=0, atol=1e-11, err_msg=name)
+    for name in ("log_ratio", "log_distance", "log_moment", "half_width"):
+        np.testing.assert_allclose(getattr(tilted, name)(loads), getattr(plain, name)(loads), rtol=0, atol=1e-11, err_msg=name)
+    np.testing.assert_allclose(tilted.dissipation_kernel(loads, 0.3), plain.dissipation_kernel(loads, 0.3), rtol=1e-10)
+    np.testing.assert_allclose(tilted.load(np.array([-1.2, 1.2])), plain.load(np.array([-1.2, 1.2])), rtol=1e-12)
+    np.testing.assert_allclose(tilted.centre(loads), 0, atol=1e-13)
+
+
+def test_the_sums_over_knots_are_the_closed_forms_of_the_parabola():
+    closed = TiltedParabola(1.0, 1.0, 1.0, tilt=0.2, slope=-0.1)
+    sums = TiltedProfile(NestedIntervals(piecewise_parabola(Hertz(radius=1.0)), 2.0, 0.2, -0.1, 4.0), 1.0)
+    x, load, loads = np.linspace(-2.2, 2.1, 87), np.linspace(0.05, 4, 49)[:, None], np.array([0.5, 1.0, 3.3, 3.9])
+    for name in ("pressure", "slip_integral", "pressure_moment", "slip_integral_moment"):
+        np.testing.assert_allclose(getattr(sums, name)(x, load), getattr(closed, name)(x, load), rtol=0, atol=1e-12, err_msg=name)
+    for rigid in ("displacement", "loop", "moment"):
+        one, other = replace(closed, rigid=rigid), replace(sums, rigid=rigid)
+        for name in ("log_ratio", "log_distance", "log_moment"):
+            np.testing.assert_allclose(getattr(one, name)(loads), getattr(other, name)(loads), rtol=0, atol=1e-12, err_msg=name)
+    np.testing.assert_allclose(sums.dissipation_kernel(loads, 0.2), closed.dissipation_kernel(loads, 0.2), rtol=1e-11)
+
+
+ARRAYS = ("pressure", "shear", "slip", "tangential_displacement", "normal_approach", "contact_edges", "stick_edges", "state")
+
+
+def test_no_bulk_and_no_tilt_is_the_symmetric_engine():
+    """To rounding: keys that state nothing are followed as a family of kappa = 0."""
+    plain = solve(make_scene(EllipseLoad(**PAPER)))
+    stated = solve(make_scene(EllipseLoad(**PAPER, bulk_stress_lower=0.0, tilt=0.0)), x=plain.x, time=plain.time)
+    for name in ARRAYS:
+        np.testing.assert_allclose(getattr(stated, name), getattr(plain, name), rtol=0, atol=1e-12, err_msg=name)
+    assert stated.dissipation == pytest.approx(plain.dissipation, rel=1e-13)
+    assert stated.permanent_stick_half_width == pytest.approx(plain.permanent_stick_half_width, rel=1e-13)
+    assert plain.shear_moment is None
+
+
+def test_a_line_of_action_moves_all_of_it():
+    plain, moved = (
+        solve(make_scene(EllipseLoad(**PAPER, **line)), x=x) for line, x in (({}, 0.4), ({"line_of_action": {"x": 0.3}}, 0.7))
+    )
+    for name in ("pressure", "shear", "slip", "tangential_displacement", "dissipation_density"):
+        np.testing.assert_allclose(getattr(moved, name), getattr(plain, name), rtol=0, atol=1e-12, err_msg=name)
+    np.testing.assert_allclose(moved.moment, 0.3 * moved.normal_load, rtol=1e-13)
+    np.testing.assert_allclose(moved.shear_moment, 0.3 * moved.tangential_load, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(moved.tilt[1:], -0.3, rtol=1e-13)
+
+
+def test_the_mirror_image():
+    """x, Q and tilt turned round, bulk strain as it is: p, s and q follow."""
+    one = solve(leaning(0.12, 0.1))
+    other = solve(leaning(0.12, 0.1, mirror=-1), x=-one.x[::-1], time=one.time)
+    for name, sign in {"pressure": 1, "shear": -1, "slip": -1}.items():
+        np.testing.assert_allclose(getattr(other, name), sign * getattr(one, name)[:, ::-1], rtol=0, atol=1e-12, err_msg=name)
+    np.testing.assert_allclose(other.shear_moment, one.shear_moment, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(other.moment, -one.moment, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(other.permanent_stick_edges, -one.permanent_stick_edges[::-1], rtol=1e-12)
+    assert other.dissipation == pytest.approx(one.dissipation, rel=1e-13)
+
+
+def test_units_and_the_path_by_straight_lines():
+    """In other units of force and length, and with straight lines between the corners of a polygon, which is the same path."""
+    one = solve(fretting(0.3))
+    scale, force = 25.4, 1e3
+    lengths = {"pressure": force, "shear": force, "slip": scale, "shear_moment": force * scale**2, "contact_edges": scale}
+    big = fretting(0.3, q=1.8 * force * scale, p=3.0 * force * scale, bulk_stress_lower=(0, 0.6 * force, -0.6 * force))
+    big = big.vary(
+        profile={"radius": scale}, material={"upper": {"young_modulus": 2 * force}, "lower": {"young_modulus": 2 * force}}
+    )
+    other = solve(big, x=one.x * scale, time=one.time)
+    for name, unit in lengths.items():
+        np.testing.assert_allclose(getattr(other, name) / unit, getattr(one, name), rtol=0, atol=2e-12, err_msg=name)
+    assert other.dissipation / (force * scale**2) == pytest.approx(one.dissipation, rel=1e-12)
+    straight = solve(fretting(0.3), x=one.x, time=one.time, straight_steps=True)
+    np.testing.assert_allclose(straight.shear, one.shear, rtol=0, atol=1e-12)
+    assert straight.loop_work == pytest.approx(straight.dissipation, rel=1e-10)
+    assert straight.dissipation == pytest.approx(one.dissipation, rel=1e-10)
+
+
+OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
+REFUSED = {
+    "out of phase": OUT_OF_PHASE,
+    "bulk alone": make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"mean": 0.22, "amplitude": 0.2, "phase_degrees": 90})),
+    "another kappa": leaning(0.1).vary(load={"tilt": {"mean": 0.3, "amplitude": 0.12}}),
+    "intervals not nested": fretting(0.6),
+    "a tilt that grows with Q": make_scene(EllipseLoad(**PAPER, tilt=0.1)),
+}
+
+
+@pytest.mark.parametrize("scene", REFUSED.values(), ids=REFUSED)
+def test_other_histories_are_refused(scene):
+    with pytest.raises(InputError, match="kappa Q"):
+        solve(scene)
+
+
+def test_eccentricity_of_the_stick_zone():
+    """Nowell and Hills: like bodies, bulk in one, e = sigma/(4 f p0); moderate up to 4 Q/(pi a)."""
+    scene = fretting(0.3)
+    found = eccentricity(scene)
+    assert found.value == pytest.approx(0.6 / (4 * (2 * 3 / (math.pi * A0))), rel=1e-12)  # E' = 2: sigma = 0.6
+    assert found.limit == pytest.approx(0.5863230143, abs=1e-10)
+    centre = np.mean(solve(scene, x=0.0, cycles="steady", fields="dissipation").permanent_stick_edges)
+    assert centre == pytest.approx(found.value * A0, rel=1e-12)
+    assert found.moderate
+    assert not eccentricity(fretting(0.6)).moderate
+    assert math.isnan(eccentricity(with_profile(scene, FLAT)).value)
+    assert eccentricity(make_scene(EllipseLoad(**PAPER, tilt=0.1))) is None
+
+
+# What has no formula with bulk stress or tilt says so in a sentence.
+WITHOUT = {
+    "friction_from": lambda scene: friction_from(0.1, scene=scene),
+    "stress": lambda scene: stress(scene, [0.0], [-0.1], 1.0),
+    "edge_tension": lambda scene: edge_tension(scene, [1.0]),
+    "hysteresis": lambda scene: hysteresis(solve(scene, x=0.0)),
+    "compliance": lambda scene: compliance(solve(scene, x=0.0)),
+    "dissipation": lambda scene: dissipation(
+        profile=UNEQUAL, material=scene.material, friction_coefficient=1.0, phase=1.0, **{k: PAPER[k] for k in NUMBERS}
+    ),
+}
+NUMBERS = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
+
+
+@pytest.mark.parametrize("name", WITHOUT)
+def test_what_takes_no_bulk_stress_says_so(name):
+    with pytest.raises(InputError, match=r"bulk stress|unequal"):
+        WITHOUT[name](leaning(0.1))
+
+
+def test_events_are_those_of_the_loads():
+    plain, leans = (events(scene) for scene in (make_scene(EllipseLoad(**PAPER, initial_loading=[(2, 0)])), leaning(0.1)))
+    assert [(one.letter, one.time) for one in plain] == [(one.letter, one.time) for one in leans]
+    with pytest.raises(InputError, match="kappa Q"):
+        events(OUT_OF_PHASE)
+
+
+STEEP = {
+    "steeper than the wedge": (WEDGE, 1.5, "steeper"),
+    "beyond the table": (UNEQUAL, 5.0, "needs a contact"),
+    "a formula": (EvenPolynomial(length=1.0, rises=(0.5, 0.1)), 0.1, "even_polynomial|polynomial"),
+}
+
+
+@pytest.mark.parametrize("name", STEEP)
+def test_tilts_that_no_contact_takes_are_refused(name):
+    profile, tilt, words = STEEP[name]
+    scene = with_profile(make_scene(PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)), profile)
+    with pytest.raises(InputError, match=words):
+        solve(scene)
+
+
+# ----------------------------------------------------- all loads in phase, of any slopes: a formula for engines of any history
+def in_phase(means, swings, friction=1.0, count=60):
+    """W and permanent stick of a parabola, E* = R = 1, under P, Q, eps and tilt = mean +- swing in phase.
+
+    While both ends slip one way. From the reversal A on, forward slip is the contact of load N = [N+ + N-(A)]/2f and tilt
+    tau = [a+ + a-(A)]/2f opening, N+- = f P -+ Q, a+- = f alpha -+ eps: slip is 2 f times its gap, and W = int f p ds. The integral
+    over x is that of reciprocity, from the stick zone J up to the contact along nested intervals.
+    """
+    product, total = 2.0, 0.0
+    node, weight = np.polynomial.legendre.leggauss(count)
+    way, share = (1 + node) / 2, weight / 2
+    for sign in (1, -1):  # forward from the least Q, then reverse from the largest
+        mean, swing = (np.array(values) * [1, sign, sign, 1] for values in (means, swings))
+        first, rates = mean - sign * swing, 2 * sign * swing
+        (p0, q0, e0, t0), (dp, dq, de, dt) = first, rates
+        lam = (1 - np.cos(np.pi * way)) / 2  # crowds to the ends
+        step = share * np.pi / 2 * np.sin(np.pi * way)
+        p, q, eps, tilt = (first[:, None] + rates[:, None] * lam)[:, :, None]
+        load = (friction * (p + p0) - q + q0) / (2 * friction)
+        turn = (friction * (tilt + t0) - eps + e0) / (2 * friction)
+        d_load, d_turn = (friction * dp - dq) / (2 * friction), (friction * dt - de) / (2 * friction)
+        middle, square = -turn, 2 * product / math.pi * load
+        up = way  # from J to the contact
+        rise, tilted = p - load, tilt - turn
+        m, c2 = -(turn + tilted * up), 2 * product / math.pi * (load + rise * up)
+        arm = rise * m - math.pi * tilted / (2 * product) * c2
+        arm_j = d_load * middle - math.pi * d_turn / (2 * product) * square
+        kernel = d_load * rise * product / math.pi * np.log(c2 / square) / 2
+        kernel = kernel + d_turn * (middle * rise - arm) - tilted * (m * d_load - arm_j)
+        total -= 2 * friction**2 * float(step @ (kernel @ share))
+        half, centre = (
+            math.sqrt(2 * product / math.pi * (load[-1, 0] + d_load * (1 - lam[-1]))),
+            -(turn[-1, 0] + d_turn * (1 - lam[-1])),
+        )
+    return total, (centre - half, centre + half)
+
+
+def test_loads_in_phase():
+    """Two numbers of the table; where the slopes are of one family it is the engine's answer."""
+    work, stick = in_phase((3, 0.2, 0.1, 0.1), (0.6, 1.4, 0.15, 0.08))
+    assert work == pytest.approx(0.25922505566470, rel=1e-10)
+    assert np.array(stick) / A0 == pytest.approx((-0.704713575642, 0.755879911039), abs=1e-11)
+    for kappa in (0.05, -0.08):
+        load = {"mean_normal_load": 3, "normal_amplitude": 0.6, "tangential_amplitude": 1.4, "initial_loading": [(3, 0)]}
+        bulk = {"amplitude": 2.8 * abs(kappa), "phase_degrees": 0 if kappa > 0 else 180, "initial_loading": [0]}
+        turn = {
+            "mean": 3 * kappa,
+            "amplitude": 0.6 * abs(kappa),
+            "phase_degrees": bulk["phase_degrees"],
+            "initial_loading": [3 * kappa],
+        }
+        scene = make_scene(EllipseLoad(**load, phase_degrees=0, bulk_stress_lower=bulk, tilt=turn))
+        found = solve(scene, x=0.0, cycles="steady", fields="dissipation")
+        work, stick = in_phase((3, 0, 0, 3 * kappa), (0.6, 1.4, 1.4 * kappa, 0.6 * kappa))
+        assert found.dissipation == pytest.approx(work, rel=1e-10)
+        assert found.permanent_stick_edges == pytest.approx(stick, abs=1e-10)
