@@ -202,17 +202,19 @@ class Event:
 def events(cycle: Cycle, friction: float, count: int = 6) -> tuple[Event, ...]:
     """At most `count` instants in the order of time: extremes of P, Q, Q - f P, Q + f P; then middles of gaps.
 
-    Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends. A quantity that does not move has
-    no extremes.
+    Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends. A quantity that
+    does not move has no extremes.
     """
     normal, tangential = cycle.normal_load, cycle.tangential_load
+    # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
+    plain = cycle.tilt is None and cycle.shear_moment is None
     wanted = (
         ("P largest", normal),
         ("P least", -normal),
         ("Q largest", tangential),
         ("Q least", -tangential),
-        ("forward slip ends", tangential - friction * normal),
-        ("reverse slip ends", -tangential - friction * normal),
+        ("forward slip ends" if plain else "Q − f P largest", tangential - friction * normal),
+        ("reverse slip ends" if plain else "Q + f P least", -tangential - friction * normal),
     )
     found: dict[int, str] = {}
     size = float(np.max(np.abs(normal)))
