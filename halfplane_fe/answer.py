@@ -49,8 +49,8 @@ Array = NDArray[np.float64]
 States = NDArray[np.int8]
 
 # Slip of a node in the last cycle, over the largest, up to which it belongs to the permanent stick zone that a path with bulk
-# stress or tilt approaches. Slip grows as the distance to the power 3/2 there, so that it costs a hundredth of the slip zone.
-_CREEP = 1e-3
+# stress or tilt approaches. Slip grows as the distance to the power 3/2 there, so that it costs half a hundredth of the slip zone.
+_CREEP = 3e-4
 
 
 def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales) -> dict[str, Any]:

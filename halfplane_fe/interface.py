@@ -172,7 +172,8 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
         return None
     ahead = _sizes_ahead(faces.x)
     band = np.abs(ahead) <= _LOCAL
-    tangential = np.where(band, faces.normal - _smooth(faces.normal - faces.tangential, faces.x, np.abs(ahead)), faces.tangential)
+    difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(ahead))
+    tangential = np.where(band, faces.normal - (difference + difference.T) / 2, faces.tangential)
     coupling = faces.coupling
     if coupling is not None:
         left, right = _smooth(coupling, faces.x, ahead), _smooth(coupling, faces.x, -ahead)

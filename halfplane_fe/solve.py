@@ -53,6 +53,11 @@ _BEYOND = 1.5
 class FiniteElementSolution(ContactSolution):
     """A ContactSolution that also carries its bodies and interface states.
 
+    `moment` is that of the tractions on the upper body about the point of first contact x = y = 0, `tilt` its rotation about it: on
+    flat faces int x p dx; on a pad or cylinder the shear has a small part in it, q being at the height of the face. Bulk stress of
+    a block acts on both of its ends; `bulk_stress_lower` and `bulk_stress_upper` are the mean of the two, which differ by Q/H where
+    they hold Q (base on rollers).
+
     Attributes
     ----------
     bodies : lower and upper BodyMesh, each in its own frame (y out of the body)
@@ -367,7 +372,7 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     elif run.steady_from is not None and found.left and works[-1] > 0:
         yield (
             f"shakedown: revolution {len(works)} repeats but for {run.cycle_change[-1]:.1e} of the largest nodal force{drift}; "
-            f"{found.left / works[-1]:.1e} are in its uncertainty, for no trend is clear yet"
+            f"{found.left / works[-1]:.1e} of it count as uncertain, for no trend is clear yet"
         )
     if run.ratchets:
         before, after = (run.states[index].shift for index in (run.cycle_starts[-1], -1))

@@ -18,8 +18,9 @@ there s' is the unknown, a Volterra equation of the first kind in time. A zone t
 formula of H q* outside the stick interval. Steps end at events, and are spectral in time between them.
 
 Where loads turn round with bulk or tilt out of phase, slip stops at the edge of contact first, and stick has several intervals. So
-it may where a front meets what a loop has left. Both are found, by the sign of the slip rate and by |q| <= f p, and refused. Of
-cycles, those in phase have one stick interval throughout, whatever share P, Q, bulk and tilt have in them.
+it may where a front meets what a loop has left. Both are found, by the sign of the slip rate and by |q| <= f p, and refused. There
+remain loads that go on in one direction, and many cycles in phase. A cycle is given only where its friction work and its closed
+integral of Q dU - m_q d eps agree to 1e-6.
 """
 
 from __future__ import annotations
@@ -959,8 +960,8 @@ class Follower:
                     continue
                 else:
                     raise NotOneStickInterval(
-                        f"load: the edges of stick could not be followed past time {state.time:.6g}, where the engine has no "
-                        "state for them; keep bulk stress and tilt in phase with the loads, or use the finite elements"
+                        f"load: the edges of stick could not be followed past time {state.time:.6g}, where the engine has no state "
+                        "for them; with bulk stress and tilt in phase with the loads it has more often, finite elements take any"
                     )
                 trial = self.longest / 16
             else:
@@ -989,7 +990,7 @@ class Follower:
 def _broken(time: float, why: str) -> NotOneStickInterval:
     return NotOneStickInterval(
         f"load: the stick zone breaks into several intervals near time {time:.6g} ({why}); half-plane theory here follows one "
-        "interval: keep bulk stress and tilt in phase with the loads, or use the finite elements"
+        "interval: bulk stress and tilt in phase with the loads keep one more often, finite elements take any"
     )
 
 
@@ -1123,6 +1124,23 @@ def remainder_of(works: Sequence[float]) -> float:
     return float(changes[-1]) * max(len(works) / 3, min(ratio, 0.9) / (1 - min(ratio, 0.9)))
 
 
+def _agreeing(work: float, loop: float, scale: float) -> float:
+    """The closed integral of Q dU - m_q d eps of a cycle, where it is the friction work to 1e-6 or both are rounding of `scale`.
+
+    >>> _agreeing(1.0, 1.0000001, 1.0)
+    1.0000001
+    >>> _agreeing(1.0, 1.00001, 1.0)
+    Traceback (most recent call last):
+    semi_analytic.fronts.NotOneStickInterval: load: friction work and closed integral of Q dU - m_q d eps differ by 1.0e-05 ...
+    """
+    if abs(loop - work) > 1e-6 * work + 1e-11 * scale:
+        raise NotOneStickInterval(
+            f"load: friction work and closed integral of Q dU - m_q d eps differ by {abs(loop / work - 1):.1e} of the work of the "
+            "last cycle: it is not steady, or its fronts were not followed well enough; more cycles or finite elements may help"
+        )
+    return loop
+
+
 def follow(
     path: LoadPath,
     contact: Parabola,
@@ -1152,7 +1170,8 @@ def follow(
     Raises
     ------
     NotOneStickInterval
-        (an InputError) where stick breaks into several intervals: with bulk stress or tilt out of phase with P and Q.
+        (an InputError) where stick breaks into several intervals, as with bulk stress or tilt out of phase with P and Q, and where
+        the work of the last cycle is not its closed integral.
     InadmissibleLoadError
         For gross sliding and separation.
     """
@@ -1173,6 +1192,9 @@ def follow(
         works.append(math.fsum(step.work for step in last))
         if len(works) >= max(needed, 2) and abs(works[-1] - works[-2]) <= 1e-8 * works[-1]:
             break
+    loop = math.fsum(_loop_of(follower, step) for step in last)
+    if period is not None:
+        loop = _agreeing(works[-1], loop, contact.compliance * (friction * float(np.max(last[0].loads[0]))) ** 2)
     changes = np.abs(np.diff(works)) <= 1e-8 * np.array(works[1:])
     steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
     instants = np.unique(np.concatenate([step.time[::2] for step in steps])) if time is None else np.asarray(time, dtype=float)
@@ -1193,7 +1215,7 @@ def follow(
         slip=slip,
         state=state_of.astype(np.int8),
         works=np.array(works),
-        loop=math.fsum(_loop_of(follower, step) for step in last),
+        loop=loop,
         remainder=remainder_of(works),
         steady_from=steady,
         density=np.sum([_density_of(follower, step, x) for step in last], axis=0),
@@ -1241,7 +1263,12 @@ def _loop_of(follower: Follower, step: Step) -> float:
 def _at(follower: Follower, steps: Sequence[Step], time: float, x: Array) -> tuple[Array | float, ...]:
     """Everything at an instant, in the order of `Followed`."""
     step = steps[min(int(np.searchsorted([each.time[-1] for each in steps], time)), len(steps) - 1)]
-    inside, f, contact = np.clip(np.array([time]), step.time[0], step.time[-1]), follower.friction, follower.contact
+    f, contact = follower.friction, follower.contact
+    if time < steps[0].time[0]:  # out of contact, but for the last 1e-4 of the load that touches first
+        now, none, nothing = follower.loads.values(np.array([time]))[:, 0], np.zeros(2), np.zeros(len(x))
+        now[3] = np.nan_to_num(now[3])
+        return now, 0.0, 0.0, 0.0, none, none, nothing, nothing, -now[2] * x, np.full(len(x), OPEN)
+    inside = np.clip(np.array([time]), step.time[0], step.time[-1])
     loads, phi = follower.loads.values(inside), step.phi(inside)
     a1, a2 = contact.edges(loads[0], loads[3])
     b1 = np.maximum(_value(phi, _fit(step.b1)), a1) if step.slips[0] else a1

@@ -26,6 +26,7 @@ from scenes import (
     SLIP_REVERSE,
     STICK,
     ContactSolution,
+    Hertz,
     InputError,
     Materials,
     NotFoundError,
@@ -35,7 +36,7 @@ from scenes import (
     freeze,
     scene_of,
 )
-from semi_analytic.bulk_and_tilt import NO_ONE_CURVE, one_curve
+from semi_analytic.bulk_and_tilt import NO_ONE_CURVE, one_curve, strain_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -48,6 +49,7 @@ from semi_analytic.friction_work import (
     slip_work,
     work_error,
 )
+from semi_analytic.fronts import Parabola, PathLoads, follow
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
 from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, pieces, rounding_of_shift, rounding_of_slip, value_on
@@ -63,6 +65,8 @@ Array = NDArray[np.float64]
 
 # Rounding of the closed integral of Q dU over the dissipation, above which it is no second route any more.
 _TOO_ROUGH = 1e-2
+# Of front following: what events, edges and pieces of s' leave of W, of q and of s, as share of the largest value.
+FRONTS_ERROR = 1e-8
 # Errors that a note says, share of the largest value.
 _DOUBTFUL = 1e-9
 
@@ -77,6 +81,9 @@ def solve(
     straight_steps: bool = False,
 ) -> ContactSolution:
     """The half-plane answer to a scene, exact to rounding at every point and instant asked for.
+
+    Bulk stress and tilt are taken where the memory of friction stays one curve, see `bulk_and_tilt.one_curve`. The loop is then
+    that of Q over U minus that of m_q over the bulk strain, and edges need not be mirrored.
 
     Parameters
     ----------
@@ -101,7 +108,7 @@ def solve(
     ------
     InputError
         For a scene that does not pass its own check, an unknown field, a time outside the path, a profile that this engine does not
-        know.
+        know, bulk stress or tilt of another memory.
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path, with the instant and the loads.
 
@@ -115,8 +122,12 @@ def solve(
     family = None
     if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
         family = one_curve(scene)
-        if family is None:
+        if family is None and not isinstance(scene.profile, Hertz):
             raise InputError(NO_ONE_CURVE)
+        if family is None:
+            if straight_steps:
+                raise InputError("straight_steps: the engine that follows fronts takes the scene's own path; leave it out")
+            return _solved_by_fronts(scene, wanted, points, asked, cycles)
     contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
     friction = scene.friction.coefficient
     path: LoadSeries | History
@@ -188,6 +199,94 @@ def solve(
         ),
         work=Work(counts | {"cycles_solved": len(path.cycles)} | found.counts, _skipped(scene, path, request, found), seconds),
         settings={"cycles": cycles, "fields": sorted(wanted), "straight_steps": straight_steps},
+        versions=dict(_versions()),
+        **arrays,
+    )
+
+
+def _solved_by_fronts(
+    scene: Scene, wanted: frozenset[str], points: Array | None, asked: Array | None, cycles: Cycles
+) -> ContactSolution:
+    """The answer of front following, for a parabola whose bulk stress and tilt make no one memory curve."""
+    assert isinstance(scene.profile, Hertz)  # for the type checker
+    started, path, friction = clock.perf_counter(), scene.load.path(), scene.friction.coefficient
+    modulus, datum = composite_modulus(scene.material), scene.profile.datum_length
+    parabola = Parabola(2 / modulus, scene.profile.radius)
+    loads = PathLoads(path, strain_of(scene.material), parabola.radius)
+    if points is None:
+        legs = (*path.initial_loading[1:], *path.cycle) or path.initial_loading
+        samples = [loads.values(np.linspace(leg.start, leg.end, 66)[1:]) for leg in legs]
+        edges = np.abs([parabola.edges(each[0], each[3]) for each in samples])
+        points = mirrored_points(1.05 * float(np.max(edges)))
+    found = follow(path, parabola, friction, loads.strain, points, asked, most=max(scene.cycles, 2))
+    period, rows = path.period, slice(None)
+    if asked is None and cycles == "steady" and period is not None:
+        first = path.cycle_start + (len(found.works) - 1) * period
+        rows = slice(int(np.searchsorted(found.time, first * (1 + 1e-12))), None)
+    time, (load, shear_load, _, tilt) = found.time[rows], found.loads[:, rows]
+    contact_edges, stick_edges = found.contact_edges[rows], found.stick_edges[rows]
+    middle, half = np.mean(contact_edges, axis=1), np.diff(contact_edges)[:, 0] / 2
+    lower, upper = loads.stresses(time)
+    series: dict[str, Any] = {
+        "tangential_displacement": found.displacement[rows] + 2 / (math.pi * modulus) * shear_load * math.log(datum),
+        "normal_approach": TiltedParabola(modulus, parabola.radius, datum).approach(middle, half, load, tilt),
+    }
+    grids = {name: getattr(found, name)[rows] for name in ("pressure", "shear", "slip")}
+    series |= {name: np.full_like(values, np.nan) for name, values in (series | grids).items() if name not in wanted} | {
+        name: values for name, values in grids.items() if name in wanted
+    }
+    arrays: dict[str, Any] = {name: freeze(values) for name, values in series.items()}
+    work, steady = float(found.works[-1]), found.steady_from is not None
+    notes = [*neglected_coupling(scene.material)]
+    if period is not None and not steady:
+        notes.append(
+            f"the last cycle, number {len(found.works)}, is not steady: by the trend its dissipation is within "
+            f"{found.remainder / work:.1e} of the steady one"
+        )
+    apart = abs(found.loop / work - 1) if steady and work > 0 else 0.0
+    errors = {"dissipation": FRONTS_ERROR + apart, "dissipation_density": FRONTS_ERROR, "shear": FRONTS_ERROR, "slip": FRONTS_ERROR}
+    skipped = {name: (len(time), "not asked for") for name in FIELDS if name not in wanted}
+    stays = found.permanent_stick_edges
+    return ContactSolution(
+        engine="semi_analytic",
+        scene=scene,
+        time=freeze(time),
+        normal_load=freeze(load),
+        tangential_load=freeze(shear_load),
+        x=freeze(points),
+        state=freeze(found.state[rows] if "state" in wanted else np.full_like(found.state[rows], OPEN), np.int8),
+        contact_edges=freeze(contact_edges),
+        stick_edges=freeze(stick_edges),
+        contact_half_width=freeze(half),
+        stick_half_width=freeze(np.diff(stick_edges)[:, 0] / 2),
+        dissipation=work if "dissipation" in wanted else math.nan,
+        loop_work=found.loop if steady and "dissipation" in wanted else math.nan,
+        cycle_dissipation=freeze(found.works if "dissipation" in wanted else np.full_like(found.works, np.nan)),
+        dissipation_density=freeze(found.density if "dissipation_density" in wanted else np.full_like(found.density, np.nan)),
+        permanent_stick_half_width=float(stays[1] - stays[0]) / 2,
+        permanent_stick_edges=freeze(stays),
+        steady_from=found.steady_from,
+        bulk_stress_lower=freeze(lower),
+        bulk_stress_upper=freeze(upper),
+        tilt=freeze(tilt),
+        moment=freeze(found.moment[rows]),
+        shear_moment=freeze(found.shear_moment[rows]),
+        record=Record(
+            converged=True,
+            termination="steady" if steady else "end of path",
+            message=f"cycle {(found.steady_from or 0) + 1} repeats the one before to 1e-8 of its work"
+            if steady
+            else "the path was followed to its end",
+            iterations=freeze(np.zeros(len(time)), np.int64),
+            notes=tuple(notes),
+            errors={name: error for name, error in errors.items() if name in wanted},
+        ),
+        work=Work(
+            {"instants": len(time), "points": len(points), "cycles_solved": len(found.works), **found.counts},
+            skipped,
+            {"history": clock.perf_counter() - started},
+        ),
+        settings={"cycles": cycles, "fields": sorted(wanted), "straight_steps": False},
         versions=dict(_versions()),
         **arrays,
     )

@@ -27,8 +27,8 @@ from typing import ClassVar, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Compound, FlatRounded, Hertz, InputError, Profile, Tabulated, Wedge
-from scenes.chebyshev import Pieces, halved
+from scenes import Compound, FlatRounded, Hertz, InputError, NotFoundError, Profile, Tabulated, Wedge
+from scenes.chebyshev import Pieces, Unresolved, halved
 from semi_analytic.quadrature import crowded, panels
 
 Array = NDArray[np.float64]
@@ -43,6 +43,8 @@ _OF_MEAN = -((-1.0) ** _K) * 2 * _K / _FACTORIAL
 _OF_LOAD = -((-1.0) ** _K) * 4**_K / _FACTORIAL
 # Relative error of m and c by their series, measured against the equations themselves.
 _NOISE = 1e-12
+# What series may leave of the largest half-length, over 4e-15: beside a flat the last digits of a contact are noise.
+_FLOOR = 30.0
 # Values of knots that are held at a time.
 _VALUES = 500_000
 # Share of P up to which the kernel of W is a quadrature; above, a difference of closed forms.
@@ -336,8 +338,11 @@ class NestedIntervals:
         places, found = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(marks)))]), []
         for low, high in pairwise(marks.tolist()):
             ends = np.array([0.0, math.sqrt(high - low)])
-            both = (halved(lambda v, k=k, low=low: self.exactly(low + v * v)[k], ends, self.scale) for k in (0, 1))  # type: ignore[misc]
-            found.append(tuple(both))
+            both = (halved(lambda v, k=k, low=low: self.exactly(low + v * v)[k], ends, _FLOOR * self.scale) for k in (0, 1))  # type: ignore[misc]
+            try:
+                found.append(tuple(both))
+            except Unresolved as fault:
+                raise NotFoundError(f"no contact was found under the tilt {self.tilt:.6g} and loads of about {low:.6g}") from fault
         middle, half = (
             Pieces(
                 np.concatenate([[0.0], *(piece.edges[1:] + place for piece, place in zip(pieces, places[:-1], strict=True))]),

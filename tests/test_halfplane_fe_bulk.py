@@ -112,7 +112,7 @@ LIMITS = {"rough": (6e-3, 1.0, 5e-3, 6e-4), "default": (1e-3, 1.0, 3e-4, 3e-5)}
 @pytest.mark.parametrize("mesh", ["rough", pytest.param("default", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("row", ROWS)
 def test_exact_rows(row: str, mesh: str) -> None:
-    answer = solved(ROWS[row], ROUGH, SolverSettings(steps_per_cycle=16)) if mesh == "rough" else halfplane_fe.solve(ROWS[row])
+    answer = solved(ROWS[row], ROUGH, SolverSettings()) if mesh == "rough" else halfplane_fe.solve(ROWS[row])
     work, edge, contact, turned = LIMITS[mesh]
     element = answer.settings["element_size"]
     assert answer.moment is not None

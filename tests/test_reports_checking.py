@@ -21,6 +21,8 @@ from reports.checking import (
     remarks,
     require_admissible,
 )
+from reports.maps.advice import parts_of
+from reports.scoring.loops import MeasuredLoop, score_loop
 from scenes import (
     Block,
     Bodies,
@@ -342,3 +344,27 @@ def test_a_record_too_long_for_finite_elements_is_checked_without_them(tmp_path:
     done = halfplane(tmp_path, "check", "mine.json")
     assert done.returncode == 0
     assert "Remark: The record has 10001 rows, and finite elements take at least two increments a row" in done.stdout
+
+
+ROWS = MeasuredLoop("rig", np.zeros(1), np.zeros(1), np.zeros(1), ())
+KNOW_P_AND_Q_ALONE = {
+    "advise": (parts_of, "no map covers bulk stress or tilt"),
+    "a measured loop": (lambda scene: score_loop(ROWS, scene), "no measured loop is scored with bulk stress"),
+    "friction_from": (lambda scene: semi_analytic.friction_from(0.1, scene=scene), "without bulk stress and tilt"),
+    "hysteresis": (lambda scene: semi_analytic.hysteresis(semi_analytic.solve(scene, x=[0.0])), "is not the dissipation"),
+}
+
+
+@pytest.mark.parametrize("what", KNOW_P_AND_Q_ALONE)
+def test_what_knows_p_and_q_alone_refuses_bulk_stress_in_a_sentence(what: str) -> None:
+    call, words = KNOW_P_AND_Q_ALONE[what]
+    load = {"kind": "polygon", "initial_loading": [(90.0, 0.0), (90.0, 25.0)], "cycle": [(90.0, -25.0)]}
+    with pytest.raises(InputError, match=words):
+        call(BASE.vary(load=load | {"bulk_stress_lower": (0.0, 10.0, -10.0)}))
+
+
+def test_fields_for_fatigue_are_refused_before_anything_is_solved(tmp_path: Path) -> None:
+    load = {"kind": "polygon", "initial_loading": [(90.0, 0.0)], "cycle": [(90.0, 25.0)], "tilt": 1e-4}
+    BASE.vary(load=load).save(tmp_path / "tilted.toml")
+    words = refused(tmp_path, "fields", "tilted.toml", "--fatigue", "--no-pictures")
+    assert "--fatigue: half-plane theory gives no stress inside bodies under bulk stress or tilt" in words

@@ -13,12 +13,13 @@ import pytest
 
 import semi_analytic
 from reports import Report, compare, write
+from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
 from reports.comparison.words import value_of
 from reports.folder import MANIFEST, claim, default_folder, filled
 from reports.page import pdf
 from reports.page.writing import draw
-from scenes import ContactSolution, InputError, load_scene, scene_names
+from scenes import ContactSolution, InputError, Scene, load_scene, scene_names
 from test_reports_synthetic import cattaneo_mindlin, with_fields
 
 TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
@@ -111,6 +112,45 @@ def test_tables_hold_what_the_figures_draw(folder: Path, comparison: Comparison)
             heading = "state_reference (0 open, 1 stick, 2 forward slip, 3 reverse slip)"
             stored = np.array([int(row[heading]) for row in rows]).reshape(len(TRUTH.time), -1)
             assert np.array_equal(stored, TRUTH.state[:, np.abs(TRUTH.x) <= 1.12])
+
+
+def test_with_bulk_stress_and_tilt_page_file_and_console_name_them_and_both_works(tmp_path: Path, folder: Path) -> None:
+    """P = 3, Q = +-1.8, eps = +-0.3 (E* = R = f = 1): W in closed form; where U alone is drawn, nobody may take it for that."""
+    work = 0.9368781396315213
+    load = {"kind": "polygon", "initial_loading": [(3.0, 0.0), (3.0, 1.8)], "cycle": [(3.0, -1.8)]}
+    load |= {"bulk_stress_lower": (0.0, 0.6, -0.6), "tilt": 0.0}
+    soft, profile = {"young_modulus": 2.0, "poisson_ratio": 0.0}, {"kind": "hertz", "radius": 1.0}
+    scene = Scene.model_validate({"material": soft, "profile": profile, "friction": 1.0, "load": load})
+    exact = semi_analytic.solve(scene, x=np.linspace(-2.4, 2.4, 81), time=np.linspace(4.0, 6.0, 161))
+    comparison = compare(exact, exact)
+    write(comparison, tmp_path / "out")
+    content, plain = (read_json(path / "comparison.json") for path in (tmp_path / "out", folder))
+    assert (
+        "the lower body is under a bulk stress from −0.6 to 0.6 MPa along x; the upper body is tilted by 0 rad"
+        in content["question"]
+    )
+    assert " under bulk stress and tilt" in content["headline"]
+    assert "bulk" not in plain["question"] + plain["headline"]
+    answer = content["reference"]
+    assert answer["loop_work"] == pytest.approx(work, rel=1e-10)
+    assert (answer["permanent_stick_left"], answer["permanent_stick_right"]) == pytest.approx((-0.93607744, 1.53607744), abs=1e-7)
+    beside = {"bulk_work", "permanent_stick_left", "permanent_stick_right"}
+    assert beside <= answer.keys()
+    assert not beside & plain["reference"].keys()
+    # Both works by the rows of the figure's table, and their sum.
+    rows = list(csv.DictReader((tmp_path / "out" / "figures" / "hysteresis.csv").read_text(encoding="utf-8").splitlines()))
+    force, shift = (np.array([float(row[name]) for row in rows]) for name in ("Q", "U_reference"))
+    loop = float(np.trapezoid(force, shift))
+    assert loop + answer["bulk_work"] == pytest.approx(work, rel=1e-3)
+    assert abs(loop / work - 1) > 0.1
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    for words in ("With bulk stress that is not the dissipation", "of it −∮", "ε = σ/E′", "σ, lower body"):
+        assert words in page, words
+        assert words not in (folder / "report.html").read_text(encoding="utf-8"), words
+    shown = dict(summary_rows(exact))
+    assert float(next(shown[name] for name in shown if name.startswith("closed integral of (Q dU - m_q"))) == pytest.approx(work)
+    assert any(name.startswith("of it by bulk stress") for name in shown)
+    assert not any("m_q" in name for name, _ in summary_rows(TRUTH))
 
 
 def test_the_map_of_states_and_the_table_say_one_share() -> None:

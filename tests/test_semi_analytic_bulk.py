@@ -203,6 +203,8 @@ def test_fields_are_those_of_the_grid(name):
     assert np.mean(found.state != grid.state) < 0.02
     steady = solve(scene, x=0.0, fields="dissipation", cycles="steady")
     assert steady.loop_work == pytest.approx(steady.dissipation, rel=1e-10)
+    if len(path.cycle) > 1:  # constant P: the first cycle is steady
+        assert grid.cycle_work(80)[-1] == pytest.approx(steady.dissipation, rel=3e-3)
 
 
 @pytest.mark.parametrize(("share", "strain"), [(0.9, 0.2007250992650), (0.5, 1.1763560617531), (0.1, 3.3340559259752)])
@@ -267,7 +269,7 @@ def test_parabolas_without_tilt_are_the_symmetric_contact(profile):
 def test_the_sums_over_knots_are_the_closed_forms_of_the_parabola():
     closed = TiltedParabola(1.0, 1.0, 1.0, tilt=0.2, slope=-0.1)
     sums = TiltedProfile(NestedIntervals(piecewise_parabola(Hertz(radius=1.0)), 2.0, 0.2, -0.1, 4.0), 1.0)
-    x, load, loads = np.linspace(-2.2, 2.1, 87), np.linspace(0.05, 4, 49)[:, None], np.array([0.5, 1.0, 3.3, 3.9])
+    x, load, loads = np.linspace(-2.2, 2.1, 22), np.linspace(0.05, 4, 9)[:, None], np.array([0.5, 1.0, 3.3, 3.9])
     for name in ("pressure", "slip_integral", "pressure_moment", "slip_integral_moment"):
         np.testing.assert_allclose(getattr(sums, name)(x, load), getattr(closed, name)(x, load), rtol=0, atol=1e-12, err_msg=name)
     for rigid in ("displacement", "loop", "moment"):
@@ -345,7 +347,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("scene", REFUSED.values(), ids=REFUSED)
 def test_other_histories_are_refused(scene):
-    with pytest.raises(InputError, match="kappa Q"):
+    with pytest.raises(InputError, match=r"kappa Q|stick"):
         solve(scene)
 
 

@@ -78,12 +78,17 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
     from reports.comparison.content import strict
     from reports.field_output import files
     from reports.folder import filled
+    from scenes import InputError
 
     files.require_series(options.every, options.frames)
     options, source, criteria = replace(options, at=options.named), scene, options.criteria
 
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
         require_times(options.at, "--at", scene)
+        if criteria is not None and (scene.load.has_bulk_or_tilt or not scene.profile.symmetric):
+            raise InputError(
+                f"--fatigue: half-plane theory gives no stress inside bodies under bulk stress or tilt ({scene.name}): leave it out"
+            )
         if (options.pictures and options.at) or options.animate:
             require_drawing(stages)
         load_engines(stages)

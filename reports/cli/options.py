@@ -84,6 +84,7 @@ class FiniteElements(Output):
         _solver("The contact law met exactly, or an elastic layer between the faces."),
     ] = None
     steps_per_cycle: Annotated[int | None, _solver("Steps of a revolution; turning points come on top.")] = None
+    step_tolerance: Annotated[float | None, _solver("Error of a revolution's steps over W above which steps are halved.")] = None
     normal_stiffness: Annotated[float | None, _solver("Of the penalty layer, over E*/h; without one no answer depends on it.")] = (
         None
     )

@@ -583,8 +583,7 @@ def _of_both(pair: Pair, expected: float, found: float) -> Measured:
     exists=lambda pair: pair.pulled or pair.turned,
 )
 def _(pair: Pair) -> Measured:
-    """Stick zone, centre: x of the middle of what sticks through the whole last cycle, result − reference; only with bulk stress
-    or tilt."""
+    """Stick zone, centre: middle of what sticks through the whole last cycle, result − reference."""
     edges = [s.permanent_stick_edges for s in (pair.reference, pair.result)]
     return _of_both(pair, *(math.nan if one is None else float(np.mean(one)) for one in edges))
 
@@ -869,8 +868,8 @@ def _bulk_works(pair: Pair) -> tuple[float, float] | str:
     exists=lambda pair: pair.pulled,
 )
 def _(pair: Pair) -> Measured:
-    """Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference, trapezoidal rule over the same
-    instants; between half-planes it is the dissipation, which the loop of Q over U alone is not."""
+    """Hysteresis loop with its bulk term: closed integral of Q dU − m_q dε − that of the reference; with bulk stress Q dU alone is
+    not the dissipation."""
     works = _bulk_works(pair)
     if isinstance(works, str):
         return _none(works)
@@ -891,8 +890,7 @@ def _(pair: Pair) -> Measured:
     exists=lambda pair: pair.pulled,
 )
 def _(pair: Pair) -> Measured:
-    """Bulk term of the loop: −closed integral of m_q dε − that of the reference, over W_ref, trapezoidal rule over the same
-    instants; m_q = ∫x q dx, ε = σ/E′ of the lower body − that of the upper one."""
+    """Bulk term of the loop: −closed integral of m_q dε − that of the reference; m_q = ∫x q dx, ε = σ/E′, lower − upper body."""
     works = _bulk_works(pair)
     if isinstance(works, str):
         return _none(works)
@@ -912,8 +910,7 @@ def _(pair: Pair) -> Measured:
     exists=lambda pair: pair.periodic and (pair.pulled or pair.turned),
 )
 def _(pair: Pair) -> Measured:
-    """Drift of the dissipation: change of W from the cycle before to the last, over W of the last, result − reference; 0 in a
-    steady cycle. With bulk stress or tilt out of phase that is only approached."""
+    """Drift of the dissipation: change of W in the last cycle over W, result − reference; 0 where it is steady."""
     both = [(name_of(s.engine), s.dissipation_drift) for s in (pair.reference, pair.result)]
     words = "; ".join(f"{name}: {'not known' if math.isnan(it) else f'{it:+.1e} in its last cycle'}" for name, it in both if it)
     if any(math.isnan(it) for _, it in both):
@@ -923,14 +920,14 @@ def _(pair: Pair) -> Measured:
 
 @metric("contact_centre", "of a_ref", _WORST_INSTANT, _INSTANTS, exists=lambda pair: pair.turned)
 def _(pair: Pair) -> Measured:
-    """Contact centre: middle of the contact edges, result − reference; only under tilt, moment or unequal sides."""
+    """Contact centre: middle of the contact edges, result − reference."""
     apart = np.mean(pair.found.contact_edges - pair.expected.contact_edges, axis=1) / pair.scales.half_width
     return _at_worst(pair, apart, places=np.mean(pair.found.contact_edges, axis=1))
 
 
 @metric("moment", "of P_ref a_ref", _WORST_INSTANT, _INSTANTS, "pressure", exists=lambda pair: pair.turned)
 def _(pair: Pair) -> Measured:
-    """Moment: M = ∫x p dx about x = 0, result − reference; where the moment is given, that of the tractions against it."""
+    """Moment: M = ∫x p dx, result − reference."""
     expected, found = pair.expected.moment, pair.found.moment
     if expected is None or found is None:
         return _none("a solution states none")
@@ -939,7 +936,7 @@ def _(pair: Pair) -> Measured:
 
 @metric("tilt", "of A P_ref/a_ref", _WORST_INSTANT, _INSTANTS, exists=lambda pair: pair.turned)
 def _(pair: Pair) -> Measured:
-    """Tilt: of the upper body, result − reference; where it is given, it has no error."""
+    """Tilt: that of the upper body, result − reference."""
     expected, found = pair.expected.tilt, pair.found.tilt
     if expected is None or found is None:
         return _none("a solution states none")

@@ -11,7 +11,7 @@ from reports.charts.marks import Arrow, Axis, Band, Curve, Dot, Frame, Mark, Not
 from reports.charts.plate import Panel, Plate
 from reports.charts.scale import Scale, limits
 from reports.charts.table import Table
-from reports.comparison.words import bodies_in_words
+from reports.comparison.words import bodies_in_words, bulk_and_tilt, sentence
 from reports.profile_fit import fit_of
 from reports.units import load_unit, number, units
 from scenes import Cylinder, HalfPlane, Scene, Shape, sampled
@@ -58,6 +58,8 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         f"To scale{'; half-planes are cut off at the dotted lines' if cut else ''}. Thick line: the contact, "
         f"2 a_ref = {number(2 * half_width)} {length} wide. P {_range(scene, 0)}, Q {_range(scene, 1)} {load_unit(scene)}."
     )
+    if beside := bulk_and_tilt(scene):
+        caption += f" {sentence(beside.removeprefix('; '))}"
     alt = bodies_in_words(scene)
     # Places of the marks are those of the drawing: supports and arrows have no size in the scene.
     axes = Axis(0.0, frame.width, ""), Axis(frame.height, 0.0, "")
