@@ -165,7 +165,7 @@ def run_path(
     """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats; `keep_all` states of a long path.
 
     A revolution repeats where its nodal forces do, and what is left of the dissipation's way is less than the `uncertainty` that
-    its mesh and steps give it (scaled; NaN where that is unknown: then up to round-off).
+    its mesh and steps give it (scaled; where that is unknown, NaN: `REPEATS` of itself).
 
     Neither a ConvergenceError nor Ctrl-C gets lost: it ends the run and is kept in `failure` with everything solved before it.
     """
@@ -183,9 +183,11 @@ def run_path(
             _follow_legs(problem, run, path.cycle_legs(number), pace.steps_per_cycle, pace, progress, f"revolution {number + 1}")
             run.cycle_density.append(run.density)
             run.cycle_change.append(_change(before, run.states[-1], problem.friction))
-            if run.cycle_change[-1] <= REPEATS and abs(run.trend.left) <= np.nan_to_num(uncertainty(run)):
-                run.steady_from = number
-                break
+            if run.cycle_change[-1] <= REPEATS:
+                least = REPEATS * float(run.density.sum())
+                if abs(run.trend.left) <= np.nan_to_num(uncertainty(run), nan=least, posinf=np.inf):
+                    run.steady_from = number
+                    break
     except ConvergenceError as failure:
         run.failure = failure
     except KeyboardInterrupt:

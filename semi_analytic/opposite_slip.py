@@ -43,7 +43,7 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
 
     >>> e, q = loads_of(np.array([0.5]), np.array([0.5]))  # Q = 0: -e = (2/pi) [K(m) - E(m)], m = 1 - c^2
     >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
-    (-0.6018957302, 0.0)
+    (-0.601898288, 0.0)
     """
     m, c = (left - right) / 2, 1 - (left + right) / 2
     # xi = b1 - d1 v^2

@@ -58,7 +58,7 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
     InputError
         For a kind of profile that this engine does not know, and for one under which the contact would split.
     """
-    if not profile.symmetric:
+    if isinstance(profile, Tabulated) and not profile.symmetric:
         raise InputError("profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both")
     modulus, datum = composite_modulus(materials), getattr(profile, "datum_length", 0.0)
     match profile:

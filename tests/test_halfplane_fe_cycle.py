@@ -156,7 +156,7 @@ def test_the_trend_of_a_series_and_what_is_left_of_it(name, count):
         ("steady from the second on", 0.0, 3),  # the third has the dissipation of the second
         ("geometric", 1e-4, 14),  # 2^-14 = 6.1e-5
         ("k^-3", 1.1e-3, 10),  # a thousandth is left after ten
-        ("k^-3", np.nan, 30),  # unknown: nothing but a repetition counts
+        ("k^-3", np.nan, 13),  # unknown: what is left is 5e-4 of W
         ("grows", 1e-3, 30),
     ],
 )
