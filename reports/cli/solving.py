@@ -121,7 +121,7 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     """What `halfplane_fe.solve` will take, from the steps of the path and the contact's size by half-plane theory.
 
     Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
-    each node that the edge of contact passes, and halved ones, as measured on the library's scenes: 25 of the 33 have the count to
+    each node that the edge of contact passes, and halved ones, as measured on the library's scenes: 24 of the 37 have the count to
     a third, the others to a factor of four (fewer where hardly anything slips, more on flat pads of unlike bodies, five times as
     many where the dissipation settles late).
     """
