@@ -18,7 +18,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
 from halfplane_fe.penalty import PenaltyAudit
 from halfplane_fe.run import PathRun
-from halfplane_fe.scales import Scales, contact_modulus, unsymmetric
+from halfplane_fe.scales import Scales, contact_modulus
 from halfplane_fe.visible import visible_states
 from scenes import OPEN, STICK, HalfPlane, Interrupted, Record, Scene, freeze
 
@@ -61,7 +61,7 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     work = scales.load * displacement
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
-    anywhere = unsymmetric(scene)
+    anywhere = scene.unsymmetric
     every = visible_states(run.states, run.cycle_starts, problem.friction)
     seen = every[kept]
     edges = {name: found * scales.half_width for name, found in _edges(problem, states, seen, anywhere).items()}
@@ -154,7 +154,7 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     loaded = np.array([state.normal_load > 0 for state in run.states])
     inside = (times > start) & loaded
     always = np.all(seen[inside] == STICK, axis=0)
-    if unsymmetric(scene) and period is not None:
+    if scene.unsymmetric and period is not None:
         law, slip = (np.array([getattr(run.states[k], name) for k in np.flatnonzero(inside)]) for name in ("state", "slip"))
         moved = np.ptp(slip, axis=0)
         always |= np.all(law != OPEN, axis=0) & (moved <= _CREEP * moved.max())
@@ -163,7 +163,7 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     x = problem.interface.x
     ever_closed = np.any(seen[inside] != OPEN, axis=0)
     outermost = np.array([[x[always].min(), x[always].max()]])
-    return stick_edges(x, always[None], ever_closed[None], outermost, anywhere=unsymmetric(scene))[0]
+    return stick_edges(x, always[None], ever_closed[None], outermost, anywhere=scene.unsymmetric)[0]
 
 
 def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()) -> Record:

@@ -104,11 +104,6 @@ def needs_shear(scene: Scene) -> bool:
     return scene.friction.coefficient > 0 and (driven or not shapes_alike(scene))
 
 
-def unsymmetric(scene: Scene) -> bool:
-    """Whether bulk stress, tilt or the profile let contact and stick zone lie anywhere, so that no half stands for both."""
-    return scene.load.path().has_bulk_or_tilt or not scene.profile.symmetric
-
-
 def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     """Run the scene on a coarse mesh of its own size; `work` counts the condensations.
 
@@ -141,7 +136,7 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     if scene.load.path().period is not None:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
         seen = visible_states(run.states, run.cycle_starts, scene.friction.coefficient)[cycles]
-        nearest = _nearest_edge if unsymmetric(scene) else _least_half_width
+        nearest = _nearest_edge if scene.unsymmetric else _least_half_width
         inner = nearest(problem, run.states[cycles], seen)
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width
     first_kink = min(scene.profile.kinks, default=np.inf)  # the pressure's slope is infinite there, a coarse mesh 0.1 % off

@@ -36,7 +36,7 @@ from halfplane_fe.path import check_admissible
 from halfplane_fe.penalty import PenaltyAudit, penalty_audit
 from halfplane_fe.resolution import Seen, resolution_notes, uncertainty, uncertainty_note
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
-from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, sheared, unsymmetric
+from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, sheared
 from halfplane_fe.settings import SolverSettings
 from halfplane_fe.store import refusals
 from halfplane_fe.systems import Layer
@@ -192,7 +192,7 @@ def _check_loads(scene: Scene) -> None:
 
 def _on_half(scene: Scene, faces: Interface) -> bool:
     """Whether faces and loads are their own mirror image, so that one half is solved for both."""
-    return not unsymmetric(scene) and mirrored(faces, sheared(scene))
+    return not scene.unsymmetric and mirrored(faces, sheared(scene))
 
 
 class _Watch:
@@ -323,7 +323,7 @@ def _uncertainty(scene: Scene, mesh: MeshSettings, settings: SolverSettings, sca
     coarse = scales.dissipation * scales.modulus / scales.load**2
     unit = 2 * scene.friction.coefficient**2  # A f^2 P^2
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they only approach the steady state.
-    found = float((run.cycle_density[:COARSE_CYCLES] if unsymmetric(scene) else run.cycle_density)[-1].sum())
+    found = float((run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density)[-1].sum())
     # Where no node slips, nothing scatters: a note says what may be unseen.
     return steps + unit * uncertainty(abs(found - coarse) / unit, scales.element / element, element if found else 0.0, plain)
 

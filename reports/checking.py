@@ -236,7 +236,7 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
     from semi_analytic.profiles import contact_of
 
     load, time = _when_largest(scene)
-    whole = scene.load.has_bulk_or_tilt or not scene.profile.symmetric  # else the right half of the contact is enough
+    whole = scene.unsymmetric  # else the right half of the contact is enough
     try:
         if whole:
             left, right = semi_analytic.solve(scene, x=[0.0], time=[time], fields=()).contact_edges[0].tolist()

@@ -223,6 +223,16 @@ class Scene(Frozen):
         return self
 
     @property
+    def unsymmetric(self) -> bool:
+        """Whether bulk stress, tilt or two unequal sides let contact and stick zone lie anywhere, so that no half stands for both.
+
+        >>> from scenes import load_scene
+        >>> load_scene("hertz-paper").unsymmetric, load_scene("nowell-hills").unsymmetric
+        (False, True)
+        """
+        return self.load.has_bulk_or_tilt or not self.profile.symmetric
+
+    @property
     def unit_words(self) -> tuple[str, str, str]:
         """Names of force, length and stress; general words where `units` is no list of three.
 

@@ -137,7 +137,7 @@ def friction_from(
     if any(value is not None for value in others):
         raise InputError("friction_from: a scene comes without profile, material and loads")
     scene = validated(scene, Scene)
-    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+    if scene.unsymmetric:
         raise InputError("friction_from: it takes scenes of symmetric profiles without bulk stress and tilt; `solve` takes others")
     if isinstance(scene.load, EllipseLoad):
         loads = {name: getattr(scene.load, name) for name in _LOADS}

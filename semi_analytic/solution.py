@@ -120,7 +120,7 @@ def solve(
     wanted, points, asked = checked(fields, cycles), vector(x, "x"), vector(time, "time")
     started = clock.perf_counter()
     family = None
-    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+    if scene.unsymmetric:
         family = one_curve(scene)
         if family is None and not isinstance(scene.profile, Hertz):
             raise InputError(NO_ONE_CURVE)
@@ -301,7 +301,7 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
         As `solve`.
     """
     contact, friction = contact_of(scene.profile, scene.material), scene.friction.coefficient
-    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+    if scene.unsymmetric:
         raise InputError("load: stress inside the bodies is for scenes without bulk stress and tilt, and for symmetric profiles")
     series = own_series(scene, time)
     if series is None:

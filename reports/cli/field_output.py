@@ -85,7 +85,7 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
 
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
         require_times(options.at, "--at", scene)
-        if criteria is not None and (scene.load.has_bulk_or_tilt or not scene.profile.symmetric):
+        if criteria is not None and scene.unsymmetric:
             raise InputError(
                 f"--fatigue: half-plane theory gives no stress inside bodies under bulk stress or tilt ({scene.name}): leave it out"
             )

@@ -134,7 +134,7 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     from semi_analytic.profiles import contact_of
 
     path, friction = scene.load.path(), scene.friction.coefficient
-    largest, unsymmetric = largest_contact(scene, scene.name), scene.load.has_bulk_or_tilt or not scene.profile.symmetric
+    largest = largest_contact(scene, scene.name)
     half_width: Callable[[float], Any] = (
         contact_of(scene.profile, scene.material).half_width
         if scene.profile.symmetric
@@ -142,7 +142,7 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     )
     spacing = mesh.edge_element_size / mesh.order  # of nodes, over the largest half-width
     mirrored = scene.material.alike and scene.bodies.lower == scene.bodies.upper and not scene.bodies.faces_are_true
-    mirrored = mirrored and not unsymmetric
+    mirrored = mirrored and not scene.unsymmetric
     halved, halved_each = (_HALVED[0 if mirrored else 1], _HALVED_EACH) if needs_shear(scene) else (0, 0)
 
     def of(segments: Sequence[LoadSegment], steps: float) -> tuple[float, float]:

@@ -102,7 +102,7 @@ def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
     try:
         return semi_analytic.solve(scene, x=result.x, time=result.time, straight_steps=not result.thinned)
     except InputError:
-        if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+        if scene.unsymmetric:
             return None
         raise
 

@@ -212,7 +212,7 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
 
     if scene.load.path().period is None:
         raise InputError(f"{scene.name}: its loads do not repeat: a loop needs a cycle")
-    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+    if scene.unsymmetric:
         raise InputError(
             f"{scene.name}: no measured loop is scored with bulk stress, tilt or unequal sides: U hangs on where it is measured, "
             "and the loop's area is not the dissipation"

@@ -117,9 +117,9 @@ def _of_bulk(scene: Scene, time: Array, result: SurfaceResult, stick: Array) -> 
 
     Of a tilt that follows from a moment the tractions say nothing: there is none.
     """
-    path = scene.load.path()
-    if not path.has_bulk_or_tilt and scene.profile.symmetric:
+    if not scene.unsymmetric:
         return {}
+    path = scene.load.path()
     found = {"moment": freeze(np.trapezoid(result.x * result.pressure, result.x, axis=1))}
     if result.sheared:
         found["shear_moment"] = freeze(np.trapezoid(result.x * result.shear, result.x, axis=1))

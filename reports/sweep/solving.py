@@ -121,7 +121,7 @@ def in_one_call(points: list[Question]) -> dict[str, dict[str, Any]]:
     begun = time.perf_counter()
     kinds: dict[str, dict[str, tuple[Scene, EllipseLoad]]] = {}
     for point in points if (points[0].engines, points[0].figures) == (["exact"], ["exact.dissipation"]) else ():
-        load, plain = point.scene.load, point.scene.profile.symmetric and not point.scene.load.has_bulk_or_tilt
+        load, plain = point.scene.load, not point.scene.unsymmetric
         if isinstance(load, EllipseLoad) and point.scene.friction.coefficient > 0 and plain:
             kind = point.scene.profile.model_dump_json() + point.scene.material.model_dump_json()
             kinds.setdefault(kind, {})[point.address] = point.scene, load
@@ -319,7 +319,7 @@ def _cheap_uncertainty(point: Question, fe: FiniteElementSolution, found: Evalua
         return evaluate(point, halfplane_fe.solve(scene, cut, law, scales=fe.scales)).values
 
     shares = [(_MESH, found.values, solved(replace(mesh, growth=min(1.0, 2 * mesh.growth))))]
-    if scene.load.has_bulk_or_tilt or not scene.profile.symmetric:
+    if scene.unsymmetric:
         # Theory has no answer on the polygon of the steps for every one of these: halved increments instead, second order.
         shares.append((4 / 3, solved(mesh), solved(mesh, finer_steps(solver))))
     elif "exact" in point.engines:
