@@ -16,7 +16,7 @@ In the order in which a scene passes through::
     events.py, stepping.py, run.py         to the next touch or release, along a stretch, over the whole path
     steady.py                              shakedown and ratcheting: what revolutions have left to go
     energy.py                              balance, friction work, step error, admissibility checks
-    edges.py, visible.py                   edges of contact and stick, states as a reader sees them
+    edges.py                               edges of contact and stick, states as a reader sees them
     answer.py, solve.py                    the answer: `solve`; datum of approach and tangential displacement
     penalty.py, resolution.py, dundurs.py  what the layer costs, what the mesh can't see, how unlike the bodies are
     fields.py, face_stress.py              displacement and stress inside the bodies; stress next to the contact from the tractions

@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
-from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
+from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty, visible_states
 from halfplane_fe.penalty import PenaltyAudit
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales, contact_modulus
-from halfplane_fe.visible import visible_states
 from scenes import OPEN, STICK, HalfPlane, Interrupted, Record, Scene, freeze
 
 

@@ -1,14 +1,18 @@
-"""Contact and stick edges of many instants at once, from nodal answers.
+"""Contact and stick edges of many instants at once, from nodal answers; states as a reader sees them.
 
 Arrays are (k, n): k instants, n nodes at ascending x. Edges and their uncertainties are (k, 2), left and right.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from halfplane_fe.contact import InterfaceState
+from halfplane_fe.law import slip_sign
+from scenes import STICK
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -29,6 +33,57 @@ _UNSEEN = 2.0
 _FITTED = (7, 4)
 # Elements by which two fits of a stick edge may differ.
 _AGREE = 0.1
+
+# A sliding node that has come less far, since it last stuck or turned round, than this share of the farthest one of its sense
+# counts as sticking: at the turning points of the load whole regions come back to the cone at once, and creep there by the mesh's
+# error. Slip grows as the distance from the stick edge to the power 3/2, so the share costs half a hundredth of the slip zone.
+_MOVED = 3e-4
+# The same of a node that the load does not drive, and that slips less than this share of the largest slip per change of load in
+# the revolution. What the mesh makes is 1e-5 to 4e-4 of that, without the cure of N - T up to 9e-3.
+_CREEP = 1e-2
+# Slip of an increment, over the largest of all, below which it is rounding.
+_ROUNDING = 1e-9
+
+
+def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int], friction: float) -> NDArray[np.int8]:
+    """(n_steps, n) states as the user sees them: the law's, but a node that only creeps by the error of the mesh sticks.
+
+    The load drives forward slip while Q - f P grows and reverse slip while Q + f P falls: like half-planes slip then alone, each
+    node of the slip zone, however slowly. Unlike bodies, bulk stress and tilt have slip besides, which has to be fast to count.
+
+    Parameters
+    ----------
+    states : of the whole path
+    cycle_starts : index of the state at which each revolution starts; what comes before them is the initial loading
+    friction : coefficient f
+    """
+    # Row by row: arrays of all steps and nodes would take gigabytes of a long record.
+    seen = np.array([state.state for state in states])
+    loads = np.array([state.loads for state in states])
+    rise = np.diff(loads, axis=0, prepend=loads[:1])
+    change = np.maximum(np.abs(rise).sum(axis=1), 1e-300)
+    largest = np.zeros((2, len(states)))  # slip of all nodes, and of those that slide, in each increment
+
+    def moved(step: int) -> tuple[NDArray[np.int64], Array]:
+        """Sense of slip by the law, and slip of the increment, (n,) each."""
+        return slip_sign(states[step].state), np.asarray(states[step].slip - states[max(step - 1, 0)].slip)
+
+    for step in range(len(states)):
+        sign, slip = moved(step)
+        largest[:, step] = np.abs(slip).max(), np.abs(slip * sign).max()
+    revolution = np.searchsorted(np.asarray(cycle_starts, dtype=int) + 1, np.arange(len(states)), side="right")
+    fastest = np.array([(largest[1] / change)[revolution == number].max(initial=0.0) for number in range(len(cycle_starts) + 1)])
+    rounding, run = _ROUNDING * largest[0].max(), np.zeros_like(states[0].slip)
+    for step in range(len(states)):
+        sign, slip = moved(step)
+        slip[np.abs(slip) <= rounding] = 0.0
+        run = np.where(run * slip > 0, run, 0.0) + slip  # slip in one direction without a stop, open or closed
+        driven = sign * rise[step, 1] > friction * rise[step, 0]
+        slides = driven | (np.abs(slip) > _CREEP * fastest[revolution[step]] * change[step])
+        for sense in (1, -1):
+            along = np.where(sign == sense, sense * run, 0.0)
+            seen[step, (sign == sense) & ~(slides & (along > _MOVED * along.max()))] = STICK
+    return seen.astype(np.int8)
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:
@@ -132,10 +187,10 @@ def stick_uncertainty(
 ) -> Array:
     """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
 
-    Where the whole contact sticks, a slip zone narrower than an element of two nodes may be there unseen, and the contact edge
-    itself is uncertain. Else the distance of the nodes around the edge (a share of it where the edge is fitted), and how far the
-    edge is from where it would be by another reading of the states: node status for a fitted one, and creeping nodes counted as
-    sliding. A slip zone of a few nodes may be none at all: there, at least the distance to the contact edge.
+    The distance of the nodes around the edge (a share of it where the edge is fitted), and how far the edge is from where it would
+    be by another reading of the states: node status for a fitted one, and creeping nodes counted as sliding. A slip zone of a few
+    nodes may be none at all: there, at least the distance to the contact edge, and its uncertainty. Where the whole contact sticks,
+    a slip zone narrower than an element of two nodes may be there unseen.
 
     Parameters
     ----------
@@ -155,8 +210,8 @@ def stick_uncertainty(
         beyond[:, side] = np.count_nonzero(half & (x_out > sign * edges[:, [side]]), axis=1)
     narrow = np.where(beyond <= _UNRESOLVED, np.abs(contact - edges) + of_contact, 0.0)
     share = np.where(edges == by_status, 1.0, _FITTED_SHARE)
-    partial = np.maximum(share * spacing + apart, narrow)
-    return np.where(edges == contact, np.maximum(np.maximum(_UNSEEN * spacing, of_contact), apart), partial)
+    unseen = np.where(edges == contact, _UNSEEN * spacing, 0.0)
+    return np.maximum(np.maximum(share * spacing + apart, narrow), unseen)
 
 
 Side = tuple[int, float, Array, tuple[NDArray, ...]]

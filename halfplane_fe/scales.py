@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, untouched
-from halfplane_fe.edges import contact_edges, stick_edges
+from halfplane_fe.edges import contact_edges, stick_edges, visible_states
 from halfplane_fe.interface import (
     Interface,
     condensed_pair,
@@ -28,7 +28,6 @@ from halfplane_fe.interface import (
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
-from halfplane_fe.visible import visible_states
 from meshes import MeshSettings, SurfaceGrading
 from scenes import NORMAL_LOAD, STICK, Bodies, Elastic, InputError, Scene, sampled
 
