@@ -219,9 +219,11 @@ def _follow_legs(
     duration = legs[-1].end - legs[0].start
     run.density = np.zeros_like(problem.height)
     # What the tolerance refers to: the dissipation of the revolution before; until there is one, a share of f^2 P^2/E*.
-    expected = float(run.cycle_density[-1].sum()) if run.cycle_density else 0.0
-    # Rounded down to a power of two: what the initial loading left in the revolution before shall not choose other increments.
-    reference = max(2.0 ** np.floor(np.log2(max(expected, 1e-300))), _LEAST_DISSIPATION * problem.friction**2)
+    unit = max(problem.friction**2, 1e-300)
+    expected = float(run.cycle_density[-1].sum()) / unit if run.cycle_density else 0.0
+    # Rounded down to a power of two: what the initial loading left in the revolution before shall not choose other increments. In
+    # units of f^2: Q in proportion to f has the same increments, whatever f is.
+    reference = max(2.0 ** np.floor(np.log2(max(expected, 1e-300))), _LEAST_DISSIPATION) * unit
 
     def allowed(time: float) -> float:
         return pace.step_tolerance * reference * time / duration
