@@ -62,7 +62,7 @@ class Scales:
     load : largest normal load of the path [force per thickness]
     modulus : E* [stress]
     element : surface elements of the coarse run, over the half-width
-    dissipation : of its last revolution [energy / thickness]
+    dissipation : of its last revolution [energy / thickness]; NaN in scales that are shared with scenes of other loads or friction
     largest_pressure : at the largest load [stress]
     """
 

@@ -290,7 +290,12 @@ def _solution(
     tolerance = scene.tolerances.limit("dissipation") or 0.0
     of_mesh = _notes(scene, mesh, scales, run, arrays)
     of_bodies = bulk_stress_notes(scene, condensed, float(np.abs(arrays["tangential_load"]).max()))
-    notes = (*refusals(problem.work), *of_bodies, *of_mesh, *uncertainty_note(arrays["dissipation"], uncertain, tolerance))
+    notes = (
+        *refusals(problem.work),
+        *of_bodies,
+        *of_mesh,
+        *uncertainty_note(arrays["dissipation"], uncertain, tolerance, scales.dissipation),
+    )
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,
