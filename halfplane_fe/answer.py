@@ -16,7 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
-from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty, visible_states
+from halfplane_fe.edges import (
+    contact_edges,
+    contact_uncertainty,
+    fitted_contact_edges,
+    stick_edges,
+    stick_uncertainty,
+    visible_states,
+)
 from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales, contact_modulus
@@ -127,9 +134,11 @@ def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: Stat
     pressure, shear, gap, law = (np.array([getattr(s, name) for s in states]) for name in ("pressure", "shear", "gap", "state"))
     pressure, shear, closed, stick = pressure / weights, shear / weights, law != OPEN, seen == STICK
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
-    contact = contact_edges(x, pressure, gap, closed, 1.0)
+    form = contact_edges(x, pressure, gap, closed, 1.0)
+    # Where unlike bodies slip, the pressure grows by another power than the root.
+    contact = form.copy() if problem.interface.coupling is not None else fitted_contact_edges(x, pressure, closed, form)
     edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear, anywhere)
-    of_contact = contact_uncertainty(x, pressure, closed, contact)
+    of_contact = contact_uncertainty(x, pressure, closed, contact, form)
     of_stick = stick_uncertainty(x, (stick, law == STICK), closed, contact, edges, of_contact, anywhere)
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
         touching = x[closed[row]]

@@ -25,6 +25,11 @@ _SHARE = 0.3
 _FITTED_SHARE = 0.5
 # Nodes that the second estimate of the contact edge takes, counted from the last closed one.
 _EXTRAPOLATED = 5
+# Outermost closed nodes whose pressure is the mesh's own, and nodes behind them that the square of the pressure is fitted to: at
+# most, at least. Root mean square of the relative residual above which a corner of the profile is among them.
+_RIM, _SQUARES, _FEWEST, _ROUGH = 3, 12, 6, 0.005
+# Elements by which that zero may differ from the edge by its form, which errs by an eighth of one.
+_NEAR = 0.2
 # Nodes of a slip zone below which it may be none at all.
 _UNRESOLVED = 4
 # Nodes that the slip zone may be wide where the whole contact is seen to stick: an element, of quadratic ones.
@@ -113,17 +118,57 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     return edges
 
 
-def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: Array) -> Array:
+def fitted_contact_edges(x: Array, pressure: Array, closed: Mask, edges: Array) -> Array:
+    """Ends of the contact where the square of the pressure goes to zero, or `edges` where it has no smooth form.
+
+    Towards a smooth edge p^2 is a power series in the distance. A parabola through the nodes behind the outermost three, which are
+    the mesh's own, has its zero there: hertz-paper's edges err by 1e-4 of a in the median, those of `contact_edges` by 3e-4. With a
+    corner of the profile among those nodes half and a quarter of them are taken; a zero far from `edges` is none.
+
+    Parameters
+    ----------
+    x, pressure, closed : as of `contact_edges`
+    edges : (k, 2) by `contact_edges`
+    """
+    found, n_half = edges.copy(), np.count_nonzero(closed, axis=1) // 2 - _RIM
+    for side, sign, x_out, (p, inside) in _sides(x, pressure, closed):
+        last, form = _last(inside), sign * edges[:, side]
+        element = 2 * _spacing(x_out, last)
+        left = np.ones(len(closed), dtype=bool)
+        for share in (1, 2, 4):
+            count = np.minimum(_SQUARES, n_half) // share
+            row = np.flatnonzero(left & (count >= _FEWEST))
+            nodes = last[row, None] - _RIM - np.arange(_SQUARES)
+            counts = np.arange(_SQUARES) < count[row, None]
+            nodes = np.where(counts, nodes, last[row, None])
+            square = np.take_along_axis(p[row], nodes, axis=1) ** 2
+            first = x_out[last[row] - _RIM]
+            away = (first[:, None] - x_out[nodes]) / element[row, None]
+            weight = np.where(counts & (square > 0), 1 / np.where(square > 0, square, 1.0), 0.0)
+            matrix = np.stack([weight, weight * away, weight * away**2], axis=2)
+            c, b, a = (np.linalg.pinv(matrix) @ (weight * square)[:, :, None])[:, :, 0].T
+            rough = np.sqrt(np.mean((((c[:, None] + b[:, None] * away + a[:, None] * away**2) * weight - 1) * counts) ** 2, axis=1))
+            under = b**2 - 4 * a * c
+            zero = first + 2 * c / np.where((under > 0) & (b > 0), b + np.sqrt(np.maximum(under, 0.0)), np.nan) * element[row]
+            good = (rough < _ROUGH) & (np.abs(zero - form[row]) <= _NEAR * element[row])
+            found[row[good], side], left[row[good]] = sign * zero[good], False
+    return found
+
+
+def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: Array, form: Array | None = None) -> Array:
     """How far each contact edge may be from the true one, by the mesh.
 
     A share of the distance of the nodes around it, and how far the edge is from another estimate: the zero of a straight line
-    through the squares of the pressure at the five nodes before the last. With fewer nodes than that, the whole contact.
+    through the squares of the pressure at the five nodes before the last. With fewer nodes than that, the whole contact. Of a
+    fitted edge the other estimate is that of `contact_edges`.
 
     Parameters
     ----------
     x, pressure, closed : as of `contact_edges`
     contact : (k, 2) ends of the contact
+    form : the same by `contact_edges`, where they are fitted
     """
+    form = contact if form is None else form
     found = np.repeat(contact[:, 1:] - contact[:, :1], 2, axis=1)
     many = np.flatnonzero(np.count_nonzero(closed, axis=1) > _EXTRAPOLATED)
     for side, sign, x_out, (p, inside) in _sides(x, pressure[many], closed[many]):
@@ -131,7 +176,8 @@ def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: Array)
         edge, farthest = sign * contact[many, side], x_out[last - _EXTRAPOLATED]
         zero = _zero_of_squares(x_out, p, last, _EXTRAPOLATED)
         other = np.where(np.isnan(zero), farthest, zero)
-        found[many, side] = _SHARE * _spacing(x_out, last) + np.minimum(np.abs(other - edge), np.abs(farthest - edge))
+        apart = np.where(edge == sign * form[many, side], np.minimum(np.abs(other - edge), np.abs(farthest - edge)), 0.0)
+        found[many, side] = _SHARE * _spacing(x_out, last) + apart + np.abs(edge - sign * form[many, side])
     return found
 
 

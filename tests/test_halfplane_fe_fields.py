@@ -11,7 +11,14 @@ import pytest
 import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
 from halfplane_fe.contact import untouched
-from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty, visible_states
+from halfplane_fe.edges import (
+    contact_edges,
+    contact_uncertainty,
+    fitted_contact_edges,
+    stick_edges,
+    stick_uncertainty,
+    visible_states,
+)
 from halfplane_fe.face_stress import Nodal, fitted_rest, rest_basis, tractions
 from halfplane_fe.interface import couple, without_local_difference
 from meshes import MeshSettings
@@ -392,6 +399,16 @@ def test_a_known_contact_edge_lies_within_its_uncertainty_wherever_it_falls():
     uncertainty = contact_uncertainty(x, pressure, closed, found)
     assert np.all(np.abs(found - [-1, 1] * a) <= uncertainty)
     assert uncertainty.max() < 0.6 * (x[1] - x[0])
+
+
+def test_the_fitted_edge_of_a_known_pressure_is_better_than_its_form_whatever_the_outermost_nodes_say():
+    """Hertz, the outermost nodes 5 % off; an edge elsewhere leaves the form."""
+    x, a = np.linspace(-1.5, 1.5, 301), np.linspace(0.9, 0.95, 23)[:, None]
+    closed, pressure = np.abs(x) < a, np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2
+    pressure = np.where(np.abs(x) > a - 0.025, 1.05 * pressure, pressure)
+    form = [-1, 1] * a + 0.003
+    assert np.abs(fitted_contact_edges(x, pressure, closed, form) - [-1, 1] * a).max() < 1e-5
+    np.testing.assert_array_equal(fitted_contact_edges(x, pressure, closed, form + 0.01), form + 0.01)
 
 
 def test_few_nodes_are_the_whole_contact_uncertain_and_nothing_sticks_nothing_is_said():
