@@ -149,9 +149,9 @@ def half_far_field() -> Planted:
     """The work of the arc's tractions in the half-plane's own displacement left out."""
     work = elasticity.arc_work
 
-    def planted(*given: Any) -> tuple[np.ndarray, np.ndarray]:
-        by_nodes, by_half_plane = work(*given)
-        return by_nodes, 0.0 * by_half_plane
+    def planted(*given: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        by_nodes, tractions, displacements = work(*given)
+        return by_nodes, tractions, 0.0 * displacements
 
     return mock.patch.object(elasticity, "arc_work", planted)
 

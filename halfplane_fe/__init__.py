@@ -13,12 +13,12 @@ In the order in which a scene passes through::
     contact.py                             one increment: active set, semismooth Newton
     systems.py, active_subsets.py          its linear systems, of like and unlike bodies: Woodbury updates, cached
     tresca.py                              the two convex halves (Signorini, Tresca), where the sets do not settle
-    events.py, stepping.py, run.py         to the next touch or release, along a stretch, over the whole path
-    steady.py                              shakedown and ratcheting: what revolutions have left to go
+    stepping.py                            along a stretch of the path, to each touch and release
+    run.py                                 over the whole path; shakedown and ratcheting: what revolutions have left to go
     energy.py                              balance, friction work, step error, admissibility checks
-    edges.py, visible.py                   edges of contact and stick, states as a reader sees them
-    answer.py, solve.py                    the answer: `solve`; datum of approach and tangential displacement
-    penalty.py, resolution.py, dundurs.py  what the layer costs, what the mesh can't see, how unlike the bodies are
+    edges.py                               edges of contact and stick, states as a reader sees them
+    answer.py, solve.py                    the answer: `solve`; datum of approach and displacement; cost of a penalty layer
+    resolution.py, dundurs.py              what the mesh can't see, how unlike the bodies are
     fields.py, face_stress.py              displacement and stress inside the bodies; stress next to the contact from the tractions
 """
 

@@ -1,25 +1,32 @@
 """From scaled interface states to the arrays and the record of a ContactSolution, in the scene's units.
 
 Normal approach and tangential displacement of half-planes are counted from the datum of the scene; no traction depends on it.
+What the layer of the penalty method costs is read off those arrays: overlap of the faces, elastic slip, creep of nodes that stick.
 
 # notation: L distance from a force at which the surface counts as unmoved; P, Q loads; 1/E* = sum of (1 - nu^2)/E
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import ContactProblem, InterfaceState
-from halfplane_fe.edges import contact_edges, contact_uncertainty, stick_edges, stick_uncertainty
-from halfplane_fe.penalty import PenaltyAudit
+from halfplane_fe.edges import (
+    contact_edges,
+    contact_uncertainty,
+    fitted_contact_edges,
+    stick_edges,
+    stick_uncertainty,
+    visible_states,
+)
+from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales, contact_modulus
-from halfplane_fe.visible import visible_states
 from scenes import OPEN, STICK, HalfPlane, Interrupted, Record, Scene, freeze
 
 
@@ -127,9 +134,11 @@ def _edges(problem: ContactProblem, states: Sequence[InterfaceState], seen: Stat
     pressure, shear, gap, law = (np.array([getattr(s, name) for s in states]) for name in ("pressure", "shear", "gap", "state"))
     pressure, shear, closed, stick = pressure / weights, shear / weights, law != OPEN, seen == STICK
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
-    contact = contact_edges(x, pressure, gap, closed, 1.0)
+    form = contact_edges(x, pressure, gap, closed, 1.0)
+    # Where unlike bodies slip, the pressure grows by another power than the root.
+    contact = form.copy() if problem.interface.coupling is not None else fitted_contact_edges(x, pressure, closed, form)
     edges = stick_edges(x, stick, closed, contact, problem.friction * pressure, shear, anywhere)
-    of_contact = contact_uncertainty(x, pressure, closed, contact)
+    of_contact = contact_uncertainty(x, pressure, closed, contact, form)
     of_stick = stick_uncertainty(x, (stick, law == STICK), closed, contact, edges, of_contact, anywhere)
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
         touching = x[closed[row]]
@@ -164,6 +173,91 @@ def _permanent_stick(scene: Scene, problem: ContactProblem, run: PathRun, seen: 
     ever_closed = np.any(seen[inside] != OPEN, axis=0)
     outermost = np.array([[x[always].min(), x[always].max()]])
     return stick_edges(x, always[None], ever_closed[None], outermost, anywhere=scene.unsymmetric)[0]
+
+
+@dataclass(frozen=True)
+class PenaltyAudit:
+    """The layer and what it does; without one (augmented Lagrangian) the stiffnesses are infinite and the rest is zero or rounding.
+
+    Attributes
+    ----------
+    normal_stiffness, tangential_stiffness : pressure per overlap, shear per elastic slip [stress/length]
+    penetration : largest overlap of the two faces on the whole path [length]
+    penetration_share : the same over the rise h(a) - h(0) of the profile at the largest contact (a^2/2R for Hertz)
+    elastic_slip : largest elastic slip of the layer [length]
+    elastic_slip_share : the same over the largest slip of the last cycle; NaN where nothing slips
+    creep : largest range, over the last cycle, of the relative displacement of a node that sticks all through it [length]
+    creep_share : the same over the largest slip of the last cycle; NaN where nothing slips
+    """
+
+    normal_stiffness: float
+    tangential_stiffness: float
+    penetration: float
+    penetration_share: float
+    elastic_slip: float
+    elastic_slip_share: float
+    creep: float
+    creep_share: float
+
+    def note(self) -> str | None:
+        """The costs as a sentence; None where there is no layer."""
+        if np.isinf(self.normal_stiffness) and np.isinf(self.tangential_stiffness):
+            return None
+        stiffness = f"{self.normal_stiffness:.3g} normal and {self.tangential_stiffness:.3g} tangential [stress/length]"
+        overlap = f"{self.penetration:.2g} [length], {self.penetration_share:.1e} of the profile's rise over the contact"
+        slip = f"{self.elastic_slip:.2g}, {self.elastic_slip_share:.1e} of the largest slip"
+        return (
+            f"penalty layer, stiffness {stiffness}: the faces overlap by up to {overlap}; elastic slip up to {slip}; nodes "
+            f"that stick through the whole cycle creep by up to {self.creep:.2g}, {self.creep_share:.1e} of it"
+        )
+
+
+def penalty_audit(
+    scene: Scene, problem: ContactProblem, states: Sequence[InterfaceState], arrays: Mapping[str, Any], scales: Scales
+) -> PenaltyAudit:
+    """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
+    layer, weights = problem.layer, problem.interface.weights * scales.half_width
+    compliance = {
+        "normal": layer.normal / scales.modulus,
+        "tangential": layer.tangential / scales.modulus,
+    }  # length per nodal force
+    stiffness = {name: _stiffness(values, weights) for name, values in compliance.items()}
+    forces = {name: np.abs(arrays[name]) * weights for name in ("pressure", "shear")}
+    penetration = float(np.max(compliance["normal"] * forces["pressure"], initial=0.0))
+    elastic_slip = float(np.max(compliance["tangential"] * forces["shear"], initial=0.0))
+    half_width = float(np.nanmax(arrays["contact_half_width"]))
+    rise = float(np.ptp(scene.profile.height(np.array([0.0, half_width]))))
+    creep, slip = _creep_and_slip(scene, np.array([state.state for state in states]), arrays)
+    return PenaltyAudit(
+        normal_stiffness=stiffness["normal"],
+        tangential_stiffness=stiffness["tangential"],
+        penetration=penetration,
+        penetration_share=penetration / rise if rise else float("nan"),
+        elastic_slip=elastic_slip,
+        elastic_slip_share=elastic_slip / slip if slip else float("nan"),
+        creep=creep,
+        creep_share=creep / slip if slip else float("nan"),
+    )
+
+
+def _stiffness(compliance: np.ndarray, weights: np.ndarray) -> float:
+    """Stress per length of a layer that has one stiffness everywhere."""
+    largest = float(np.max(compliance * weights))
+    return 1 / largest if largest else float("inf")
+
+
+def _creep_and_slip(scene: Scene, law: NDArray[np.int8], arrays: Mapping[str, Any]) -> tuple[float, float]:
+    """Largest range of relative displacement, in the last cycle, of nodes that stick throughout and of nodes that slip.
+
+    By the law's own states (n_steps, n): those that a reader sees count a node that has hardly moved as sticking.
+    """
+    period, time = scene.load.path().period, arrays["time"]
+    cycle = np.ones(len(time), dtype=bool) if period is None else time > time[-1] - period * (1 + 1e-9)
+    state, slip = law[cycle], arrays["slip"][cycle]
+    spread = np.ptp(slip, axis=0)
+    sticks = np.all(state[1:] == STICK, axis=0)
+    slips = np.any(slip_sign(state) != 0, axis=0)
+    return float(np.max(spread[sticks], initial=0.0)), float(np.max(spread[slips], initial=0.0))
 
 
 def record_of(run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()) -> Record:

@@ -1,14 +1,18 @@
-"""Contact and stick edges of many instants at once, from nodal answers.
+"""Contact and stick edges of many instants at once, from nodal answers; states as a reader sees them.
 
 Arrays are (k, n): k instants, n nodes at ascending x. Edges and their uncertainties are (k, 2), left and right.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from halfplane_fe.contact import InterfaceState
+from halfplane_fe.law import slip_sign
+from scenes import STICK
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -21,6 +25,11 @@ _SHARE = 0.3
 _FITTED_SHARE = 0.5
 # Nodes that the second estimate of the contact edge takes, counted from the last closed one.
 _EXTRAPOLATED = 5
+# Outermost closed nodes whose pressure is the mesh's own, and nodes behind them that the square of the pressure is fitted to: at
+# most, at least. Root mean square of the relative residual above which a corner of the profile is among them.
+_RIM, _SQUARES, _FEWEST, _ROUGH = 3, 12, 6, 0.005
+# Elements by which that zero may differ from the edge by its form, which errs by an eighth of one.
+_NEAR = 0.2
 # Nodes of a slip zone below which it may be none at all.
 _UNRESOLVED = 4
 # Nodes that the slip zone may be wide where the whole contact is seen to stick: an element, of quadratic ones.
@@ -29,6 +38,57 @@ _UNSEEN = 2.0
 _FITTED = (7, 4)
 # Elements by which two fits of a stick edge may differ.
 _AGREE = 0.1
+
+# A sliding node that has come less far, since it last stuck or turned round, than this share of the farthest one of its sense
+# counts as sticking: at the turning points of the load whole regions come back to the cone at once, and creep there by the mesh's
+# error. Slip grows as the distance from the stick edge to the power 3/2, so the share costs half a hundredth of the slip zone.
+_MOVED = 3e-4
+# The same of a node that the load does not drive, and that slips less than this share of the largest slip per change of load in
+# the revolution. What the mesh makes is 1e-5 to 4e-4 of that, without the cure of N - T up to 9e-3.
+_CREEP = 1e-2
+# Slip of an increment, over the largest of all, below which it is rounding.
+_ROUNDING = 1e-9
+
+
+def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int], friction: float) -> NDArray[np.int8]:
+    """(n_steps, n) states as the user sees them: the law's, but a node that only creeps by the error of the mesh sticks.
+
+    The load drives forward slip while Q - f P grows and reverse slip while Q + f P falls: like half-planes slip then alone, each
+    node of the slip zone, however slowly. Unlike bodies, bulk stress and tilt have slip besides, which has to be fast to count.
+
+    Parameters
+    ----------
+    states : of the whole path
+    cycle_starts : index of the state at which each revolution starts; what comes before them is the initial loading
+    friction : coefficient f
+    """
+    # Row by row: arrays of all steps and nodes would take gigabytes of a long record.
+    seen = np.array([state.state for state in states])
+    loads = np.array([state.loads for state in states])
+    rise = np.diff(loads, axis=0, prepend=loads[:1])
+    change = np.maximum(np.abs(rise).sum(axis=1), 1e-300)
+    largest = np.zeros((2, len(states)))  # slip of all nodes, and of those that slide, in each increment
+
+    def moved(step: int) -> tuple[NDArray[np.int64], Array]:
+        """Sense of slip by the law, and slip of the increment, (n,) each."""
+        return slip_sign(states[step].state), np.asarray(states[step].slip - states[max(step - 1, 0)].slip)
+
+    for step in range(len(states)):
+        sign, slip = moved(step)
+        largest[:, step] = np.abs(slip).max(), np.abs(slip * sign).max()
+    revolution = np.searchsorted(np.asarray(cycle_starts, dtype=int) + 1, np.arange(len(states)), side="right")
+    fastest = np.array([(largest[1] / change)[revolution == number].max(initial=0.0) for number in range(len(cycle_starts) + 1)])
+    rounding, run = _ROUNDING * largest[0].max(), np.zeros_like(states[0].slip)
+    for step in range(len(states)):
+        sign, slip = moved(step)
+        slip[np.abs(slip) <= rounding] = 0.0
+        run = np.where(run * slip > 0, run, 0.0) + slip  # slip in one direction without a stop, open or closed
+        driven = sign * rise[step, 1] > friction * rise[step, 0]
+        slides = driven | (np.abs(slip) > _CREEP * fastest[revolution[step]] * change[step])
+        for sense in (1, -1):
+            along = np.where(sign == sense, sense * run, 0.0)
+            seen[step, (sign == sense) & ~(slides & (along > _MOVED * along.max()))] = STICK
+    return seen.astype(np.int8)
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:
@@ -58,17 +118,57 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     return edges
 
 
-def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: Array) -> Array:
+def fitted_contact_edges(x: Array, pressure: Array, closed: Mask, edges: Array) -> Array:
+    """Ends of the contact where the square of the pressure goes to zero, or `edges` where it has no smooth form.
+
+    Towards a smooth edge p^2 is a power series in the distance. A parabola through the nodes behind the outermost three, which are
+    the mesh's own, has its zero there: hertz-paper's edges err by 1e-4 of a in the median, those of `contact_edges` by 3e-4. With a
+    corner of the profile among those nodes half and a quarter of them are taken; a zero far from `edges` is none.
+
+    Parameters
+    ----------
+    x, pressure, closed : as of `contact_edges`
+    edges : (k, 2) by `contact_edges`
+    """
+    found, n_half = edges.copy(), np.count_nonzero(closed, axis=1) // 2 - _RIM
+    for side, sign, x_out, (p, inside) in _sides(x, pressure, closed):
+        last, form = _last(inside), sign * edges[:, side]
+        element = 2 * _spacing(x_out, last)
+        left = np.ones(len(closed), dtype=bool)
+        for share in (1, 2, 4):
+            count = np.minimum(_SQUARES, n_half) // share
+            row = np.flatnonzero(left & (count >= _FEWEST))
+            nodes = last[row, None] - _RIM - np.arange(_SQUARES)
+            counts = np.arange(_SQUARES) < count[row, None]
+            nodes = np.where(counts, nodes, last[row, None])
+            square = np.take_along_axis(p[row], nodes, axis=1) ** 2
+            first = x_out[last[row] - _RIM]
+            away = (first[:, None] - x_out[nodes]) / element[row, None]
+            weight = np.where(counts & (square > 0), 1 / np.where(square > 0, square, 1.0), 0.0)
+            matrix = np.stack([weight, weight * away, weight * away**2], axis=2)
+            c, b, a = (np.linalg.pinv(matrix) @ (weight * square)[:, :, None])[:, :, 0].T
+            rough = np.sqrt(np.mean((((c[:, None] + b[:, None] * away + a[:, None] * away**2) * weight - 1) * counts) ** 2, axis=1))
+            under = b**2 - 4 * a * c
+            zero = first + 2 * c / np.where((under > 0) & (b > 0), b + np.sqrt(np.maximum(under, 0.0)), np.nan) * element[row]
+            good = (rough < _ROUGH) & (np.abs(zero - form[row]) <= _NEAR * element[row])
+            found[row[good], side], left[row[good]] = sign * zero[good], False
+    return found
+
+
+def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: Array, form: Array | None = None) -> Array:
     """How far each contact edge may be from the true one, by the mesh.
 
     A share of the distance of the nodes around it, and how far the edge is from another estimate: the zero of a straight line
-    through the squares of the pressure at the five nodes before the last. With fewer nodes than that, the whole contact.
+    through the squares of the pressure at the five nodes before the last. With fewer nodes than that, the whole contact. Of a
+    fitted edge the other estimate is that of `contact_edges`.
 
     Parameters
     ----------
     x, pressure, closed : as of `contact_edges`
     contact : (k, 2) ends of the contact
+    form : the same by `contact_edges`, where they are fitted
     """
+    form = contact if form is None else form
     found = np.repeat(contact[:, 1:] - contact[:, :1], 2, axis=1)
     many = np.flatnonzero(np.count_nonzero(closed, axis=1) > _EXTRAPOLATED)
     for side, sign, x_out, (p, inside) in _sides(x, pressure[many], closed[many]):
@@ -76,7 +176,8 @@ def contact_uncertainty(x: Array, pressure: Array, closed: Mask, contact: Array)
         edge, farthest = sign * contact[many, side], x_out[last - _EXTRAPOLATED]
         zero = _zero_of_squares(x_out, p, last, _EXTRAPOLATED)
         other = np.where(np.isnan(zero), farthest, zero)
-        found[many, side] = _SHARE * _spacing(x_out, last) + np.minimum(np.abs(other - edge), np.abs(farthest - edge))
+        apart = np.where(edge == sign * form[many, side], np.minimum(np.abs(other - edge), np.abs(farthest - edge)), 0.0)
+        found[many, side] = _SHARE * _spacing(x_out, last) + apart + np.abs(edge - sign * form[many, side])
     return found
 
 
@@ -132,10 +233,10 @@ def stick_uncertainty(
 ) -> Array:
     """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
 
-    Where the whole contact sticks, a slip zone narrower than an element of two nodes may be there unseen, and the contact edge
-    itself is uncertain. Else the distance of the nodes around the edge (a share of it where the edge is fitted), and how far the
-    edge is from where it would be by another reading of the states: node status for a fitted one, and creeping nodes counted as
-    sliding. A slip zone of a few nodes may be none at all: there, at least the distance to the contact edge.
+    The distance of the nodes around the edge (a share of it where the edge is fitted), and how far the edge is from where it would
+    be by another reading of the states: node status for a fitted one, and creeping nodes counted as sliding. A slip zone of a few
+    nodes may be none at all: there, at least the distance to the contact edge, and its uncertainty. Where the whole contact sticks,
+    a slip zone narrower than an element of two nodes may be there unseen.
 
     Parameters
     ----------
@@ -155,8 +256,8 @@ def stick_uncertainty(
         beyond[:, side] = np.count_nonzero(half & (x_out > sign * edges[:, [side]]), axis=1)
     narrow = np.where(beyond <= _UNRESOLVED, np.abs(contact - edges) + of_contact, 0.0)
     share = np.where(edges == by_status, 1.0, _FITTED_SHARE)
-    partial = np.maximum(share * spacing + apart, narrow)
-    return np.where(edges == contact, np.maximum(np.maximum(_UNSEEN * spacing, of_contact), apart), partial)
+    unseen = np.where(edges == contact, _UNSEEN * spacing, 0.0)
+    return np.maximum(np.maximum(share * spacing + apart, narrow), unseen)
 
 
 Side = tuple[int, float, Array, tuple[NDArray, ...]]

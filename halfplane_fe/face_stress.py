@@ -35,8 +35,6 @@ Complex = NDArray[np.complex128]
 _RIM, _FITTED, _FEWEST = 3, 20, 6
 # Least uncertainty of the tension over f p0 sqrt(spacing/half-width): what is left of the error of single nodes.
 _LEAST = 0.06
-# Nodes behind the rim that q/p is extrapolated from.
-_RATIOS = 8
 # Other counts, whose answers say how uncertain the tension is.
 _OTHER_RIMS = ((2, 14), (4, 20))
 # Root mean square of the relative residual of p^2 above which fewer nodes are fitted: a corner of the profile is among them.
@@ -153,13 +151,13 @@ class Nodal:
         return math.isfinite(self.stick[0]) and self.stick[0] > self.x[nodes - 1] and self.stick[1] < self.x[-nodes]
 
 
-def tractions(nodal: Nodal, rim: tuple[int, int] = (_RIM, _FITTED), as_is: bool = False) -> Tractions:
+def tractions(nodal: Nodal, rim: tuple[int, int] = (_RIM, _FITTED), level: bool = False) -> Tractions:
     """The series of nodal tractions.
 
     Parameters
     ----------
     rim : outermost nodes that are left out, and nodes that p^2 is fitted to
-    as_is : whether q/p is taken as it is at the outermost nodes
+    level : whether q/p stays what it is at the outermost node from there on, in full stick and in full slip
     """
     x, p = nodal.x, nodal.pressure
     fits = [_edge(x, p, rim), _edge(-x[::-1], p[::-1], rim)]
@@ -177,8 +175,7 @@ def tractions(nodal: Nodal, rim: tuple[int, int] = (_RIM, _FITTED), as_is: bool 
     for side, (_, start, polynomial) in zip((1.0, -1.0), () if rough else known, strict=False):
         outside = side * at < start
         smooth[outside] = np.sqrt(np.maximum(np.polyval(polynomial, side * at[outside] - start), 0.0))
-    skipped = 0 if rough else rim[0]
-    sheared = _shear(at, smooth, nodal, 0 if as_is else skipped)
+    sheared = _shear(at, smooth, nodal, 0 if rough else rim[0], level)
     weights = np.sin(theta) * half * math.pi / count
     lacking = _where_it_lacks(at, smooth, weights, nodal) * (nodal.tangential_load - float(weights @ sheared))
     of_pressure, of_shear, of_lacking = (_series(values) for values in (smooth, sheared, lacking))
@@ -189,15 +186,16 @@ def tractions(nodal: Nodal, rim: tuple[int, int] = (_RIM, _FITTED), as_is: bool 
 def with_uncertainty(nodal: Nodal) -> tuple[Tractions | None, Array]:
     """`tractions`, and how far the tension at either edge may be off, (2,) [stress]; None where fewer than three nodes touch.
 
-    What other rims give, or q/p as it is there; what was put at the stick edges; and where the load has turned but no node shows
-    it yet, what slip as narrow as the rim would change: q by 2 f p with p = K sqrt(d), hence s_xx by (8/pi) f K sqrt(width).
+    What other rims give, or q/p that stays what it is at the outermost node; what was put at the stick edges; and where the load
+    has turned but no node shows it yet, what slip as narrow as the rim would change: q by 2 f p with p = K sqrt(d), hence s_xx by
+    (8/pi) f K sqrt(width).
     """
     if len(nodal.x) < FEWEST:
         return None, np.zeros(2)
     found = tractions(nodal)
     own, spacing = found.edge_tension(), float(np.median(np.diff(nodal.x)))
     apart = np.full(2, _LEAST * math.sqrt(spacing / found.half_width) * nodal.friction * float(nodal.pressure.max()))
-    for other in (*(tractions(nodal, rim) for rim in _OTHER_RIMS), tractions(nodal, as_is=True)):
+    for other in (*(tractions(nodal, rim) for rim in _OTHER_RIMS), tractions(nodal, level=True)):
         apart = np.maximum(apart, np.abs(other.edge_tension() - own))
     if not (nodal.growing or nodal.slips(_RIM + 1)) and math.isfinite(nodal.stick[0]):
         # p at a depth d into the contact is sum k A_k sqrt(2 d/h) there: p^2/d at the nodes of the rim.
@@ -231,18 +229,17 @@ def _edge(x: Array, p: Array, rim: tuple[int, int]) -> tuple[float, float, Array
     return None
 
 
-def _shear(at: Array, smooth: Array, nodal: Nodal, rim: int) -> Array:
+def _shear(at: Array, smooth: Array, nodal: Nodal, rim: int, level: bool) -> Array:
     """q at the angles: +-f p where it slips, elsewhere linear in the angle across the stick zone between the nodes."""
     x, q = nodal.x, nodal.shear
     if not nodal.slips(1):
-        # q/p has no root at the edge, in full stick and in full slip; at the outermost nodes it is the mesh's.
+        # q/p has no root at the edge, in full stick and in full slip: linear from node to node, and on to the edge.
         ratio = q / nodal.pressure
-        for ends in (slice(None), slice(None, None, -1)) if rim and len(x) > 2 * (rim + _RATIOS) else ():
-            inner = slice(rim, rim + _RATIOS)
-            slope, height = np.polyfit(x[ends][inner], ratio[ends][inner], 1)
-            ratio[ends][:rim] = height + slope * x[ends][:rim]
-        limits = np.clip(ratio, -nodal.friction, nodal.friction)
-        return np.asarray(np.interp(at, x, limits) * smooth)
+        found = np.interp(at, x, ratio)
+        for end, behind, side in () if level else ((0, 1, -1.0), (-1, -2, 1.0)):
+            outside = side * (at - x[end]) > 0
+            found[outside] += (ratio[end] - ratio[behind]) / (x[end] - x[behind]) * (at[outside] - x[end])
+        return np.asarray(np.clip(found, -nodal.friction, nodal.friction) * smooth)
     low, high = nodal.stick
     left, right = np.sign(q[0]) * nodal.friction, np.sign(q[-1]) * nodal.friction
     found = np.where(at < low, left, right) * smooth

@@ -173,12 +173,17 @@ def uncertainty(difference: float, refinement: float, element: float, plain: boo
     return difference * (max(share, 1.0) if plain else share) + _SCATTER * element**2
 
 
-def uncertainty_note(dissipation: float, uncertain: float, tolerance: float) -> Iterator[str]:
-    """That W is uncertain by more than its tolerance, or by an unknown amount."""
+def uncertainty_note(dissipation: float, uncertain: float, tolerance: float, coarse: float) -> Iterator[str]:
+    """That W is uncertain by more than its tolerance, or by an unknown amount; `coarse` is that of the coarse run, or NaN."""
     if np.isnan(dissipation):
         return
     if np.isnan(uncertain):
-        yield "the dissipation has no uncertainty estimate: the elements are hardly smaller than those of the coarse run"
+        why = (
+            "its bodies are shared, without a coarse run of this scene"
+            if np.isnan(coarse)
+            else "the coarse run has elements like these"
+        )
+        yield f"the dissipation has no uncertainty estimate: {why}"
     elif uncertain > tolerance * dissipation and uncertain > 0:
         share = f" ({uncertain / dissipation:.2%}, for a tolerance of {tolerance:.2%})" if dissipation else ""
         yield f"the dissipation is uncertain by {uncertain:.3g}{share}: make edge_element_size or step_tolerance smaller"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, untouched
-from halfplane_fe.edges import contact_edges, stick_edges
+from halfplane_fe.edges import contact_edges, stick_edges, visible_states
 from halfplane_fe.interface import (
     Interface,
     condensed_pair,
@@ -28,7 +28,6 @@ from halfplane_fe.interface import (
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.systems import Layer
-from halfplane_fe.visible import visible_states
 from meshes import MeshSettings, SurfaceGrading
 from scenes import NORMAL_LOAD, STICK, Bodies, Elastic, InputError, Scene, sampled
 
@@ -63,7 +62,7 @@ class Scales:
     load : largest normal load of the path [force per thickness]
     modulus : E* [stress]
     element : surface elements of the coarse run, over the half-width
-    dissipation : of its last revolution [energy / thickness]
+    dissipation : of its last revolution [energy / thickness]; NaN in scales that are shared with scenes of other loads or friction
     largest_pressure : at the largest load [stress]
     """
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from halfplane_fe.answer import answer_arrays, from_datum, record_of
+from halfplane_fe.answer import PenaltyAudit, answer_arrays, from_datum, penalty_audit, record_of
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.elasticity import CondensedBody
@@ -33,7 +33,6 @@ from halfplane_fe.interface import (
 )
 from halfplane_fe.mirror import half, mirrored, whole
 from halfplane_fe.path import check_admissible
-from halfplane_fe.penalty import PenaltyAudit, penalty_audit
 from halfplane_fe.resolution import Seen, resolution_notes, uncertainty, uncertainty_note
 from halfplane_fe.run import MOST_INSTANTS, REPEATS, Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import COARSE_CYCLES, Scales, contact_modulus, find_scales, needs_shear, sheared
@@ -290,7 +289,12 @@ def _solution(
     tolerance = scene.tolerances.limit("dissipation") or 0.0
     of_mesh = _notes(scene, mesh, scales, run, arrays)
     of_bodies = bulk_stress_notes(scene, condensed, float(np.abs(arrays["tangential_load"]).max()))
-    notes = (*refusals(problem.work), *of_bodies, *of_mesh, *uncertainty_note(arrays["dissipation"], uncertain, tolerance))
+    notes = (
+        *refusals(problem.work),
+        *of_bodies,
+        *of_mesh,
+        *uncertainty_note(arrays["dissipation"], uncertain, tolerance, scales.dissipation),
+    )
     return FiniteElementSolution(
         engine="halfplane_fe",
         scene=scene,

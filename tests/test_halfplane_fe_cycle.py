@@ -20,8 +20,7 @@ from halfplane_fe import FiniteElementSolution, SolverSettings, stepping
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import project
-from halfplane_fe.run import Pace, run_path
-from halfplane_fe.steady import trend
+from halfplane_fe.run import Pace, run_path, trend
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run, law_violations, layer_run, stepped_run

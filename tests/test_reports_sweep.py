@@ -245,6 +245,9 @@ def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alon
     [alone] = answers(asked(axes=[F | {"values": [1.5]}]))
     assert (together[1]["figures"], together[1]["address"]) == (alone["figures"], alone["address"])
     [own] = answers(asked(axes=[F | {"values": [1.5]}], share_condensations=False))
+    # The coarse run of the group dissipates nothing: what a point states of its W must not come from it.
+    assert any("no uncertainty estimate: its bodies are shared" in note for note in alone["record"]["notes"])
+    assert not any("uncertain by" in note for note in alone["record"]["notes"])
     # Another mesh of the same size: coarse, so a few per cent.
     assert alone["figures"]["fe.dissipation"] == pytest.approx(own["figures"]["fe.dissipation"], rel=0.03)
 

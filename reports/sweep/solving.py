@@ -243,7 +243,8 @@ def _shared_scales(scene: Scene) -> Scales:
 def _scales_of(scene: str) -> Scales:
     from halfplane_fe.scales import find_scales
 
-    return replace(find_scales(Scene.model_validate_json(scene), Counter()), inner=0.0)
+    # Without friction or Q nothing is dissipated: that says nothing of the points.
+    return replace(find_scales(Scene.model_validate_json(scene), Counter()), inner=0.0, dissipation=float("nan"))
 
 
 @dataclass(frozen=True)
