@@ -175,8 +175,9 @@ def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
     """
     if fit_of(scene) is None:
         return (), None
-    said = fit_in_words(scene, largest_contact(scene, scene.name).half_width)
+    said = fit_in_words(scene, 0.0)
     try:
+        said = fit_in_words(scene, largest_contact(scene, scene.name).half_width)
         found = fit_uncertainty(scene)
     except InputError as fault:
         return (*said, f"The uncertainty from the noise has no value: {fault}."), None
