@@ -123,12 +123,6 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
         legs = self._carried((*path.initial_loading, *path.cycle), pairs)
         return LoadPath(legs[:first], legs[first:], self.moment_given)
 
-    @model_validator(mode="after")
-    def _bulk_and_tilt_can_be_followed(self) -> Self:
-        if self.has_bulk_or_tilt:
-            self.path()  # type: ignore[attr-defined]
-        return self
-
 
 class EllipseLoad(CyclicLoad[Wave]):
     """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase); a revolution takes 2 pi.
@@ -188,12 +182,6 @@ class StraightLoad(BulkAndTilt[Column]):
             pairs[name] = straight_pairs(legs, np.stack(corners, axis=1))
         count, legs = len(path.initial_loading), self._carried(legs, pairs)
         return LoadPath(legs[:count], legs[count:], self.moment_given)
-
-    @model_validator(mode="after")
-    def _bulk_and_tilt_can_be_followed(self) -> Self:
-        if self.has_bulk_or_tilt:
-            self.path()  # type: ignore[attr-defined]
-        return self
 
 
 class PolygonLoad(StraightLoad):
