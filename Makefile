@@ -159,9 +159,9 @@ docs: $(STAMP) ## the pages, into docs/_build/html
 pages: $(STAMP) ## what pages take from files, engines and their own examples: outputs, pictures, numbers, verification manual
 	@echo "==> pages"
 	@mkdir -p "$$TMPDIR" .cache/home
+	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/report_picture.py
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/pages.py
 	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/executed.py
-	@$(HOME_HERE) $(ONE_THREAD) $(PY) docs/report_picture.py
 
 # Python compiles what is imported when it is imported: pip would compile all 12,000 files, for 50 s of one core.
 # The stamps: what the program needs, then what tests, pages and tools need besides. A second call does nothing until pyproject.toml

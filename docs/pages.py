@@ -72,6 +72,7 @@ def values(examples: Paper) -> dict[str, str]:
     """Key -> number, of all that a page can quote."""
     known = quoting.paper_values(examples) | quoting.published_values(published())
     known |= quoting.limit_values() | quoting.third_values(third(), published())
+    known |= quoting.uncertain_values(json.loads((FOLDER / "uncertainty.json").read_text(encoding="utf-8")))
     known |= quoting.claim_values(json.loads((FOLDER / "numbers.json").read_text(encoding="utf-8")))
     for path in sorted((PUBLISHED / "maps").glob("*.md")):
         known |= quoting.map_values(path.stem, path.read_text(encoding="utf-8"))

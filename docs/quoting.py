@@ -1,6 +1,7 @@
 """Numbers in the text of a page, each between two marks: `<!-- n:KEY -->0.412<!-- /n -->`. What each key stands for.
 
 - `peak pressure, SCENE` and the like: reports/published/values.json; `theory: ...`: theory/finite elements - 1 in %, unsigned
+- `theory ± u: dissipation, SCENE` and the like: the same with its uncertainty, docs/uncertainty.json
 - the paper's: its statements and misprints, computed again
 - `CLAIM`, or `SECTION: CLAIM` where two sections share it: docs/numbers.json, by make numbers
 - `limit: FILE`: how much of a file is read, from the code
@@ -17,6 +18,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from meshes import bodies, foreign
+from reports.comparison.words import with_uncertainty
 from reports.paper.cases import Paper
 from reports.paper.page import misprints, statements, tally
 from reports.scoring import calculix_files
@@ -63,6 +65,21 @@ def published_values(scenes: Mapping[str, Any]) -> dict[str, str]:
                 error = 1 / (1 + content["frozen"][f"metric.{key}"]) - 1
                 found[f"theory: {key.replace('_', ' ')}, {name}"] = f"{100 * abs(error):.3f}"
     return found
+
+
+def uncertain_values(measured: Mapping[str, Mapping[str, Mapping[str, float]]]) -> dict[str, str]:
+    """Key -> theory/finite elements - 1 in %, unsigned, with its uncertainty, of scenes whose uncertainty was measured.
+
+    >>> uncertain_values({"blocks": {"dissipation": {"value": -0.0272, "uncertainty": 0.00042}}})
+    {'theory ± u: dissipation, blocks': '2.80 ± 0.04'}
+    """
+    return {
+        f"theory ± u: {key.replace('_', ' ')}, {scene}": with_uncertainty(
+            100 * abs(1 / (1 + one["value"]) - 1), 100 * one["uncertainty"] / (1 + one["value"]) ** 2
+        )
+        for scene, metrics in measured.items()
+        for key, one in metrics.items()
+    }
 
 
 def published_share(content: Mapping[str, Any], key: str) -> str | None:

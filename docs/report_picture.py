@@ -1,28 +1,43 @@
-"""The picture of the first page: the report of `blocks` as a browser shows it, into docs/figures/report.png.
+"""What the first page shows of `blocks`: its report as a browser shows it, and how wrong theory is, with its uncertainty.
 
 python docs/report_picture.py       (needs the extra `browser` and chromium; part of `make pages`)
+
+One run makes both: docs/figures/report.png, and docs/uncertainty.json, which `docs/pages.py` quotes.
 """
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
-
+SCENE = "blocks"
 PICTURE = Path(__file__).parent / "figures" / "report.png"
+UNCERTAINTY = Path(__file__).parent / "uncertainty.json"
+_METRICS = ("dissipation", "peak_pressure")
 _WINDOW = {"width": 1280, "height": 905}
 
 
+def measured(folder: Path) -> dict[str, dict[str, float]]:
+    """Finite elements/theory - 1 of each metric and its uncertainty, by a run into `folder`."""
+    command = [sys.executable, "-m", "reports", "run", SCENE, "--quiet", "--json", "--out", str(folder)]
+    run = subprocess.run(command, check=False, stdout=subprocess.PIPE, text=True)
+    if run.returncode > 1:  # 1: a metric is undecided
+        raise SystemExit(run.returncode)
+    metrics = json.loads(run.stdout)["result"]["metrics"]
+    return {key: {name: metrics[key][name] for name in ("value", "uncertainty")} for key in _METRICS}
+
+
 def main() -> int:
-    """Run the scene, open the page, keep its first screen."""
+    """Run the scene, keep its numbers, open the page, keep its first screen."""
+    from playwright.sync_api import sync_playwright
+
     with tempfile.TemporaryDirectory() as folder:
-        run = [sys.executable, "-m", "reports", "run", "blocks", "--quiet", "--out", folder + "/run"]
-        if (code := subprocess.run(run, check=False, stdout=subprocess.DEVNULL).returncode) > 1:  # 1: a metric is undecided
-            return code
+        found = measured(Path(folder) / "run")
+        UNCERTAINTY.write_text(json.dumps({SCENE: found}, indent=1) + "\n", encoding="utf-8")
         with sync_playwright() as player:
             browser = player.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
             page = browser.new_page(viewport=_WINDOW)

@@ -19,6 +19,8 @@ from scenes import (
     InputError,
     LoadSegment,
     Pad,
+    PolygonLoad,
+    ProfileDataError,
     Scene,
     StraightSegment,
     TimeSeriesLoad,
@@ -205,6 +207,62 @@ def _first_of(leg: LoadSegment, friction: float) -> float:
 
 
 @dataclass(frozen=True)
+class Engines:
+    """Why each engine does not take a scene; "" for one that does."""
+
+    half_plane: str
+    finite_elements: str
+
+    def in_words(self, source: str) -> str:
+        """Which engine takes the scene, and which does not and why, with the command that works; "" where both do."""
+        if self.half_plane:
+            return f"Finite elements alone take this scene, `halfplane fe {source}`; half-plane theory does not: {self.half_plane}"
+        if self.finite_elements:
+            return (
+                f"Half-plane theory alone takes this scene, `halfplane exact {source}`; finite elements do not: "
+                f"{self.finite_elements}"
+            )
+        return ""
+
+
+def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> Engines:
+    """Which engines take a scene whose load path is admissible; finite elements can be asked where theory refuses alone.
+
+    Raises
+    ------
+    InputError
+        One sentence, for what no engine answers: rows that do not say what the profile is, real bodies that finite elements refuse
+        (theory has half-planes in their place), and what both refuse.
+    """
+    import semi_analytic
+    from semi_analytic.profiles import contact_of
+
+    theory, elements = "", ""
+    try:
+        if scene.unsymmetric:
+            semi_analytic.solve(scene, x=[0.0], fields=())
+        else:
+            contact_of(scene.profile, scene.material).half_width(largest_normal_load(scene))
+    except InputError as fault:
+        theory = str(fault)
+        if isinstance(fault, ProfileDataError):
+            raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
+    if finite_elements or theory:
+        import halfplane_fe
+
+        try:
+            halfplane_fe.require_solvable(scene)
+        except InputError as fault:
+            elements = str(fault)
+            if theory:
+                raise InputError(f"{source}: {fault}; half-plane theory refuses the scene too: {theory}") from fault
+            if not scene.bodies.half_planes:
+                alone = f"`halfplane exact {source}` gives half-plane theory's answer, which knows no bodies"
+                raise InputError(f"{source}: {fault}; {alone}") from fault
+    return Engines(theory, elements)
+
+
+@dataclass(frozen=True)
 class LargestContact:
     """The contact at the largest normal load of the path, by half-plane theory.
 
@@ -229,17 +287,25 @@ class LargestContact:
 def largest_contact(scene: Scene, source: str) -> LargestContact:
     """What theory says of the largest load; InputError naming `source` where it can't press the profile together with it.
 
-    That is a table or a function which ends within the contact, or a shape under which the contact would split.
+    That is a table or a function which ends within the contact, a shape under which the contact would split, a tilt of a profile
+    that it takes upright alone. The history does not matter, nor does bulk stress: neither moves p.
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import contact_of
 
     load, time = _when_largest(scene)
-    whole = scene.unsymmetric  # else the right half of the contact is enough
+    turned: dict[str, float] = {}
+    if scene.load.has_bulk_or_tilt:
+        path = scene.load.path()
+        for leg in (*path.initial_loading, *path.cycle):
+            if leg.turning is not None and leg.start <= time <= leg.end:
+                turned = {"moment" if path.moment_given else "tilt": float(leg.turning.loads(time)[int(path.moment_given)])}
+    whole = bool(turned) or not scene.profile.symmetric  # else the right half of the contact is enough
+    still = scene.model_copy(update={"load": PolygonLoad(initial_loading=((load, 0.0),), **turned)})
     try:
         if whole:
-            left, right = semi_analytic.solve(scene, x=[0.0], time=[time], fields=()).contact_edges[0].tolist()
+            left, right = semi_analytic.solve(still, x=[0.0], time=[1.0], fields=()).contact_edges[0].tolist()
         else:
             contact = contact_of(scene.profile, scene.material)
             left, right = 0.0, float(contact.half_width(load))
@@ -248,7 +314,7 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
 
     def pressure_at(x: Array) -> Array:
         if whole:
-            return semi_analytic.solve(scene, x=x, time=[time], fields="pressure").pressure[0]
+            return semi_analytic.solve(still, x=x, time=[1.0], fields="pressure").pressure[0]
         return contact.pressure(x, load)
 
     # Close points at the edges, where a flat with rounded corners has its peak; then closer ones around the best.

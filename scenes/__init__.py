@@ -26,7 +26,7 @@ Its files and the answer::
 
 from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape
 from scenes.bulk_stress import LineOfAction, Wave, WaveSum
-from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError
+from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError, ProfileDataError
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LoadPath, PolygonLoad, TimeSeriesLoad
 from scenes.measured import Tabulated
 from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge, fit_profile
@@ -89,6 +89,7 @@ __all__ = [
     "PolygonLoad",
     "PowerLaw",
     "Profile",
+    "ProfileDataError",
     "Record",
     "Scene",
     "Shape",

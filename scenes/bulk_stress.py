@@ -90,6 +90,12 @@ class BulkAndTilt(Frozen, Generic[V]):
             raise ValueError(f"{' and '.join(ways)} say the same thing: state one of them")
         return self
 
+    @model_validator(mode="after")
+    def _can_be_followed(self) -> Self:
+        if self.has_bulk_or_tilt:
+            self.path()  # type: ignore[attr-defined]
+        return self
+
     @property
     def has_bulk_or_tilt(self) -> bool:
         """Whether any of these keys is stated."""

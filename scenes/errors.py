@@ -47,6 +47,10 @@ class InputError(ValueError):
         super().__init__("".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short))
 
 
+class ProfileDataError(InputError):
+    """Rows or a function that do not say what the profile is where the bodies touch: no engine has an answer to that."""
+
+
 _RULES = {
     "gross sliding": "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load control; "
     "lower the tangential load, raise the normal load or friction.coefficient",

@@ -34,6 +34,8 @@ _MOST = 20_000
 _BESIDE = 0.1
 # Parts of the rows; the first has risen where it lies by more than this share of all heights above the lowest.
 _PARTS, _RISEN = 8, 0.05
+# Rise of a curve, over that of the rows, below which it is none.
+_BENT = 1e-9
 # Fits about another middle, by which other rows lie within the extent.
 _PASSES = 5
 # Places c, in L^2, of the polynomials (u - c)^2; degree of kappa in u.
@@ -86,9 +88,11 @@ def fitted_keys(
     back = np.flatnonzero(np.diff(x) <= 0)
     if len(back):
         raise UnfitRowError(int(back[0]) + 1, f"x = {x[back[0] + 1]:.6g} does not ascend")
+    if len(x) < _FEWEST:
+        raise UnfitRowError(len(x) - 1, f"{len(x)} rows within the extent are too few for a fit: at least {_FEWEST} are needed")
     if len(x) > _MOST:
         raise UnfitRowError(_MOST, f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every n-th")
-    fixed = 0.0 if centre is None and len(x) >= _FEWEST and x[0] >= 0 and _begins_in_the_middle(h) else centre
+    fixed = 0.0 if centre is None and x[0] >= 0 and _begins_in_the_middle(h) else centre
     start = _middle(x, h) if fixed is None else fixed
     whole, reach, near = (x, h), math.inf if extent is None else extent, np.abs(x - start) <= (extent or math.inf)
     for _ in range(_PASSES):
@@ -107,7 +111,7 @@ def fitted_keys(
             raise UnfitRowError(len(near) - 1, "the rows are flat from end to end: they must rise somewhere")
         level = None if noise is None else float(np.clip(noise / height, 1e-12, 1e6))  # beyond, its square would be none
         found = _fit((x - start) / length, (h - h[0]) / height, kind, level, fixed is None, weight)
-        if found is None:
+        if found is None or np.ptp(found.curve) < _BENT:  # the latter: rounding of rows on a line
             rule = "the rows do not bend up: h is a gap, which grows to both sides; is its sign turned?"
             raise UnfitRowError(len(near) - 1, rule)
         # Other rows lie within the extent of another middle.
@@ -173,7 +177,8 @@ def _begins_in_the_middle(h: Array) -> bool:
 def _middle(x: Array, h: Array) -> float:
     """Where the parabola of least squares has its least value; the mean of x where it has none."""
     scale = float(np.ptp(x)) / 2
-    _, slope, bend = polynomial.polyfit((x - x.mean()) / scale, h - h.mean(), 2)
+    # Rows that all but coincide have no parabola, and no warning either.
+    _, slope, bend = np.linalg.lstsq(polynomial.polyvander((x - x.mean()) / scale, 2), h - h.mean(), rcond=None)[0]
     return float(x.mean() - scale * slope / (2 * bend)) if bend > 0 else float(x.mean())
 
 

@@ -123,12 +123,6 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
         legs = self._carried((*path.initial_loading, *path.cycle), pairs)
         return LoadPath(legs[:first], legs[first:], self.moment_given)
 
-    @model_validator(mode="after")
-    def _bulk_and_tilt_can_be_followed(self) -> Self:
-        if self.has_bulk_or_tilt:
-            self.path()  # type: ignore[attr-defined]
-        return self
-
 
 class EllipseLoad(CyclicLoad[Wave]):
     """P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase); a revolution takes 2 pi.
@@ -189,17 +183,12 @@ class StraightLoad(BulkAndTilt[Column]):
         count, legs = len(path.initial_loading), self._carried(legs, pairs)
         return LoadPath(legs[:count], legs[count:], self.moment_given)
 
-    @model_validator(mode="after")
-    def _bulk_and_tilt_can_be_followed(self) -> Self:
-        if self.has_bulk_or_tilt:
-            self.path()  # type: ignore[attr-defined]
-        return self
-
 
 class PolygonLoad(StraightLoad):
     """Straight lines in the P-Q plane, one unit of time each: from (0, 0) along `initial_loading`, then `cycle` and back.
 
     The cycle starts at the last point of the initial loading, not repeated in `cycle`; an empty cycle is a path that just ends.
+    A point may stand twice in a row where the lists of bulk stress or tilt change from one to the other.
 
     >>> load = PolygonLoad(initial_loading=[(2, 0)], cycle=[(2, 1), (2, -1)])
     >>> [float(v) for v in load.path().at(1.5)], load.path().period
@@ -216,21 +205,29 @@ class PolygonLoad(StraightLoad):
     def _corners(self) -> list[Point]:
         return [(0.0, 0.0), *self.initial_loading, *self.cycle, *(self.initial_loading[-1:] if self.cycle else ())]
 
+    @property
+    def _places(self) -> list[int]:
+        """Which entry of a list beside the points each corner has; -1 for none, at (0, 0)."""
+        again = [len(self.initial_loading) - 1] if self.cycle else []
+        return [*range(-1, len(self.initial_loading) + len(self.cycle)), *again]
+
     @model_validator(mode="after")
     def _moves(self) -> Self:
-        for first, last in pairwise(self._corners):
+        lists = [value for key in KEYS if isinstance(value := getattr(self, key), tuple)]
+        corners = [
+            (*point, *(values[k] if 0 <= k < len(values) else 0.0 for values in lists))
+            for point, k in zip(self._corners, self._places, strict=True)
+        ]
+        for first, last in pairwise(corners):
             if first == last:
-                raise ValueError(f"the point {list(last)} stands twice in a row: leave one out")
+                beside = " with the same bulk stress and tilt" if lists else ""
+                raise ValueError(f"the point {list(last[:2])} stands twice in a row{beside}: leave one out")
         return self
 
     def path(self) -> LoadPath:
-        segments, first = (
-            straight_segments([(float(k), *point) for k, point in enumerate(self._corners)]),
-            len(self.initial_loading),
-        )
-        places = [*range(-1, len(self.initial_loading) + len(self.cycle)), *([first - 1] if self.cycle else [])]
-        words = "one for each point of initial_loading and cycle"
-        return self._carrying(LoadPath(segments[:first], segments[first:]), places, first, words)
+        segments = straight_segments([(float(k), *point) for k, point in enumerate(self._corners)])
+        first, words = len(self.initial_loading), "one for each point of initial_loading and cycle"
+        return self._carrying(LoadPath(segments[:first], segments[first:]), self._places, first, words)
 
 
 class HarmonicLoad(CyclicLoad[WaveSum]):

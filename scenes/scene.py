@@ -94,8 +94,9 @@ class Expected(Frozen):
     """
 
     quantity: Quantity = Field(
-        description="of the last cycle (the whole path where nothing repeats): dissipation, loop_work (closed integral of Q dU), "
-        "largest_half_width, least_half_width of the contact, largest_pressure, permanent_stick_half_width, "
+        description="of the last cycle (the whole path where nothing repeats): dissipation, loop_work (closed integral of "
+        "Q dU - m_q d(eps), eps the bulk strain), largest_half_width, least_half_width of the contact, "
+        "largest_pressure, permanent_stick_half_width, "
         "stick_share (the latter over largest_half_width), stick_centre (middle of the permanent stick zone), contact_left and "
         "contact_right (outermost edges of the contact), moment (of the pressure about x = 0 at the largest load), "
         "lower_face_displacement (along y, of the lower face's middle at the largest load: finite elements of a real body)"

@@ -104,8 +104,9 @@ class ContactSolution:
     dissipation : energy per unit thickness, of the last whole cycle
     dissipation_uncertainty : of `dissipation`, by mesh and steps of finite elements [energy / thickness]; NaN where it is unknown,
         as of other engines
-    loop_work : closed integral of Q dU over the last whole cycle, between half-planes of like materials the second and
-        independent way to the dissipation (of other bodies that of P dV, V the approach, comes to it);
+    loop_work : closed integral of Q dU - m_q d(eps) over the last whole cycle, m_q the `shear_moment` and eps the bulk strain (0
+        without bulk stress, where Q dU alone is left): between half-planes of like materials the second and independent way to the
+        dissipation (of other bodies that of P dV, V the approach, comes to it);
         NaN where the last cycle does not end in the state it started from
     cycle_dissipation : (n_cycles,); a path that is not periodic counts as one cycle
     permanent_stick_half_width : largest half-width that sticks through the whole last cycle [length]; NaN if none
@@ -113,8 +114,7 @@ class ContactSolution:
     bulk_stress_lower, bulk_stress_upper : (n_steps,) bulk stress along x in each body, tension positive [stress]; these and the
         next four are None where the scene has neither bulk stress nor tilt and a symmetric profile
     tilt, moment : (n_steps,) turn of the upper body that opens the gap at x > 0 [rad]; int x p dx [force]
-    shear_moment : (n_steps,) int x q dx, with which the closed integral of Q dU - shear_moment d(bulk strain) is the dissipation
-        [force]
+    shear_moment : (n_steps,) m_q = int x q dx [force]
     permanent_stick_edges : (2,) left and right end of what sticks through the whole last cycle [length]; NaN if nothing does
     record, work, scene, settings, versions : how it came about
     engine : "semi_analytic", "halfplane_fe", or somebody else's name

@@ -33,6 +33,7 @@ from scenes import (
     NotFoundError,
     PowerLaw,
     Profile,
+    ProfileDataError,
     Tabulated,
     Wedge,
 )
@@ -436,7 +437,7 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     def advance(p: Array) -> Array:
         most = float(np.max(p, initial=0.0))
         if most > largest:
-            raise InputError(
+            raise ProfileDataError(
                 f"profile: the normal load {most:.6g} needs a contact wider than the table, whose last x = {extent:.6g} "
                 f"carries {largest:.6g}"
             )
@@ -456,7 +457,7 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
         # Round-off may leave that much below 0 where the profile is straight.
         falls = rate < -1e-12 * np.max(rate)
         if np.any(falls):
-            raise InputError(_splits(profile, float(np.min(half[falls]))))
+            raise _splits(profile, float(np.min(half[falls])))
     return law
 
 
@@ -520,8 +521,8 @@ def _series_of_rows(knots: Array, bend: Array) -> _Series:
     return _Series(begin, low, high, begin + low * low, loads, *(each[: degree + 1].copy() for each in found))
 
 
-def _splits(profile: Tabulated, half: float) -> str:
-    """Why a contact would split, with the row and what to do."""
+def _splits(profile: Tabulated, half: float) -> InputError:
+    """Why a contact would split, with the row and what to do; of stairs that rounding has made no engine has an answer."""
     row, step = profile.row_before(half), profile.step_of_heights()
     x, h = profile.points.values[row].tolist()
     cause, cure = "the curve through the rows bends down there", "smooth the rows until it does not"
@@ -529,7 +530,8 @@ def _splits(profile: Tabulated, half: float) -> str:
         cause = f"h is written in steps of {step:.6g}, and the curve through such rows goes up by stairs"
         cure = "write h with more digits, leave rows out until each rises by many steps, or give a formula that fits them"
     where = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
-    return f"{where}: the contact would split near a half-width of {half:.6g}: {cause}; {cure}"
+    words = f"{where}: the contact would split near a half-width of {half:.6g}: {cause}; {cure}"
+    return InputError(words) if step is None else ProfileDataError(words)
 
 
 # --- Python functions
@@ -615,7 +617,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     def advance(p: Array) -> Array:
         most = float(np.max(p, initial=0.0))
         if most > carried * (1 + 1e-12):
-            raise InputError(
+            raise ProfileDataError(
                 f"profile.extent = {profile.extent:.6g}: the normal load {most:.6g} needs a wider contact, the extent carries "
                 f"{carried:.6g}"
             )

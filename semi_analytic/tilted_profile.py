@@ -27,7 +27,7 @@ from typing import ClassVar, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Compound, FlatRounded, Hertz, InputError, NotFoundError, Profile, Tabulated, Wedge
+from scenes import Compound, FlatRounded, Hertz, InputError, NotFoundError, Profile, ProfileDataError, Tabulated, Wedge
 from scenes.chebyshev import Pieces, Unresolved, halved
 from semi_analytic.quadrature import crowded, panels
 
@@ -182,7 +182,7 @@ class PiecewiseParabola:
         m = self.centre(tilt, c)
         ends = float(np.min(m - c, initial=0.0)), float(np.max(m + c, initial=0.0))
         if ends[0] < self.extent[0] * (1 + _NOISE) or ends[1] > self.extent[1] * (1 + _NOISE):
-            raise InputError(
+            raise ProfileDataError(
                 f"profile: the load needs a contact from {ends[0]:.6g} to {ends[1]:.6g}, the profile goes from "
                 f"{self.extent[0]:.6g} to {self.extent[1]:.6g}"
             )

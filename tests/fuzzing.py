@@ -5,11 +5,15 @@ from __future__ import annotations
 import json
 import random
 import re
+import zlib
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import get_args
+
+import numpy as np
 
 import halfplane_fe.store
 from meshes import SurfaceGrading, half_disc
@@ -17,6 +21,7 @@ from reports.checking import require_admissible
 from reports.cli import findings
 from reports.comparison.content import solution_content, strict
 from reports.folder import MANIFEST, claim
+from reports.profile_fit import fit_in_words
 from reports.scoring.against import own_solution
 from reports.scoring.guesses import whole_path
 from reports.scoring.mapping import Mapping, load_mapping
@@ -24,7 +29,8 @@ from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution
 from reports.sweep.store import canonical, checksum, read_index
 from reports.sweep.study import load_study, study_of
-from scenes import InputError, load_scene, scene_text
+from scenes import InputError, Scene, load_scene, scene_text
+from scenes.measured import FitKind
 from score_results import exact, mesh, pressure_at, rows, shear_at, written
 
 DATA = Path(__file__).parent / "data"
@@ -117,19 +123,33 @@ def _scene(path: Path) -> object:
     return scene
 
 
-def _beside_a_scene(table: str) -> Callable[[Path], object]:
-    """A scene with the file beside it as its profile or its load."""
+def _beside_a_scene(table: str, *fits: str) -> Callable[[Path], Scene]:
+    """A scene with the file beside it as its profile or its load; one of `fits`, by the file's bytes, is laid through its rows."""
     kind = {"profile": "tabulated", "load": "time_series"}[table]
 
-    def enter(path: Path) -> object:
+    def enter(path: Path) -> Scene:
         text = scene_text("hertz-paper")
         start = text.index(f"[{table}]")
         end = text.find("\n[", start + 1)
         scene = path.with_name("beside.toml")
-        scene.write_text(f'{text[:start]}[{table}]\nkind = "{kind}"\nfile = "{path.name}"{text[end:]}', encoding="utf-8")
+        fit = f'\nfit = {{kind = "{fits[zlib.crc32(path.read_bytes()) % len(fits)]}"}}' if fits else ""
+        scene.write_text(f'{text[:start]}[{table}]\nkind = "{kind}"\nfile = "{path.name}"{fit}{text[end:]}', encoding="utf-8")
         return load_scene(scene)
 
     return enter
+
+
+def _fitted(path: Path) -> object:
+    """What a fit leaves: a curve of finite numbers that rises from its middle on, words about it, a scene that is read again."""
+    scene = _beside_a_scene("profile", *get_args(FitKind))(path)
+    assert scene.profile.fitted is not None
+    x = np.linspace(0.0, scene.profile.fitted.extent, 50)
+    height = scene.profile.height(x)
+    assert np.all(np.isfinite(height))
+    assert np.all(np.diff(height) >= -1e-12 * height[-1])
+    assert all(fit_in_words(scene, 1.0))
+    assert Scene.model_validate_json(scene.model_dump_json()).profile == scene.profile
+    return scene
 
 
 def _read(path: Path) -> object:
@@ -158,6 +178,7 @@ ENTRANCES: dict[str, Callable[[Path], object]] = {
     "scene.json": _scene,
     "series.csv": _beside_a_scene("load"),
     "profile.csv": _beside_a_scene("profile"),
+    "fit.csv": _fitted,
     "mapping.toml": load_mapping,
     "result.csv": _scored,
     **dict.fromkeys((*(f"result.{kind}" for kind in ("vtu", "vtk", "xdmf", "pvd", "series", "frd", "rpt")), "printed.dat"), _read),
@@ -198,6 +219,10 @@ PLAIN = {
     ],
     "result.rpt": [REPORT],
     "profile.csv": ["x,h\n0,0\n0.5,0.1\n1,0.5\n2.0,2\n", "-2,2\n-1,0.5\n0,0\n1,0.5\n2,2\n"],
+    "fit.csv": [
+        "".join(["x [mm];h [um]\n", *(f"{0.1 * k:.1f};{5.0 * k * k + k % 3:.0f}\n" for k in range(-12, 13))]),
+        "".join(["x,h\n", *(f"{0.05 * k:.4g},{0.005 * max(k - 4, 0) ** 2 + 1e-5 * (k % 2):.5g}\n" for k in range(20))]),
+    ],
     "mapping.toml": [
         'code = "mine"\nthickness = 2.0\ntimes = [0.0, 1.0]\n[columns]\npressure = "p"\n[factors]\nlength = 1000\n'
         '[signs]\nshear = "on upper"\n[element_sizes]\n"a.csv" = 0.5\n'

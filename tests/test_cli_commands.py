@@ -489,7 +489,8 @@ def test_the_schema_has_every_command_the_manual_every_key_and_another_envelope_
     commands = {one["if"]["properties"]["command"]["const"] for one in schema["allOf"]}
     assert commands == set(NAMES) - {"init", "schema", "completion"} | {"sweep status", "sweep report"}
     text = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
-    listed = {name: set(re.findall(r"`([^`]+)`", keys)) for name, keys in re.findall(r"(?m)^\| `([^`]+)` \| (`.*`) \|$", text)}
+    rows = [[re.findall(r"`([^`]+)`", cell) for cell in row] for row in re.findall(r"(?m)^\| (`.*`) \| (`.*`) \|$", text)]
+    listed = {name: set(keys) for names, keys in rows for name in names}
     for one in schema["allOf"]:
         result = one["then"]["properties"]["result"]
         table = result["anyOf"][1] if "anyOf" in result else result

@@ -6,6 +6,7 @@ import ast
 import hashlib
 import html
 import importlib
+import json
 import os
 import re
 import sys
@@ -31,6 +32,7 @@ pages: Any = importlib.import_module("pages")
 quoting: Any = importlib.import_module("quoting")
 architecture: Any = importlib.import_module("architecture")
 executed: Any = importlib.import_module("executed")
+report_picture: Any = importlib.import_module("report_picture")
 
 FILES = sorted([*DOCS.glob("*.md"), *DOCS.glob("api/*.md")])
 TEXTS = {str(path.relative_to(DOCS)): path.read_text(encoding="utf-8") for path in FILES}
@@ -167,6 +169,30 @@ def test_the_names_in_the_readme_are_there(tmp_path: Path) -> None:
 
 
 # ----------------------------------------------------------------------------------------------------------- made pages
+def uncertainty() -> dict[str, dict[str, float]]:
+    return json.loads((DOCS / "uncertainty.json").read_text(encoding="utf-8"))["blocks"]
+
+
+def test_the_first_result_and_its_uncertainty_are_those_of_a_run() -> None:
+    """Values as published; no page states an uncertainty of theory on `blocks` by hand."""
+    frozen = pages.published()["blocks"]["frozen"]
+    for key, one in uncertainty().items():
+        assert one["value"] == pytest.approx(frozen[f"metric.{key}"], rel=1e-6)
+        assert 0 < one["uncertainty"] < abs(one["value"])
+        words = quoting.uncertain_values({"blocks": uncertainty()})[f"theory ± u: {key.replace('_', ' ')}, blocks"]
+        for name in ("README.md", "docs/index.md"):
+            text = (DOCS.parent / name).read_text(encoding="utf-8")
+            assert f"-->{words}<!-- /n --> %" in text
+            assert not re.search(r"<!-- /n -->\s*±", text)
+
+
+@pytest.mark.slow
+def test_the_uncertainty_of_the_first_result_is_measured_again(tmp_path: Path) -> None:
+    """To 5 %: counts of increments differ between processors."""
+    for key, one in report_picture.measured(tmp_path).items():
+        assert one["uncertainty"] == pytest.approx(uncertainty()[key]["uncertainty"], rel=0.05)
+
+
 @pytest.fixture(scope="module")
 def made() -> dict[str, str]:
     return dict(pages.made())

@@ -15,6 +15,7 @@ import halfplane_fe
 import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
+from reports.charts.marks import Arrow, Curve, Note
 from reports.cli import main
 from reports.cli.solving import summary_rows
 from reports.comparison.metrics import normal_work
@@ -27,6 +28,7 @@ from test_reports_fields import TOML
 
 A_BLOCK = {"kind": "block", "width": 20.0, "height": 12.0}
 A_PAD = {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"}
+LOAD = load_scene("cattaneo-mindlin").load.model_dump(exclude_none=True)
 UNCOUPLED = {part: {"young_modulus": e, "poisson_ratio": 0.4999999999999} for part, e in (("upper", 2.0), ("lower", 1.0))}
 UNLIKE = {part: {"young_modulus": e, "poisson_ratio": 0.3} for part, e in (("upper", 210e3), ("lower", 70e3))}
 
@@ -120,6 +122,41 @@ class TestSketch:
         assert drawn.alt == bodies_in_words(scene(bodies=bodies, **profile))
         assert drawn.svg().startswith("<svg")
         assert set(drawn.table) == {"body", "x [mm]", "y [mm]"}
+
+    @pytest.mark.parametrize(
+        ("keys", "letters", "broken"),
+        [
+            ({}, "PQ", 0),
+            ({"bulk_stress_lower": 20.0}, "PQσσ", 0),
+            ({"bulk_stress_lower": 20.0, "bulk_stress_upper": -5.0, "tilt": 1e-4}, "PQασσσσ", 0),
+            ({"moment": 3.0}, "PQM", 0),
+            ({"line_of_action": {"x": 0.5, "height": 3.0}}, "PQ", 1),
+            ({"line_of_action": {"x": 1e9, "height": 1e9}}, "PQ", 1),
+        ],
+    )
+    def test_arrows_stand_for_all_loads_and_lie_in_the_drawing(self, keys: dict[str, Any], letters: str, broken: int) -> None:
+        (panel,) = sketch(scene(load=LOAD | keys, bodies={"lower": A_BLOCK}), 1.0).panels
+        notes = [mark.text for mark in panel.marks if isinstance(mark, Note) and mark.css == "load"]
+        arrows = [mark for mark in panel.marks if isinstance(mark, Arrow)]
+        assert sorted(notes) == sorted(letters)
+        assert len(arrows) == len(letters)
+        for x, y in [place for arrow in arrows for place in (arrow.start, arrow.end)]:
+            assert 0 <= x <= panel.width
+            assert 0 <= y <= panel.height
+        assert sum(isinstance(mark, Curve) and mark.css == "cycle-line" for mark in panel.marks) == broken
+        outward = [arrow.end[0] - arrow.start[0] for arrow in arrows if abs(arrow.end[0] - arrow.start[0]) == 20]
+        assert len(outward) == letters.count("σ")
+        assert sum(outward) == 0
+
+    def test_a_tilt_turns_against_the_clock_and_a_moment_with_it(self) -> None:
+        """A tilt opens the gap at x > 0; a moment is of pressure there, and turns the body the other way (alpha = -M/(R P))."""
+        turned = []
+        for key in ("tilt", "moment"):
+            (panel,) = sketch(scene(load=LOAD | {key: 1e-4}), 1.0).panels
+            arc = next(mark for mark in panel.marks if isinstance(mark, Curve) and mark.css == "arrow")
+            x, y = np.asarray(arc.x), -np.asarray(arc.y)  # y of a drawing points down
+            turned.append(np.sign(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) + x[-1] * y[0] - x[0] * y[-1]))
+        assert turned == [1, -1]
 
 
 @pytest.fixture(scope="module")

@@ -6,11 +6,12 @@ import tracemalloc
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import numpy as np
 import pytest
 
 import semi_analytic
-from command_line import halfplane, refused
+from command_line import COARSE, halfplane, refused
 from reports import checking
 from reports.checking import (
     bulk_and_tilt,
@@ -21,12 +22,15 @@ from reports.checking import (
     remarks,
     require_admissible,
 )
+from reports.cli.answers import answer_schema
 from reports.maps.advice import parts_of
 from reports.scoring.loops import MeasuredLoop, score_loop
 from scenes import (
     Block,
     Bodies,
+    ContactSolution,
     EllipseLoad,
+    FlatRounded,
     Hertz,
     InputError,
     Materials,
@@ -335,6 +339,62 @@ def test_check_refuses_what_run_refuses_in_the_same_sentence(case: str, tmp_path
     said = [refused(tmp_path, "check", "mine.json"), refused(tmp_path, "run", "mine.json", "--quiet")]
     assert words in said[0]
     assert said[0] == said[1]
+    assert ("`halfplane exact mine.json` gives half-plane theory's answer" in said[0]) == ("rows" not in case)
+
+
+CORNERS = {"kind": "polygon", "initial_loading": [(90.0, 0.0), (90.0, 25.0)], "cycle": [(90.0, 0.0), (90.0, -25.0), (90.0, 0.0)]}
+OUT_OF_PHASE = CORNERS | {"bulk_stress_lower": (0.0, 0.0, 20.0, 0.0, -20.0)}
+FLAT = FlatRounded(radius=1000.0, flat_half_length=0.5)
+ALONE = {
+    "stick in pieces": ("fe", {"load": OUT_OF_PHASE}, "the edges of stick could not be followed"),
+    "out of phase under a flat": ("fe", {"load": OUT_OF_PHASE, "profile": FLAT}, "half-plane theory takes bulk strain that"),
+    "a moment on a flat": ("fe", {"load": CORNERS | {"moment": 5.0}, "profile": FLAT}, "under the parabola alone"),
+    "a tilted power law": (
+        "fe",
+        {"load": CORNERS | {"tilt": 1e-4}, "profile": PowerLaw(exponent=4.0, length=1.0, rise=1e-3)},
+        "profile.kind = 'power_law': under bulk stress or tilt half-plane theory takes",
+    ),
+    "nearly no load": (
+        "exact",
+        {"load": {"mean_normal_load": 1.0, "normal_amplitude": 1 - 1e-12, "mean_tangential_load": 0.0, "tangential_amplitude": 0}},
+        "finite elements can't tell from separation",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", ALONE)
+def test_a_scene_that_one_engine_alone_takes_is_checked_and_gets_its_answer(case: str, tmp_path: Path) -> None:
+    """`check` says which, why and by which command; `run` gives that answer with the sentence, and no comparison."""
+    command, changes, words = ALONE[case]
+    BASE.vary(**changes, name="mine", expected=()).save(tmp_path / "mine.toml")
+    checked = halfplane(tmp_path, "check", "mine.toml")
+    alone = next(line[8:-1] for line in checked.stdout.splitlines() if "alone take" in line)
+    assert (checked.returncode, words in alone, f"`halfplane {command} mine.toml`" in alone) == (0, True, True)
+    found = json.loads(halfplane(tmp_path, "check", "mine.toml", "--json").stdout)["result"]
+    refusing, taking = ("half_plane", "finite_elements") if command == "fe" else ("finite_elements", "half_plane")
+    assert words in found["engines"][refusing]
+    assert found["engines"][taking] == ""
+    # Bulk stress moves no pressure; nor does theory know a pressure under a tilt that it does not take.
+    assert (found["largest_contact"] is None) == ("tilt" in case or "moment" in case)
+    said = refused(tmp_path, "run", "mine.toml", "--quiet", "--budget")
+    assert said.endswith(f"mine.toml: --budget goes with a comparison of both engines: leave it out. {alone}")
+    done = halfplane(tmp_path, "run", "mine.toml", "--json", "--quiet", *COARSE)
+    answer = json.loads(done.stdout)
+    jsonschema.validate(answer, answer_schema())
+    assert (done.returncode, done.stderr) == (0, f"halfplane: mine: no comparison. {alone}\n")
+    assert (answer["command"], answer["exit_code"]) == (command, 0)
+    assert alone in answer["result"]["notes"]
+    assert answer["result"]["dissipation"] >= 0
+    assert ContactSolution.load(tmp_path / answer["result"]["file"]).record.notes[-1] == alone
+
+
+def test_what_neither_engine_takes_is_refused_with_both_reasons(tmp_path: Path) -> None:
+    held = Bodies(lower=Block(width=20.0, height=8.0, sides="guided"))
+    BASE.vary(load=OUT_OF_PHASE, profile=FLAT, bodies=held, name="mine").save(tmp_path / "mine.toml")
+    said = refused(tmp_path, "check", "mine.toml")
+    assert "nothing pulls the ends of the lower body" in said
+    assert "half-plane theory refuses the scene too: load: half-plane theory takes bulk strain" in said
+    assert refused(tmp_path, "run", "mine.toml", "--quiet") == said
 
 
 def test_a_record_too_long_for_finite_elements_is_checked_without_them(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from scenes import (
     InputError,
     LoadPath,
     PolygonLoad,
+    Scene,
     Tabulated,
     TimeSeriesLoad,
     load_scene,
@@ -109,6 +110,52 @@ def test_a_number_grows_with_p_then_stays_and_a_line_of_action_makes_the_moment(
         stress = 50 * p / end if leg.end <= path.cycle_start else np.full(5, 50.0)
         np.testing.assert_allclose(leg.bulk.loads(time), (0 * p, stress), rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(leg.turning.loads(time), (0 * p, 0.2 * p + 3 * q), rtol=1e-12, atol=1e-12)
+
+
+# Corners where P and Q stand still.
+STILL: dict[str, Any] = {"initial_loading": [(2, 0), (2, 0)], "cycle": [(2, 1), (2, 1), (2, -1)]}
+
+
+@pytest.mark.parametrize(
+    ("values", "counts"), [((0, 1, 1, 3, -1), True), ((0.5, 1, 1, 1, 1), False), ((1, 1, 1, 3, 1), False), (None, False)], ids=str
+)
+@pytest.mark.parametrize("key", ["bulk_stress_lower", "bulk_stress_upper", "tilt", "moment"])
+def test_a_corner_counts_at_which_only_bulk_stress_or_tilt_changes(
+    key: str, values: tuple[float, ...] | None, counts: bool
+) -> None:
+    """As rows of a record that state the same; a point that stands twice with nothing else is refused."""
+    if not counts:
+        place = "2.0, 0.0" if values is None or values[0] == values[1] else "2.0, 1.0"
+        beside = "" if values is None else " with the same bulk stress and tilt"
+        with pytest.raises(ValueError, match=rf"the point \[{place}\] stands twice in a row{beside}: leave one out"):
+            PolygonLoad(**STILL, **{key: values})
+        return
+    found = PolygonLoad(**STILL, **{key: values}).path()
+    points = [*STILL["initial_loading"], *STILL["cycle"]]
+    rows = [[k + 1, *point] for k, point in enumerate(points)]
+    same = TimeSeriesLoad(rows=rows, **{key: values}).path()
+    assert found.moment_given == same.moment_given
+    for one, other in zip((*found.initial_loading, *found.cycle), same.initial_loading, strict=False):
+        for part in (lambda leg: leg, lambda leg: leg.turning if key in ("tilt", "moment") else leg.bulk):
+            ends = [np.array(part(leg).loads(np.array([leg.start, leg.end]))) for leg in (one, other)]
+            assert np.array_equal(*ends)
+
+
+def test_a_tilt_that_changes_while_the_load_stands_still_moves_the_contact_and_nothing_else() -> None:
+    """Hertz: a tilt shifts the contact by -R tilt; W, p and a are those without it (Johnson 1985)."""
+    load = {"initial_loading": [(3.0, 0.0), (3.0, 0.0), (3.0, 0.3)], "cycle": [(3.0, -0.3)]}
+    soft = {"young_modulus": 2.0, "poisson_ratio": 0.0}
+    turned = PolygonLoad(**load, tilt=(0.0, 0.1, 0.1, 0.1))
+    plain = PolygonLoad(initial_loading=[(3.0, 0.0), (3.0, 0.3)], cycle=[(3.0, -0.3)])
+    answers = [
+        semi_analytic.solve(
+            Scene.model_validate({"material": soft, "profile": {"kind": "hertz", "radius": 1.0}, "friction": 0.5, "load": one}),
+            x=[0.0],
+        )
+        for one in (turned, plain)
+    ]
+    assert answers[0].dissipation == pytest.approx(answers[1].dissipation, rel=1e-12)
+    assert np.mean(answers[0].contact_edges[-1]) == pytest.approx(-0.1, rel=1e-12)
 
 
 REFUSED = {

@@ -8,7 +8,7 @@ import re
 import tempfile
 import textwrap
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, fields
 from importlib import resources
 from pathlib import Path
@@ -19,7 +19,7 @@ from cyclopts import Group, Parameter
 from reports.cli.answers import answer, answer_schema
 from reports.cli.options import SceneName, Silent, flag
 from reports.cli.process import WITHIN
-from reports.cli.solving import load_engines, naming, read
+from reports.cli.solving import load_engines, read
 from reports.console import Stages, say, width
 
 if TYPE_CHECKING:
@@ -156,27 +156,28 @@ def example(bodies: bool = False, given: dict[str, Any] | None = None) -> str:
 # ----------------------------------------------------------------------------------------------------------------------- check
 def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int:
     """Refuse what `run` would refuse; print how large the contact gets, and how near it comes to gross sliding."""
-    from reports.checking import bulk_and_tilt, bulk_in_words, check_path, in_words, largest_contact, remarks
+    from reports.checking import bulk_and_tilt, bulk_in_words, check_path, engines_for, in_words, largest_contact, remarks
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
     from reports.measured import check_record, read_in_pairs, record_in_words
     from reports.profile_fit import content as fit_content
     from reports.profile_fit import findings
-    from scenes import TimeSeriesLoad
+    from scenes import InputError, TimeSeriesLoad
 
     source, found = scene, read(scene)
-    largest, path = largest_contact(found, source), check_path(found)
-    doubts, bulk = remarks(found, largest), bulk_and_tilt(found)
-    if isinstance(found.load, TimeSeriesLoad) and (count := len(found.load.kept_rows())) > _MOST_ROWS:
+    count = len(found.load.kept_rows()) if isinstance(found.load, TimeSeriesLoad) else 0
+    load_engines(Stages(quiet=True))
+    engines, path, bulk = engines_for(found, source, finite_elements=count <= _MOST_ROWS), check_path(found), bulk_and_tilt(found)
+    largest, doubts = None, []
+    with suppress(InputError):  # of theory, where finite elements alone take the scene
+        largest = largest_contact(found, source)
+        doubts += remarks(found, largest)
+    if alone := engines.in_words(source):
+        doubts.append(f"{alone}.")
+    elif count > _MOST_ROWS:
         doubts.append(
             f"The record has {count} rows, and finite elements take at least two increments a row: solve it by "
             "half-plane theory alone, `halfplane exact`."
         )
-    else:
-        load_engines(Stages(quiet=True))
-        import halfplane_fe
-
-        with naming(source):
-            halfplane_fe.require_solvable(found)
     words = [question(found), *filter(None, (bodies_in_words(found), unlike_materials(found), idealisation(found)))]
     words += [f"{name}, as it was read: {'; '.join(map(': '.join, pairs))}." for name, pairs in read_in_pairs(found).items()]
     if record := check_record(found):
@@ -190,11 +191,12 @@ def check(scene: SceneName, *, json: Json = False, quiet: Silent = False) -> int
     )
     if json:
         nearest = {name: getattr(path, name) for name in ("ratio", "part", "time", "normal_load", "tangential_load")}
-        content = {"passed": True, "sentence": last, "notes": words, "remarks": doubts, "largest_contact": vars(largest)}
+        content = {"passed": True, "sentence": last, "notes": words, "remarks": doubts, "engines": vars(engines)}
+        content |= {"largest_contact": vars(largest) if largest else None}
         content |= {"profile_fit": fit_content(found)} | ({"bulk_and_tilt": vars(bulk)} if bulk else {})
         return answer("check", WITHIN, content | {"nearest_to_sliding": nearest}, found.name)
     if not quiet:
-        size = (in_words(found, largest), *filter(None, [bulk_in_words(bulk) if bulk else ""]))
+        size = filter(None, [in_words(found, largest) if largest else "", bulk_in_words(bulk) if bulk else ""])
         for sentence in (*words, *size, *(f"Remark: {doubt}" for doubt in doubts), last):
             say(sentence)
     return WITHIN

@@ -6,7 +6,7 @@ import json
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -268,8 +268,11 @@ _FE = FiniteElements()
 
 
 def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
-    """Both engines on one scene, their comparison, its page; the exit code is that of the verdict."""
-    from reports.checking import largest_contact
+    """Both engines on one scene, their comparison, its page; the exit code is that of the verdict.
+
+    A scene that one engine alone takes gets that one's answer, as of `exact` or `fe`.
+    """
+    from reports.checking import engines_for
     from scenes import InputError
 
     source = scene
@@ -284,8 +287,16 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
         if options.stress:
             require_drawing(stages)
         load_engines(stages)
-        largest_contact(scene, source)  # what theory refuses, before the finite elements are solved
+        taken = engines_for(scene, source)  # what theory refuses, before the finite elements are solved
         options.settings()
+        if alone := taken.in_words(source):
+            own = {one.name for one in fields(FiniteElements)}
+            if beside := [one.name for one in fields(options) if one.name not in own and getattr(options, one.name)]:
+                raise InputError(f"{source}: --{beside[0]} goes with a comparison of both engines: leave it out. {alone}")
+            complain(f"halfplane: {scene.name}: no comparison. {alone}")
+            if taken.half_plane:
+                return _answer_alone("fe", scene, folder, stages, options, solve_finite_elements(scene, options, stages), alone)
+            return _answer_alone("exact", scene, folder, stages, options, solve_half_plane(scene, stages), alone)
         if options.third:
             from reports.third.calculix import find_calculix
 
@@ -514,31 +525,39 @@ def fe(scene: SceneName, *, options: FiniteElements = _FE) -> int:
 
 def _alone(name: str, source: str, options: Output, solve: Callable[[Scene, Stages], ContactSolution]) -> int:
     def work(scene: Scene, folder: Path, stages: Stages) -> int:
-        from reports.comparison import expected
-        from reports.comparison.content import solution_content
-        from reports.comparison.laws import certificates
-        from reports.profile_fit import content as fit_content
-        from reports.profile_fit import findings as fit_findings
-
         load_engines(stages)
-        solution = solve(scene, stages)
-        path = write_solution(solution, folder)
-        findings, admissible = list(expected.check(scene, (solution,))), is_admissible(solution)
-        code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
-        if options.json:
-            whole = solution_content(solution, certificates(solution))
-            known = {key: whole[key] for key in _OF_ONE_ENGINE if key in whole}
-            content = {"passed": code == WITHIN, "admissible": admissible, **known}
-            more = {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
-            return answer(name, code, content | more | {"profile_fit": fit_content(scene)}, scene.name)
-        show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
-        for sentence in fit_findings(scene)[0]:
-            say(sentence)
-        show_expected(findings)
-        say(str(path))
-        return code
+        return _answer_alone(name, scene, folder, stages, options, solve(scene, stages))
 
     return at_work(name, source, options, work)
+
+
+def _answer_alone(
+    name: str, scene: Scene, folder: Path, stages: Stages, options: Output, solution: ContactSolution, note: str = ""
+) -> int:
+    """Files and summary of one engine's answer, as command `name` prints them; `note` is kept with the answer."""
+    from reports.comparison import expected
+    from reports.comparison.content import solution_content
+    from reports.comparison.laws import certificates
+    from reports.profile_fit import content as fit_content
+    from reports.profile_fit import findings as fit_findings
+
+    if note:
+        solution = replace(solution, record=replace(solution.record, notes=(*solution.record.notes, note)))
+    path = write_solution(solution, folder)
+    findings, admissible = list(expected.check(scene, (solution,))), is_admissible(solution)
+    code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
+    if options.json:
+        whole = solution_content(solution, certificates(solution))
+        known = {key: whole[key] for key in _OF_ONE_ENGINE if key in whole}
+        content = {"passed": code == WITHIN, "admissible": admissible, **known}
+        more = {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
+        return answer(name, code, content | more | {"profile_fit": fit_content(scene)}, scene.name)
+    show_table(scene.title or scene.name, ("quantity", "value"), summary_rows(solution))
+    for sentence in fit_findings(scene)[0]:
+        say(sentence)
+    show_expected(findings)
+    say(str(path))
+    return code
 
 
 _OF_ONE_ENGINE = (

@@ -25,7 +25,7 @@ _SHOWN_OF_CONTACT, _SHOWN_OF_BODY = 6.0, 1.3
 _WIDE_ENOUGH = 0.62
 # What the longest line of a label in four lines needs [units of the drawing].
 _LETTERS = 122.0
-_WIDTH, _MOST, _ROOM = 440.0, 310.0, 62.0
+_WIDTH, _MOST, _ROOM, _SIDE = 440.0, 310.0, 62.0, 26.0
 # Rows of a measured profile that are drawn.
 _MOST_DOTS = 400
 
@@ -47,7 +47,7 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     level = float(frame.y.place(0.0))
     marks.append(Curve(frame.x.place([-half_width, half_width]), [level, level], "contact-line"))
     marks += [note for name in outlines for note in _label(frame, scene, name, outlines[name])]
-    marks += _loads(frame, scene, outlines["upper"])
+    marks += _loads(frame, scene, outlines)
     columns: Table = {
         "body": [name for name in outlines for _ in outlines[name]],
         f"x [{length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
@@ -59,7 +59,7 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         f"2 a_ref = {number(2 * half_width)} {length} wide. P {_range(scene, 0)}, Q {_range(scene, 1)} {load_unit(scene)}."
     )
     if beside := bulk_and_tilt(scene):
-        caption += f" {sentence(beside.removeprefix('; '))}"
+        caption += f" {sentence(beside.removeprefix('; '))} Arrows show positive directions."
     alt = bodies_in_words(scene)
     # Places of the marks are those of the drawing: supports and arrows have no size in the scene.
     axes = Axis(0.0, frame.width, ""), Axis(frame.height, 0.0, "")
@@ -106,12 +106,11 @@ def _frame(outlines: dict[str, Array]) -> Frame:
     """Both bodies with one scale in both directions, room above for the loads and all round for supports."""
     points = np.concatenate(list(outlines.values()))
     (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
-    side = 26.0
-    unit = max((right - left) / (_WIDTH - 2 * side), (high - low) / (_MOST - _ROOM - side))
-    height = (high - low) / unit + _ROOM + side
-    middle, half = (left + right) / 2, (_WIDTH / 2 - side) * unit
-    across = Scale(float(middle - half), float(middle + half), side, _WIDTH - side)
-    return Frame(across, Scale(float(low), float(high), float(height - side), _ROOM), _WIDTH, float(height))
+    unit = max((right - left) / (_WIDTH - 2 * _SIDE), (high - low) / (_MOST - _ROOM - _SIDE))
+    height = (high - low) / unit + _ROOM + _SIDE
+    middle, half = (left + right) / 2, (_WIDTH / 2 - _SIDE) * unit
+    across = Scale(float(middle - half), float(middle + half), _SIDE, _WIDTH - _SIDE)
+    return Frame(across, Scale(float(low), float(high), float(height - _SIDE), _ROOM), _WIDTH, float(height))
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
@@ -201,14 +200,40 @@ def _label(frame: Frame, scene: Scene, name: str, points: Array) -> Iterator[Mar
         yield Note(place, level - 8.0 * (len(lines) - 1) + 4 + 16 * k, text, "word", "middle" if inside else "start")
 
 
-def _loads(frame: Frame, scene: Scene, upper: Array) -> Iterator[Mark]:
-    """Arrows of P and Q at the top of the upper body."""
-    x, y = float(frame.x.place(0.0)), float(frame.y.place(upper[:, 1].max())) - 10
-    yield Arrow((x, y - 42), (x, y))
-    yield Note(x - 9, y - 28, "P", "load", "end")
+def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
+    """Arrows of P and Q at the top of the upper body, where they act; of its tilt or moment, and of bulk stress at both ends."""
+    load, top = scene.load, float(frame.y.place(outlines["upper"][:, 1].max())) - 10
+    line, contact = load.line_of_action, float(frame.y.place(0.0))
+    x = float(np.clip(frame.x.place(line.x if line else 0.0), _SIDE, frame.width - _SIDE))  # the words below say where it is
+    if line is not None:
+        yield Curve([x, x], [contact - 0.3 * (contact - top), contact], "cycle-line")
+    yield Arrow((x, top - 42), (x, top))
+    right = x <= frame.width / 2  # there is more room
+    yield Note(x - 9 if right else x + 9, top - 28, "P", "load", "end" if right else "start")
     if np.any(_samples(scene, 1) != 0):
-        yield Arrow((x + 14, y - 8), (x + 74, y - 8))
-        yield Note(x + 82, y - 3, "Q", "load")
+        level = float(np.clip(frame.y.place(line.height), 16.0, contact - 8)) if line is not None else top - 8
+        if level > top:  # beside the upper body, or within its left end
+            left = float(frame.x.place(outlines["upper"][:, 0].min()))
+            start = left - 64 if left > 64 + _SIDE else left + 6
+            yield Note(start + 24, level - 7, "Q", "load", "middle")
+        else:
+            start = x + 14 if right else x - 74
+            yield Note(*((x + 82, level + 5) if right else (x - 82, level + 5)), "Q", "load", "start" if right else "end")
+        yield Arrow((start, level), (start + 60, level))
+    if load.tilt is not None or load.moment is not None:
+        # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the other way.
+        middle, turn = (x - 48.0, top - 17.0), 1.0 if load.tilt is not None else -1.0
+        angle = np.linspace(-0.2, 1.2, 29) * np.pi
+        arc = np.column_stack([middle[0] + turn * 18 * np.cos(angle), middle[1] - 18 * np.sin(angle)])
+        yield Curve(arc[:-3, 0], arc[:-3, 1], "arrow")
+        yield Arrow((arc[-8, 0], arc[-8, 1]), (arc[-1, 0], arc[-1, 1]))
+        yield Note(middle[0], middle[1] + 5, "α" if load.tilt is not None else "M", "load", "middle")
+    for name, stress in (("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)):
+        if stress is not None:
+            ends, level = frame.x.place(outlines[name][[0, 180], 0]), float(np.mean(frame.y.place(outlines[name][[0, -1], 1])))
+            for end, outward in zip(ends.tolist(), (-1.0, 1.0), strict=True):
+                yield Arrow((end + 3 * outward, level), (end + 23 * outward, level))
+                yield Note(end + 13 * outward, level - 9, "σ", "load", "middle")
 
 
 def _samples(scene: Scene, which: int) -> Array:
