@@ -5,6 +5,8 @@ Also measures of the quality of a mesh.
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -121,7 +123,11 @@ def mirrored_mesh(
 @contextmanager
 def _gmsh_model(cells: Cells) -> Iterator[None]:
     # gmsh is one global state: entered here, left here, whatever happens.
+    pipe = signal.getsignal(signal.SIGPIPE) if hasattr(signal, "SIGPIPE") else None
     gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
+    # gmsh lets a broken pipe end the whole process; in Python it is an error that can be reported. Only the main thread may say so.
+    if pipe is not None and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGPIPE, pipe)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.AbortOnError", 2)

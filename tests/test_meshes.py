@@ -390,6 +390,17 @@ def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(mo
     half_disc("body", SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0))
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="no such signal here")
+def test_a_pipe_that_breaks_after_meshing_is_an_error_and_not_the_end():
+    """gmsh sets the signal back to what ends a process: a film would die with ffmpeg instead of saying so."""
+    half_disc("lower", EVEN, 0.25, 1)
+    reader, writer = os.pipe()
+    os.close(reader)
+    with pytest.raises(BrokenPipeError), os.fdopen(writer, "wb", buffering=0) as pipe:
+        pipe.write(b"x")
+
+
+
 @pytest.mark.parametrize("inner", [0.0, 0.6])
 def test_gmsh_reads_the_element_size_that_python_does(inner):
     grading = SurfaceGrading(inner=inner, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)

@@ -6,6 +6,7 @@ Every frame is a figure of the chart engine; GIF by Pillow with one palette for 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -194,6 +195,15 @@ class Film:
     notes: list[str]
 
 
+@contextmanager
+def _ffmpeg(file: str) -> Iterator[None]:
+    """A pipe that breaks is ffmpeg's, which ended early, and not our own output."""
+    try:
+        yield
+    except OSError as fault:
+        raise InputError(f"{file}: ffmpeg ended before the film did; is the disk full?") from fault
+
+
 def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
     """Write name.gif, and name.mp4 where imageio and its ffmpeg are installed; frames are (height, width, 3), all of one size.
 
@@ -218,10 +228,12 @@ def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
         for frame in frames:
             pictures.append(_indexed(frame))
             if movie is not None:
-                movie.append_data(frame)
+                with _ffmpeg(files[1]):
+                    movie.append_data(frame)
     finally:
         if movie is not None:
-            movie.close()
+            with _ffmpeg(files[1]):
+                movie.close()
     size, scaled, gif = pictures[0].size, pictures, folder / files[0]
     for power in range(1, _SHRINKINGS + 1):
         scaled[0].save(gif, save_all=True, append_images=scaled[1:], duration=round(1000 / RATE), loop=0, optimize=False)
