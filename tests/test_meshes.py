@@ -400,7 +400,6 @@ def test_a_pipe_that_breaks_after_meshing_is_an_error_and_not_the_end():
         pipe.write(b"x")
 
 
-
 @pytest.mark.parametrize("inner", [0.0, 0.6])
 def test_gmsh_reads_the_element_size_that_python_does(inner):
     grading = SurfaceGrading(inner=inner, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)
