@@ -249,6 +249,18 @@ def test_scalars_at_the_lower_face_of_every_form_and_an_element_inside_out(tmp_p
             result(path)
 
 
+def test_a_pressure_at_the_points_of_a_face_needs_no_shear(tmp_path: Path) -> None:
+    whole = mesh()
+    whole.write(tmp_path / "both.vtu")
+    del whole.point_data["CSHEAR1"]
+    whole.write(tmp_path / "pressure.vtu")
+    found, both = result(tmp_path / "pressure.vtu"), result(tmp_path / "both.vtu")
+    assert (found.sheared, both.sheared) == (False, True)
+    assert np.array_equal(found.pressure, both.pressure)
+    assert "tractions are the fields CPRESS, without a shear, at points" in found.notes
+    refused(tmp_path / "pressure.vtu", "columns.shear = 'CSHEAR1', which is not there", columns={"shear": "CSHEAR1"})
+
+
 @pytest.mark.parametrize(
     ("count", "yy", "xy", "said"),
     [

@@ -129,12 +129,13 @@ def _named(
 ) -> tuple[list[int], Where, Integers, Array, _Components, list[str]]:
     """Pressure, shear and slip under their names, of points or of cells of the surface."""
     quantities: tuple[Quantity, ...] = ("pressure", "shear", "slip")
-    found = {q: find_column(mapping, q, names, str(path), needed=q != "slip") for q in quantities}
+    found = {q: find_column(mapping, q, names, str(path), needed=q == "pressure") for q in quantities}
     pressure, shear, slip = found.values()
     needed = [name for name in (pressure, shear, mapping.columns.slip) if name is not None]
+    tractions = f"{pressure} and {shear}" if shear else f"{pressure}, without a shear,"
     numbers, mesh, notes = _parts_with(path, frame, mapping, needed, where)
     if slip is not None and not _holds(mesh, slip, where):
-        notes.append(f"{slip} is not in all of the files that hold {pressure} and {shear}, and was left out")
+        notes.append(f"{slip} is not in all of the files that hold {tractions.rstrip(',')}, and was left out")
         found["slip"] = None
     at = "at points"
     if where == "cell_fields":
@@ -146,7 +147,7 @@ def _named(
     components: _Components = {
         q: (name, float(converted(mapping, q, np.ones(1))[0])) for q, name in found.items() if name is not None
     }
-    return numbers, where, rows, x, components, [f"tractions are the fields {pressure} and {shear} {at}", *notes, *how]
+    return numbers, where, rows, x, components, [f"tractions are the fields {tractions} {at}", *notes, *how]
 
 
 def _parts_with(
