@@ -9,8 +9,6 @@ from __future__ import annotations
 import base64
 import io
 import math
-import struct
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -280,25 +278,20 @@ def outlines(band: Band) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float
 
 
 def png(pixels: NDArray[np.uint8], colours: Sequence[str] = ()) -> bytes:
-    """A picture as a PNG file (ISO/IEC 15948): (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are kept.
+    """A picture as a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of which 255 are kept.
 
     >>> png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
     """
-    if not colours:
-        from PIL import Image
+    from PIL import Image
 
-        stream = io.BytesIO()
-        Image.fromarray(pixels).quantize(255).save(stream, "PNG", optimize=True)
-        return stream.getvalue()
-    height, width = pixels.shape
-    rows = np.concatenate([np.zeros((height, 1), np.uint8), pixels.astype(np.uint8)], axis=1)
-    palette = b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours)
-    header = struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)
-    chunks = ((b"IHDR", header), (b"PLTE", palette), (b"IDAT", zlib.compress(rows.tobytes(), 9)), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data)) for name, data in chunks
-    )
+    picture, stream = Image.fromarray(pixels), io.BytesIO()
+    if colours:
+        picture.putpalette(b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours))
+    else:
+        picture = picture.quantize(255)
+    picture.save(stream, "PNG", optimize=True)
+    return stream.getvalue()
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from importlib import resources
@@ -104,9 +103,9 @@ def score(
         page = write(report, folder, command=command, seconds=dict(stages.seconds))
     code = exit_code(report.comparison)
     if options.json:
-        from reports.comparison.content import as_json
+        from reports.comparison.content import whole_content
 
-        return answer("score", code, json.loads(as_json(report, command, stages.seconds)) | {"page": str(page)}, scene.name)
+        return answer("score", code, whole_content(report, command, stages.seconds) | {"page": str(page)}, scene.name)
     show_score(report)
     say(str(page))
     return code

@@ -394,8 +394,8 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
     from reports.comparison import expected
 
     comparison, third = report.comparison, report.third
-    scene, result = comparison.scene, comparison.result
-    findings = list(expected.check(scene, (comparison.reference, result)))
+    scene = comparison.scene
+    findings = list(expected.check(scene, (comparison.reference, comparison.result)))
     met = all(finding.met for finding in findings)
     if not as_json:
         show_verdict(report)
@@ -416,51 +416,34 @@ def _tell_run(report: Report, page: Path, stages: Stages, *, as_json: bool) -> i
         code = max(exit_code(comparison), WITHIN if met else OUTSIDE)
     if not as_json:
         return code
-    from reports.comparison.words import first_table, headline, honest_of, how_judged, lead, verdict
-    from reports.profile_fit import content as fit_content
+    from reports.comparison.content import whole_content
+    from reports.comparison.words import lead
 
+    whole = whole_content(report, "", stages.seconds)
     content = {
-        "headline": headline(report),
-        "table": first_table(report)[1],
-        "passed": comparison.passed,
-        "accurate": comparison.accurate,
-        "verdict": comparison.verdict,
-        "judged": how_judged(report),
-        "admissible": comparison.admissible,
-        "honest": report.honest,
+        **{name: whole[name] for name in ("headline", "table")},
+        **whole["verdict"],
         "lead": lead(report),
-        "sentence": verdict(report),
-        "metrics": {
-            metric.key: {
-                "value": metric.value,
-                "uncertainty": metric.uncertainty,
-                "unit": metric.unit,
-                "tolerance": metric.tolerance,
-                "accurate": metric.accurate,
-                "verdict": metric.verdict,
-                "honest": {"yes": True, "no": False}.get(honest_of(report, metric)),
-            }
-            for metric in comparison.metrics
-        },
-        **{name: getattr(result, name) for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")},
+        "metrics": {key: {name: metric[name] for name in _OF_A_METRIC} for key, metric in whole["metrics"].items()},
+        **{name: whole["result"][name] for name in ("dissipation", "dissipation_uncertainty", "dissipation_drift")},
         "expected": expected.content(findings),
-        "profile_fit": fit_content(scene),
-        "notes": comparison.notes,
+        **{name: whole[name] for name in ("profile_fit", "notes", "seconds")},
         "page": str(page),
-        "seconds": stages.seconds,
     }
     return answer("run", code, content, scene.name)
 
 
+_OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdict", "honest")
+
+
 def show_verdict(report: Report) -> None:
     """The headline, the table of absolute values, and the verdict in a sentence."""
-    from reports.comparison.words import first_table, headline, how_judged, lead, standing, verdict
+    from reports.comparison.words import first_cells, headline, how_judged, lead, standing, verdict
 
     scene = report.comparison.scene
-    heads, rows = first_table(report)
-    keys = ("label", "reference", "result", "difference", "verdict")
+    heads, rows = first_cells(report)
     say(headline(report), "bold")
-    cells = [tuple(row[key].replace(" ± ", "±").replace(" %", "%") for key in keys) for row in rows]
+    cells = [tuple(cell.replace(" ± ", "±").replace(" %", "%") for cell in row) for row in rows]
     show_table(scene.title or scene.name, heads, cells, right=(1, 2, 3))
     say(f"{lead(report)} {verdict(report)}".strip(), _STYLES.get(standing(report.comparison) or "", ""))
     if words := how_judged(report):

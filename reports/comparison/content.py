@@ -14,19 +14,7 @@ from reports.comparison import Comparison, Report, expected
 from reports.comparison.cycles import last_cycle
 from reports.comparison.laws import Certificate, derived
 from reports.comparison.metrics import Metric, bulk_work
-from reports.comparison.words import (
-    CLAIM,
-    beyond_theory,
-    bodies_in_words,
-    content,
-    first_table,
-    headline,
-    honest_of,
-    how_judged,
-    question,
-    unlike_materials,
-    verdict,
-)
+from reports.comparison.words import content, honest_of, said, verdict_content
 from reports.measured import content as cycles_content
 from reports.measured import record_content
 from reports.profile_fit import content as fit_content
@@ -38,7 +26,7 @@ FORMAT = "halfplane comparison 2"
 def as_json(found: Comparison | Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
     """A comparison or a report as JSON text; what is not finite becomes null, its metric says "finite": false."""
     report = found if isinstance(found, Report) else Report(found)
-    return json.dumps(strict(_content(report, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False)
+    return json.dumps(strict(whole_content(report, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False)
 
 
 def strict(value: Any) -> Any:
@@ -60,28 +48,15 @@ def strict(value: Any) -> Any:
     return value
 
 
-def _content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
+def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
+    """All that comparison.json holds, by its names; numbers may be numpy's and not finite."""
     comparison = report.comparison
-    scales, (_, table) = comparison.scales, first_table(report)
+    scales = comparison.scales
     return {
         "format": FORMAT,
-        "headline": headline(report),
-        "table": table,
-        "claim": CLAIM,
-        "question": question(comparison.scene),
-        "bodies": bodies_in_words(comparison.scene),
-        "unlike_materials": unlike_materials(comparison.scene),
-        "idealisation": beyond_theory(comparison),
+        **said(report),
         "profile_fit": fit_content(comparison.scene),
-        "verdict": {
-            "passed": comparison.passed,
-            "accurate": comparison.accurate,
-            "verdict": comparison.verdict,
-            "judged": how_judged(report),
-            "admissible": comparison.admissible,
-            "honest": report.honest,
-            "sentence": verdict(report),
-        },
+        "verdict": verdict_content(report),
         "scales": {
             "P_ref": scales.normal_load,
             "a_ref": scales.half_width,

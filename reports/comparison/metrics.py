@@ -41,8 +41,8 @@ NO_DISSIPATION = 1e-12
 _NO_COUPLING = 1e-9
 SIDES = ("left", "right")
 FULL_STICK = 2
-# What a metric needs of a solution beside its fields: a whole cycle.
-WHOLE_CYCLE = "whole_cycle"
+# What a metric needs beside fields of a solution: a whole cycle, friction.
+WHOLE_CYCLE, FRICTION = "whole_cycle", "friction"
 
 _ENGINES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
 
@@ -268,7 +268,7 @@ class Definition:
     norm : how the differences at points and instants become one value
     region : which points and instants count
     text : how it is computed
-    needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` among them
+    needs : fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among them
     measure : the function, of a `Pair`
     signed : whether its sign has a meaning (result − reference); a norm has none
     absolute_unit : unit where the reference's own figure is 0 and nothing can be relative to it
@@ -383,10 +383,13 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
             quantity, engine, reason = absent[0]
             words = "pointwise dissipation" if quantity == "dissipation_density" else quantity.replace("_", " ")
             found.append(Metric(definition=row, value=None, note=f"{words}: {reason} ({engine})"))
+        elif FRICTION in row.needs and not pair.result.scene.friction.coefficient:
+            found.append(Metric(definition=row, value=None, note="frictionless: nothing sticks and nothing resists slip"))
         else:
             measured = row.measure(pair)
             tolerance = None if measured.value is None else tolerances.get(row.key, tolerances.get(row.judged_by))
-            found.append(Metric(definition=row, tolerance=tolerance, **vars(measured)))
+            amounts = measured.amounts if row.headline else None
+            found.append(Metric(definition=row, tolerance=tolerance, **{**vars(measured), "amounts": amounts}))
     return tuple(found)
 
 
@@ -795,14 +798,14 @@ def _(pair: Pair) -> Measured:
     """Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: all errors except that of
     the steps."""
     polygon = pair.polygon_reference or pair.reference
-    return replace(_of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation), amounts=None)
+    return _of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation)
 
 
 @metric("dissipation_step", "of W_ref", _FIGURE, _WHOLE, absolute_unit=_WORK_SCALE, exists=_has_polygon)
 def _(pair: Pair) -> Measured:
     """Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on the smooth path."""
     polygon = pair.polygon_reference or pair.reference
-    return replace(_of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation), amounts=None)
+    return _of_amounts(pair.reference.dissipation, polygon.dissipation, pair.scales.dissipation)
 
 
 def loop_work(cycle: Cycle) -> float:
@@ -843,7 +846,7 @@ def _(pair: Pair) -> Measured:
     """Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants."""
     if not pair.periodic:
         return _none("the path is not periodic: no loop")
-    return replace(_of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation), amounts=None)
+    return _of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation)
 
 
 def _bulk_works(pair: Pair) -> tuple[float, float] | str:
@@ -874,7 +877,7 @@ def _(pair: Pair) -> Measured:
     if isinstance(works, str):
         return _none(works)
     expected, found = (loop_work(c) + w for c, w in zip((pair.expected, pair.found), works, strict=True))
-    return replace(_of_amounts(expected, found, pair.scales.dissipation), amounts=None)
+    return _of_amounts(expected, found, pair.scales.dissipation)
 
 
 @metric(
@@ -1054,15 +1057,11 @@ def _(pair: Pair) -> Measured:
 
 # ------------------------------------------------------------------------------------------------ contact, stick and slip
 
-_FRICTIONLESS = "frictionless: nothing sticks and nothing resists slip"
-
 
 def _edge_of_side(pair: Pair, kind: str, side: str) -> Measured:
     """One edge by itself, also in local spacings, with the uncertainty that the result states."""
     length, column, applies = pair.scales.half_width, SIDES.index(side), pair.judged
     if kind == "stick":
-        if not pair.result.scene.friction.coefficient:
-            return _none(_FRICTIONLESS)
         applies = applies & np.all([stick_status(cycle, length) != 0 for cycle in (pair.expected, pair.found)], axis=0)
         if not applies.any():
             return _none("no instant has a stick edge in both")
@@ -1085,7 +1084,7 @@ for _kind in ("contact", "stick"):
         _words += "result's points, and with the uncertainty that the result states."
         _where = _INSTANTS if _kind == "contact" else f"{_INSTANTS} at which both have one"
         _measure = partial(_edge_of_side, kind=_kind, side=_side)
-        _needs = ("stick_edges",) if _kind == "stick" else ()
+        _needs = ("stick_edges", FRICTION) if _kind == "stick" else ()
         metric(f"{_kind}_edge_{_side}", "of a_ref", _WORST_INSTANT, _where, *_needs, words=_words)(_measure)
 
 
@@ -1096,12 +1095,11 @@ for _kind in ("contact", "stick"):
     "points that stick in either; last cycle",
     "state",
     WHOLE_CYCLE,
+    FRICTION,
     signed=False,
 )
 def _(pair: Pair) -> Measured:
     """Stick set, not shared: 1 − (what sticks in both)/(what sticks in either), measured by length times time."""
-    if not pair.result.scene.friction.coefficient:
-        return _none(_FRICTIONLESS)
     theirs, ours = pair.expected.state == STICK, pair.found.state == STICK
     times, lengths = shares(pair.found.time), shares(pair.found.x)
     both, either = (float(times @ sticks @ lengths) for sticks in (theirs & ours, theirs | ours))
@@ -1163,8 +1161,6 @@ def _change(pair: Pair, change: _Changes, none: str) -> Measured:
 
 def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     """Starts (at = 0) or ends (at = -1) of full stick, each of the reference against the result's that shares most instants."""
-    if not pair.result.scene.friction.coefficient:
-        return _none(_FRICTIONLESS)
     length, fraction = pair.scales.half_width, pair.found.fraction
     theirs, ours = (intervals(stick_status(cycle, length) == FULL_STICK, pair.periodic) for cycle in (pair.expected, pair.found))
     pairs = [(run, max(ours, key=lambda other: len(np.intersect1d(run, other)), default=run[:0])) for run in theirs]
@@ -1176,14 +1172,14 @@ def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     return _change(pair, _Changes(np.array(late), index, missing, len(ours) - len(used)), none)
 
 
-@metric("full_stick_start", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
+@metric("full_stick_start", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE, FRICTION)
 def _(pair: Pair) -> Measured:
     """Start of full stick: first instant of full stick, result − reference, to a step; full stick: at least two instants whose
     stick edges are the contact edges; intervals that share most instants are compared."""
     return _full_stick(pair, 0, "the reference does not come into full stick")
 
 
-@metric("full_stick_end", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
+@metric("full_stick_end", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE, FRICTION)
 def _(pair: Pair) -> Measured:
     """End of full stick: last instant of full stick, result − reference, as its start."""
     return _full_stick(pair, -1, "the reference does not come out of full stick")
@@ -1219,12 +1215,10 @@ def _reversals_to(sense: int, pair: Pair) -> _Changes:
     return _Changes(min(matches, key=lambda late: float(np.max(np.abs(late))), default=np.zeros(0)), theirs)
 
 
-@metric("slip_reversal", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE)
+@metric("slip_reversal", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE, FRICTION)
 def _(pair: Pair) -> Measured:
     """Reversal of slip: first instant of slip in the new sense, result − reference, to a step; the sense is that of the longer
     slip zone."""
-    if not pair.result.scene.friction.coefficient:
-        return _none(_FRICTIONLESS)
     found = [_reversals_to(sense, pair) for sense in (1, -1)]
     both = _Changes(
         np.concatenate([change.late for change in found]),
@@ -1249,8 +1243,6 @@ def _slip(pair: Pair) -> tuple[Array, Array, bool]:
 
 def _slip_metric(pair: Pair, maximum: bool) -> Measured:
     """Where both are in contact: apart from there it is a displacement and nothing slips."""
-    if not pair.result.scene.friction.coefficient:
-        return _none(_FRICTIONLESS)
     difference, lengths, nothing = _slip(pair)
     applies = pair.judged & (lengths.sum(axis=1) > 0)
     if not applies.any():
@@ -1266,13 +1258,13 @@ def _slip_metric(pair: Pair, maximum: bool) -> Measured:
 _IN_CONTACT = "points in contact in both; judged instants"
 
 
-@metric("slip", "of the range of s_ref", _L2, _IN_CONTACT, "slip", signed=False, absolute_unit="f p_ref a_ref/E*")
+@metric("slip", "of the range of s_ref", _L2, _IN_CONTACT, "slip", FRICTION, signed=False, absolute_unit="f p_ref a_ref/E*")
 def _(pair: Pair) -> Measured:
     """Slip, L2: root mean square over x of s − s_ref, over the range of s_ref in the cycle."""
     return _slip_metric(pair, maximum=False)
 
 
-@metric("slip_maximum", "of the range of s_ref", _WORST_POINT, _IN_CONTACT, "slip", absolute_unit="f p_ref a_ref/E*")
+@metric("slip_maximum", "of the range of s_ref", _WORST_POINT, _IN_CONTACT, "slip", FRICTION, absolute_unit="f p_ref a_ref/E*")
 def _(pair: Pair) -> Measured:
     """Slip, maximum: largest |s − s_ref|, with its sign, over the range of s_ref in the cycle; with its place."""
     return _slip_metric(pair, maximum=True)

@@ -346,6 +346,34 @@ def _shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
     return 1.0, length
 
 
+def said(report: Report) -> dict[str, Any]:
+    """What the page, the PDF and comparison.json say alike, by its name there."""
+    scene = report.comparison.scene
+    return {
+        "headline": headline(report),
+        "table": first_table(report)[1],
+        "claim": CLAIM,
+        "question": question(scene),
+        "bodies": bodies_in_words(scene),
+        "unlike_materials": unlike_materials(scene),
+        "idealisation": beyond_theory(report.comparison),
+    }
+
+
+def verdict_content(report: Report) -> dict[str, Any]:
+    """The verdict and what it rests on, for the files and the terminal's JSON alike."""
+    comparison = report.comparison
+    return {
+        "passed": comparison.passed,
+        "accurate": comparison.accurate,
+        "verdict": comparison.verdict,
+        "judged": how_judged(report),
+        "admissible": comparison.admissible,
+        "honest": report.honest,
+        "sentence": verdict(report),
+    }
+
+
 def first_table(report: Report) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     """The table of absolute values: its heads, and a row for each quantity that either solution has.
 
@@ -388,6 +416,13 @@ def _amount_words(value: float) -> str:
     return "–" if math.isnan(value) else minus(f"{value:.5g}")
 
 
+def first_cells(report: Report) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """The table of absolute values as heads and cells, for the terminal and a notebook."""
+    heads, rows = first_table(report)
+    keys = ("label", "reference", "result", "difference", "verdict")
+    return heads, [tuple(row[key] for key in keys) for row in rows]
+
+
 def difference_of(metric: Metric) -> str:
     """A difference with its uncertainty, in per cent unless the metric is absolute; a length of stick in per cent of a."""
     if metric.value is None:
@@ -405,8 +440,8 @@ def difference_of(metric: Metric) -> str:
 
 def summary(report: Report) -> str:
     """The first table as plain text, with the headline above it and the verdict below."""
-    heads, found = first_table(report)
-    cells = [heads, *((row["label"], row["reference"], row["result"], row["difference"], row["verdict"]) for row in found)]
+    heads, found = first_cells(report)
+    cells = [heads, *found]
     widths = [max(len(row[column]) for row in cells) for column in range(len(heads))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
     return "\n".join([headline(report), "", lines[0], "-" * len(lines[0]), *lines[1:], "", verdict(report)])
@@ -648,10 +683,9 @@ def _metric(budget: Budget) -> dict[str, Any]:
 
 def comparison_html(report: Report) -> str:
     """Title, headline, the table of absolute values, and the verdict; every word escaped."""
-    heads, rows = first_table(report)
-    keys = ("label", "reference", "result", "difference", "verdict")
+    heads, rows = first_cells(report)
     head = "".join(f"<th>{escape(one)}</th>" for one in heads)
-    cells = "".join("<tr>" + "".join(f"<td>{escape(row[key])}</td>" for key in keys) + "</tr>" for row in rows)
+    cells = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     scene = report.comparison.scene
     return (
         f"<div><b>{escape(scene.title or scene.name)}</b><p><b>{escape(headline(report))}</b></p>"

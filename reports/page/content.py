@@ -16,29 +16,24 @@ from reports.comparison.cycles import last_cycle
 from reports.comparison.laws import Certificate
 from reports.comparison.metrics import Metric, Verdict, bulk_work, name_of, normal_work
 from reports.comparison.words import (
-    CLAIM,
     SUPPORT_WORDS,
     accuracy_of,
-    beyond_theory,
-    bodies_in_words,
     cost,
     first_table,
-    headline,
     heads,
     honesty,
     how_judged,
     lead,
     narrow,
     percent,
-    question,
     rows,
+    said,
     sentence,
     standing,
     tolerance_of,
     uncertain_work,
     uncertainty_of,
     unit_of,
-    unlike_materials,
     value_of,
     verdict,
 )
@@ -70,18 +65,13 @@ def render(
     report = found if isinstance(found, Report) else Report(found)
     comparison = report.comparison
     scene = comparison.scene
-    columns, amounts = first_table(report)
+    words = said(report)
     program, digest = script()
     return template("report.html").render(
         title=scene.title or scene.name,
         scene=scene,
-        claim=CLAIM,
-        question=question(scene),
-        bodies=[bodies_in_words(scene), unlike_materials(scene), *findings(scene)[0]],
-        idealisation=beyond_theory(comparison),
-        headline=headline(report),
-        columns=columns,
-        amounts=amounts,
+        **words | {"bodies": [words["bodies"], words["unlike_materials"], *findings(scene)[0]]},
+        columns=first_table(report)[0],
         lead=lead(report),
         standing=standing(comparison),
         judged=how_judged(report),

@@ -14,21 +14,17 @@ from reports.charts.plate import Plate
 from reports.comparison import Report
 from reports.comparison.metrics import Metric, name_of
 from reports.comparison.words import (
-    CLAIM,
     accuracy_of,
-    beyond_theory,
-    bodies_in_words,
     heads,
     honest_of,
     how_judged,
     lead,
     open_value_of,
-    question,
     rows,
+    said,
     standing,
     tolerance_of,
     unit_of,
-    unlike_materials,
     verdict,
 )
 from reports.page.content import commit
@@ -68,16 +64,16 @@ def write_pdf(report: Report, plates: Sequence[Plate], path: Path, command: str)
 def _content(report: Report, figures: Sequence[Mapping[str, Any]], command: str) -> dict[str, Any]:
     """Everything that the document says."""
     comparison, budget = report.comparison, report.budget
-    scene = comparison.scene
+    scene, words = comparison.scene, said(report)
     return {
         "title": scene.title or scene.name,
         "name": scene.name,
-        "claim": CLAIM,
+        "claim": words["claim"],
         "standing": standing(comparison),
         "judged": how_judged(report),
         "lead": lead(report),
         "verdict": verdict(report),
-        "words": [w for w in (question(scene), bodies_in_words(scene), unlike_materials(scene), beyond_theory(comparison)) if w],
+        "words": [words[one] for one in ("question", "bodies", "unlike_materials", "idealisation") if words[one]],
         "metrics": [_metric(report, metric) for metric in comparison.headlines],
         "notes": list(comparison.notes),
         "budget": {"heads": heads(budget), "rows": rows(budget)} if budget else None,
