@@ -46,7 +46,7 @@ from halfplane_fe import SolverSettings
 from halfplane_fe.active_subsets import NestedFactor
 from halfplane_fe.systems import Systems
 from meshes import MeshSettings
-from reports.charts.publication import canvas, label_axes
+from reports.charts.publication import canvas
 from scenes import (
     ContactSolution,
     ConvergenceError,
@@ -732,7 +732,7 @@ def draw(name: str, panels: Sequence[Panel]) -> None:
                 look = {"ls": style, "marker": MARKS[number % 8], "color": COLOURS[number % 8], "ms": 5 if number else 9, "lw": 1.2}
                 handle = one.loglog([p[0] for p in points], [p[1] for p in points], **look)
                 labels.setdefault(label, handle[0])
-            label_axes(one, x, y, title)
+            one.set(xlabel=x, ylabel=y, title=title)
             low, high = one.get_xlim()
             if high < 100 * low:  # few powers of ten: plain numbers
                 ticks = [base * 10.0**k for k in range(-4, 4) for base in (1, 2, 5) if low <= base * 10.0**k <= high]

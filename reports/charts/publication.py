@@ -50,14 +50,6 @@ def canvas(width: float, height: float) -> Generator[Figure, None, None]:
         yield Figure(figsize=(width, height))
 
 
-def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:
-    """Axis labels and a title."""
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
-    if title:
-        axes.set_title(title)
-
-
 def write_plots(plates: Iterable[Plate], folder: File, formats: Sequence[str]) -> list[str]:
     """Write each figure in each of `formats`, of "pdf", "svg" and "png"; returns the names of the files, in `folder`."""
     folder.mkdir(parents=True, exist_ok=True)

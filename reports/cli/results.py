@@ -57,7 +57,6 @@ def score(
     options: ScoreOptions = _SCORE,
 ) -> int:
     """A file, or each file of a folder, against the reference: verdict, likely causes of the difference, page."""
-    from reports.folder import claim, default_folder
     from scenes import ConvergenceError, InputError
 
     if options.mapping_example:
@@ -69,34 +68,40 @@ def score(
         raise InputError(f"{result}: --scene is missing: name the scene that it answers; `halfplane scenes` lists the library")
     from reports.scoring.mapping import load_mapping
 
-    path, stages = Path(result), Stages(options.quiet)
-    scene, mapping, against = read(options.scene), load_mapping(options.mapping), options.against
-    if not path.exists():
+    stages = Stages(options.quiet)
+    scene, mapping = read(options.scene), load_mapping(options.mapping)
+    if not Path(result).exists():
         raise InputError(f"{result}: there is no such file or folder")
-    if options.as_ == "loop":
-        return _score_loop(path, mapping, scene, stages, options)
-    if options.rig_compliance is not None:
-        raise InputError("--rig-compliance: it goes with --as loop; say that too, or leave this out")
-    tolerances = tolerances_of(options.tolerance)
-    folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
-    command = options.command("score", result, folder)
     try:
-        with stages.stage("loading"):
-            from reports.scoring.against import diagnosed, score_file
-            from reports.scoring.study import score_folder
-        if path.is_dir():
-            report = score_folder(path, mapping, scene, stages, against=against, tolerances=tolerances)
-        else:
-            with stages.stage("reading and scoring"):
-                report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
-            with stages.stage("diagnosis"):
-                report = diagnosed(report)
+        return (_score_loop if options.as_ == "loop" else _score_field)(result, mapping, scene, stages, options)
     except ConvergenceError as failure:
         sentence = f"the reference is not converged: {failure}"
         complain(f"halfplane: {scene.name}: {sentence}")
-        if options.json:
-            return answer("score", NOT_CONVERGED, {"passed": False, "error": sentence, "file": None}, scene.name)
-        return NOT_CONVERGED
+        failed: dict[str, Any] = {"passed": False, "error": sentence, "file": None}
+        return answer("score", NOT_CONVERGED, failed, scene.name) if options.json else NOT_CONVERGED
+
+
+def _score_field(source: str, mapping: Mapping, scene: Scene, stages: Stages, options: ScoreOptions) -> int:
+    """Tractions and whatever else files hold, against the reference."""
+    from reports.folder import claim, default_folder
+    from scenes import InputError
+
+    path = Path(source)
+    if options.rig_compliance is not None:
+        raise InputError("--rig-compliance: it goes with --as loop; say that too, or leave this out")
+    how: dict[str, Any] = {"against": options.against, "tolerances": tolerances_of(options.tolerance)}
+    folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
+    command = options.command("score", source, folder)
+    with stages.stage("loading"):
+        from reports.scoring.against import diagnosed, score_file
+        from reports.scoring.study import score_folder
+    if path.is_dir():
+        report = score_folder(path, mapping, scene, stages, **how)
+    else:
+        with stages.stage("reading and scoring"):
+            report = score_file(path, mapping, scene, **how)
+        with stages.stage("diagnosis"):
+            report = diagnosed(report)
     with stages.stage("report"):
         from reports.page.writing import write
 
@@ -111,11 +116,12 @@ def score(
     return code
 
 
-def _score_loop(path: Path, mapping: Mapping, scene: Scene, stages: Stages, options: ScoreOptions) -> int:
+def _score_loop(source: str, mapping: Mapping, scene: Scene, stages: Stages, options: ScoreOptions) -> int:
     """A measured loop of Q over U as the reference: which f fits it, beside the engines' loops."""
     from reports.folder import claim, default_folder
-    from scenes import ConvergenceError, InputError
+    from scenes import InputError
 
+    path = Path(source)
     if not path.is_file():
         raise InputError(f"{path}: a loop is one file, a table with the columns U and Q")
     if options.tolerance:
@@ -123,19 +129,13 @@ def _score_loop(path: Path, mapping: Mapping, scene: Scene, stages: Stages, opti
     if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
         raise InputError(f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number, 1/stress")
     folder = claim(options.out or default_folder(f"score-{path.resolve().stem}"))
-    command = options.command("score", str(path), folder).replace("--as-", "--as")
-    try:
-        with stages.stage("loading"):
-            from reports.scoring import loops
-        with stages.stage("reading"):
-            rows = loops.read_loop(path, mapping, scene)
-        with stages.stage("fitting"):
-            found = loops.score_loop(rows, scene, rig_compliance=options.rig_compliance, against=options.against)
-    except ConvergenceError as failure:
-        sentence = f"the reference is not converged: {failure}"
-        complain(f"halfplane: {scene.name}: {sentence}")
-        failed: dict[str, Any] = {"passed": False, "error": sentence, "file": None}
-        return answer("score", NOT_CONVERGED, failed, scene.name) if options.json else NOT_CONVERGED
+    command = options.command("score", source, folder).replace("--as-", "--as")
+    with stages.stage("loading"):
+        from reports.scoring import loops
+    with stages.stage("reading"):
+        rows = loops.read_loop(path, mapping, scene)
+    with stages.stage("fitting"):
+        found = loops.score_loop(rows, scene, rig_compliance=options.rig_compliance, against=options.against)
     with stages.stage("report"):
         page = loops.write(found, folder, command)
     code = WITHIN if found.agrees else OUTSIDE

@@ -333,7 +333,11 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
                 )
             if measured:
                 coarsenings = 3 if options.budget else 2
-                report = _with_budget(report.comparison, options, stages, time.process_time() - begun, coarsenings)
+                from reports.comparison.budget import climb, error_budget, with_budget
+
+                plain, found = time.process_time() - begun, report.comparison
+                ladders = climb(found, *options.settings(), stages.stage, coarsenings)  # every rung a stage of its own
+                report = with_budget(found, error_budget(found, ladders, plain))
             if options.third:
                 report = replace(report, third=_third(scene, options, result, stages, command))
             with stages.stage("report"):
@@ -368,14 +372,6 @@ def _kept_if_interrupted(result: ContactSolution) -> Generator[None, None, None]
         raise
     except KeyboardInterrupt as stop:
         raise Interrupted("interrupted after the finite elements were solved", result) from stop
-
-
-def _with_budget(comparison: Comparison, options: FiniteElements, stages: Stages, plain_seconds: float, coarsenings: int) -> Report:
-    """The report with its error budget: every rung a stage of its own."""
-    from reports.comparison.budget import climb, error_budget, with_budget
-
-    ladders = climb(comparison, *options.settings(), stages.stage, coarsenings)
-    return with_budget(comparison, error_budget(comparison, ladders, plain_seconds))
 
 
 def _third(scene: Scene, options: RunOptions, result: ContactSolution, stages: Stages, command: str) -> ThirdSolver:
@@ -527,10 +523,11 @@ def _answer_alone(
     if note:
         solution = replace(solution, record=replace(solution.record, notes=(*solution.record.notes, note)))
     path = write_solution(solution, folder)
-    findings, admissible = list(expected.check(scene, (solution,))), is_admissible(solution)
+    findings, checks = list(expected.check(scene, (solution,))), certificates(solution)
+    admissible = solution.record.converged and all(check.holds for check in checks)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
     if options.json:
-        whole = solution_content(solution, certificates(solution))
+        whole = solution_content(solution, checks)
         known = {key: whole[key] for key in _OF_ONE_ENGINE if key in whole}
         content = {"passed": code == WITHIN, "admissible": admissible, **known}
         more = {"expected": expected.content(findings), "file": str(path), "seconds": stages.seconds}
@@ -549,13 +546,6 @@ _OF_ONE_ENGINE = (
     *("largest_half_width", "largest_pressure", "certificates", "counts"),
     *("bulk_work", "permanent_stick_left", "permanent_stick_right"),
 )
-
-
-def is_admissible(solution: ContactSolution) -> bool:
-    """Whether every law of contact that can be checked without a reference holds."""
-    from reports.comparison.laws import certificates
-
-    return solution.record.converged and all(check.holds for check in certificates(solution))
 
 
 def summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:

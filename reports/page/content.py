@@ -13,7 +13,6 @@ from reports.charts.plate import STATE_KEYS, Plate
 from reports.charts.templating import script, template
 from reports.comparison import Comparison, Report
 from reports.comparison.cycles import last_cycle
-from reports.comparison.laws import Certificate
 from reports.comparison.metrics import Metric, Verdict, bulk_work, name_of, normal_work
 from reports.comparison.words import (
     SUPPORT_WORDS,
@@ -89,7 +88,10 @@ def render(
         dissipations=_dissipations(comparison),
         pulled=comparison.pulled,
         measured=section(scene, (comparison.reference, comparison.result)),
-        checks=_checks(comparison),
+        checks=[
+            (name_of(comparison.reference.engine), comparison.reference_certificates),
+            (name_of(comparison.result.engine), comparison.result_certificates),
+        ],
         figures={drawing.name: drawing for drawing in drawings},
         engines=[_engine(comparison.reference), _engine(comparison.result)],
         command=command,
@@ -218,18 +220,14 @@ def _dissipations(comparison: Comparison) -> list[dict[str, str]]:
             "value": _figure(solution.dissipation, "8g"),
             "scaled": _figure(solution.dissipation / comparison.scales.dissipation, "8g"),
             "loop": "–" if np.isnan(solution.loop_work) else minus(f"{solution.loop_work:.8g}"),
-            "bulk": minus(f"{_bulk_term(solution):.8g}"),
+            # Of the instants that the solution has.
+            "bulk": minus(f"{bulk_work(last_cycle(solution), solution.scene.material):.8g}"),
             "normal": "–" if (work := normal_work(solution)) is None else minus(f"{work:.8g}"),
             "apart": _apart(solution),
             "cycles": ", ".join(_figure(w, "6g") for w in solution.cycle_dissipation),
         }
         for name, solution in solutions
     ]
-
-
-def _bulk_term(solution: ContactSolution) -> float:
-    """-closed integral of m_q d(eps) over the last cycle, of the instants that the solution has."""
-    return bulk_work(last_cycle(solution), solution.scene.material)
 
 
 def _figure(value: float, form: str) -> str:
@@ -257,13 +255,6 @@ def _apart(solution: ContactSolution) -> str:
     if np.isnan(solution.loop_work) or not solution.dissipation:
         return "–"
     return minus(f"{abs((solution.loop_work + (normal_work(solution) or 0.0)) / solution.dissipation - 1):.1e}")
-
-
-def _checks(comparison: Comparison) -> list[tuple[str, Sequence[Certificate]]]:
-    return [
-        (name_of(comparison.reference.engine), comparison.reference_certificates),
-        (name_of(comparison.result.engine), comparison.result_certificates),
-    ]
 
 
 def _meshes(solution: ContactSolution) -> list[dict[str, str]]:
