@@ -299,6 +299,12 @@ class TestPdf:
         assert content.startswith(b"%PDF-")
         assert len(content) > 50_000
         assert not (folder / "report.pdf").exists()
+        # Of real bodies without a tolerance nothing is judged: it was an internal error.
+        blocks = with_fields(TRUTH, scene=TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={}))
+        unjudged = compare(blocks, blocks)
+        assert unjudged.verdict is None
+        write(unjudged, tmp_path / "open", pdf=True)
+        assert (tmp_path / "open" / "report.pdf").is_file()
 
 
 class TestNotebook:
