@@ -9,7 +9,6 @@ import pytest
 from reports.cli import main
 from reports.cli.scene_files import InitOptions, example
 from scenes import load_scene
-from test_cli_commands import refused
 
 
 def comments(text: str) -> list[str]:
@@ -58,19 +57,6 @@ class TestOptions:
         flat = next(line for line in example(given={"profile": "flat_rounded"}).splitlines() if line.startswith("flat_half"))
         assert flat.index("#") == text.splitlines()[10].index("#")
         assert [line.find("#") for line in text.splitlines()] == [line.find("#") for line in example().splitlines()]
-
-    def test_a_scene_that_can_not_be_is_refused_and_not_written(self, tmp_path: Path) -> None:
-        assert "my.toml: " in refused(tmp_path, "init", "my.toml", "--poisson-ratio", "0.7")
-        assert "gross sliding" in refused(tmp_path, "init", "my.toml", "--tangential-amplitude", "600")
-        assert "goes with --profile flat_rounded" in refused(tmp_path, "init", "my.toml", "--flat-half-length", "1")
-        sentence = refused(tmp_path, "init", "my.toml", "--from", "hertz-paper", "--friction", "0.5")
-        assert "--friction: it goes with the commented example, not with --from" in sentence
-
-    def test_a_file_that_exists_stays(self, tmp_path: Path) -> None:
-        (tmp_path / "my.toml").write_text("mine", encoding="utf-8")
-        (tmp_path / "link.toml").symlink_to(tmp_path / "nowhere")
-        for name in ("my.toml", "link.toml"):
-            assert "is there already and stays as it is" in refused(tmp_path, "init", name, "--friction", "0.5")
 
     def test_quiet_says_nothing(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["init", str(tmp_path / "my.toml"), "--quiet"]) == 0

@@ -69,7 +69,7 @@ def _content(report: Report, figures: Sequence[Mapping[str, Any]], command: str)
         "title": scene.title or scene.name,
         "name": scene.name,
         "claim": words["claim"],
-        "standing": standing(comparison),
+        "standing": standing(comparison) or "",
         "judged": how_judged(report),
         "lead": lead(report),
         "verdict": verdict(report),
