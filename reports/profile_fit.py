@@ -208,13 +208,13 @@ def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
     """
     if fit_of(scene) is None:
         return (), None
-    said = fit_in_words(scene, 0.0)
+    half_width = 0.0
     try:
-        said = fit_in_words(scene, largest_contact(scene, scene.name).half_width)
+        half_width = largest_contact(scene, scene.name).half_width
         found = fit_uncertainty(scene)
     except InputError as fault:
-        return (*said, f"The uncertainty from the noise has no value: {fault}."), None
-    return (*said, uncertainty_in_words(scene, found)), found
+        return (*fit_in_words(scene, half_width), f"The uncertainty from the noise has no value: {fault}."), None
+    return (*fit_in_words(scene, half_width), uncertainty_in_words(scene, found)), found
 
 
 def content(scene: Scene) -> dict[str, Any] | None:
