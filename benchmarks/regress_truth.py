@@ -239,7 +239,7 @@ def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | No
 
 def _work(scene: Scene) -> Work:
     """The friction work of the second cycle, which is steady; of the whole path where there is no cycle. To be divided by E*."""
-    work = Work(scene, 0 if scene.load.path().period is None else 1)
+    work = Work(scene, 0 if scene.load.path().period is None else 1, parts=4)
     work.law = _stiff(work.law, _long(modulus(scene)))
     work.corner_loads = [work.law.load(corner) for corner in work.corners]
     return work
