@@ -94,7 +94,7 @@ def test_the_mirror_image_is_the_same(peer: ModuleType) -> None:
 
 
 def pressed(beta: float, friction: float) -> ContactSolution:
-    """A parabola under P = 3, R = E* = 1, by finite elements, on bodies with this Dundurs constant; at 0.5 the lower one is rigid."""
+    """A parabola under P = 3, R = E* = 1, on bodies of this Dundurs constant by FE; at 0.5 the lower one is rigid."""
     sides = {"upper": 1 + 2 * beta, "lower": max(1 - 2 * beta, 1e-9)}
     material = {side: {"young_modulus": 2 / share, "poisson_ratio": 0.0} for side, share in sides.items()}
     load = {"kind": "polygon", "initial_loading": [(3.0, 0.0)]}
