@@ -1,6 +1,6 @@
 """From a scene with bulk stress and tilt to the family of its contact intervals: which load paths have one memory curve.
 
-# notation: alpha tilt, eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2), kappa as in `unsymmetric`
+# notation: alpha tilt, eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2), kappa as in `tilted_profile`
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import contact_of
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
-from semi_analytic.unsymmetric import TiltedParabola
 
 Array = NDArray[np.float64]
 
@@ -46,7 +45,7 @@ class OneCurve:
     moment_given : whether `turning` states the moment
     """
 
-    contact: TiltedParabola | TiltedProfile
+    contact: TiltedProfile
     path: LoadPath
     bulk: LoadPath | None
     turning: LoadPath | None
@@ -58,8 +57,8 @@ class OneCurve:
         inside, contact = np.maximum(time, self.path.start), self.contact
         lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
         tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        if self.moment_given and isinstance(contact, TiltedParabola):
-            tilt = _tilt_of(contact.radius, load, moment)
+        if self.moment_given and contact.shape.is_parabola:
+            tilt = _tilt_of(1 / float(contact.shape.curvature[0]), load, moment)
         m, c = contact.under(load, tilt)
         return {
             "bulk_stress_lower": lower,
@@ -125,20 +124,13 @@ def one_curve(scene: Scene) -> OneCurve | None:
     if np.any(apart > _ROUNDING * (np.max(np.abs(alpha[turned])) + abs(slope) * np.max(p))):
         return None
     modulus, datum, most = composite_modulus(scene.material), profile.datum_length, float(np.max(p))
-    contact: TiltedParabola | TiltedProfile
-    if radius is not None:
-        contact = TiltedParabola(modulus, radius, datum, tilt=tilt, slope=slope)
-    else:
-        contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
+    contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
     if not contact.is_nested(most):
         # At constant P the stick zones are nested where contacts are not.
         if radius is None or np.ptp(p) > _ROUNDING * most or scene.friction.coefficient == 0:
             return None
         reach = float(np.max(np.abs(q)))
-        turned_by = tilt + slope * most
-        contact = OppositeSlip(
-            modulus, radius, datum, tilt=turned_by, slope=slope, friction=scene.friction.coefficient, most=most, reach=reach
-        )
+        contact = OppositeSlip(contact.intervals, datum, friction=scene.friction.coefficient, reach=reach)
         try:
             if not contact.is_nested(most):
                 return None
