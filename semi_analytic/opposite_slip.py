@@ -123,10 +123,12 @@ class OppositeSlip(TiltedProfile):
     Attributes
     ----------
     friction, reach : f, and the largest |Q| that is asked for; P is the largest load of `intervals`
+    share : 1; 0 where Q = 0, and a load T that nobody applies stands in its place: eps = kappa T
     """
 
     friction: float = 1.0
     reach: float = 1.0
+    share: float = 1.0  # type: ignore[misc]
 
     @property
     def closed_form(self) -> bool:
@@ -147,7 +149,8 @@ class OppositeSlip(TiltedProfile):
     def _series(self) -> tuple[Pieces, Pieces]:
         """b1 and b2 from the centre of contact, over a, as functions of P - eta: e = eps pi a/(2 A f P), for A P = pi a^2/(2 R)."""
         most, _, half = self._contact
-        return _stick_zones(abs(self.lean) * half / (2 * most), -float(np.sign(self.lean)) / most, self._deepest * (1 + 1e-9))
+        forced = -self.share * float(np.sign(self.lean)) / most
+        return _stick_zones(abs(self.lean) * half / (2 * most), forced, self._deepest * (1 + 1e-9))
 
     @cached_property
     def _as_loop(self) -> OppositeSlip:

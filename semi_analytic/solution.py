@@ -514,7 +514,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         approach = more.pop("normal_approach") if "normal_approach" in fields else nothing
     return more | {
         "normal_load": snapshot.load,
-        "tangential_load": snapshot.force,
+        "tangential_load": snapshot.force * (1.0 if family is None else family.contact.share),
         "tangential_displacement": factor * shift,
         "normal_approach": approach,
         "contact_half_width": half,

@@ -424,6 +424,8 @@ class TiltedProfile:
     breaks: ClassVar[tuple[float, ...]] = ()
     least: ClassVar[float] = 0.0
     noise: ClassVar[float] = _NOISE
+    share: ClassVar[float] = 1.0
+    """Rise of Q over that of the load in whose terms the memory curve is: 1, or 0 where bulk strain alone changes."""
 
     @property
     def closed_form(self) -> bool:
@@ -541,7 +543,7 @@ class TiltedProfile:
         m, c = self.at(advance)
         t = np.asarray(x, dtype=float) - m
         root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
-        return np.arcsinh(root / np.where(c > 0, c, np.inf)) - self.lean * np.sign(t) * root
+        return self.share * np.arcsinh(root / np.where(c > 0, c, np.inf)) - self.lean * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """pi dp/d eta from the load; 0 outside."""
@@ -549,7 +551,7 @@ class TiltedProfile:
         m, c = self.at(advance)
         t = np.asarray(x, dtype=float) - m
         square = (c - t) * (c + t)
-        return (1 - self.lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
+        return (self.share - self.lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
 
     def logarithm(self, c: Array) -> Array:
         """ln(2 L/c); 0 for c = 0, where it is multiplied by the load."""
@@ -558,8 +560,11 @@ class TiltedProfile:
     def log_ratio(self, load: ArrayLike) -> Array:
         """What `rigid` asks for: ln(2 L/c) + (pi kappa/A) m, with mu added to m, or mu alone."""
         m, c = self.at(load)
-        arm = m - self.lean * c * c / 2
-        return arm if self.rigid == "moment" else self.logarithm(c) + self.lean * (m + arm if self.rigid == "loop" else m)
+        arm = self.share * m - self.lean * c * c / 2
+        if self.rigid == "moment":
+            return arm
+        shift = self.share * self.logarithm(c) + self.lean * m
+        return self.share * shift + self.lean * arm if self.rigid == "loop" else shift
 
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P of `log_ratio`."""

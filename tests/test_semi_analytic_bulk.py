@@ -107,6 +107,7 @@ EXACT = {
     "constant P, no bulk": (fretting(0.0), 0.6128781396315213, (-1.2360774464742066, 1.2360774464742066)),
     "constant P, bulk in phase": (fretting(0.3), 0.9368781396315213, (0.3 - 1.2360774464742066, 0.3 + 1.2360774464742066)),
     "large bulk": (fretting(1.0, q=0.9), 2.03050286028, LARGE),
+    "bulk alone": (fretting(1.1763560617531, q=0.0), 2.049501745223, (-0.5 * A0, 0.5 * A0)),  # W also by front following, to 1e-9
     "P, Q, bulk and tilt": (leaning(0.1), 0.32380811606118304, (-0.158578644 - 1.420945461, -0.158578644 + 1.420945461)),
 }
 
@@ -165,6 +166,7 @@ ON_GRID = {
     "a fixed tilt": (leaning(0.0, 0.3), 2.8),
     "large bulk": (fretting(1.0, q=0.9), 2.5),
     "large bulk against Q": (fretting(-0.8, q=1.2), 2.5),
+    "bulk alone": (fretting(-1.2, q=0.0), 2.5),
     "a flat face, bulk": (with_profile(fretting(0.3), FLAT), 3.2),
     "a flat face, bulk and tilt": (with_profile(leaning(0.1), FLAT), 3.2),
     "a flat face, fixed tilt": (with_profile(leaning(0.0, 0.2), FLAT), 3.2),
@@ -214,6 +216,12 @@ def test_bulk_alone(share, strain):
     assert force[0] == pytest.approx(0, abs=1e-14)
     m = 1 - share**2
     assert -e[0] == pytest.approx(2 / math.pi * (special.ellipk(m) - special.ellipe(m)), rel=1e-12)
+    wave = {"tangential_amplitude": 0, "phase_degrees": 0, "bulk_stress_lower": {"amplitude": 2 * strain, "phase_degrees": 90}}
+    for scene in (fretting(strain, q=0.0), make_scene(EllipseLoad(mean_normal_load=3, normal_amplitude=0, **wave))):
+        found = solve(scene, x=0.0)
+        assert found.permanent_stick_edges / A0 == pytest.approx((-share, share), abs=1e-10)
+        assert found.loop_work == pytest.approx(found.dissipation, rel=1e-10)
+        assert not np.any(found.tangential_load)
 
 
 def test_large_bulk():
