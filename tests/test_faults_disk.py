@@ -23,7 +23,7 @@ from reports.sweep.store import Store
 from scenes import ContactSolution, InputError, load_scene
 from test_reports_synthetic import cattaneo_mindlin
 
-# An old run lies in x; each of these writes there, or beside it. Each kind of file that a command writes is among what it writes here.
+# An old run lies in x; each of these writes there, or beside it, every kind of file that the command writes.
 JOBS = {
     "run with a PDF": ("run", "cattaneo-mindlin", *COARSE, "--pdf", "--out", "x", "--quiet"),
     "exact": ("exact", "cattaneo-mindlin", "--out", "x", "--quiet"),
