@@ -36,7 +36,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError, LoadPath, LoadSegment
+from scenes import NORMAL_LOAD, OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, Combination, InputError, LoadPath, LoadSegment
 from semi_analytic.history import check
 
 Array = NDArray[np.float64]
@@ -48,6 +48,8 @@ ORDER = 16
 _PANELS = (0.0, 0.001, 0.006, 0.03, 0.12, 0.4, 1.0)
 # What a step may leave unresolved, as share of the half-width; shortest step and longest stretch bridged, as shares of the longest.
 _RESOLVED, _SHORTEST, _BRIDGED = 2e-9, 1e-7, 2e-3
+# Share of the longest step that is no time: directions are those just after, and a corner that close has been reached.
+_SOON = 1e-6
 # Share of the largest slip rate, and of f p0, that may have the wrong sign: rounding of edges leaves 1e-9.
 _WRONG = 1e-6
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(32)
@@ -812,7 +814,7 @@ class Follower:
     def _next_slips(self, state: State, turned: set[int]) -> tuple[State, tuple[int, int]]:
         """What both ends do just after an instant; slip zones that come to rest are closed. `turned`: sides of a turning point."""
         now = np.array([state.time])
-        loads, rates = self.loads.values(now), self.loads.rates(now + 1e-6 * self.longest)
+        loads, rates = self.loads.values(now), self.loads.rates(now + _SOON * self.longest)
         a1, a2 = self.contact.edges(loads[0], loads[3])
         both = float(a1[0]), float(a2[0])
 
@@ -932,11 +934,11 @@ class Follower:
         """
         steps: list[Step] = []
         slips, turned, trial = None, set[int](), self.longest
-        while state.time < end - 1e-12 * self.longest:
+        while state.time < end - _SOON * self.longest:
             if slips is None:
                 state, slips = self._next_slips(state, turned)
                 turned = set()
-            ahead = self.loads.corners[self.loads.corners > state.time + 1e-9 * self.longest]
+            ahead = self.loads.corners[self.loads.corners > state.time + _SOON * self.longest]
             stop = min(end, float(ahead[0])) if len(ahead) else end
             until = stop if stop - state.time < 1.2 * trial else state.time + trial
             step, event = self._attempt(state, slips, until), None
@@ -972,7 +974,7 @@ class Follower:
                         i, edge = (event[2] + 1) // 2, float((step.a2 if event[2] > 0 else step.a1)[-1])
                         stick = (state.b1, edge) if i else (edge, state.b2)
                         state = State(state.time, stick, (slips[0], 0) if i else (0, slips[1]), state.frozen.pieces)
-                if event is not None or state.time >= stop:
+                if event is not None or state.time >= stop - _SOON * self.longest:
                     slips = None
                 trial = min(self.longest, 2 * trial)
             if step.wrong > _WRONG:
@@ -1058,10 +1060,23 @@ class PathLoads:
         return np.asarray(tilt), np.asarray(moment)
 
     def corners(self, cycles: int) -> Array:
-        """Times at which a leg ends."""
-        ends = [leg.end for leg in self.path.initial_loading]
+        """Times at which a leg ends or a load turns round: an edge that turns there has no solution on the way it went."""
         late = np.arange(cycles)[:, None] * (self.path.period or 0.0)
-        return np.unique(np.concatenate([ends, (late + np.array([leg.end for leg in self.path.cycle])).ravel()]))
+        first, cycle = (
+            [time for leg in legs for time in self._turns(leg)] for legs in (self.path.initial_loading, self.path.cycle)
+        )
+        return np.unique(np.concatenate([first, (late + np.array(cycle)).ravel()]))
+
+    def _turns(self, leg: LoadSegment) -> list[float]:
+        """The end of a leg and the turning points of P, Q, eps, tilt and moment in it; one time for all that turn together."""
+        force, pairs = Combination(0.0, 1.0), [(leg, NORMAL_LOAD), (leg, Combination(0.0, 1.0))]
+        pairs += [(leg.bulk, Combination(*self.strain))] if leg.bulk is not None else []
+        pairs += [(leg.turning, NORMAL_LOAD), (leg.turning, force)] if leg.turning is not None else []
+        found = [leg.end]
+        for time in (time for part, what in pairs for time in part.turning_points(what)):
+            if min(abs(time - known) for known in found) > 1e-6 * (leg.end - leg.start):
+                found.append(time)
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -1262,7 +1277,8 @@ def _loop_of(follower: Follower, step: Step) -> float:
 
 def _at(follower: Follower, steps: Sequence[Step], time: float, x: Array) -> tuple[Array | float, ...]:
     """Everything at an instant, in the order of `Followed`."""
-    step = steps[min(int(np.searchsorted([each.time[-1] for each in steps], time)), len(steps) - 1)]
+    ends = np.array([each.time[-1] for each in steps])
+    step = steps[min(int(np.searchsorted(ends, time - _SOON * follower.longest)), len(steps) - 1)]
     f, contact = follower.friction, follower.contact
     if time < steps[0].time[0]:  # out of contact, but for the last 1e-4 of the load that touches first
         now, none, nothing = follower.loads.values(np.array([time]))[:, 0], np.zeros(2), np.zeros(len(x))

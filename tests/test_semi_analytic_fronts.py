@@ -200,6 +200,15 @@ def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
     assert np.mean(found.contact_edges, axis=1) == pytest.approx(-found.tilt, rel=1e-12)
 
 
+@pytest.mark.parametrize("phase", [0, 180])
+def test_a_loop_that_closes_at_a_turning_point_inside_a_leg_goes_on(phase):
+    """Initial loading had slipped farther in than the cycle does; W by the quadrature of loads in phase."""
+    line = {"mean_normal_load": 3, "normal_amplitude": 0.3, "mean_tangential_load": 0.2, "tangential_amplitude": 1.4}
+    scene = make_scene(EllipseLoad(**line, phase_degrees=0, bulk_stress_lower={"amplitude": 0.3, "phase_degrees": phase}))
+    found = solve(scene, x=0.0, time=[3.0], fields="dissipation")
+    assert found.dissipation == pytest.approx(0.3095379341715581, rel=1e-8)
+
+
 def test_what_is_left_is_estimated_from_the_trend():
     """Changes that fall like those of loops out of phase, k^-4, and geometric ones, after 3 to 40 cycles."""
     for law in (lambda k: 2e-3 * k**-3.0, lambda k: 0.1**k, lambda k: 0.8**k):
