@@ -970,7 +970,6 @@ class Follower:
                 bridged = self._bridge(state, slips, stop)
                 if bridged is not None:
                     step, state, turned = bridged
-                    slips = None if turned or state.time >= stop else slips
                 elif (jumped := self._jump(state, slips, stop)) is not None:
                     step, state = jumped
                 elif trial > _SHORTEST * self.longest:
@@ -989,9 +988,8 @@ class Follower:
                         i, edge = (event[2] + 1) // 2, float((step.a2 if event[2] > 0 else step.a1)[-1])
                         stick = (state.b1, edge) if i else (edge, state.b2)
                         state = State(state.time, stick, (slips[0], 0) if i else (0, slips[1]), state.frozen.pieces)
-                if event is not None or state.time >= stop - _SOON * self.longest:
-                    slips = None
                 trial = min(self.longest, 2 * trial)
+            slips = None  # a load may turn round right where a step ends
             if step.wrong > _WRONG:
                 raise _broken(float(step.time[-1]), "friction would be broken inside what slips or sticks")
             steps.append(step)
