@@ -36,7 +36,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, InputError, LoadPath, LoadSegment
+from scenes import NORMAL_LOAD, OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, Combination, InputError, LoadPath, LoadSegment
 from semi_analytic.history import check
 
 Array = NDArray[np.float64]
@@ -48,6 +48,10 @@ ORDER = 16
 _PANELS = (0.0, 0.001, 0.006, 0.03, 0.12, 0.4, 1.0)
 # What a step may leave unresolved, as share of the half-width; shortest step and longest stretch bridged, as shares of the longest.
 _RESOLVED, _SHORTEST, _BRIDGED = 2e-9, 1e-7, 2e-3
+# Instants of a step that are sampled together.
+_TOGETHER = 16
+# Share of the longest step that is no time: directions are those just after, and a corner that close has been reached.
+_SOON = 1e-6
 # Share of the largest slip rate, and of f p0, that may have the wrong sign: rounding of edges leaves 1e-9.
 _WRONG = 1e-6
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(32)
@@ -131,8 +135,8 @@ def _inverse(coefficients: Array, wanted: Array) -> Array:
         steep = _value(at, slope)
         new = at - miss / np.where(steep > 0, steep, 1.0)
         new = np.where((new >= low) & (new <= high) & (steep > 0), new, (low + high) / 2)
-        if np.max(np.abs(new - at)) < 1e-15:
-            break
+        if np.max(np.abs(new - at)) < 1e-13:
+            return new
         at = new
     return at
 
@@ -387,6 +391,11 @@ class State:
         """Both edges of stick."""
         return self.b1, self.b2
 
+    @property
+    def edges(self) -> tuple[Array, Array]:
+        """The same as arrays (1,)."""
+        return np.array([self.b1]), np.array([self.b2])
+
     def edge(self, side: int) -> float:
         """The stick edge of a side."""
         return self.b2 if side > 0 else self.b1
@@ -569,46 +578,54 @@ class Follower:
             rate = rate + 2 * A / np.pi * f * np.einsum("kj,kij->ki", p, np.arccosh(np.maximum(ratio, 1.0)))
         return np.asarray(rate)
 
+    def _drive(self, x: Array, slope: Array, loads: Array, d: int) -> Array:
+        """F = f (h' + alpha) - d (s' + eps) at x (n, m), where the frozen s' is `slope`; loads (4, n)."""
+        return np.asarray(self.friction * (self.contact.slope(x) + loads[3, :, None]) - d * (slope + loads[2, :, None]))
+
+    def _means(self, frozen: Frozen, x: Array, datum: Array, loads: Array, stick: tuple[Array, Array], d: int) -> Array:
+        """int [F(y) - F_0]/[w(y) (y - x)] dy over the stick intervals (n,), at x and with F_0 = `datum` (n, m)."""
+        total = np.zeros(x.shape)
+        for each in frozen.quadratures(*stick):
+            k = each.row
+            inverse = each.x[:, None, :] - x[k][:, :, None]
+            np.divide(1.0, inverse, out=inverse, where=inverse != 0)
+            rise = self._drive(each.x, each.slope, loads[:, k], d)[:, None, :] - datum[k][:, :, None]
+            rise *= inverse
+            np.add.at(total, k, np.einsum("kn,kmn->km", each.weight / np.sqrt(each.up * each.down), rise))
+        return total
+
+    def _far_zone(self, side: int, x: Array, edges: tuple[Array, Array, Array, Array]) -> Array:
+        """int p/[sqrt((xi - b1) (xi - b2)) (x - xi)] d xi over the slip zone of a side, at x (n, m)."""
+        a1, a2, b1, b2 = edges
+        xi, weight = _zone(a1, b1) if side < 0 else _zone(b2, a2)
+        root = np.sqrt((xi - b1[:, None]) * (xi - b2[:, None]))
+        p = weight * self.contact.pressure(xi, a1[:, None], a2[:, None]) / root
+        return np.sum(p[:, None, :] / (x[:, :, None] - xi[:, None, :]), axis=2)
+
     def shear_reserve(
-        self, frozen: Frozen, x: Array, loads: Array, edges: tuple[float, float, float, float], slips: tuple[int, int]
+        self, frozen: Frozen, x: Array, loads: Array, edges: tuple[Array, Array, Array, Array], slips: tuple[int, int]
     ) -> Array:
-        """q*/w at x (m,) within the stick interval at an instant: q = d (f p - q*)."""
-        (_, _, eps, alpha), (a1, a2, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
+        """q*/w at x (n, m) within the stick interval at instants (n,): q = d (f p - q*)."""
         d = slips[1] or slips[0] or 1
-        here = f * (self.contact.slope(x) + alpha) - d * (frozen.slope(x) + eps)
-        total = np.zeros(len(x))
-        for each in frozen.quadratures(np.array([b1]), np.array([b2])):
-            w, y = (each.weight / np.sqrt(each.up * each.down)).ravel(), each.x.ravel()
-            there = f * (self.contact.slope(y) + alpha) - d * (each.slope.ravel() + eps)
-            gap = y - x[:, None]
-            same = gap == 0
-            total += np.sum(np.where(same, 0.0, w * (there - here[:, None]) / np.where(same, 1.0, gap)), axis=1)
-        total /= np.pi * A
+        here = self._drive(x, frozen.slope(x.ravel()).reshape(x.shape), loads, d)
+        total = self._means(frozen, x, here, loads, edges[2:], d) / (np.pi * self.contact.compliance)
         if slips[0] * slips[1] < 0:
-            xi, weight = _zone(np.array([a1]), np.array([b1]))
-            p = weight * self.contact.pressure(xi, np.array(a1), np.array(a2))
-            total += 2 * f / np.pi * np.sum(p / np.sqrt((b1 - xi) * (b2 - xi)) / (x[:, None] - xi), axis=1)
+            total = total + 2 * self.friction / np.pi * self._far_zone(-1, x, edges)
         return np.asarray(total)
 
     def outer_slope(
-        self, frozen: Frozen, side: int, x: Array, loads: Array, edges: tuple[float, float, float, float], slips: tuple[int, int]
+        self, frozen: Frozen, side: int, x: Array, loads: Array, edges: tuple[Array, Array, Array, Array], slips: tuple[int, int]
     ) -> Array:
-        """s' at x (m,) beyond the stick edge of a side, in the slip zone and outside the contact."""
-        (_, _, eps, alpha), (a1, a2, b1, b2), f, A = loads, edges, self.friction, self.contact.compliance
+        """s' at x (n, m) beyond the stick edge of a side at instants (n,), in the slip zone and outside the contact."""
+        eps, (a1, a2, b1, b2), f, A = loads[2, :, None], edges, self.friction, self.contact.compliance
         d = (slips[1] if side > 0 else slips[0]) or slips[0] or slips[1] or 1
         edge = b2 if side > 0 else b1
-        at_edge = f * (self.contact.slope(np.array([edge])) + alpha) - d * (frozen.slope(np.array([edge])) + eps)
-        root = side * np.sqrt(np.maximum((x - b1) * (x - b2), 0.0))
-        total = np.zeros(len(x))
-        for each in frozen.quadratures(np.array([b1]), np.array([b2])):
-            w, y = (each.weight / np.sqrt(each.up * each.down)).ravel(), each.x.ravel()
-            there = f * (self.contact.slope(y) + alpha) - d * (each.slope.ravel() + eps)
-            total += np.sum(w * (there - at_edge) / (x[:, None] - y), axis=1)
+        at_edge = self._drive(edge[:, None], frozen.slope(edge)[:, None], loads, d)
+        root = side * np.sqrt(np.maximum((x - b1[:, None]) * (x - b2[:, None]), 0.0))
+        total = -self._means(frozen, x, at_edge + 0 * x, loads, (b1, b2), d)
         if slips[0] * slips[1] < 0:
-            xi, weight = _zone(np.array([a1]), np.array([b1])) if side > 0 else _zone(np.array([b2]), np.array([a2]))
-            p = weight * self.contact.pressure(xi, np.array(a1), np.array(a2))
-            total -= 2 * A * f * side * np.sum(p / np.sqrt((xi - b1) * (xi - b2)) / (x[:, None] - xi), axis=1)
-        return np.asarray(d * (f * self.contact.beyond(x, np.array(a1), np.array(a2)) - at_edge - root / np.pi * total) - eps)
+            total = total - 2 * A * f * side * self._far_zone(-side, x, edges)
+        return np.asarray(d * (f * self.contact.beyond(x, a1[:, None], a2[:, None]) - at_edge - root / np.pi * total) - eps)
 
     # ------------------------------------------------------------------------------------------------------------ a step
     def _instants(self, begin: float, end: float) -> tuple[Array, Array, Array, Array, Array]:
@@ -789,21 +806,22 @@ class Follower:
                 self.fastest = max(self.fastest, float(np.max(rate)))
                 wrong = max(wrong, -float(np.min(rate)) / self.fastest)
         x = end.b1 + (end.b2 - end.b1) * np.linspace(0.01, 0.99, 40)
-        edges = (float(step.a1[-1]), float(step.a2[-1]), end.b1, end.b2)
-        reserve = self.shear_reserve(end.frozen, x, step.loads[:, -1], edges, step.slips) * np.sqrt((x - end.b1) * (end.b2 - x))
+        edges = (step.a1[-1:], step.a2[-1:], *end.edges)
+        reserve = self.shear_reserve(end.frozen, x[None], step.loads[:, -1:], edges, step.slips)[0]
+        reserve = reserve * np.sqrt((x - end.b1) * (end.b2 - x))
         limit = 2 * self.friction * self.contact.pressure(x, step.a1[-1], step.a2[-1])
         wrong = max(wrong, float(np.max(np.maximum(-reserve, reserve - limit)) / np.max(limit)) * 2)
         return replace(step, frozen=frozen, work=work, wrong=wrong), end
 
-    def _closed(self, state: State, side: int, edges: tuple[float, float], loads: Array) -> State:
+    def _closed(self, state: State, side: int, contact: tuple[Array, Array], loads: Array) -> State:
         """The state whose slip zone of a side has come to rest: its s' is frozen up to the edge of contact."""
         state = state.without_slivers(side)
-        edge, end = state.edge(side), edges[1 if side > 0 else 0]
+        edge, end = state.edge(side), float(contact[1 if side > 0 else 0][0])
         low, high = min(edge, end), max(edge, end)
         x = Piece.places(low, high, 2 * self.order)
         values = np.empty(len(x))
         inner = slice(1, None) if side > 0 else slice(None, -1)
-        values[inner] = self.outer_slope(state.frozen, side, x[inner], loads, (*edges, *state.stick), state.slips)
+        values[inner] = self.outer_slope(state.frozen, side, x[None, inner], loads, (*contact, *state.edges), state.slips)[0]
         values[0 if side > 0 else -1] = state.end_slope(side)
         pieces = state.joined(side, low, high, _fit(values))
         stick = (state.b1, high) if side > 0 else (low, state.b2)
@@ -812,12 +830,12 @@ class Follower:
     def _next_slips(self, state: State, turned: set[int]) -> tuple[State, tuple[int, int]]:
         """What both ends do just after an instant; slip zones that come to rest are closed. `turned`: sides of a turning point."""
         now = np.array([state.time])
-        loads, rates = self.loads.values(now), self.loads.rates(now + 1e-6 * self.longest)
+        loads, rates = self.loads.values(now), self.loads.rates(now + _SOON * self.longest)
         a1, a2 = self.contact.edges(loads[0], loads[3])
         both = float(a1[0]), float(a2[0])
 
         def edges(of: State) -> tuple[Array, Array, Array, Array]:
-            return a1, a2, np.array([of.b1]), np.array([of.b2])
+            return a1, a2, *of.edges
 
         goes_on = dict.fromkeys((-1, 1), False)
         for _ in range(3):
@@ -833,7 +851,7 @@ class Follower:
                 contact_edge = np.array([[both[(side + 1) // 2]]])
                 if float(self.slip_rate(side, state.slips, contact_edge, rates, edges(state))[0, 0]) > 0:
                     raise _broken(state.time, "a stick edge advances into a zone that slips on")
-                state, closed = self._closed(state, side, both, loads[:, 0]), True
+                state, closed = self._closed(state, side, (a1, a2), loads), True
             if not closed:
                 break
         slips = [0, 0]
@@ -846,11 +864,9 @@ class Follower:
                 slips[i] = 0 if abs(shear) <= limit else int(math.copysign(1, shear))
                 continue
             # The contact recedes: slip goes to where q' is beyond what q/p at the edge would make of p'.
-            end, d = np.array([both[i]]), state.slips[0] or state.slips[1] or 1
-            four = (*both, *state.stick)
-            reserve = float(self.shear_reserve(state.frozen, end, loads[:, 0], four, state.slips)[0]) * math.sqrt(
-                state.b2 - state.b1
-            )
+            end, d = np.array([[both[i]]]), state.slips[0] or state.slips[1] or 1
+            reserve = float(self.shear_reserve(state.frozen, end, loads, edges(state), state.slips)[0, 0])
+            reserve *= math.sqrt(state.b2 - state.b1)
             pressure = math.sqrt(both[1] - both[0]) / (self.contact.compliance * self.contact.radius)
             slips[i] = 1 if shear > d * (1 - reserve / (self.friction * pressure)) * limit else -1
         return state, (slips[0], slips[1])
@@ -890,7 +906,8 @@ class Follower:
             best: tuple[float, float] | None = None
             for i in np.flatnonzero(solved):
                 x = b1[i] + (b2[i] - b1[i]) * np.linspace(0.02, 0.98, 49)
-                reserve = self.shear_reserve(state.frozen, x, loads[:, i], (a1[i], a2[i], b1[i], b2[i]), slips)
+                one = slice(i, i + 1)
+                reserve = self.shear_reserve(state.frozen, x[None], loads[:, one], (a1[one], a2[one], b1[one], b2[one]), slips)
                 if np.min(reserve) > -_WRONG * np.max(reserve) and (best is None or b2[i] - b1[i] > best[1] - best[0]):
                     best = float(b1[i]), float(b2[i])
             if best is not None:
@@ -932,11 +949,11 @@ class Follower:
         """
         steps: list[Step] = []
         slips, turned, trial = None, set[int](), self.longest
-        while state.time < end - 1e-12 * self.longest:
+        while state.time < end - _SOON * self.longest:
             if slips is None:
                 state, slips = self._next_slips(state, turned)
                 turned = set()
-            ahead = self.loads.corners[self.loads.corners > state.time + 1e-9 * self.longest]
+            ahead = self.loads.corners[self.loads.corners > state.time + _SOON * self.longest]
             stop = min(end, float(ahead[0])) if len(ahead) else end
             until = stop if stop - state.time < 1.2 * trial else state.time + trial
             step, event = self._attempt(state, slips, until), None
@@ -953,7 +970,6 @@ class Follower:
                 bridged = self._bridge(state, slips, stop)
                 if bridged is not None:
                     step, state, turned = bridged
-                    slips = None if turned or state.time >= stop else slips
                 elif (jumped := self._jump(state, slips, stop)) is not None:
                     step, state = jumped
                 elif trial > _SHORTEST * self.longest:
@@ -972,9 +988,8 @@ class Follower:
                         i, edge = (event[2] + 1) // 2, float((step.a2 if event[2] > 0 else step.a1)[-1])
                         stick = (state.b1, edge) if i else (edge, state.b2)
                         state = State(state.time, stick, (slips[0], 0) if i else (0, slips[1]), state.frozen.pieces)
-                if event is not None or state.time >= stop:
-                    slips = None
                 trial = min(self.longest, 2 * trial)
+            slips = None  # a load may turn round right where a step ends
             if step.wrong > _WRONG:
                 raise _broken(float(step.time[-1]), "friction would be broken inside what slips or sticks")
             steps.append(step)
@@ -1058,10 +1073,23 @@ class PathLoads:
         return np.asarray(tilt), np.asarray(moment)
 
     def corners(self, cycles: int) -> Array:
-        """Times at which a leg ends."""
-        ends = [leg.end for leg in self.path.initial_loading]
+        """Times at which a leg ends or a load turns round: an edge that turns there has no solution on the way it went."""
         late = np.arange(cycles)[:, None] * (self.path.period or 0.0)
-        return np.unique(np.concatenate([ends, (late + np.array([leg.end for leg in self.path.cycle])).ravel()]))
+        first, cycle = (
+            [time for leg in legs for time in self._turns(leg)] for legs in (self.path.initial_loading, self.path.cycle)
+        )
+        return np.unique(np.concatenate([first, (late + np.array(cycle)).ravel()]))
+
+    def _turns(self, leg: LoadSegment) -> list[float]:
+        """The end of a leg and the turning points of P, Q, eps, tilt and moment in it; one time for all that turn together."""
+        force, pairs = Combination(0.0, 1.0), [(leg, NORMAL_LOAD), (leg, Combination(0.0, 1.0))]
+        pairs += [(leg.bulk, Combination(*self.strain))] if leg.bulk is not None else []
+        pairs += [(leg.turning, NORMAL_LOAD), (leg.turning, force)] if leg.turning is not None else []
+        found = [leg.end]
+        for time in (time for part, what in pairs for time in part.turning_points(what)):
+            if min(abs(time - known) for known in found) > 1e-6 * (leg.end - leg.start):
+                found.append(time)
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -1198,13 +1226,13 @@ def follow(
     changes = np.abs(np.diff(works)) <= 1e-8 * np.array(works[1:])
     steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
     instants = np.unique(np.concatenate([step.time[::2] for step in steps])) if time is None else np.asarray(time, dtype=float)
-    rows = [_at(follower, steps, float(each), x) for each in instants]
-    columns = [np.array(column) for column in zip(*rows, strict=True)]
-    given, moment, shear_moment, displacement, contact_edges, stick_edges, pressure, shear, slip, state_of = columns
+    given, moment, shear_moment, displacement, contact_edges, stick_edges, pressure, shear, slip, state_of = _at(
+        follower, steps, instants, x
+    )
     low, high = max(float(np.max(step.b1)) for step in last), min(float(np.min(step.b2)) for step in last)
     return Followed(
         time=instants,
-        loads=given.T,
+        loads=given,
         moment=moment,
         shear_moment=shear_moment,
         displacement=displacement,
@@ -1260,64 +1288,63 @@ def _loop_of(follower: Follower, step: Step) -> float:
     return _integral(step.loads[1] * dU - moment * deps)
 
 
-def _at(follower: Follower, steps: Sequence[Step], time: float, x: Array) -> tuple[Array | float, ...]:
-    """Everything at an instant, in the order of `Followed`."""
-    step = steps[min(int(np.searchsorted([each.time[-1] for each in steps], time)), len(steps) - 1)]
-    f, contact = follower.friction, follower.contact
-    if time < steps[0].time[0]:  # out of contact, but for the last 1e-4 of the load that touches first
-        now, none, nothing = follower.loads.values(np.array([time]))[:, 0], np.zeros(2), np.zeros(len(x))
-        now[3] = np.nan_to_num(now[3])
-        return now, 0.0, 0.0, 0.0, none, none, nothing, nothing, -now[2] * x, np.full(len(x), OPEN)
-    inside = np.clip(np.array([time]), step.time[0], step.time[-1])
+def _at(follower: Follower, steps: Sequence[Step], time: Array, x: Array) -> tuple[Array, ...]:
+    """Everything at instants (n,), in the order of `Followed`."""
+    n, m = len(time), len(x)
+    loads, edges, (U, shear_moment), fields = np.zeros((4, n)), np.zeros((4, n)), np.zeros((2, n)), np.zeros((4, n, m))
+    ends = np.array([each.time[-1] for each in steps])
+    number = np.minimum(np.searchsorted(ends, time - _SOON * follower.longest), len(steps) - 1)
+    before = time < steps[0].time[0]  # out of contact, but for the last 1e-4 of the load that touches first
+    for k in np.flatnonzero(before):
+        loads[:, k] = np.nan_to_num(follower.loads.values(time[k : k + 1])[:, 0])
+        fields[2, k] = -loads[2, k] * x
+    fields[3, before] = OPEN
+    for k in np.unique(number[~before]):
+        whole = np.flatnonzero((number == k) & ~before)
+        for some in np.array_split(whole, -(-len(whole) // _TOGETHER)):
+            four = _edges_at(follower, steps[k], time[some])
+            loads[:, some], edges[:, some] = four[0], four[1]
+            U[some], shear_moment[some] = _displacement(follower, steps[k], four[0], four[1])
+            fields[:, some] = _fields(follower, steps[k], four[0], four[1], x)
+    moment = loads[0] * (edges[0] + edges[1]) / 2
+    return loads, moment, shear_moment, U, edges[:2].T, edges[2:].T, *fields
+
+
+def _edges_at(follower: Follower, step: Step, time: Array) -> tuple[Array, tuple[Array, Array, Array, Array]]:
+    """Loads (4, n), and a1, a2, b1, b2 at instants of a step."""
+    inside = np.clip(time, step.time[0], step.time[-1])
     loads, phi = follower.loads.values(inside), step.phi(inside)
-    a1, a2 = contact.edges(loads[0], loads[3])
+    a1, a2 = follower.contact.edges(loads[0], loads[3])
     b1 = np.maximum(_value(phi, _fit(step.b1)), a1) if step.slips[0] else a1
     b2 = np.minimum(_value(phi, _fit(step.b2)), a2) if step.slips[1] else a2
-    U, shear_moment = _displacement(follower, step, loads, (a1, a2, b1, b2))
-    edges = float(a1[0]), float(a2[0]), float(b1[0]), float(b2[0])
-    now, d = loads[:, 0], step.slips[1] or step.slips[0] or 1
-    p = contact.pressure(x, a1, a2)
-    touching, sticks = (x >= edges[0]) & (x <= edges[1]), (x >= edges[2]) & (x <= edges[3])
-    q = f * p * np.where(x > edges[3], step.slips[1], step.slips[0])
-    s = np.zeros(len(x))
-    state = np.where(touching, np.where(q > 0, SLIP_FORWARD, SLIP_REVERSE), OPEN)
-    if np.any(sticks):
-        here = x[sticks]
-        root = np.sqrt((here - edges[2]) * (edges[3] - here))
-        reserve = follower.shear_reserve(step.frozen, here, now, edges, step.slips) * root
-        q[sticks], s[sticks], state[sticks] = d * (f * p[sticks] - reserve), step.frozen.slip(here), STICK
-    for side, begin, middle in ((-1, edges[2], edges[0]), (1, edges[3], edges[1])):
-        beyond = side * (x - begin) > 0
-        if not np.any(beyond):
-            continue
-        at_begin, far = float(step.frozen.slip(np.array([begin]))[0]), float(x[beyond][-1 if side > 0 else 0])
+    return loads, (a1, a2, b1, b2)
+
+
+def _fields(follower: Follower, step: Step, loads: Array, edges: tuple[Array, Array, Array, Array], x: Array) -> Array:
+    """p, q, s and the state of the surface at points (m,) and instants (n,) of a step: (4, n, m)."""
+    f, d, n = follower.friction, step.slips[1] or step.slips[0] or 1, 2 * follower.order
+    a1, a2, b1, b2 = (edge[:, None] for edge in edges)
+    p = follower.contact.pressure(x, a1, a2)
+    touching, sticks = (x >= a1) & (x <= a2), (x >= b1) & (x <= b2)
+    q, s = f * p * np.where(x > b2, step.slips[1], step.slips[0]), np.zeros(p.shape)
+    state = np.where(sticks, STICK, np.where(touching, np.where(q > 0, SLIP_FORWARD, SLIP_REVERSE), OPEN))
+    here = np.where(sticks, x, (b1 + b2) / 2)
+    reserve = follower.shear_reserve(step.frozen, here, loads, edges, step.slips) * np.sqrt((here - b1) * (b2 - here))
+    q, s = np.where(sticks, d * (f * p - reserve), q), step.frozen.slip(here.ravel()).reshape(p.shape)
+    for side, begin, middle in ((-1, b1, a1), (1, b2, a2)):
+        far = np.maximum(middle, np.max(x)) if side > 0 else np.minimum(middle, np.min(x))
+        at_begin, share = step.frozen.slip(begin[:, 0])[:, None], (_nodes(n) + 1) / 2
         for first, last in ((begin, middle), (middle, far)):
-            if side * (last - first) <= 1e-12 * step.size:
-                continue
-            n = 2 * follower.order
-            share = (_nodes(n) + 1) / 2
-            y = first + (last - first) * share**2
-            slope = np.empty(n + 1)
-            slope[1:] = follower.outer_slope(step.frozen, side, y[1:], now, edges, step.slips)
-            slope[0] = 0.0  # not used: x stands still there
-            rise = _primitive(_fit(slope * share * (last - first)))
-            between = beyond & (side * (x - first) > 0) & (side * (x - last) <= 0)
-            s[between] = at_begin + _value(2 * np.sqrt((x[between] - first) / (last - first)) - 1, rise)
-            at_begin += float(_value(1.0, rise))
-    moment = float(now[0] * (a1[0] + a2[0]) / 2)
-    both, stick = np.array(edges[:2]), np.array(edges[2:])
-    return (
-        now,
-        moment,
-        float(shear_moment[0]),
-        float(U[0]),
-        both,
-        stick,
-        np.where(touching, p, 0.0),
-        np.where(touching, q, 0.0),
-        s,
-        state,
-    )
+            way = last - first
+            slope = np.zeros((len(way), n + 1))  # not used where the way begins: x stands still there
+            there = first + way * share[1:] ** 2
+            slope[:, 1:] = follower.outer_slope(step.frozen, side, there, loads, edges, step.slips)
+            rise = _primitive(_fit(np.where(side * way > 1e-12 * step.size, slope * share * way, 0.0).T))[..., None]
+            passed = np.clip((x - first) / np.where(way != 0, way, 1.0), 0, 1)
+            between = (side * (x - first) > 0) & (side * (x - last) <= 0)
+            s = np.where(between, at_begin + chebyshev.chebval(2 * np.sqrt(passed) - 1, rise, tensor=False), s)
+            at_begin = at_begin + chebyshev.chebval(np.ones(1), rise, tensor=False)
+    return np.stack([p, np.where(touching, q, 0.0), s, state])
 
 
 def _density_of(follower: Follower, step: Step, x: Array) -> Array:

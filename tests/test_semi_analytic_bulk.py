@@ -353,7 +353,6 @@ REFUSED = {
     "bulk alone": make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"mean": 0.22, "amplitude": 0.2, "phase_degrees": 90})),
     "another kappa": leaning(0.1).vary(load={"tilt": {"mean": 0.3, "amplitude": 0.12}}),
     "intervals not nested": fretting(0.6),
-    "a tilt that grows with Q": make_scene(EllipseLoad(**PAPER, tilt=0.1)),
 }
 
 

@@ -200,6 +200,24 @@ def test_a_scene_in_phase_is_solved_with_all_that_a_solution_holds():
     assert np.mean(found.contact_edges, axis=1) == pytest.approx(-found.tilt, rel=1e-12)
 
 
+@pytest.mark.parametrize("phase", [0, 180])
+def test_a_loop_that_closes_at_a_turning_point_inside_a_leg_goes_on(phase):
+    """Initial loading had slipped farther in than the cycle does; W by the quadrature of loads in phase."""
+    line = {"mean_normal_load": 3, "normal_amplitude": 0.3, "mean_tangential_load": 0.2, "tangential_amplitude": 1.4}
+    scene = make_scene(EllipseLoad(**line, phase_degrees=0, bulk_stress_lower={"amplitude": 0.3, "phase_degrees": phase}))
+    found = solve(scene, x=0.0, time=[3.0], fields="dissipation")
+    assert found.dissipation == pytest.approx(0.3095379341715581, rel=1e-8)
+
+
+@pytest.mark.slow
+def test_an_ellipse_at_a_tilt_that_grew_with_the_loads_has_the_work_of_none():
+    """Full stick, both directions of slip, and their ends in the middle of a leg; a tilt that stays moves a parabola, no more."""
+    paper = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1}
+    leaning, upright = (solve(make_scene(EllipseLoad(**paper, phase_degrees=90, **turn)), x=0.0) for turn in ({"tilt": 0.1}, {}))
+    assert leaning.dissipation == pytest.approx(upright.dissipation, rel=1e-8)
+    assert leaning.permanent_stick_edges == pytest.approx(-0.1 + upright.permanent_stick_half_width * np.array([-1, 1]), abs=1e-7)
+
+
 def test_what_is_left_is_estimated_from_the_trend():
     """Changes that fall like those of loops out of phase, k^-4, and geometric ones, after 3 to 40 cycles."""
     for law in (lambda k: 2e-3 * k**-3.0, lambda k: 0.1**k, lambda k: 0.8**k):
