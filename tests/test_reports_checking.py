@@ -408,7 +408,7 @@ def test_a_record_too_long_for_finite_elements_is_checked_without_them(tmp_path:
 
 ROWS = MeasuredLoop("rig", np.zeros(1), np.zeros(1), np.zeros(1), ())
 KNOW_P_AND_Q_ALONE = {
-    "advise": (parts_of, "no map covers bulk stress or tilt"),
+    "advise": (parts_of, "advice covers no bulk stress or tilt"),
     "a measured loop": (lambda scene: score_loop(ROWS, scene), "no measured loop is scored with bulk stress"),
     "friction_from": (lambda scene: semi_analytic.friction_from(0.1, scene=scene), "without bulk stress and tilt"),
     "hysteresis": (lambda scene: semi_analytic.hysteresis(semi_analytic.solve(scene, x=[0.0])), "is not the dissipation"),

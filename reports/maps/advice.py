@@ -129,7 +129,9 @@ def parts_of(scene: Scene, folder: Path = PUBLISHED) -> tuple[float, tuple[Part,
     if f == 0:
         raise InputError(f"{scene.name}: friction.coefficient = 0: nothing is dissipated, and no map is of frictionless contacts")
     if scene.load.has_bulk_or_tilt:
-        raise InputError(f"{scene.name}: no map covers bulk stress or tilt: solve the scene (`halfplane run`)")
+        raise InputError(
+            f"{scene.name}: advice covers no bulk stress or tilt; the map `bulk` shows specimens, `halfplane run` solves the scene"
+        )
     if not isinstance(profile, Hertz | FlatRounded):
         raise InputError(
             f"{scene.name}: profile.kind = {profile.kind!r}: the maps are of 'hertz' and 'flat_rounded'; take `halfplane run`"

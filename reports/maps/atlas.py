@@ -32,6 +32,8 @@ AXES = {
     "margin": "distance from sliding",
     "amplitude": "P1/P0",
     "base": "base",
+    "width": "width / a",
+    "stress": "σ / (f p0)",
 }
 
 

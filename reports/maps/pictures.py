@@ -41,13 +41,13 @@ def heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
 
 
 def _cells(chart: Chart, part: pd.DataFrame, figure: str, name: str, title: str, ends: tuple[float, float]) -> Panel:
-    """Colours are of cells, lines of the values at their middles; both axes go by factors but for angles."""
+    """Colours are of cells, lines of the values at their middles; both axes go by factors but for angles and what may be 0."""
     error, doubt = errors(part, figure)
     x, y = np.unique(numbers(part, chart.across)), np.unique(numbers(part, chart.up))
     size, hidden = np.full((len(y), len(x)), np.nan), np.zeros((len(y), len(x)), dtype=bool)
     at = (np.searchsorted(y, numbers(part, chart.up)), np.searchsorted(x, numbers(part, chart.across)))
     size[at], hidden[at] = 100 * np.abs(error), ~(np.abs(error) > doubt)
-    across, up = (value if of == "phase" else np.log(value) for of, value in ((chart.across, x), (chart.up, y)))
+    across, up = (value if of == "phase" or value[0] <= 0 else np.log(value) for of, value in ((chart.across, x), (chart.up, y)))
     left, below = borders_of(across), borders_of(up)
     marks: list[Mark] = [Block((left[0], left[-1]), (below[0], below[-1]), "no-value")]
     colour = np.log(np.clip(size, *ends) / ends[0]) / np.log(ends[1] / ends[0])
