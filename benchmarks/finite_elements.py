@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 from beside_theory import beside_theory
-from claim import ROOT, Row, memory, rms, seconds, slope, table
+from claim import ROOT, Row, memory, rms, seconds, table
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -30,10 +30,10 @@ from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.elasticity import assemble, condense, factorise
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
 from reports import write
-from scenes import Block, ContactSolution, Elastic, Hertz, Materials, PolygonLoad, Scene, load_scene
+from scenes import Block, ContactSolution, Elastic, Hertz, PolygonLoad, Scene, load_scene
 
 FREE = float("inf")
-STEEL, ALUMINIUM = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=70e3, poisson_ratio=0.33)
+STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
 
 
 # ----------------------------------------------------------------------------------------------------------- against theory
@@ -123,76 +123,6 @@ def edges() -> Iterator[Row]:
         yield Row(f"{edge} edges within their uncertainty, instants", 100 * covered[worst], None, how, "%")
         how = "of its median in each scene; element at the edges"
         yield Row(f"uncertainty of {edge} edges, median", float(np.median(sizes[edge])), None, how, "elements")
-
-
-# ------------------------------------------------------------------------------------------------------------------ penalty
-STIFFNESS = tuple(10.0**k for k in range(7))
-
-
-@functools.cache
-def run(name: str, method: str, stiffness: float) -> FiniteElementSolution:
-    """Without halving of increments, so that all runs have their regular instants in common."""
-    scene = load_scene(name.removesuffix(", unlike"))
-    if name.endswith("unlike"):
-        scene = scene.vary(material=Materials(upper=ALUMINIUM, lower=STEEL))
-    weights = {"normal_stiffness": stiffness, "tangential_stiffness": stiffness}
-    settings = SolverSettings(method=method, **weights, steps_per_cycle=48, step_tolerance=FREE)  # type: ignore[arg-type]
-    return halfplane_fe.solve(scene, MeshSettings(element_size=1 / 16, edge_element_size=1 / 60), settings)
-
-
-def over_stiffness(name: str) -> dict[str, np.ndarray]:
-    """Each quantity over STIFFNESS; tractions over the largest pressure, dissipation relative."""
-    exact = run(name, "augmented_lagrangian", 1e3)
-    truth = semi_analytic.solve(exact.scene, x=[0.0], time=exact.time, fields=("dissipation",)).dissipation
-    found = []
-    for soft in (run(name, "penalty", stiffness) for stiffness in STIFFNESS):
-        times = np.round(soft.time, 9), np.round(exact.time, 9)
-        shared = np.intersect1d(*times)
-        here, there = (np.searchsorted(one, shared[shared >= times[1][exact.last_cycle[0]]]) for one in times)
-        largest, audit = exact.pressure.max(), soft.penalty
-        found.append(
-            {
-                "pressure": np.abs(soft.pressure[here] - exact.pressure[there]).max() / largest,
-                "shear": np.abs(soft.shear[here] - exact.shear[there]).max() / largest,
-                "dissipation": soft.dissipation / exact.dissipation - 1,
-                "penetration over a^2/2R": audit.penetration_share,
-                "elastic slip over the largest slip": audit.elastic_slip_share,
-                "creep over the largest slip": audit.creep_share,
-                "dissipation against theory": soft.dissipation / truth - 1,
-            }
-        )
-    return {key: np.array([row[key] for row in found]) for key in found[0]}
-
-
-def stiffness() -> Iterator[Row]:
-    """The errors of the penalty method over six decades of its stiffness, for a reader."""
-    for name in ("cattaneo-mindlin", "hertz-paper"):
-        for key, values in over_stiffness(name).items():
-            for k, value in zip(STIFFNESS, values.tolist(), strict=True):
-                yield Row(f"{name}, penalty of {k:.0e} E*/h: {key}", value, None, "p, q against the exact law")
-
-
-def penalty() -> Iterator[Row]:
-    """The orders in 1/stiffness, what the default stiffness costs, and that the exact law depends on none of six decades."""
-    for name in ("cattaneo-mindlin", "hertz-paper"):
-        found = over_stiffness(name)
-        for key, values in found.items():
-            if key != "dissipation against theory":
-                order = -slope(STIFFNESS[3:], values[3:])
-                what = f"{name}, penalty: {key}, order in 1/stiffness, less 1"
-                yield Row(what, order - 1, 0.05, "stiffness 1e3 to 1e6 E*/h")
-        for key, values in found.items():
-            yield Row(f"{name}, penalty: {key}", float(values[3]), None, "default stiffness, 1e3 E*/h")
-    for name in ("cattaneo-mindlin", "hertz-paper", "flat-rounded-paper", "hertz-paper, unlike"):
-        first, *others = (run(name, "augmented_lagrangian", weight) for weight in (1e3, 1e0, 1e6))
-        same = all(other.time.shape == first.time.shape for other in others)
-        apart = (
-            [np.abs(getattr(o, key) - getattr(first, key)).max() for o in others for key in ("pressure", "shear")]
-            if same
-            else [FREE]
-        )
-        what = f"{name}, augmented Lagrangian: p and q over six decades of its weights, largest difference"
-        yield Row(what, float(max(apart) / first.pressure.max()), 1e-10, "over p0")
 
 
 # ------------------------------------------------------------------------------------------------------- work and precision
@@ -334,9 +264,6 @@ def peers() -> Iterator[Row]:
 
 
 # ------------------------------------------------------------------------------------------------------------------- growth
-STEEPEST = 2.2
-
-
 class PathClock:
     """A `progress` that notes the CPU time at which the load path begins."""
 
@@ -370,7 +297,7 @@ def large_case() -> tuple[int, int, float, float]:
 
 
 def growth() -> Iterator[Row]:
-    """The large case in a process of its own; what condensation by elimination is worth; exponents in nodes, bulk and steps."""
+    """The large case in a process of its own; what condensation by elimination is worth. Exponents are on docs/performance.md."""
     text = subprocess.run([sys.executable, __file__, "--large"], check=True, capture_output=True, text=True).stdout
     nodes, increments, spent, peak = text.split()
     how = f"{nodes} contact nodes a side, 400 regular steps a cycle, {increments} increments in two cycles, imports included"
@@ -378,24 +305,6 @@ def growth() -> Iterator[Row]:
     yield Row("hertz-paper, large: peak memory", float(peak), 2.0, how, "GiB")
     with threadpool_limits(limits=1, user_api="blas"):
         yield from condensation_ways()
-        paths = [path_cost(n) for n in (80, 160, 320, 480)]
-        nodes, times, counts = zip(*paths, strict=True)
-        each = [spent / count for spent, count in zip(times, counts, strict=True)]
-        how = ", ".join(f"{n} nodes {1e3 * spent:.2f} ms" for n, spent in zip(nodes, each, strict=True))
-        yield Row("cost of an increment, exponent in contact nodes", slope(nodes, each), STEEPEST, how)
-        how = ", ".join(f"{n} nodes {count} increments {spent:.2f} s" for n, spent, count in paths) + ": every touch is met"
-        yield Row("cost of two revolutions, exponent in contact nodes", slope(nodes, times), STEEPEST, how)
-        _, times, counts = zip(*(path_cost(40, n) for n in (200, 400, 800, 1600)), strict=True)
-        how = ", ".join(f"{count} increments {spent:.2f} s" for count, spent in zip(counts, times, strict=True))
-        yield Row("cost of two revolutions, exponent in increments", slope(counts, times), STEEPEST, how)
-        for what, given, which in (
-            ("contact nodes", [(n, 0.2) for n in (80, 160, 320, 480)], 0),
-            ("bulk degrees of freedom", [(80, g) for g in (0.2, 0.1, 0.05, 0.03)], 2),
-        ):
-            costs = [condensation_cost(*one) for one in given]
-            how = ", ".join(f"{cost[which]} {cost[1]:.2f} s" for cost in costs)
-            found = slope([cost[which] for cost in costs], [cost[1] for cost in costs])
-            yield Row(f"condensation, exponent in {what}", found, STEEPEST, how)
 
 
 def condensation_ways() -> Iterator[Row]:
@@ -472,7 +381,7 @@ def cold() -> Iterator[Row]:
     yield Row("... of that the half-plane engine", took["half-plane theory"], 0.1, how, "s")
 
 
-SECTIONS = {f.__name__: f for f in (against_theory, mindlin, edges, stiffness, penalty, precision, peers, growth, page, cold)}
+SECTIONS = {f.__name__: f for f in (against_theory, mindlin, edges, precision, peers, growth, page, cold)}
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["--large"]:
