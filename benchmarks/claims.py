@@ -27,7 +27,6 @@ STORE, PAGE = ROOT / "docs" / "numbers.json", ROOT / "docs" / "numbers.md"
 MOST_ROWS = 60
 # Heading -> module and function that yields its rows.
 SECTIONS = {
-    "Half-plane engine": "half_plane.engine",
     "Half-plane engine: extremes": "half_plane.extremes",
     "Half-plane engine: work and precision": "half_plane.precision",
     "Half-plane engine: histories": "half_plane.histories",
