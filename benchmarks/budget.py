@@ -25,8 +25,8 @@ from unittest import mock
 
 import must_fail
 import numpy as np
-from beside_theory import beside_theory
 from claim import Row, table
+from finite_elements import beside_theory
 
 import halfplane_fe
 import semi_analytic
