@@ -25,9 +25,8 @@ from unittest import mock
 
 import must_fail
 import numpy as np
-from beside_theory import beside_theory
-from claim import Row, slope, table
-from real_bodies import blocks, mindlin
+from claim import Row, table
+from finite_elements import beside_theory
 
 import halfplane_fe
 import semi_analytic
@@ -35,7 +34,6 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import Comparison
 from reports.comparison.budget import Budget, ErrorBudget, climb, coarser, error_budget, without_steps
-from reports.comparison.convergence import Ladder, extrapolate, grid_convergence
 from reports.comparison.metrics import are_half_planes
 from scenes import ContactSolution, Materials, Scene, load_scene, scene_names
 
@@ -65,20 +63,6 @@ def library() -> dict[str, ErrorBudget]:
     """Budgets of all half-plane scenes of the library."""
     scenes = {name: load_scene(name) for name in scene_names()}
     return {name: budgeted(scene) for name, scene in scenes.items() if are_half_planes(scene)}
-
-
-def published() -> Iterator[Row]:
-    """NPARC Alliance, Examining Spatial (Grid) Convergence: values, ratio 2, safety factor 1.25."""
-    nasa = Ladder((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178))
-    found, index = extrapolate(nasa), grid_convergence(nasa)
-    for what, value, right in (
-        ("order", found.order, 1.786170),
-        ("extrapolated value", found.value, 0.971300),
-        ("GCI of the finer two", index.fine, 0.001031),
-        ("GCI of the coarser two", index.coarse, 0.003562),
-        ("asymptotic ratio", index.ratio, 0.997980),
-    ):
-        yield Row(f"NASA's example, {what}: digits off", round(value, 6) - right, 1e-9, f"{value:.8f}, published {right}")
 
 
 def coverage() -> Iterator[Row]:
@@ -122,19 +106,7 @@ def cost() -> Iterator[Row]:
 
 
 def real() -> Iterator[Row]:
-    """Square blocks that grow: the idealisation error, with its u, goes as (a/size)^2. Real bodies have no known answer: the
-    idealisation error +- u of the budget against the discrepancy on half the sizes.
-    """
-    sizes = (4.0, 8.0, 16.0)
-    found = [budgeted(mindlin(blocks(size))) for size in sizes]
-    for key in ("dissipation", "peak_pressure"):
-        rungs = [one.budget(key) for one in found]
-        how = "; ".join(
-            f"{size:g} a: {one.rest:+.2e} ± {one.uncertainty or float('nan'):.0e} {'' if one.resolved else 'not '}resolved"
-            for size, one in zip(sizes, rungs, strict=True)
-        )
-        order = -slope(sizes, [one.rest for one in rungs])
-        yield Row(f"blocks, idealisation error of {key}: order in a/size, less 2", order - 2, 0.3, how)
+    """Real bodies have no known answer: the idealisation error +- u of the budget against the discrepancy on half the sizes."""
     covered, missed = 0, []
     for name, scene in ((name, load_scene(name)) for name in scene_names()):
         if scene.bodies.half_planes:
@@ -151,7 +123,7 @@ def real() -> Iterator[Row]:
 
 def rows() -> Iterator[Row]:
     """The claims of the budget; half of the time is the library's."""
-    for part in (published, coverage, cost, real):
+    for part in (coverage, cost, real):
         yield from part()
 
 

@@ -27,20 +27,16 @@ STORE, PAGE = ROOT / "docs" / "numbers.json", ROOT / "docs" / "numbers.md"
 MOST_ROWS = 60
 # Heading -> module and function that yields its rows.
 SECTIONS = {
-    "Half-plane engine": "half_plane.engine",
     "Half-plane engine: extremes": "half_plane.extremes",
     "Half-plane engine: work and precision": "half_plane.precision",
     "Half-plane engine: histories": "half_plane.histories",
     "Half-plane engine: batches": "half_plane.batches",
     "Finite elements": "finite_elements.against_theory",
     "Finite elements: Cattaneo-Mindlin and the flat face": "finite_elements.mindlin",
-    "Finite elements: far field": "far_field.far_field",
-    "Finite elements: orders": "fe_orders.orders",
     "Finite elements: work and precision": "finite_elements.precision",
     "Finite elements: beside peers": "finite_elements.peers",
     "Finite elements: growth of the cost": "finite_elements.growth",
     "Finite elements: edges and increments": "finite_elements.edges",
-    "Finite elements: penalty and exact law": "finite_elements.penalty",
     "Finite elements: planted faults": "must_fail.must_fail",
     "Real bodies": "real_bodies.rows",
     "Faults and bad input": "faults.rows",

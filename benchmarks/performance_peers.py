@@ -10,6 +10,7 @@ import os
 import shutil
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -18,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import unlike_half_planes as naive
 from claim import ROOT, kept_json, markdown, with_children
 from finite_elements import FEW_STEPS, cattaneo_mindlin
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from scenes import Scene, load_scene
+
+sys.path.insert(0, str(ROOT / "tests"))
+import bulk_oracle
 
 Array = NDArray[np.float64]
 TITLE = "Beside other codes"
@@ -84,8 +87,9 @@ def periodic(code: str, per_half_width: int) -> Answer:
 def naive_hertz(per_half_width: int) -> Answer:
     modulus, radius, load = hertz()
     begun = time.process_time()
-    on = naive.grid(1.1, round(2.2 * per_half_width), modulus)
-    return Answer(on.x, naive.press(on, on.x**2 / (2 * radius), load), None, time.process_time() - begun)
+    extent, cells = (-1.1, 1.1), round(2.2 * per_half_width)
+    found = bulk_oracle.solve(lambda x: x**2 / (2 * radius), extent, cells, 1.0, [load], [0.0], modulus=modulus)
+    return Answer(found.x, found.pressure[0], None, time.process_time() - begun)
 
 
 def our_theory(scene: Scene, at: float) -> Answer:
@@ -180,7 +184,12 @@ def lines_by_hand() -> dict[str, int]:
     # The scene file is what is written for ours, without what it expects of itself.
     scene = (ROOT / "scenes" / "library" / "cattaneo-mindlin.toml").read_text(encoding="utf-8").split("[[expected]]")[0]
     written = sum(bool(line.strip()) for line in scene.splitlines())
-    return found | {"kratos": count(of(KRATOS)), "naive": count(of(Path(naive.__file__))), "ours": written, "calculix": written}
+    return found | {
+        "kratos": count(of(KRATOS)),
+        "naive": count(of(Path(bulk_oracle.__file__))),
+        "ours": written,
+        "calculix": written,
+    }
 
 
 def versions() -> dict[str, str]:

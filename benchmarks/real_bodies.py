@@ -1,9 +1,6 @@
-"""Blocks, pads and cylinders: mesh error, the limit in which they become half-planes, a layer without them, stiffness ratios.
+"""Blocks, pads and cylinders: mesh error against a finer mesh, the NAFEMS roller, cost of a run.
 
-python benchmarks/real_bodies.py            (about three minutes)
-
-Every figure is of the FE model on real bodies. Truth is a finer mesh, the half-plane engine in the limit of small a/size and
-a/R, or Fourier integrals for the layer (tests/layer_truth.py): never a half-plane where bodies are finite.
+Their limits, half-planes and a layer on a rigid base, are in tests/test_halfplane_fe_accuracy.py.
 """
 
 from __future__ import annotations
@@ -12,19 +9,15 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from claim import Row, slope, table, with_children
+from claim import Row, table, with_children
 
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution
 from meshes import MeshSettings
-from scenes import Block, Bodies, Cylinder, Elastic, Hertz, Materials, Pad, PolygonLoad, Scene, load_scene
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
-import layer_truth
+from scenes import Block, Bodies, Hertz, PolygonLoad, Scene, load_scene
 
 FINER = MeshSettings(element_size=1 / 48, edge_element_size=1 / 320)
 FINEST = MeshSettings.fine()
@@ -54,19 +47,14 @@ def blocks(size: float) -> Bodies:
     return Bodies(lower=Block(width=size, height=size), upper=Block(width=size, height=size))
 
 
-def pad_on_block(size: float) -> Bodies:
-    """A square pad on a square block."""
-    return Bodies(lower=Block(width=size, height=size), upper=Pad(width=size, height=size))
-
-
-def mindlin(bodies: Bodies, radius: float = 1000.0, half_width: float = 1.0) -> Scene:
-    """P constant, Q between +-0.6 f P, a = `half_width` if the bodies were half-planes."""
+def mindlin(bodies: Bodies) -> Scene:
+    """P constant, Q between +-0.6 f P, a = 1 if the bodies were half-planes."""
     like = load_scene("cattaneo-mindlin")
     compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (like.material.lower, like.material.upper))
-    normal = np.pi * half_width**2 / (4 * radius * compliance)
+    normal = np.pi / (4 * 1000.0 * compliance)
     tangential = 0.6 * like.friction.coefficient * normal
     load = PolygonLoad(initial_loading=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),))
-    return like.vary(bodies=bodies, profile=Hertz(radius=radius), load=load)
+    return like.vary(bodies=bodies, profile=Hertz(radius=1000.0), load=load)
 
 
 def figures(answer: FiniteElementSolution, instants: Sequence[float]) -> Figures:
@@ -104,98 +92,6 @@ def mesh_error() -> Iterator[Row]:
             yield Row(f"blocks {size:g} a high and wide, mesh error: {name}", error, 5e-4, how)
 
 
-def idealisation(scene: Scene) -> tuple[dict[str, float], int]:
-    """What half-plane theory is off by on the bodies of a scene, as FE less theory, and degrees of freedom."""
-    answer = halfplane_fe.solve(scene)
-    theory = semi_analytic.solve(scene, x=answer.x, time=answer.time)
-    largest = int(np.argmax(answer.normal_load))
-    found = {
-        "peak pressure": float(answer.pressure[largest].max() / theory.pressure[largest].max() - 1),
-        "contact half-width": float(answer.contact_half_width[largest] / theory.contact_half_width[largest] - 1),
-        "dissipation": answer.dissipation / theory.dissipation - 1,
-    }
-    return found, int(answer.work.counts["degrees of freedom"])
-
-
-def limits() -> Iterator[Row]:
-    """Bodies that grow become half-planes: at the rate (a/size)^2, (a/R)^2, and how near they are at the far end."""
-    ladders = {
-        "blocks": [(size, blocks(size), 1000.0) for size in (10.0, 20.0, 40.0, 80.0)],
-        "cylinders": [
-            (2 * r, Bodies(lower=Cylinder(radius=2 * r), upper=Cylinder(radius=2 * r)), r) for r in (5.0, 10.0, 20.0, 40.0)
-        ],
-        "pad on block": [(r, pad_on_block(r), r) for r in (10.0, 20.0, 40.0, 80.0)],
-    }
-    # What is left when the bodies are half-planes: error of the default mesh, the same on every rung.
-    floor, _ = idealisation(mindlin(Bodies()))
-    for name, rungs in ladders.items():
-        errors = [idealisation(mindlin(bodies, radius))[0] for _, bodies, radius in rungs]
-        sizes = np.array([size for size, _, _ in rungs])
-        for figure in ("peak pressure", "dissipation"):
-            values = np.abs([error[figure] - floor[figure] for error in errors])
-            order = -slope(sizes, values)
-            how = f"errors {', '.join(f'{v:.1e}' for v in values)} at sizes {', '.join(f'{s:g}' for s in sizes)} a"
-            yield Row(f"{name}, {figure}: order in a/size, less 2", order - 2, 0.3, how)
-    for name, bodies, radius in (
-        ("blocks of 320 a", blocks(320.0), 1000.0),
-        ("pad of R = 400 a on a block of 320 a", pad_on_block(320.0), 400.0),
-    ):
-        for figure, error in idealisation(mindlin(bodies, radius))[0].items():
-            yield Row(f"{name}: {figure} against half-plane theory", error, 5e-4, "the far end of the ladder")
-
-
-def layer_scene(thickness: float, nu: float, stiffness: float, load: float, width: float = 8.0) -> Scene:
-    """A stiff parabola of radius 100 on a layer of unit modulus on a rigid base."""
-    like = load_scene("hertz-normal")
-    upper, lower = Elastic(young_modulus=stiffness, poisson_ratio=0.3), Elastic(young_modulus=1.0, poisson_ratio=nu)
-    changes = {
-        "material": Materials(upper=upper, lower=lower),
-        "profile": Hertz(radius=100.0),
-        "friction": 0.0,
-        "load": PolygonLoad(initial_loading=((load, 0.0),)),
-        "bodies": Bodies(lower=Block(width=width, height=thickness), upper=Block(width=width, height=4.0)),
-    }
-    return like.vary(**changes)
-
-
-def layer_errors(thickness: float, nu: float = 0.3, stiffness: float = 1e6, width: float = 8.0) -> dict[str, float]:
-    """Half-width, peak and L2 of the pressure against Fourier integrals."""
-    layer = layer_truth.Layer(1.0, nu, thickness, 100.0)
-    load = layer_truth.load_on(layer, 1.0)
-    answer = halfplane_fe.solve(layer_scene(thickness, nu, stiffness, load, width))
-    truth = layer_truth.pressure(layer, 1.0, answer.x)
-    difference = answer.pressure[-1] - truth
-    return {
-        "half-width": float(answer.contact_half_width[-1]) - 1.0,
-        "peak pressure": float(answer.pressure[-1].max() / truth.max() - 1),
-        "pressure, L2": float(np.sqrt(np.trapezoid(difference**2, answer.x) / np.trapezoid(truth**2, answer.x))),
-    }
-
-
-def layers() -> Iterator[Row]:
-    """A layer on a rigid base, thick to thin; then nearly incompressible; then under punches that get stiffer."""
-    for thickness in (1.0, 0.5, 0.2, 0.1):
-        for name, error in layer_errors(thickness).items():
-            yield Row(f"layer of a/t = {1 / thickness:g}: {name}", error, 5e-3, "against Fourier integrals")
-    for nu in (0.49, 0.4999):
-        error = layer_errors(0.5, nu, width=16.0)["pressure, L2"]
-        yield Row(f"layer of a/t = 2, nu = {nu}: pressure, L2", error, 5e-3, "against Fourier integrals; nothing locks")
-    errors = [layer_errors(1.0, stiffness=ratio)["peak pressure"] for ratio in (1e1, 1e2, 1e3, 1e6)]
-    order = np.log10(abs((errors[0] - errors[3]) / (errors[2] - errors[3]))) / 2
-    how = f"off by {', '.join(f'{error:.1e}' for error in errors)} at E2/E1 = 10, 100, 1000, 10^6"
-    yield Row("a stiff punch becomes a rigid one: order in E1/E2, less 1", order - 1, 0.15, how)
-
-
-def stiffness_ratios() -> Iterator[Row]:
-    """Any E1/E2: the answer of the upper body a million times stiffer, and softer, is the mirror image of the other."""
-    scene, found = mindlin(blocks(10.0)), []
-    soft = scene.material.lower
-    stiff = soft.vary(young_modulus=1e6 * soft.young_modulus)
-    for lower, upper in ((stiff, soft), (soft, stiff)):
-        found.append(halfplane_fe.solve(scene.vary(material=Materials(lower=lower, upper=upper))))
-    yield Row("E1/E2 = 10^-6 against 10^6: dissipation", found[0].dissipation / found[1].dissipation - 1, 1e-3, "both converge")
-
-
 def roller() -> Iterator[Row]:
     """The NAFEMS roller beside Hertz, as the published benchmark compares it."""
     for name, limit in (("cylinder-roller-frictionless", 5e-3), ("cylinder-roller", 3e-2)):
@@ -224,7 +120,7 @@ def costs() -> Iterator[Row]:
 
 def rows() -> Iterator[Row]:
     """Everything, in the order of the docstring."""
-    for part in (mesh_error, limits, layers, stiffness_ratios, roller, costs):
+    for part in (mesh_error, roller, costs):
         yield from part()
 
 

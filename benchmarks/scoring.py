@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 from claim import ROOT, Row, table
+from finite_elements import beside_theory
 
 import halfplane_fe
 import semi_analytic
@@ -107,9 +108,7 @@ def late(scene: Scene, delay: float) -> Comparison:
 
 def solved(scene: Scene, mesh: MeshSettings = MESH, **settings: Any) -> Comparison:
     """Finite elements against half-plane theory at the same points and instants."""
-    found = halfplane_fe.solve(scene, mesh, SolverSettings(**settings))
-    reference, polygon = (semi_analytic.solve(scene, x=found.x, time=found.time, straight_steps=s) for s in (False, True))
-    return compare(reference, found, polygon_reference=polygon)
+    return beside_theory(halfplane_fe.solve(scene, mesh, SolverSettings(**settings)))
 
 
 def few_steps(scene: Scene, steps: float) -> Comparison:

@@ -12,6 +12,7 @@ the case.
 from __future__ import annotations
 
 import functools
+import math
 import sys
 import tempfile
 import time
@@ -29,7 +30,7 @@ import mpmath
 import numpy as np
 import regress_truth
 from claim import kept_json, markdown, write_json
-from half_plane import PROFILES, batch, classes, like, table_of_ellipses
+from half_plane import batch, like, table_of_ellipses
 
 import halfplane_fe
 import meshes
@@ -39,10 +40,13 @@ from meshes import BodyMesh, MeshSettings, mesh_quality
 from scenes import (
     Block,
     Bodies,
+    CallableProfile,
+    Compound,
     ContactSolution,
     ConvergenceError,
     Elastic,
     EllipseLoad,
+    EvenPolynomial,
     FlatRounded,
     Friction,
     Hertz,
@@ -52,6 +56,7 @@ from scenes import (
     PowerLaw,
     Profile,
     Scene,
+    Tabulated,
     TimeSeriesLoad,
     Wedge,
     load_scene,
@@ -181,6 +186,35 @@ def outcome(case: Case) -> Outcome:
 
 
 # ------------------------------------------------------------------------------------------------------------------- scenes
+_X = np.linspace(0, 4, 61)
+PROFILES: dict[str, Callable[[float], Profile]] = {
+    "hertz": lambda unit: Hertz(radius=unit),
+    "flat_rounded": lambda unit: FlatRounded(radius=unit, flat_half_length=0.7 * unit),
+    "power_law": lambda unit: PowerLaw(exponent=1.5, length=unit, rise=0.5 * unit),
+    "compound": lambda unit: Compound(inner_radius=unit, outer_radius=0.4 * unit, inner_half_length=0.8 * unit),
+    "wedge": lambda unit: Wedge(tip_radius=unit, tip_half_length=0.7 * unit),
+    "polynomial": lambda unit: EvenPolynomial(length=unit, rises=(0.5 * unit, 0.1 * unit)),
+    "tabulated": lambda unit: Tabulated(points=np.column_stack([unit * _X, unit * (np.cosh(_X) - 1)]).tolist()),
+    "callable": lambda unit: CallableProfile(slope_function=lambda x: np.sinh(x / unit), extent=4 * unit),
+}
+"""Every kind of profile in units of length `unit`."""
+
+
+def classes(rows: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """The extremes by what makes them hard."""
+
+    def chosen(test: Callable[[float, float, bool], bool]) -> list[dict[str, Any]]:
+        return [r for r in rows if test(r["tangential"] / r["friction"], r["amplitude"], abs(math.sin(r["phase"])) < 1e-8)]
+
+    return {
+        "slip of 1e-9 to 1e-6 of f P": chosen(lambda q, p, line: q <= 1e-6 and p < 0.9),
+        "1 - 1e-12 of gross sliding": chosen(lambda q, p, line: p == 0.4),
+        "P1/P0 = 1 - 1e-9": chosen(lambda q, p, line: p > 0.9),
+        "within 1e-9 of phase 0 or pi": chosen(lambda q, p, line: line and q != p),
+        "the same at tangency, dQ/dP = +-f": chosen(lambda q, p, line: line and q == p),
+    }
+
+
 def scene_of(load: Any, friction: float = 0.5, profile: Profile | None = None, material: Materials | None = None) -> Scene:
     """Hertz of radius 100 and E* = 1 where nothing else is said."""
     profile, material = profile or Hertz(radius=100.0), material or like(1.0)

@@ -1,11 +1,16 @@
-"""A dense grid solver of frictional contact under P, Q, bulk strain and tilt: the oracle of the tests. Like bodies (beta = 0).
+"""A dense grid solver of frictional contact under P, Q, bulk strain and tilt, like or unlike bodies: the oracle of the tests.
+
+What a good student writes in an afternoon, and the naive peer of the benchmarks.
 
 # notation: A = 2/E*; p, q tractions, constant over equal cells; C_ij = -(A/pi) int_cell ln|x_i - xi| d xi, symmetric; g gap,
 #           s slip of the upper face over the lower, delta normal approach, U displacement of the upper body, alpha tilt,
 #           eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2)
 
-    g = h + alpha x - delta + C p >= 0,   p >= 0,       p g = 0
-    s = U - eps x - C q,                  |q| <= f p,   slip only at |q| = f p and along q
+    g = h + alpha x - delta + C p + D q >= 0,   p >= 0,       p g = 0
+    s = U - eps x - C q + D p,                  |q| <= f p,   slip only at |q| = f p and along q
+
+D_ij = (beta/E*) sgn(x_i - x_j) times the cell couples both where Dundurs' beta is not 0 (Johnson, Contact Mechanics, 1985, section
+5.1; the sign of beta is that of the mirror image, which loads to and fro between +-Q do not see): they take turns until q rests.
 
 Each instant is one implicit increment from the one before. Active sets find the open, sticking and slipping cells: nothing of
 superposition, memory curves or edges is used. Errors are of first order in the cell and, of the work, of second in the increment.
@@ -86,6 +91,7 @@ def solve(
     *,
     moment: ArrayLike | None = None,
     modulus: float = 1.0,
+    dundurs: float = 0.0,
 ) -> Fields:
     """Follow instants (n,) of P, Q, eps and the tilt, or the `moment` in its place, from bodies that have never touched.
 
@@ -102,7 +108,7 @@ def solve(
     ends = step * (np.arange(cells) + np.array([[-0.5], [0.5]]))
     row = -2 / (math.pi * modulus) * np.diff(ends * (np.log(np.abs(ends)) - 1), axis=0)[0]
     compliance = row[np.abs(np.arange(cells)[:, None] - np.arange(cells))]
-    heights = height(x)
+    heights, coupling = height(x), dundurs / modulus * step * np.sign(x[:, None] - x)
 
     def balanced(here: NDArray[np.bool_], right: Array, columns: Array, totals: list[float]) -> tuple[Array, Array]:
         """Tractions t of the cells `here`, C t = right + columns b, and b: the integrals of t times the columns are totals."""
@@ -120,45 +126,53 @@ def solve(
     for instant, (load, force, eps, turn) in enumerate(loads.tolist()):
         if moment is None:
             angle = turn
-        if load <= 0:
-            touching = np.zeros(cells, dtype=bool)
-        elif not touching.any():
+        if not touching.any():
             touching = heights + angle * x <= np.sort(heights + angle * x)[5]
-        for _ in range(_TURNS if load > 0 else 0):  # normal contact: p > 0 where g = 0
-            if moment is None:
-                p, (approach,) = balanced(touching, -heights - angle * x, one, [load])
+        before, slipped = q, s
+        for _ in range(_TURNS if load > 0 else 0):  # pressure and shear in turn; once where nothing couples them
+            lifted, last = heights + coupling @ q if dundurs else heights, q
+            for _ in range(_TURNS):  # normal contact: p > 0 where g = 0
+                if moment is None:
+                    p, (approach,) = balanced(touching, -lifted - angle * x, one, [load])
+                else:
+                    p, (approach, angle) = balanced(touching, -lifted, both, [load, -turn])
+                gap = lifted + angle * x - approach + compliance @ p
+                wanted = np.where(touching, p > 0, gap < 0)
+                if np.array_equal(wanted, touching):
+                    break
+                touching = wanted
             else:
-                p, (approach, angle) = balanced(touching, -heights, both, [load, -turn])
-            gap = heights + angle * x - approach + compliance @ p
-            wanted = np.where(touching, p > 0, gap < 0)
-            if np.array_equal(wanted, touching):
-                break
-            touching = wanted
-        else:
-            if load > 0:
                 raise ArithmeticError(f"instant {instant}: the contact area does not converge")
-        if touching[0] or touching[-1]:
-            raise ArithmeticError(f"instant {instant}: the contact meets the end of the grid")
-        p = np.where(touching, p, 0.0)
-        before, slipped, limit, direction = q, s, friction * p, np.zeros(cells, dtype=int)
-        for _ in range(_TURNS if load > 0 else 0):  # tangential contact: no slip where |q| < f p
-            sticks = touching & (direction == 0)
-            fixed = np.where(sticks | ~touching, 0.0, direction * limit)
-            if not sticks.any():
-                raise ArithmeticError(f"instant {instant}: all cells slip")
-            right = -slipped - eps * x - compliance @ fixed
-            q, (shift,) = balanced(sticks, right, one, [force - step * float(np.sum(fixed))])
-            q = q + fixed
-            s = shift - eps * x - compliance @ q
-            exceeds, goes_on = sticks & (np.abs(q) > limit + _ROUNDING * limit.max()), touching & (direction * (s - slipped) > 0)
-            wanted = np.where(exceeds, np.sign(q), np.where(goes_on, direction, 0)).astype(int)
-            if np.array_equal(wanted, direction):
+            if touching[0] or touching[-1]:
+                raise ArithmeticError(f"instant {instant}: the contact meets the end of the grid")
+            p = np.where(touching, p, 0.0)
+            limit, direction, moved = friction * p, np.zeros(cells, dtype=int), coupling @ p - eps * x if dundurs else -eps * x
+            for _ in range(_TURNS):  # tangential contact: no slip where |q| < f p
+                sticks = touching & (direction == 0)
+                fixed = np.where(sticks | ~touching, 0.0, direction * limit)
+                if not sticks.any():
+                    raise ArithmeticError(f"instant {instant}: all cells slip")
+                right = moved - slipped - compliance @ fixed
+                q, (shift,) = balanced(sticks, right, one, [force - step * float(np.sum(fixed))])
+                q = q + fixed
+                s = shift + moved - compliance @ q
+                exceeds, goes_on = (
+                    sticks & (np.abs(q) > limit + _ROUNDING * limit.max()),
+                    touching & (direction * (s - slipped) > 0),
+                )
+                wanted = np.where(exceeds, np.sign(q), np.where(goes_on, direction, 0)).astype(int)
+                if np.array_equal(wanted, direction):
+                    break
+                direction = wanted
+            else:
+                raise ArithmeticError(f"instant {instant}: the slip zones do not converge")
+            if not dundurs or np.max(np.abs(q - last)) <= _ROUNDING * limit.max():
                 break
-            direction = wanted
         else:
             if load > 0:
-                raise ArithmeticError(f"instant {instant}: the slip zones do not converge")
-            q = np.zeros(cells)
+                raise ArithmeticError(f"instant {instant}: pressure and shear by turns do not converge")
+            touching, direction = np.zeros(cells, dtype=bool), np.zeros(cells, dtype=int)
+            p, q = np.zeros(cells), np.zeros(cells)
             s = shift - eps * x
         state = np.where(touching, np.array([1, 2, 3])[direction], 0)
         work = step * float((before + q) @ (s - slipped)) / 2

@@ -1,19 +1,12 @@
 """What the far field costs: orders in L of every multipole left out, and that the whole of it leaves nothing but mesh error."""
 
 import itertools
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+import far_field_rings as far_field
 from meshes import mesh_quality
-
-BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
-sys.path.insert(0, str(BENCHMARKS))
-import far_field  # noqa: E402
-
-sys.path.remove(str(BENCHMARKS))
 
 RADII = (5.0, 10.0, 20.0)
 # Order in 1/L of what is left out after each moment; like bodies have no use for odd moments.

@@ -7,14 +7,12 @@ means over many loads, each with its edges elsewhere. Each order is bounded on b
 from __future__ import annotations
 
 import functools
-import importlib
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+import fe_orders
 import halfplane_fe
 import layer_truth
 import semi_analytic
@@ -57,11 +55,6 @@ from scenes import (
     load_scene,
 )
 from tolerances import ORDERS, TOLERANCES, check, check_order, order_of
-
-BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
-sys.path.insert(0, str(BENCHMARKS))
-fe_orders = importlib.import_module("fe_orders")
-sys.path.remove(str(BENCHMARKS))
 
 FRICTION, RADIUS, DATUM = 0.5, np.pi / 4, 1.0  # E* = 1: P = a^2
 

@@ -1,7 +1,5 @@
 r"""What the far field of the half-disc costs: multipoles left out, the radius L, and the elements between the contact and the arc.
 
-    python benchmarks/far_field.py
-
 Three kinds of contact over |x| <= a = 1 at given loads, with prescribed zones, so that an answer is one linear solve and its errors
 are smooth: pressed without friction, full stick under P and Q, and partial slip; like bodies, and unlike ones with a Dundurs beta
 of 0.38. Errors are L2 over the contact, or the largest of any node, over the mean-free scale p0 = 2 P/(pi a).
@@ -20,12 +18,10 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 import skfem
-from claim import Row, table
 from numpy.typing import NDArray
 
 from halfplane_fe.elasticity import CondensedBody, assemble, condense, factorise
@@ -219,32 +215,6 @@ def by_radius(growth: float, contact: str = "full stick") -> dict[tuple[str, str
 DEFAULT_GROWTH, FINE_GROWTH = 0.2, 0.04
 
 
-def far_field() -> Iterator[Row]:
-    """Truncations and their slopes, then the whole far field at L = 10a."""
-    ten = RADII.index(10.0)
-    for (contact, pair, name, moments), errors in truncations().items():
-        if contact == "full stick" and name in ("p", "q"):
-            how = f"{contact}, L2 over p0, falls as L^-{slope(errors):.2f}" if errors[ten + 1] > 1e-12 else f"{contact}, L2 over p0"
-            yield Row(f"far field cut off after moment {moments}, L = 10a, {pair}: error of {name}", errors[ten], None, how)
-    fine, default = by_radius(FINE_GROWTH), by_radius(DEFAULT_GROWTH)
-    for pair, name in itertools.product(PAIRS, ("p", "q")):
-        text = f"whole far field, L = 10a, {pair}: error of {name}"
-        errors, worst = fine[pair, name], fine[pair, f"{name}, any node"]
-        how = f"rings of {FINE_GROWTH} r; against 160a, same elements within {INNER:.0f}a; falls as L^-{slope(errors):.2f}"
-        yield Row(f"{text}, L2", errors[ten], 1e-7, how)
-        yield Row(f"{text}, any node", worst[ten], 1e-7, "the outermost node in contact")
-        order = np.log(default[pair, name][ten] / errors[ten]) / np.log(ring_length(DEFAULT_GROWTH) / ring_length(FINE_GROWTH))
-        yield Row(
-            f"{text}, L2, default elements", default[pair, name][ten], None, f"mesh error: order {order:.2f} in the rings' elements"
-        )
-    one = condense(inner_mesh(), LOWER, 1.0)
-    yield Row("asymmetry of the condensed compliance before it is mended", one.diagnostics["asymmetry"], 1e-12, "Betti's theorem")
-
-
 def ring_length(growth: float) -> float:
     """Length of the rings' elements over their distance: the angle of an element of the inner arc."""
     return np.pi / len(inner_mesh(growth=growth).mesh.boundaries["far_field"])
-
-
-if __name__ == "__main__":
-    print(table(far_field()))
