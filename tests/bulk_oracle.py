@@ -114,52 +114,45 @@ def solve(
         return result, factors
 
     one, both = np.ones((cells, 1)), np.column_stack([np.ones(cells), -x])
-    touching = np.zeros(cells, dtype=bool)
-    p, q, s, rows = np.zeros(cells), np.zeros(cells), np.zeros(cells), []
-    approach, angle, shift = 0.0, 0.0, 0.0
+    nowhere, none = np.zeros(cells, dtype=bool), np.zeros(cells)
+    touching, q, s, rows, approach, angle, shift = nowhere, none, none, [], 0.0, 0.0, 0.0
     for instant, (load, force, eps, turn) in enumerate(loads.tolist()):
-        if moment is None:
-            angle = turn
+        angle = turn if moment is None else angle
+        before, slipped, p, direction = q, s, none, np.zeros(cells, dtype=int)
         if load <= 0:
-            touching = np.zeros(cells, dtype=bool)
-        elif not touching.any():
-            touching = heights + angle * x <= np.sort(heights + angle * x)[5]
-        for _ in range(_TURNS if load > 0 else 0):  # normal contact: p > 0 where g = 0
-            if moment is None:
-                p, (approach,) = balanced(touching, -heights - angle * x, one, [load])
+            touching, q, s = nowhere, none, shift - eps * x
+        else:
+            if not touching.any():
+                touching = heights + angle * x <= np.sort(heights + angle * x)[5]
+            for _ in range(_TURNS):  # normal contact: p > 0 where g = 0
+                if moment is None:
+                    p, (approach,) = balanced(touching, -heights - angle * x, one, [load])
+                else:
+                    p, (approach, angle) = balanced(touching, -heights, both, [load, -turn])
+                wanted = np.where(touching, p > 0, heights + angle * x - approach + compliance @ p < 0)
+                if np.array_equal(wanted, touching):
+                    break
+                touching = wanted
             else:
-                p, (approach, angle) = balanced(touching, -heights, both, [load, -turn])
-            gap = heights + angle * x - approach + compliance @ p
-            wanted = np.where(touching, p > 0, gap < 0)
-            if np.array_equal(wanted, touching):
-                break
-            touching = wanted
-        else:
-            if load > 0:
                 raise ArithmeticError(f"instant {instant}: the contact area does not converge")
-        if touching[0] or touching[-1]:
-            raise ArithmeticError(f"instant {instant}: the contact meets the end of the grid")
-        p = np.where(touching, p, 0.0)
-        before, slipped, limit, direction = q, s, friction * p, np.zeros(cells, dtype=int)
-        for _ in range(_TURNS if load > 0 else 0):  # tangential contact: no slip where |q| < f p
-            sticks = touching & (direction == 0)
-            fixed = np.where(sticks | ~touching, 0.0, direction * limit)
-            if not sticks.any():
-                raise ArithmeticError(f"instant {instant}: all cells slip")
-            right = -slipped - eps * x - compliance @ fixed
-            q, (shift,) = balanced(sticks, right, one, [force - step * float(np.sum(fixed))])
-            q = q + fixed
-            s = shift - eps * x - compliance @ q
-            exceeds, goes_on = sticks & (np.abs(q) > limit + _ROUNDING * limit.max()), touching & (direction * (s - slipped) > 0)
-            wanted = np.where(exceeds, np.sign(q), np.where(goes_on, direction, 0)).astype(int)
-            if np.array_equal(wanted, direction):
-                break
-            direction = wanted
-        else:
-            if load > 0:
+            if touching[0] or touching[-1]:
+                raise ArithmeticError(f"instant {instant}: the contact meets the end of the grid")
+            limit = friction * p
+            for _ in range(_TURNS):  # tangential contact: no slip where |q| < f p
+                sticks, fixed = touching & (direction == 0), direction * limit
+                if not sticks.any():
+                    raise ArithmeticError(f"instant {instant}: all cells slip")
+                right = -slipped - eps * x - compliance @ fixed
+                q, (shift,) = balanced(sticks, right, one, [force - step * float(np.sum(fixed))])
+                q = q + fixed
+                s = shift - eps * x - compliance @ q
+                exceeds, goes_on = sticks & (np.abs(q) > limit + _ROUNDING * limit.max()), direction * (s - slipped) > 0
+                wanted = np.where(exceeds, np.sign(q), np.where(goes_on, direction, 0)).astype(int)
+                if np.array_equal(wanted, direction):
+                    break
+                direction = wanted
+            else:
                 raise ArithmeticError(f"instant {instant}: the slip zones do not converge")
-            q = np.zeros(cells)
-            s = shift - eps * x
         state = np.where(touching, np.array([1, 2, 3])[direction], 0)
         work = step * float((before + q) @ (s - slipped)) / 2
         rows.append((p, q, s, state, approach, shift, angle, step * float(x @ p), step * float(x @ q), work))
