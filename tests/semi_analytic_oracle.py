@@ -14,7 +14,6 @@ Each integral by one rule for singular ends between all knots and corners. Of th
 engine's own.
 """
 
-import math
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -23,13 +22,11 @@ import mpmath as mp
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from scenes import CallableProfile, ChebyshevSegment, HarmonicSegment, PowerLaw, StraightSegment, ellipse_segment
+from scenes import CallableProfile, ChebyshevSegment, HarmonicSegment, PowerLaw, StraightSegment
 from semi_analytic import friction_work
-from semi_analytic.fields import Arc
 from semi_analytic.history import history_of
-from semi_analytic.memory import Piece, instant, pieces
-from semi_analytic.profiles import contact_of, power_law
-from semi_analytic.punch_superposition import PunchSuperposition
+from semi_analytic.memory import pieces
+from semi_analytic.profiles import contact_of
 from semi_analytic.quadrature import graded
 
 LONG = np.longdouble
@@ -174,16 +171,58 @@ def law_of(profile):
 
 
 def half_width(law, load, guess):
-    """a(P) by Newton's method from a guess."""
-    half = LONG(guess)
-    if not load > 0:
-        return law.breaks[0]
-    for _ in range(60):
-        step = (LONG(load) - law.load(half)) / law.rate(half)
-        half = max(half + step, (half + law.breaks[0]) / 2)
-        if abs(step) <= 1e-17 * half:
+    """a(P), (n,): Newton's method inside a bracket about a guess."""
+    load, guess = (np.atleast_1d(np.asarray(values, dtype=LONG)) for values in (load, guess))
+    least = law.breaks[0]
+    low, high = np.full(load.shape, least), 2 * guess + least
+    half = np.maximum(guess, least)
+    for _ in range(100):
+        fault, rate = law.load(half) - load, law.rate(half)
+        low, high = np.where(fault <= 0, half, low), np.where(fault >= 0, half, high)
+        newton = half - fault / np.where(rate > 0, rate, 1)
+        new = np.where((newton >= low) & (newton <= high) & (rate > 0), newton, (low + high) / 2)
+        if np.all(np.abs(new - half) <= 3e-19 * half):
             break
-    return half
+        half = new
+    return np.where(load > 0, half, least)
+
+
+class Punches:
+    """Integrals over the superposition of flat punches of a profile, E* = 1, each weighted by a function of the half-width."""
+
+    def __init__(self, profile, step=0.2):
+        self.law, self.datum, self.step = law_of(profile), LONG(profile.datum_length), step
+        self.least = self.law.breaks[0]
+
+    def _marks(self, low, high):
+        return [low, *(b for b in self.law.breaks if low < b < high), high]
+
+    def traction(self, x, low, high, weight=None):
+        """(1/pi) int dP/sqrt(alpha^2 - x^2) with alpha^2 = x^2 + w^2."""
+        low = max(low, x)
+        if not high > low:
+            return LONG(0)
+
+        def strip(w):
+            alpha = np.sqrt(x * x + w * w)
+            return (1 if weight is None else weight(alpha)) * self.law.rate(alpha) / alpha / PI
+
+        return integrate(strip, [np.sqrt((m - x) * (m + x)) for m in self._marks(low, high)], self.step)
+
+    def total(self, kernel, low, high, weight=None):
+        """int kernel(alpha) dP."""
+        if not high > low:
+            return LONG(0)
+        strip = lambda alpha: (1 if weight is None else weight(alpha)) * self.law.rate(alpha) * kernel(alpha)  # noqa: E731
+        return integrate(strip, self._marks(low, high), self.step)
+
+    def slip(self, x, low, high, weight=None):
+        """int arccosh(x/alpha) dP."""
+        return self.total(lambda alpha: np.arcsinh(np.sqrt((x - alpha) * (x + alpha)) / alpha), low, min(high, x), weight)
+
+    def log(self, low, high, weight=None):
+        """int ln(2 L/alpha) dP."""
+        return self.total(lambda alpha: np.log(2 * self.datum / alpha), low, high, weight)
 
 
 def _slope_on(piece):
@@ -201,105 +240,54 @@ def _slope_on(piece):
             return q1 / p1 * (cosine + sine * (up - down) / (2 * np.sqrt(up * down)))
 
         return slope
-    return lambda eta: _slope_by_root(leg, eta, *piece.arc[:1], piece.anchor.time)
+    wave = lambda t: _load_and_rate(leg.normal, leg.mean[0], t)  # noqa: E731
 
+    def slope(eta):
+        """Q'/P' at the time on the arc at which P = eta."""
+        t = root(wave, eta, piece.arc[0], piece.anchor.time)
+        return _load_and_rate(leg.tangential, 0, t)[1] / wave(t)[1]
 
-def _wave(waves, t, derivative=False):
-    total = 0 * t
-    for k, (size, phase) in enumerate(waves, 1):
-        angle = k * t - LONG(phase)
-        total = total + LONG(size) * (-k * np.sin(angle) if derivative else np.cos(angle))
-    return total
-
-
-def _load_at(leg, t):
-    """P of harmonics."""
-    return LONG(leg.mean[0]) + _wave(leg.normal, t)
-
-
-def _slope_by_root(leg, eta, first, last):
-    """Q'/P' of harmonics at the time in [first, last] at which P = eta: half brackets, then Newton's method inside them."""
-    low, high = np.full(np.shape(eta), LONG(first)), np.full(np.shape(eta), LONG(last))
-    t = (low + high) / 2
-    for _ in range(90):
-        fault = _load_at(leg, t) - eta
-        low, high = np.where(fault < 0, t, low), np.where(fault > 0, t, high)
-        newton = t - fault / _wave(leg.normal, t, True)
-        new = np.where((newton > low) & (newton < high), newton, (low + high) / 2)
-        if np.all(np.abs(new - t) <= 1e-19 * np.abs(t)):
-            break
-        t = new
-    return _wave(leg.tangential, t, True) / _wave(leg.normal, t, True)
+    return slope
 
 
 class Oracle:
     """Every field of one scene; `at` gives those of one of `times` at points x."""
 
-    def __init__(self, scene, times, step=0.2):
+    def __init__(self, scene, times):
         history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles, np.array(times, dtype=float))
-        self.snapshot, self.step = history.snapshot(np.array(times, dtype=float)), step
-        self.law, self.contact = law_of(scene.profile), contact_of(scene.profile, scene.material)
-        self.datum = LONG(scene.profile.datum_length)
-        self.known = {}
+        self.snapshot, self.punches = history.snapshot(np.array(times, dtype=float)), Punches(scene.profile)
+        self.contact = contact_of(scene.profile, scene.material)
 
     def half(self, load):
-        if load not in self.known:
-            self.known[load] = half_width(self.law, load, float(self.contact.half_width(load)))
-        return self.known[load]
+        return half_width(self.punches.law, load, float(self.contact.half_width(load))).item()
 
-    def segments(self, k):
-        """(lower, upper half-width, M'(eta)) of the curve of instant k."""
-        s = self.snapshot
+    def parts(self, k):
+        """(lower, upper half-width, M') of the curve of instant k, M' as a function of the half-width."""
+        s, load = self.snapshot, self.punches.law.load
         front = float(s.load[k] - s.slipped[k])
-        found = []
         if s.slipped[k]:
             line = LONG(float(s.direction[k]) * s.friction)
-            found.append((self.half(front), self.half(float(s.load[k])), lambda eta: line + 0 * eta))
+            yield self.half(front), self.half(float(s.load[k])), lambda alpha: line + 0 * alpha
         upper = front
         for piece in pieces(s.actives[s.which[k]]):
             # What an arc starts from is its time: P0 + P1 cos t may have few digits of a small P.
-            bottom = piece.bottom if piece.arc is None else _load_at(piece.anchor.leg, LONG(piece.arc[0]))
-            found.append((self.half(bottom), self.half(upper), _slope_on(piece)))
+            leg, slope = piece.anchor.leg, _slope_on(piece)
+            bottom = piece.bottom if piece.arc is None else _load_and_rate(leg.normal, leg.mean[0], LONG(piece.arc[0]))[0]
+            yield self.half(bottom), self.half(upper), lambda alpha, slope=slope: slope(load(alpha))
             upper = piece.bottom
-        return found
-
-    def _marks(self, low, high):
-        return [low, *(b for b in self.law.breaks if low < b < high), high]
-
-    def _traction(self, x, low, high, weight):
-        low = max(low, x)
-        if not high > low:
-            return LONG(0)
-        marks = [np.sqrt((m - x) * (m + x)) for m in self._marks(low, high)]
-
-        def strip(w):
-            half = np.sqrt(x * x + w * w)
-            return weight(half) * self.law.rate(half) / half / PI
-
-        return integrate(strip, marks, self.step)
-
-    def _total(self, kernel, low, high, weight):
-        if not high > low:
-            return LONG(0)
-        return integrate(lambda half: weight(half) * self.law.rate(half) * kernel(half), self._marks(low, high), self.step)
 
     def at(self, k, x):
         """pressure, shear and slip at |x| (m,), and shift, approach, contact and stick half-width, of instant k."""
-        half, least = self.half(float(self.snapshot.load[k])), self.law.breaks[0]
-        one = lambda alpha: 1 + 0 * alpha  # noqa: E731
-        parts = [(low, high, lambda alpha, slope=slope: slope(self.law.load(alpha))) for low, high, slope in self.segments(k)]
-        points = np.abs(np.asarray(x, dtype=float)).astype(LONG)
-        log = lambda alpha: np.log(2 * self.datum / alpha)  # noqa: E731
-        reach = lambda at: lambda alpha: np.arcsinh(np.sqrt((at - alpha) * (at + alpha)) / alpha)  # noqa: E731
-        front = self.half(float(self.snapshot.load[k] - self.snapshot.slipped[k]))
+        punches, half = self.punches, self.half(float(self.snapshot.load[k]))
+        parts, points = list(self.parts(k)), np.abs(np.asarray(x, dtype=float)).astype(LONG)
         return {
-            "pressure": np.array([self._traction(at, least, half, one) for at in points]),
-            "shear": np.array([sum(self._traction(at, *part) for part in parts) for at in points]),
-            "slip": 2 / PI * np.array([sum(self._total(reach(at), a, min(b, at), m) for a, b, m in parts) for at in points]),
-            "tangential_displacement": 2 / PI * sum(self._total(log, *part) for part in parts),
-            "normal_approach": 2 / PI * self._total(log, least, half, one),
+            "pressure": np.array([punches.traction(at, punches.least, half) for at in points]),
+            "shear": np.array([sum(punches.traction(at, *part) for part in parts) for at in points]),
+            "slip": 2 / PI * np.array([sum(punches.slip(at, *part) for part in parts) for at in points]),
+            "tangential_displacement": 2 / PI * sum(punches.log(*part) for part in parts),
+            "normal_approach": 2 / PI * punches.log(punches.least, half),
             "contact_half_width": half,
-            "stick_half_width": front,
+            "stick_half_width": self.half(float(self.snapshot.load[k] - self.snapshot.slipped[k])),
         }
 
 
@@ -330,8 +318,11 @@ def root(function, value, low, high):
 
 def _load_and_rate(waves, mean, t):
     """mean + sum of waves, and its rate."""
-    rate = sum((-k * LONG(size) * np.sin(k * t - LONG(phase)) for k, (size, phase) in enumerate(waves, 1)), 0 * t)
-    return LONG(mean) + _wave(waves, t), rate
+    angles = [(LONG(size), k, k * t - LONG(phase)) for k, (size, phase) in enumerate(waves, 1)]
+    return (
+        sum((size * np.cos(angle) for size, _, angle in angles), LONG(mean) + 0 * t),
+        sum((-k * size * np.sin(angle) for size, k, angle in angles), 0 * t),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -588,21 +579,9 @@ class Work:
         return np.where(self.lower, begin + length * self.near, end - length * self.near), length * self.weight
 
     def half(self, load):
-        """a(P), (n,): Newton's method inside a bracket, from the engine's as a first guess."""
+        """a(P), (n,)."""
         load = np.atleast_1d(np.asarray(load, dtype=LONG))
-        guess = self.contact.half_width(load.astype(float)).astype(LONG)
-        least = self.law.breaks[0]
-        low, high = np.full(load.shape, least), 2 * guess + least
-        half = np.maximum(guess, least)
-        for _ in range(100):
-            fault, rate = self.law.load(half) - load, self.law.rate(half)
-            low, high = np.where(fault <= 0, half, low), np.where(fault >= 0, half, high)
-            newton = half - fault / np.where(rate > 0, rate, 1)
-            new = np.where((newton >= low) & (newton <= high) & (rate > 0), newton, (low + high) / 2)
-            if np.all(np.abs(new - half) <= 3e-19 * half):
-                break
-            half = new
-        return np.where(load > 0, half, least)
+        return half_width(self.law, load, self.contact.half_width(load.astype(float)))
 
     def _marks(self, slip, begin, end):
         """Times between `begin` and `end` at which an edge of contact or of stick passes a corner, and those of `parts`."""
@@ -696,25 +675,6 @@ class Work:
 
 
 # ------------------------------------------------------------------------------------------------------------ parts of the engine
-
-
-def slip_of_an_arc(n, place):
-    """int dQ arccosh(x/a) over one arc on |x|^n, x being `place` half-widths out: found, and at thirty digits."""
-    contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
-    whole = float(contact.load(1.0))
-    leg, first, last = ellipse_segment(0.0, 10.0, (1.0, 0.0), (0.3, 0.3), 1.0), math.pi + 1.5, math.pi + 2.3
-    x = place * contact.half_width(leg.loads(np.array([last]))[0])
-    with mp.workdps(30):
-
-        def moved(t):
-            half = ((1 + mp.mpf(0.3) * mp.cos(t)) / whole) ** (1 / mp.mpf(n))
-            return -mp.mpf(0.3) * mp.sin(t - 1) * mp.acosh(mp.mpf(x.item()) / half)
-
-        exact = float(mp.quad(moved, [first, last]))
-    end = instant(leg, last)
-    below = Piece(None, instant(leg, first).normal, instant(leg, first), 0.0)
-    piece = Piece(below, end.normal, end, 0.0, 0.0, (first, last))
-    return Arc(contact, "slip", piece, np.atleast_1d(x)).up_to(np.array([last])).item(), exact
 
 
 def work_over_points(contact, modulus, spans, work):

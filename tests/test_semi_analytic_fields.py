@@ -19,7 +19,7 @@ from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
 from semi_analytic.profiles import contact_of
 from semi_analytic_cases import LOADS, PROFILES, ellipse, extreme, make_scene, polygon
-from semi_analytic_oracle import LONG, Oracle, slip_of_an_arc
+from semi_analytic_oracle import LONG, Oracle
 
 TURN = 2 * math.pi
 FEW = [
@@ -53,7 +53,7 @@ def astray(profile, load):
     edges = solve(scene, x=[0.0], time=times, fields=())
     near = [float(values[0]) * (1 + d) for values in (edges.contact_half_width, edges.stick_half_width) for d in (-1e-3, 1e-3)]
     corners = [b * (1 + d) for b in PROFILES[profile].kinks[:2] for d in (-1e-9, 1e-9)]
-    x = np.unique(np.concatenate([half * np.array([1e-8, 0.1, 0.63, 0.93, 1.1, 3.0]), near, corners]))
+    x = np.unique(np.concatenate([half * np.array([1e-8, 0.1, 0.63, 0.93, 1.1, 3.0, 10.0]), near, corners]))
     found = solve(scene, x=x, time=times, fields=("pressure", "shear", "slip", "tangential_displacement", "normal_approach"))
     oracle = Oracle(scene, times)
     exact = [oracle.at(k, x) for k in range(len(times))]
@@ -75,14 +75,6 @@ def test_fields_by_brute_force(profile, load):
         assert off <= max(told, 5e-12), name
 
 
-@pytest.mark.parametrize("n", [1.3, 2.0, 7.0, 20.0, 40.0])
-@pytest.mark.parametrize("place", [1.01, 3.0, 10.0])
-def test_slip_of_an_arc_far_outside_the_contact(n, place):
-    """The sine part of an arc at thirty digits, P_x up to 10^40 P: a short arc was lost in the last digits of a large logarithm."""
-    found, exact = slip_of_an_arc(n, place)
-    assert found == pytest.approx(exact, rel=1e-12 if n < 2 else 1e-13, abs=0)
-
-
 @pytest.mark.parametrize(("least", "limit"), [(1e-2, 2e-13), (1e-3, 2e-13), (1e-4, 5e-13), (1e-6, 5e-12)])
 def test_slip_on_an_ellipse_that_unloads_nearly_all(least, limit):
     """The logarithm of P in the slip is close to the start of the stick phase: by Gauss' rule alone 3e-11, 1e-7, 2e-5, 6e-4 of the
@@ -102,7 +94,6 @@ def test_slip_on_an_ellipse_that_unloads_nearly_all(least, limit):
 # ------------------------------------------------------------------------------------------------------------- closed forms
 P = 90.62286500739786  # a = 1 in the library's Hertz scenes
 P0 = 2 * P / math.pi
-MODULUS = 210e3 / (2 * 0.91)
 X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1.2])
 
 

@@ -33,7 +33,7 @@ from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.hertz import log_excess
 from semi_analytic.profiles import contact_of, inverse_load_function, power_law
 from semi_analytic.punch_superposition import PunchSuperposition
-from semi_analytic_oracle import LONG, PI, integrate, law_of
+from semi_analytic_oracle import LONG, Punches, integrate, law_of
 
 
 def contact_on(profile, modulus=1.0):
@@ -85,67 +85,35 @@ LIMITS = {"pressure": 2e-12, "pressure_moment": 2e-12, "dissipation_kernel": 3e-
 OTHERS = 4e-14
 
 
-class Truth:
-    """Integrals over the punches of a profile, E* = 1; weighted by P(alpha) for the moments."""
-
-    def __init__(self, profile, datum):
-        self.law, self.datum = law_of(profile), LONG(datum)
-        self.least = self.law.breaks[0]
-
-    def _marks(self, low, high):
-        return [low, *(b for b in self.law.breaks if low < b < high), high]
-
-    def pressure(self, x, a, moment=False):
-        """(1/pi) int dP/sqrt(alpha^2 - x^2) with alpha^2 = x^2 + w^2."""
-        marks = [np.sqrt((m - x) * (m + x)) for m in self._marks(max(x, self.least), a)]
-
-        def strip(w):
-            alpha = np.sqrt(x * x + w * w)
-            return (self.law.load(alpha) if moment else 1) * self.law.rate(alpha) / alpha / PI
-
-        return integrate(strip, marks)
-
-    def total(self, kernel, a, moment=False, begin=None):
-        """int kernel(alpha) dP."""
-        strip = lambda alpha: (self.law.load(alpha) if moment else 1) * self.law.rate(alpha) * kernel(alpha)  # noqa: E731
-        return integrate(strip, self._marks(self.least if begin is None else begin, a))
-
-    def slip_integral(self, x, a, moment=False):
-        reach = lambda alpha: np.arcsinh(np.sqrt((x - alpha) * (x + alpha)) / alpha)  # noqa: E731
-        return self.total(reach, min(a, x), moment)
-
-    def log_distance(self, a, moment=False):
-        return self.total(lambda alpha: np.log(2 * self.datum / alpha), a, moment)
-
-    def dissipation_kernel(self, a, c):
-        return self.total(lambda alpha: np.log1p((alpha - c) / c), a, begin=c)
-
-
 def kernels(contact, truth, a):
-    """(name, arguments of the contact, exact value) at one half-width, the moments too."""
-    load, a = float(contact.load(a)), LONG(a)
+    """(name, arguments of the contact, exact value) at one half-width, the moments, weighted by P(alpha), too."""
+    load, a, least = float(contact.load(a)), LONG(a), truth.least
     for x in (float(a) * part for part in (0.0, 1e-3, 0.3, 0.9, 0.999, 1.3)):
         at = LONG(x)
-        if x < a and (x > 0 or truth.law.rate(LONG(1e-9)) < 1e-7):  # p of the tip of a wedge is infinite
-            yield "pressure", (x, load), truth.pressure(at, a)
-            yield "pressure_moment", (x, load), truth.pressure(at, a, True)
-        if at > truth.least:
-            yield "slip_integral", (x, load), truth.slip_integral(at, a)
-            yield "slip_integral_moment", (x, load), truth.slip_integral(at, a, True)
-    yield "log_distance", (load,), truth.log_distance(a)
-    yield "log_moment", (load,), truth.log_distance(a, True)
+        for moment, weight in (("", None), ("_moment", truth.law.load)):
+            if x < a and (x > 0 or truth.law.rate(LONG(1e-9)) < 1e-7):  # p of the tip of a wedge is infinite
+                yield "pressure" + moment, (x, load), truth.traction(at, least, a, weight)
+            if at > least:
+                yield "slip_integral" + moment, (x, load), truth.slip(at, least, a, weight)
+    yield "log_distance", (load,), truth.log(least, a)
+    yield "log_moment", (load,), truth.log(least, a, truth.law.load)
     for part in (0.999, 0.7, 0.1):
-        c = float(truth.least + part * (a - truth.least))
+        c = float(least + part * (a - least))
         slipped = load - float(contact.load(c))
         if front := load - slipped:  # as P - P_c has it: for |x|^20 nothing is left of 1e-20 P
-            yield "dissipation_kernel", (load, slipped), truth.dissipation_kernel(a, LONG(float(contact.half_width(front))))
+            yield "dissipation_kernel", (load, slipped), dissipation_kernel(truth, a, LONG(float(contact.half_width(front))))
+
+
+def dissipation_kernel(truth, a, c):
+    """int ln(alpha/c) dP."""
+    return truth.total(lambda alpha: np.log1p((alpha - c) / c), c, a)
 
 
 @EVERY
 def test_every_kernel_is_its_integral_over_the_punches_and_its_error_is_honest(name):
     profile, widths = CASES[name]
     contact = contact_on(profile)
-    truth = Truth(profile, contact.datum_length)
+    truth = Punches(profile)
     skipped = ("pressure_moment", "slip_integral_moment", "log_moment") if profile.kind == "callable" else ()
     for a in widths:
         assert float(contact.half_width(contact.load(a))) == pytest.approx(a, rel=3e-15 if profile.kind != "callable" else 1e-12)
@@ -403,13 +371,13 @@ def test_friction_work_kernel_from_the_smallest_front_to_the_whole_contact(flat,
 def test_friction_work_kernel_where_p_hardly_grows():
     """Across a half-width at which dP/da is nearly 0 twelve nodes of Gauss' rule left 1e-7 of Lam, and did not say so."""
     profile = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43))
-    contact, truth = contact_on(profile), Truth(profile, 1.0)
+    contact, law = contact_on(profile), law_of(profile)
     for half in np.linspace(0.4, 1.4, 21):
         load = float(contact.load(half))
         for part in (1e-3, 0.019, 0.03, 0.1, 0.25):
             front = LONG(float(contact.half_width(load * (1 - part))))
             nearest = sorted({front, LONG(half), *(m for m in np.linspace(front, LONG(half), 9)[1:-1])})
-            exact = integrate(lambda a, c=front: truth.law.rate(a) * np.log1p((a - c) / c), nearest)
+            exact = integrate(lambda a, c=front: law.rate(a) * np.log1p((a - c) / c), nearest)
             assert float(contact.dissipation_kernel(load, part * load)) == pytest.approx(float(exact), rel=2e-11), (half, part)
 
 
