@@ -48,6 +48,8 @@ ORDER = 16
 _PANELS = (0.0, 0.001, 0.006, 0.03, 0.12, 0.4, 1.0)
 # What a step may leave unresolved, as share of the half-width; shortest step and longest stretch bridged, as shares of the longest.
 _RESOLVED, _SHORTEST, _BRIDGED = 2e-9, 1e-7, 2e-3
+# Share of A f P that the equations of the edges may change by while edges are held: 1e-7 moves them by 1e-8 of their size.
+_CLOSING = 1e-7
 # Instants of a step that are sampled together.
 _TOGETHER = 16
 # Share of the longest step that is no time: directions are those just after, and a corner that close has been reached.
@@ -435,7 +437,8 @@ class Step:
     """A stretch of time without events. Values at nodes 0..n of phi, with time = begin + duration sin(pi (1 + phi)/4)^2.
 
     `slips` are the directions at both ends: +1, -1, or 0 for a contact edge that advances in stick. `frozen` holds all of s' that
-    is frozen at the end. `work` is the friction work, `wrong` the largest share of slip rate or f p0 that breaks a law of friction.
+    is frozen at the end. `work` is the friction work, `wrong` the largest share of slip rate or f p0 that breaks a law of friction,
+    at x = `where`.
     """
 
     slips: tuple[int, int]
@@ -451,6 +454,7 @@ class Step:
     passed: bool = False
     work: float = 0.0
     wrong: float = 0.0
+    where: float = 0.0
 
     @property
     def opposite(self) -> bool:
@@ -760,21 +764,29 @@ class Follower:
         return min(found, key=lambda each: each[0]) if found else None
 
     def _to_passage(self, state: State, step: Step, event: tuple[float, str, int, Array]) -> Step | None:
-        """The step that ends where an edge passes an old one, by false position and bisection."""
+        """The step that ends just before an edge passes an old one, by the secant rule between bounds.
+
+        Beyond the old edge s' has another series: a step that goes a little too far is not smooth.
+        """
         guess, _, side, values = event
-        mark = side * ((step.b2 if side > 0 else -step.b1)[0] - values[0])
-        low, high, at_low, at_high = state.time, float(step.time[-1]), float(values[0]), float(values[-1])
-        for turn in range(30):
+        # The gap that is left: at most 1e-8 of the contact.
+        mark, aim = side * ((step.b2 if side > 0 else -step.b1)[0] - values[0]), 5e-9 * step.size
+        low, high = state.time, float(step.time[-1])
+        known = [(low, float(values[0]) - aim), (high, float(values[-1]) - aim)]
+        for _ in range(30):
             new = self._attempt(state, step.slips, guess)
             if new is None:
-                high, at_high = guess, math.nan
-            else:
-                value = side * float((new.b2 if side > 0 else new.b1)[-1] - mark)
-                if abs(value) < 1e-7 * step.size:
-                    return replace(new, passed=True)
-                low, at_low, high, at_high = (guess, value, high, at_high) if value > 0 else (low, at_low, guess, value)
-            share = at_low / (at_low - at_high) if math.isfinite(at_high) and turn % 3 < 2 else 0.5
-            guess = low + (high - low) * share
+                high, guess = guess, (low + guess) / 2
+                continue
+            value = side * float((new.b2 if side > 0 else new.b1)[-1] - mark) - aim
+            if abs(value) < 0.9 * aim:
+                return replace(new, passed=True)
+            low, high = (guess, high) if value > 0 else (low, guess)
+            known = [known[-1], (guess, value)]
+            (before, was), (now, value) = known
+            guess = now - value * (now - before) / (value - was) if value != was else math.inf
+            if not low < guess < high:
+                guess = (low + high) / 2
             if high - low < 1e-13 * float(step.time[-1] - step.time[0]):
                 break
         return None
@@ -796,7 +808,7 @@ class Follower:
         frozen = Frozen(pieces)
         end = State(float(step.time[-1]), (float(step.b1[-1]), float(step.b2[-1])), step.slips, pieces)
         rate_of_time = np.cos(np.pi * _nodes(self.order) / 2) * np.pi / 4 * (step.time[-1] - step.time[0])
-        work, wrong = 0.0, 0.0
+        work, wrongs = 0.0, [(0.0, end.b1)]
         for side, d in ((-1, step.slips[0]), (1, step.slips[1])):
             if d:
                 x, weight = _zone(step.a1, step.b1) if side < 0 else _zone(step.b2, step.a2)
@@ -804,14 +816,16 @@ class Follower:
                 p = self.contact.pressure(x, step.a1[:, None], step.a2[:, None])
                 work += _integral(self.friction * np.sum(weight * p * rate, axis=1) * rate_of_time)
                 self.fastest = max(self.fastest, float(np.max(rate)))
-                wrong = max(wrong, -float(np.min(rate)) / self.fastest)
+                wrongs.append((-float(np.min(rate)) / self.fastest, float(x.flat[np.argmin(rate)])))
         x = end.b1 + (end.b2 - end.b1) * np.linspace(0.01, 0.99, 40)
         edges = (step.a1[-1:], step.a2[-1:], *end.edges)
         reserve = self.shear_reserve(end.frozen, x[None], step.loads[:, -1:], edges, step.slips)[0]
         reserve = reserve * np.sqrt((x - end.b1) * (end.b2 - x))
         limit = 2 * self.friction * self.contact.pressure(x, step.a1[-1], step.a2[-1])
-        wrong = max(wrong, float(np.max(np.maximum(-reserve, reserve - limit)) / np.max(limit)) * 2)
-        return replace(step, frozen=frozen, work=work, wrong=wrong), end
+        beyond = np.maximum(-reserve, reserve - limit)
+        wrongs.append((float(np.max(beyond) / np.max(limit)) * 2, float(x[np.argmax(beyond)])))
+        wrong, where = max(wrongs)
+        return replace(step, frozen=frozen, work=work, wrong=wrong, where=where), end
 
     def _closed(self, state: State, side: int, contact: tuple[Array, Array], loads: Array) -> State:
         """The state whose slip zone of a side has come to rest: its s' is frozen up to the edge of contact."""
@@ -850,7 +864,7 @@ class Follower:
                     continue
                 contact_edge = np.array([[both[(side + 1) // 2]]])
                 if float(self.slip_rate(side, state.slips, contact_edge, rates, edges(state))[0, 0]) > 0:
-                    raise _broken(state.time, "a stick edge advances into a zone that slips on")
+                    raise _broken(state.time, state.edge(side), "a stick edge advances into a zone that slips on")
                 state, closed = self._closed(state, side, (a1, a2), loads), True
             if not closed:
                 break
@@ -921,9 +935,21 @@ class Follower:
         b1, b2 = (np.full(self.order + 1, each) for each in state.stick)
         return self._finished(Step(slips, time, loads, rates, a1, a2, b1, b2, state.frozen), state)
 
-    def _bridge(self, state: State, slips: tuple[int, int], stop: float) -> tuple[Step, State, set[int]] | None:
-        """Edges held up to a turning point or `stop` that is near: where a loop closes there they meet a stretch without q*."""
+    def _bridge(self, state: State, slips: tuple[int, int], stop: float, patient: bool) -> tuple[Step, State, set[int]] | None:
+        """Edges held up to `stop`, or a turning point, that is near: where a loop closes there they meet a stretch without q*.
+
+        Near is where the loads have next to nothing to do any more, and while `patient` is over a share of the longest step.
+        """
         if 0 in slips:
+            return None
+        time = np.array([state.time, stop])
+        loads, (b1, b2) = self.loads.values(time), (np.full(2, each) for each in state.stick)
+        first, second = self._residual(state.frozen, loads, (*self.contact.edges(loads[0], loads[3]), b1, b2), slips)
+        left = abs(first[1] - first[0]) * (state.b2 - state.b1), abs(second[1] - second[0])
+        if max(left) < _CLOSING * self.contact.compliance * self.friction * float(loads[0, 0]):
+            self.counts["bridged"] += 1
+            return *self._held(state, slips, stop), set()
+        if not patient:
             return None
         end = min(stop, state.time + _BRIDGED * self.longest)
         step, _ = self._held(state, slips, end)
@@ -948,7 +974,7 @@ class Follower:
             Where stick breaks into several intervals, and where a step does not converge however short it is.
         """
         steps: list[Step] = []
-        slips, turned, trial = None, set[int](), self.longest
+        slips, turned, trial, searched = None, set[int](), self.longest, -math.inf
         while state.time < end - _SOON * self.longest:
             if slips is None:
                 state, slips = self._next_slips(state, turned)
@@ -965,14 +991,15 @@ class Follower:
                 step = self._attempt(state, slips, max(event[0], state.time + 1e-9 * self.longest))
             if step is None or rough >= _RESOLVED:
                 trial = min(trial, until - state.time) / 2
-                if trial > 1e-4 * self.longest:
-                    continue
-                bridged = self._bridge(state, slips, stop)
+                bridged = self._bridge(state, slips, stop, patient=trial <= 1e-4 * self.longest)
                 if bridged is not None:
                     step, state, turned = bridged
-                elif (jumped := self._jump(state, slips, stop)) is not None:
+                elif trial > 1e-4 * self.longest:
+                    continue
+                elif searched < state.time and (jumped := self._jump(state, slips, stop)) is not None:
                     step, state = jumped
                 elif trial > _SHORTEST * self.longest:
+                    searched = state.time
                     continue
                 else:
                     raise NotOneStickInterval(
@@ -991,7 +1018,7 @@ class Follower:
                 trial = min(self.longest, 2 * trial)
             slips = None  # a load may turn round right where a step ends
             if step.wrong > _WRONG:
-                raise _broken(float(step.time[-1]), "friction would be broken inside what slips or sticks")
+                raise _broken(float(step.time[-1]), step.where, "friction would be broken inside what slips or sticks")
             steps.append(step)
         return steps, state
 
@@ -1002,10 +1029,10 @@ class Follower:
         return max(float(np.max(np.abs(_fit(values)[-2:]))) / scale for values, scale in series)
 
 
-def _broken(time: float, why: str) -> NotOneStickInterval:
+def _broken(time: float, where: float, why: str) -> NotOneStickInterval:
     return NotOneStickInterval(
-        f"load: the stick zone breaks into several intervals near time {time:.6g} ({why}); half-plane theory here follows one "
-        "interval: bulk stress and tilt in phase with the loads keep one more often, finite elements take any"
+        f"load: the stick zone breaks into several intervals near time {time:.6g} at x = {where:.6g} ({why}); half-plane theory "
+        "here follows one interval: bulk stress and tilt in phase with the loads keep one more often, finite elements take any"
     )
 
 
