@@ -82,8 +82,8 @@ def test_events_between_others_are_spread_over_time_not_over_increments() -> Non
     time = np.concatenate([np.linspace(0, 0.01, 9 * len(cycle.time) * 2), np.linspace(0.01, 1, 2 * len(cycle.time) + 1)[1:]])
     flat = np.ones(len(time))
     crowded = replace(cycle, time=time, normal_load=flat, tangential_load=0 * flat)
-    found = [time[event.index] for event in events(crowded, 0.5, count=3)]
-    assert found == pytest.approx([0.25, 0.5, 0.75], abs=0.03)
+    found = [time[event.index] for event in events(crowded, 0.5)]
+    assert (len(found), min(np.diff(found)) > 0.1) == (6, True)
 
 
 def test_events_of_the_papers_ellipse() -> None:

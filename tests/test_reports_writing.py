@@ -287,7 +287,7 @@ class TestPdf:
     def test_without_typst_the_extra_is_named(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(pdf, "find_spec", lambda name: None)
         with pytest.raises(InputError, match=r"--pdf: it needs typst.*halfplane\[pdf\]"):
-            pdf.require_typst("--pdf")
+            pdf.require_typst()
 
     @pytest.mark.skipif(importlib.util.find_spec("typst") is None, reason="typst is not installed: pip install -e .[pdf]")
     def test_a_pdf_is_written_beside_the_page_whatever_the_words(self, folder: Path, tmp_path: Path) -> None:

@@ -76,14 +76,14 @@ def drawn(plate: Plate, formats: Sequence[str]) -> dict[str, bytes]:
     return found
 
 
-def pixels_of(plate: Plate, dots: int = 108) -> NDArray[np.uint8]:
-    """The picture of a figure, (height, width, 3), at so many dots an inch."""
+def pixels_of(plate: Plate) -> NDArray[np.uint8]:
+    """The picture of a figure, (height, width, 3), at 108 dots an inch: nine eighths of the page's."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     with mpl.rc_context(STYLE | {"font.family": "DejaVu Sans"}):
         figure = figure_of(plate)
-        figure.set_dpi(dots)
+        figure.set_dpi(108)
         canvas = FigureCanvasAgg(figure)
         canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()

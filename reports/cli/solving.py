@@ -304,7 +304,7 @@ def run(scene: SceneName, *, options: RunOptions = _RUN) -> int:
         if options.pdf:
             from reports.page.pdf import require_typst
 
-            require_typst("--pdf")
+            require_typst()
         from reports.comparison.budget import theory_on_steps
         from reports.comparison.metrics import are_half_planes
 

@@ -82,15 +82,6 @@ class Extrapolation:
     rule: str
 
 
-@dataclass(frozen=True)
-class GridConvergence:
-    """Roache's index, relative, of the finer two and of the coarser two of three rungs; `ratio` is 1 in the asymptotic range."""
-
-    fine: float
-    coarse: float
-    ratio: float
-
-
 def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float | None:
     """p of the curve through three rungs; None where they are not monotone or drift apart as h falls.
 
@@ -110,17 +101,6 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
     if excess(low) >= 0 or excess(high) <= 0:
         return None
     return float(brentq(excess, low, high, xtol=1e-14))
-
-
-def grid_convergence(ladder: Ladder, safety: float = SAFE) -> GridConvergence:
-    """The index of the three finest rungs, GCI = F |phi_2 - phi_1|/(|phi_1| (r^p - 1)); ValueError where they have no order."""
-    order = observed_order(ladder.sizes[:3], ladder.values[:3])
-    if order is None:
-        raise ValueError(f"values {ladder.values[:3]} have no order of convergence")
-    (h1, h2, h3), (one, two, three) = ladder.sizes[:3], ladder.values[:3]
-    fine = safety * abs((two - one) / one) / math.expm1(order * math.log(h2 / h1))
-    coarse = safety * abs((three - two) / two) / math.expm1(order * math.log(h3 / h2))
-    return GridConvergence(fine, coarse, fine / coarse * (h2 / h1) ** order)
 
 
 def kind_of(ladder: Ladder) -> Kind:

@@ -191,6 +191,10 @@ def _halving(at: Array, values: Array) -> float:
     return worst / largest
 
 
+# Instants of the last cycle that a page shows.
+MOST_EVENTS = 6
+
+
 @dataclass(frozen=True)
 class Event:
     """An instant of the last cycle: its index in the cycle and what happens there."""
@@ -199,8 +203,8 @@ class Event:
     label: str
 
 
-def events(cycle: Cycle, friction: float, count: int = 6) -> tuple[Event, ...]:
-    """At most `count` instants in the order of time: extremes of P, Q, Q - f P, Q + f P; then middles of gaps.
+def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
+    """At most `MOST_EVENTS` instants in the order of time: extremes of P, Q, Q - f P, Q + f P; then middles of gaps.
 
     Without bulk stress and tilt Q - f P is largest where forward slip ends, Q + f P least where reverse slip ends. A quantity that
     does not move has no extremes.
@@ -221,10 +225,10 @@ def events(cycle: Cycle, friction: float, count: int = 6) -> tuple[Event, ...]:
     for label, quantity in wanted:
         if np.ptp(quantity) > 1e-9 * size:
             found.setdefault(_first_largest(quantity, size), label)
-    chosen = dict(list(found.items())[:count])
+    chosen = dict(list(found.items())[:MOST_EVENTS])
     if len(cycle.time) == 1:
         chosen = {0: "the only instant"}
-    while len(chosen) < min(count, len(cycle.time) - 1):
+    while len(chosen) < min(MOST_EVENTS, len(cycle.time) - 1):
         chosen.setdefault(_widest_gap(chosen, cycle.time), "between")
     return tuple(Event(index, chosen[index]) for index in sorted(chosen))
 

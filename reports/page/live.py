@@ -23,6 +23,8 @@ from reports.units import load_unit, units
 Array = NDArray[np.float64]
 # Largest number of instants, and of instants times points, that a page carries: 1.6 MB.
 MOST_INSTANTS, MOST_VALUES = 200, 100_000
+# Letters of the longest CSV that a page carries.
+_LETTERS = 1_500_000
 _STEPS, _NOTHING = 32766, -32768
 
 
@@ -109,9 +111,10 @@ def carried(data: dict[str, Any]) -> str:
     )
 
 
-def tables(texts: Mapping[str, str], most: int = 1_500_000) -> dict[str, str]:
-    """Name -> the CSV of each figure, deflated; those over `most` letters stay beside the page only."""
-    return {name: base64.b64encode(zlib.compress(text.encode(), 9)).decode() for name, text in texts.items() if len(text) <= most}
+def tables(texts: Mapping[str, str]) -> dict[str, str]:
+    """Name -> the CSV of each figure, deflated; those over `_LETTERS` stay beside the page only."""
+    short = {name: text for name, text in texts.items() if len(text) <= _LETTERS}
+    return {name: base64.b64encode(zlib.compress(text.encode(), 9)).decode() for name, text in short.items()}
 
 
 def as_script(data: dict[str, Any]) -> str:

@@ -33,10 +33,10 @@ from scenes import InputError
 _TEMPLATES = resources.files("reports") / "templates"
 
 
-def require_typst(option: str) -> None:
+def require_typst() -> None:
     """InputError in a sentence where typst is not installed."""
     if find_spec("typst") is None:
-        raise InputError(f"{option}: it needs typst, which is not installed here; `pip install halfplane[pdf]` brings it")
+        raise InputError("--pdf: it needs typst, which is not installed here; `pip install halfplane[pdf]` brings it")
 
 
 def write_pdf(report: Report, plates: Sequence[Plate], path: Path, command: str) -> None:
@@ -44,7 +44,7 @@ def write_pdf(report: Report, plates: Sequence[Plate], path: Path, command: str)
 
     Words from outside go to typst as data, never as text of its language.
     """
-    require_typst("--pdf")
+    require_typst()
     import typst
 
     with tempfile.TemporaryDirectory(prefix="halfplane-") as name:
