@@ -121,7 +121,7 @@ def require_admissible(scene: Scene, source: str) -> None:
     check = check_path(scene)
     if not check.reason or check.first_time is None:
         return
-    if check.reason == "separation" and not _presses(scene):
+    if check.reason == "separation" and largest_normal_load(scene) <= 0:
         raise InputError(
             f"{source}: load: P is never positive; it is a compression, positive where the bodies are pressed together, so "
             "turn its sign if compression is negative in this record"
@@ -131,11 +131,6 @@ def require_admissible(scene: Scene, source: str) -> None:
         check.reason, check.first_time, *worst[1:], scene.friction.coefficient, worst, where=f"worst in the {check.part}"
     )
     raise InputError(f"{source}: {fault}{_other_initial_loading(scene)}")
-
-
-def _presses(scene: Scene) -> bool:
-    """Whether P is positive anywhere."""
-    return largest_normal_load(scene) > 0
 
 
 def _other_initial_loading(scene: Scene) -> str:

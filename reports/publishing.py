@@ -97,11 +97,12 @@ def half_plane_findings(name: str) -> Findings:
 
 def findings(comparison: Comparison) -> Findings:
     """The figures of a scene: the metrics, the finite elements', and the half-plane engine's on its own points."""
+    from reports.comparison import Report
     from reports.comparison.content import as_json
     from reports.comparison.expected import measure
 
     name = comparison.scene.name
-    both, alone = of_content(json.loads(as_json(comparison)), name), half_plane_findings(name)
+    both, alone = of_content(json.loads(as_json(Report(comparison))), name), half_plane_findings(name)
     if both.unfinished:
         raise InputError(f"{name}: not converged, so not published: {'; '.join(both.unfinished)}")
     kept = {key: value for key, value in both.figures.items() if not key.startswith("semi_analytic.")}

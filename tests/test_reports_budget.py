@@ -224,13 +224,13 @@ def test_honesty_is_written_into_the_comparison_page_and_file(paper):
     page = render(found, (), "", {})
     assert all(f">{name}</th>" in page for name in ("mesh", "step", "far field", "unexplained"))
     assert "Run and budget took 2.00 times" in page
-    assert "Where the discrepancy comes from" not in render(comparison, (), "", {})
+    assert "Where the discrepancy comes from" not in render(Report(comparison), (), "", {})
     stored = json.loads(as_json(found))
     shares = stored["budget"]["metrics"]["dissipation"]
     values = [term["value"] or 0.0 for term in shares["terms"].values()]
     assert sum(values) + shares["unexplained"] == pytest.approx(shares["E"], abs=1e-14)
     assert stored["metrics"]["dissipation"]["honest"] is shares["honest"]
-    assert json.loads(as_json(comparison))["budget"] is None
+    assert json.loads(as_json(Report(comparison)))["budget"] is None
 
 
 def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, monkeypatch) -> None:

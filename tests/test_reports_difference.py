@@ -164,7 +164,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     exact, rough = cattaneo_mindlin(), cattaneo_mindlin(dissipation=1.25e-3)
     content = compare(replace(exact, engine="semi_analytic"), replace(rough, engine="halfplane_fe"))
     (root / "a").mkdir()
-    (root / "a" / "comparison.json").write_text(as_json(content))
+    (root / "a" / "comparison.json").write_text(as_json(Report(content)))
     write_solution(exact, root / "alone")
     write_solution(replace(exact, record=replace(exact.record, converged=False)), root / "failed", name="partial")
     exact.save(root / "solution.nc")

@@ -15,7 +15,7 @@ import semi_analytic
 from meshes import MeshSettings
 from problems import FEW_STEPS, fe_run
 from reports import compare
-from reports.comparison import Comparison
+from reports.comparison import Comparison, Report
 from reports.comparison.content import as_json
 from reports.comparison.metrics import METRICS, markdown
 from reports.comparison.words import unit_of
@@ -306,7 +306,9 @@ def test_places_times_uncertainties_and_units_of_the_worst() -> None:
     wide = with_fields(edges("stick_edges", 0, 0.01), settings={"element_size": 0.02})
     assert compare(TRUTH, wide).metric("stick_edge").elements == pytest.approx(0.5)
     assert compare(TRUTH, TRUTH).metric("stick_edge").elements is None
-    stored = json.loads(as_json(compare(TRUTH, FAULTS["right contact edge 0.02 a out"][0]())))["metrics"]["contact_edge_right"]
+    stored = json.loads(as_json(Report(compare(TRUTH, FAULTS["right contact edge 0.02 a out"][0]()))))["metrics"][
+        "contact_edge_right"
+    ]
     assert stored["value"] == pytest.approx(0.02)
     assert (stored["unit"], stored["region"], stored["signed"]) == ("of a_ref", "judged instants", True)
     assert stored["worst_at_x_over_a_ref"] == pytest.approx(1.02)

@@ -19,7 +19,7 @@ import layer_truth
 import semi_analytic
 from meshes import MeshSettings
 from reports.cli.scene_files import tagged
-from reports.comparison import compare, expected
+from reports.comparison import Report, compare, expected
 from reports.comparison.content import as_json
 from reports.comparison.laws import certificates
 from scenes import (
@@ -282,6 +282,6 @@ def test_a_zero_is_judged_by_the_scale_of_its_kind(mindlin: ContactSolution) -> 
 
 def test_numbers_of_the_other_engine_are_left_out(mindlin: ContactSolution) -> None:
     assert [one.expected.engine for one in expected.check(mindlin.scene, [mindlin])] == [THEORY] * 3
-    content = json.loads(as_json(compare(mindlin, mindlin)))["expected"]
+    content = json.loads(as_json(Report(compare(mindlin, mindlin))))["expected"]
     assert [one["met"] for one in content] == [True] * 3
     assert {"quantity", "value", "tolerance", "engine", "source", "found", "difference", "met"} == set(content[0])

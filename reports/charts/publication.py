@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Generator, Iterable, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
@@ -19,10 +18,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FORMATS = ("pdf", "svg", "png")
 # A unit of a drawing is a pixel of a style sheet: 1/96 inch, 3/4 of a printer's point.
 _INCH, _POINT, _DOTS = 1 / 96, 0.75, 200
-# For figures that are no plates: benchmarks and films.
+# Also of figures that are no plates, in benchmarks and the manual.
 STYLE: dict[Any, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
@@ -38,16 +36,6 @@ STYLE: dict[Any, Any] = {
     "figure.facecolor": "white",
     "svg.hashsalt": "halfplane",  # the same data gives the same file
 }
-
-
-@contextmanager
-def canvas(width: float, height: float) -> Generator[Figure, None, None]:
-    """A figure of `width` by `height` inches in the common style."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    with mpl.rc_context(STYLE):
-        yield Figure(figsize=(width, height))
 
 
 def write_plots(plates: Iterable[Plate], folder: File, formats: Sequence[str]) -> list[str]:

@@ -16,7 +16,6 @@ from scenes import SurfaceState
 # Okabe and Ito's colours, told apart by all common forms of colour vision and, in these pairs, in grey.
 # The reference is a broad pale band, the result a thin dark line on it: where they agree both are seen.
 REFERENCE, RESULT, DIFFERENCE, QUIET = "#56B4E9", "#B33A00", "#5B2A86", "#6b6b6b"
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#333333", "#56B4E9")
 STATE_COLOURS = {
     SurfaceState.OPEN: "#f7f7f7",
     SurfaceState.STICK: "#c4c4c4",

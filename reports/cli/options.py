@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from meshes import MeshSettings
 
 SceneName = Annotated[str, Parameter(name="scene", help="Name of a library scene, or a .toml or .json file.")]
-Silent = Annotated[bool, Parameter(negative="", help="Print nothing: the exit code is the answer.")]
 
 _MESH = Group("Mesh (lengths over the contact half-width; what is left out is the engine's own)", sort_key=2)
 _SOLVER = Group("Solver (what is left out is the engine's own)", sort_key=3)
@@ -39,6 +38,8 @@ def several(words: str) -> Parameter:
     return Parameter(consume_multiple=True, negative="", help=words)
 
 
+Silent = Annotated[bool, flag("Print nothing: the exit code is the answer.")]
+Json = Annotated[bool, flag("As JSON on stdout, and nothing else there.")]
 Tolerance = Annotated[tuple[str, ...], several("5%: of dissipation, peak pressure and both half-widths; KEY=VALUE: of one metric.")]
 
 
@@ -48,7 +49,7 @@ class Output:
     """Where the results go, and what is printed."""
 
     out: Annotated[Path | None, Parameter(help="Folder for the results; out/<scene name> if left out.")] = None
-    json: Annotated[bool, flag("As JSON on stdout, and nothing else there.")] = False
+    json: Json = False
     quiet: Annotated[bool, flag("No progress on stderr.")] = False
 
     def command(self, name: str, operand: str, out: Path) -> str:

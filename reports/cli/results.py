@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from reports.cli.answers import answer
-from reports.cli.options import Output, SceneName, Silent, Tolerance, flag, several, tolerances_of
+from reports.cli.options import Json, Output, SceneName, Silent, Tolerance, flag, several, tolerances_of
 from reports.cli.process import NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.cli.solving import exit_code, read, show_verdict
 from reports.console import Stages, complain, say, show_table
@@ -185,7 +185,7 @@ class DiffOptions:
 
     tolerance: Annotated[tuple[str, ...], several('KEY=VALUE of one value, or of many: "metric.*=1e-4".')] = ()
     accept: Annotated[bool, flag("Make B a baseline of A; the tolerances given are kept in it.")] = False
-    json: Annotated[bool, flag("As JSON on stdout, and nothing else there.")] = False
+    json: Json = False
     quiet: Silent = False
 
 
@@ -258,7 +258,7 @@ class AdviseOptions:
     """Up to which error half-plane theory may be used."""
 
     limit: Annotated[float, Parameter(help="Error of dissipation up to which half-plane theory may be used, a share.")] = 0.05
-    json: Annotated[bool, flag("As JSON on stdout, and nothing else there.")] = False
+    json: Json = False
 
 
 _ADVISE = AdviseOptions()

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Group, Parameter
 
 from reports.cli.answers import answer, answer_schema
-from reports.cli.options import SceneName, Silent, flag
+from reports.cli.options import Json, SceneName, Silent, flag
 from reports.cli.process import WITHIN
 from reports.cli.solving import load_engines, read
 from reports.console import Stages, say, width
@@ -31,7 +31,6 @@ _MOST_ROWS = 10_000
 _COMMENTS = 32
 
 _SCENE = Group("Scene (what is left out stays as in the example; N, mm, MPa)", sort_key=2)
-Json = Annotated[bool, flag("As JSON on stdout, and nothing else there.")]
 
 
 def _key(words: str) -> Parameter:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import App, Group, Parameter
 
 from reports.cli.answers import answer
-from reports.cli.options import Output, flag
+from reports.cli.options import Json, Output, flag
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, WITHIN
 from reports.console import Stages, complain, say, show_table
 
@@ -22,7 +22,6 @@ _SHOWN, _NOTES = 20, 3
 
 sweep_app = App(name="sweep", help_epilogue="", group_commands=Group("Of a sweep that is there"))
 Folder = Annotated[Path, Parameter(help="Folder of a sweep.")]
-Json = Annotated[bool, flag("As JSON on stdout, and nothing else there.")]
 
 
 @Parameter(name="*")

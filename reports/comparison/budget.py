@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -312,12 +312,14 @@ class ErrorBudget:
 def error_budget(comparison: Comparison, ladders: Ladders, plain_seconds: float) -> ErrorBudget:
     """The budgets of every metric of `comparison` that has a finite value."""
     half_planes = are_half_planes(comparison.scene)
-    budgets = tuple(
-        Budget(metric, tuple(_terms(metric, comparison, ladders)), half_planes)
-        for metric in comparison.metrics
-        if metric.key not in _PARTS and metric.value is not None and math.isfinite(metric.value)
-    )
-    return ErrorBudget(budgets, ladders, plain_seconds)
+    method, solver = str(comparison.result.settings.get("solver", {}).get("method", "")), _solver(comparison)
+
+    def terms(metric: Metric) -> tuple[Term, ...]:
+        mesh, penalty = _mesh(metric, comparison, ladders), _penalty(metric, ladders, method)
+        return mesh, penalty, _step(metric, ladders), _far_field(metric, comparison, ladders), solver, _theory(metric, comparison)
+
+    known = (one for one in comparison.metrics if one.key not in _PARTS and one.value is not None and math.isfinite(one.value))
+    return ErrorBudget(tuple(Budget(metric, terms(metric), half_planes) for metric in known), ladders, plain_seconds)
 
 
 def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
@@ -325,15 +327,6 @@ def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
     judged = {one.metric.key: one.judged for one in budget.budgets}
     metrics = tuple(judged.get(metric.key, metric) for metric in comparison.metrics)
     return Report(replace(comparison, metrics=metrics), budget)
-
-
-def _terms(metric: Metric, comparison: Comparison, ladders: Ladders) -> Iterator[Term]:
-    yield _mesh(metric, comparison, ladders)
-    yield _penalty(metric, ladders, str(comparison.result.settings.get("solver", {}).get("method", "")))
-    yield _step(metric, ladders)
-    yield _far_field(metric, comparison, ladders)
-    yield _solver(comparison)
-    yield _theory(metric, comparison)
 
 
 def _ladder(name: str, metric: Metric, rungs: tuple[Rung, ...], formal_order: float) -> Ladder | Term:

@@ -23,9 +23,8 @@ from scenes import ContactSolution
 FORMAT = "halfplane comparison 2"
 
 
-def as_json(found: Comparison | Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
-    """A comparison or a report as JSON text; what is not finite becomes null, its metric says "finite": false."""
-    report = found if isinstance(found, Report) else Report(found)
+def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
+    """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
     return json.dumps(strict(whole_content(report, command, seconds or {})), allow_nan=False, indent=1, ensure_ascii=False)
 
 

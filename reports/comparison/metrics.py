@@ -340,8 +340,8 @@ class Metric(Measured):
 METRICS: dict[str, Definition] = {}
 
 
-def metric(key: str, unit: str, norm: str, region: str, *needs: str, words: str = "", **more: Any) -> Callable[[Measure], Measure]:
-    """Puts the function below it into the table; its docstring is "label: how it is computed." (or `words` are)."""
+def metric(key: str, unit: str, where: tuple[str, str], *needs: str, words: str = "", **more: Any) -> Callable[[Measure], Measure]:
+    """Puts the function below into the table; its docstring (or `words`) is "label: how it is computed.", `where` norm, region."""
 
     def register(measure: Measure) -> Measure:
         label, _, text = " ".join((words or measure.__doc__ or "").split()).partition(": ")
@@ -349,8 +349,8 @@ def metric(key: str, unit: str, norm: str, region: str, *needs: str, words: str 
             "key": key,
             "label": label,
             "unit": unit,
-            "norm": norm,
-            "region": region,
+            "norm": where[0],
+            "region": where[1],
             "text": text.removesuffix("."),
         }
         METRICS[key] = Definition(**row, needs=needs, measure=measure, **{"judged_by": key, **more})
@@ -534,6 +534,9 @@ _WORST_POINT = "value at the worst point and instant"
 _L2 = "L2 over x; worst instant"
 _FIGURE = "one value"
 _WORK_SCALE = "A f² P_ref²"
+# How the differences become one value, and which of them count.
+_ONE_VALUE, _POINTS_OF_CYCLE = (_FIGURE, _WHOLE), (_FIGURE, "every point, edges included; last cycle")
+_AT_INSTANTS, _AT_POINTS, _IN_CYCLE = ((_WORST_INSTANT, region) for region in (_INSTANTS, _POINTS, _WHOLE))
 
 # ---------------------------------------------------------------------------------- the first table: absolute values of both
 
@@ -541,8 +544,7 @@ _WORK_SCALE = "A f² P_ref²"
 @metric(
     "largest_pressure",
     "of the reference",
-    _FIGURE,
-    "every point; last cycle",
+    (_FIGURE, "every point; last cycle"),
     "pressure",
     quantity="stress",
     judged_by="peak_pressure",
@@ -552,14 +554,14 @@ def _(pair: Pair) -> Measured:
     return _of_amounts(float(pair.expected.pressure.max()), float(pair.found.pressure.max()), pair.scales.pressure)
 
 
-@metric("largest_half_width", "of the reference", _FIGURE, _WHOLE, "pressure", quantity="length", judged_by="contact_edge")
+@metric("largest_half_width", "of the reference", _ONE_VALUE, "pressure", quantity="length", judged_by="contact_edge")
 def _(pair: Pair) -> Measured:
     """Contact half-width: (largest half distance of the contact edges)/(that of the reference) − 1."""
     expected, found = (float(np.nanmax(np.diff(c.contact_edges, axis=1), initial=0.0)) / 2 for c in (pair.expected, pair.found))
     return _of_amounts(expected, found, pair.scales.half_width)
 
 
-@metric("permanent_stick", "of a_ref", _FIGURE, _WHOLE, "state", WHOLE_CYCLE, quantity="length")
+@metric("permanent_stick", "of a_ref", _ONE_VALUE, "state", WHOLE_CYCLE, quantity="length")
 def _(pair: Pair) -> Measured:
     """Stick half-width, permanent: half-width that sticks through the whole last cycle, result − reference."""
     return _of_both(pair, *(float(s.permanent_stick_half_width) for s in (pair.reference, pair.result)))
@@ -577,8 +579,7 @@ def _of_both(pair: Pair, expected: float, found: float) -> Measured:
 @metric(
     "stick_eccentricity",
     "of a_ref",
-    _FIGURE,
-    _WHOLE,
+    _ONE_VALUE,
     "state",
     WHOLE_CYCLE,
     quantity="length",
@@ -594,8 +595,7 @@ def _(pair: Pair) -> Measured:
 @metric(
     "largest_slip",
     "of the reference",
-    _FIGURE,
-    "points in contact in both; last cycle",
+    (_FIGURE, "points in contact in both; last cycle"),
     "slip",
     "state",
     WHOLE_CYCLE,
@@ -618,7 +618,7 @@ def _(pair: Pair) -> Measured:
     return _of_amounts(float(theirs.max()), float(ours.max()), scale, place=place)
 
 
-@metric("dissipation", "of W_ref", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE, quantity="energy", absolute_unit=_WORK_SCALE)
+@metric("dissipation", "of W_ref", _ONE_VALUE, "dissipation", WHOLE_CYCLE, quantity="energy", absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
     """Dissipation: W − W_ref."""
     found = _of_amounts(pair.reference.dissipation, pair.result.dissipation, pair.scales.dissipation)
@@ -628,8 +628,7 @@ def _(pair: Pair) -> Measured:
 @metric(
     "dissipation_density_peak",
     "of largest w_ref",
-    _FIGURE,
-    "every point, edges included; last cycle",
+    _POINTS_OF_CYCLE,
     "dissipation_density",
     WHOLE_CYCLE,
     quantity="energy density",
@@ -646,8 +645,7 @@ def _(pair: Pair) -> Measured:
 @metric(
     "edge_tension",
     "of the reference",
-    _FIGURE,
-    "both edges of contact, both bodies; last cycle",
+    (_FIGURE, "both edges of contact, both bodies; last cycle"),
     "pressure",
     "shear",
     WHOLE_CYCLE,
@@ -685,7 +683,7 @@ def _largest_tension(solution: ContactSolution, time: Array) -> tuple[float, flo
 # --------------------------------------------------------------------------------------------------- pressure and shear
 
 
-@metric("peak_pressure", "of peak p_ref", _WORST_INSTANT, _POINTS, "pressure")
+@metric("peak_pressure", "of peak p_ref", _AT_POINTS, "pressure")
 def _(pair: Pair) -> Measured:
     """Peak pressure, worst instant: max p / max p_ref − 1 of an instant, both over the same points."""
     # Both maxima over the same points: where these lie beside the true peak cancels. A reference at its own peak would make
@@ -694,14 +692,14 @@ def _(pair: Pair) -> Measured:
     return _at_worst(pair, over(found - expected, expected))
 
 
-@metric("pressure", "of ‖p_ref‖", _L2, _POINTS, "pressure", signed=False)
+@metric("pressure", "of ‖p_ref‖", (_L2, _POINTS), "pressure", signed=False)
 def _(pair: Pair) -> Measured:
     """Pressure, L2: ‖p − p_ref‖/‖p_ref‖, L2 over x."""
     x, expected = pair.found.x, pair.expected.pressure
     return _at_worst(pair, over(norm(x, pair.found.pressure - expected), norm(x, expected)))
 
 
-@metric("shear", "of f ‖p_ref‖", _L2, _POINTS, "shear", signed=False)
+@metric("shear", "of f ‖p_ref‖", (_L2, _POINTS), "shear", signed=False)
 def _(pair: Pair) -> Measured:
     """Shear traction, L2: ‖q − q_ref‖/(f ‖p_ref‖), L2 over x, since q changes sign in the cycle."""
     x, expected = pair.found.x, pair.expected
@@ -725,7 +723,7 @@ def _elements(pair: Pair, value: float | None) -> float | None:
     return value * pair.scales.half_width / float(size) if size and value is not None else None
 
 
-@metric("contact_edge", "of a_ref", _WORST_INSTANT, _INSTANTS)
+@metric("contact_edge", "of a_ref", _AT_INSTANTS)
 def _(pair: Pair) -> Measured:
     """Contact edge: outward shift of the worse edge."""
     found = _at_worst(pair, _edge(pair.expected.contact_edges, pair.found.contact_edges, pair.scales.half_width))
@@ -742,7 +740,7 @@ def stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
     return np.where(cycle.pressure.max(axis=1) > 0, status, -1).astype(np.int8)
 
 
-@metric("stick_edge", "of a_ref", _WORST_INSTANT, f"{_INSTANTS} at which both have one", "stick_edges")
+@metric("stick_edge", "of a_ref", (_WORST_INSTANT, f"{_INSTANTS} at which both have one"), "stick_edges")
 def _(pair: Pair) -> Measured:
     """Stick edge: outward shift of the worse edge, where both have one (in full stick: the contact edge)."""
     # Instants at which the two differ in full stick, partial slip or full slip are counted, not
@@ -758,7 +756,9 @@ def _(pair: Pair) -> Measured:
     return replace(found, note=note, elements=_elements(pair, found.value))
 
 
-@metric("state", "of the contact", "mean over the cycle", "points in contact in either; instants in contact", "state", signed=False)
+@metric(
+    "state", "of the contact", ("mean over the cycle", "points in contact in either; instants in contact"), "state", signed=False
+)
 def _(pair: Pair) -> Measured:
     """Stick/slip map: share of the length in contact whose state (open, stick, forward or reverse slip) differs."""
     expected, found, length = pair.expected.state, pair.found.state, np.gradient(pair.found.x)
@@ -780,7 +780,7 @@ def _stroke(pair: Pair) -> tuple[Array, Mask, str]:
     return difference, pair.judged & moves, "" if (pair.judged & moves).any() else "the reference does not move sideways"
 
 
-@metric("tangential_displacement", "of U_ref's stroke", _WORST_INSTANT, _INSTANTS, "tangential_displacement")
+@metric("tangential_displacement", "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement")
 def _(pair: Pair) -> Measured:
     """Tangential displacement: U − U_ref over the range of U_ref in the cycle."""
     difference, moves, note = _stroke(pair)
@@ -791,9 +791,7 @@ def _has_polygon(pair: Pair) -> bool:
     return pair.polygon_reference is not None
 
 
-@metric(
-    "dissipation_polygon", "of W_ref", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE, absolute_unit=_WORK_SCALE, exists=_has_polygon
-)
+@metric("dissipation_polygon", "of W_ref", _ONE_VALUE, "dissipation", WHOLE_CYCLE, absolute_unit=_WORK_SCALE, exists=_has_polygon)
 def _(pair: Pair) -> Measured:
     """Dissipation, steps' error out: W − W of the reference on the straight lines between the instants: all errors except that of
     the steps."""
@@ -801,7 +799,7 @@ def _(pair: Pair) -> Measured:
     return _of_amounts(polygon.dissipation, pair.result.dissipation, pair.scales.dissipation)
 
 
-@metric("dissipation_step", "of W_ref", _FIGURE, _WHOLE, absolute_unit=_WORK_SCALE, exists=_has_polygon)
+@metric("dissipation_step", "of W_ref", _ONE_VALUE, absolute_unit=_WORK_SCALE, exists=_has_polygon)
 def _(pair: Pair) -> Measured:
     """Dissipation, steps' error only: W of the reference on the straight lines between the instants − W on the smooth path."""
     polygon = pair.polygon_reference or pair.reference
@@ -841,7 +839,7 @@ def normal_work(solution: ContactSolution) -> float | None:
     return sum(float(np.trapezoid(force[steps], way[steps])) for force, way in pairs)
 
 
-@metric("hysteresis", "of its area", _FIGURE, _WHOLE, "tangential_displacement", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
+@metric("hysteresis", "of its area", _ONE_VALUE, "tangential_displacement", WHOLE_CYCLE, absolute_unit=_WORK_SCALE)
 def _(pair: Pair) -> Measured:
     """Hysteresis loop: closed integral of Q dU − that of the reference, trapezoidal rule over the same instants."""
     if not pair.periodic:
@@ -863,8 +861,7 @@ def _bulk_works(pair: Pair) -> tuple[float, float] | str:
 @metric(
     "hysteresis_with_bulk",
     "of its area",
-    _FIGURE,
-    _WHOLE,
+    _ONE_VALUE,
     "tangential_displacement",
     WHOLE_CYCLE,
     absolute_unit=_WORK_SCALE,
@@ -883,8 +880,7 @@ def _(pair: Pair) -> Measured:
 @metric(
     "bulk_work",
     "of W_ref",
-    _FIGURE,
-    _WHOLE,
+    _ONE_VALUE,
     "shear",
     "dissipation",
     WHOLE_CYCLE,
@@ -906,8 +902,7 @@ def _(pair: Pair) -> Measured:
 @metric(
     "dissipation_drift",
     "of W",
-    _FIGURE,
-    "last two cycles",
+    (_FIGURE, "last two cycles"),
     "dissipation",
     WHOLE_CYCLE,
     exists=lambda pair: pair.periodic and (pair.pulled or pair.turned),
@@ -921,14 +916,14 @@ def _(pair: Pair) -> Measured:
     return Measured(value=both[1][1] - both[0][1], note=words)
 
 
-@metric("contact_centre", "of a_ref", _WORST_INSTANT, _INSTANTS, exists=lambda pair: pair.turned)
+@metric("contact_centre", "of a_ref", _AT_INSTANTS, exists=lambda pair: pair.turned)
 def _(pair: Pair) -> Measured:
     """Contact centre: middle of the contact edges, result − reference."""
     apart = np.mean(pair.found.contact_edges - pair.expected.contact_edges, axis=1) / pair.scales.half_width
     return _at_worst(pair, apart, places=np.mean(pair.found.contact_edges, axis=1))
 
 
-@metric("moment", "of P_ref a_ref", _WORST_INSTANT, _INSTANTS, "pressure", exists=lambda pair: pair.turned)
+@metric("moment", "of P_ref a_ref", _AT_INSTANTS, "pressure", exists=lambda pair: pair.turned)
 def _(pair: Pair) -> Measured:
     """Moment: M = ∫x p dx, result − reference."""
     expected, found = pair.expected.moment, pair.found.moment
@@ -937,7 +932,7 @@ def _(pair: Pair) -> Measured:
     return _at_worst(pair, (found - expected) / (pair.scales.normal_load * pair.scales.half_width))
 
 
-@metric("tilt", "of A P_ref/a_ref", _WORST_INSTANT, _INSTANTS, exists=lambda pair: pair.turned)
+@metric("tilt", "of A P_ref/a_ref", _AT_INSTANTS, exists=lambda pair: pair.turned)
 def _(pair: Pair) -> Measured:
     """Tilt: that of the upper body, result − reference."""
     expected, found = pair.expected.tilt, pair.found.tilt
@@ -955,8 +950,7 @@ def _density(pair: Pair) -> tuple[float, bool]:
 @metric(
     "dissipation_density",
     "of largest w_ref",
-    "value at the worst point",
-    "every point, edges included; last cycle",
+    ("value at the worst point", "every point, edges included; last cycle"),
     "dissipation_density",
     WHOLE_CYCLE,
     absolute_unit=f"{_WORK_SCALE}/a_ref",
@@ -970,7 +964,7 @@ def _(pair: Pair) -> Measured:
     return Measured(value=value, absolute=nothing, place=None if place is None else place / pair.scales.half_width)
 
 
-@metric("pressure_maximum", "of peak p_ref", _WORST_POINT, _POINTS, "pressure")
+@metric("pressure_maximum", "of peak p_ref", (_WORST_POINT, _POINTS), "pressure")
 def _(pair: Pair) -> Measured:
     """Pressure, maximum: largest |p − p_ref|, with its sign, over the largest p_ref of the instant; with its place."""
     peak = pair.expected.pressure.max(axis=1, keepdims=True)
@@ -978,7 +972,7 @@ def _(pair: Pair) -> Measured:
     return _at_worst(pair, series, places=places)
 
 
-@metric("pressure_peak_place", "of a_ref", _WORST_INSTANT, _POINTS, "pressure")
+@metric("pressure_peak_place", "of a_ref", _AT_POINTS, "pressure")
 def _(pair: Pair) -> Measured:
     """Place of peak pressure: x of the largest p − x of the largest p_ref, to a point; of several peaks of the reference within 5
     % the nearest."""
@@ -987,7 +981,7 @@ def _(pair: Pair) -> Measured:
     return _at_worst(pair, series, places=x[np.argmax(found, axis=1)], to_a_point=True)
 
 
-@metric("shear_maximum", "of f peak p_ref", _WORST_POINT, _POINTS, "shear")
+@metric("shear_maximum", "of f peak p_ref", (_WORST_POINT, _POINTS), "shear")
 def _(pair: Pair) -> Measured:
     """Shear traction, maximum: largest |q − q_ref|, with its sign, over f times the largest p_ref of the instant; with its
     place."""
@@ -996,14 +990,14 @@ def _(pair: Pair) -> Measured:
     return _at_worst(pair, series, places=places)
 
 
-@metric("peak_shear", "of f peak p_ref", _WORST_INSTANT, _POINTS, "shear")
+@metric("peak_shear", "of f peak p_ref", _AT_POINTS, "shear")
 def _(pair: Pair) -> Measured:
     """Peak shear traction: largest |q| − largest |q_ref|, over f times the largest p_ref of the instant."""
     difference = np.abs(pair.found.shear).max(axis=1) - np.abs(pair.expected.shear).max(axis=1)
     return _at_worst(pair, over(difference, pair.scales.friction * pair.expected.pressure.max(axis=1)))
 
 
-@metric("shear_peak_place", "of a_ref", _WORST_INSTANT, f"{_POINTS} that carry shear", "shear")
+@metric("shear_peak_place", "of a_ref", (_WORST_INSTANT, f"{_POINTS} that carry shear"), "shear")
 def _(pair: Pair) -> Measured:
     """Place of peak shear traction: x of the largest |q| − x of the largest |q_ref|, to a point; of several peaks of the
     reference within 5 % the nearest."""
@@ -1042,14 +1036,14 @@ def _resultant(pair: Pair, component: int) -> Measured:
     return _at_worst(pair, over(lacking, pair.found.normal_load), note=note)
 
 
-@metric("resultant_normal", "of P", _WORST_INSTANT, _INSTANTS, "pressure")
+@metric("resultant_normal", "of P", _AT_INSTANTS, "pressure")
 def _(pair: Pair) -> Measured:
     """Normal resultant: (resultant − P)/P, by the result's own weights and normals (needs no reference), otherwise by the
     trapezoidal rule, minus the error of that rule for the reference."""
     return _resultant(pair, 0)
 
 
-@metric("resultant_tangential", "of P", _WORST_INSTANT, _INSTANTS, "shear")
+@metric("resultant_tangential", "of P", _AT_INSTANTS, "shear")
 def _(pair: Pair) -> Measured:
     """Tangential resultant: (resultant − Q)/P, as the normal resultant."""
     return _resultant(pair, 1)
@@ -1085,14 +1079,13 @@ for _kind in ("contact", "stick"):
         _where = _INSTANTS if _kind == "contact" else f"{_INSTANTS} at which both have one"
         _measure = partial(_edge_of_side, kind=_kind, side=_side)
         _needs = ("stick_edges", FRICTION) if _kind == "stick" else ()
-        metric(f"{_kind}_edge_{_side}", "of a_ref", _WORST_INSTANT, _where, *_needs, words=_words)(_measure)
+        metric(f"{_kind}_edge_{_side}", "of a_ref", (_WORST_INSTANT, _where), *_needs, words=_words)(_measure)
 
 
 @metric(
     "stick_set",
     "of the union",
-    "Jaccard distance over x and time",
-    "points that stick in either; last cycle",
+    ("Jaccard distance over x and time", "points that stick in either; last cycle"),
     "state",
     WHOLE_CYCLE,
     FRICTION,
@@ -1172,14 +1165,14 @@ def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     return _change(pair, _Changes(np.array(late), index, missing, len(ours) - len(used)), none)
 
 
-@metric("full_stick_start", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE, FRICTION)
+@metric("full_stick_start", "of the period", _IN_CYCLE, "state", WHOLE_CYCLE, FRICTION)
 def _(pair: Pair) -> Measured:
     """Start of full stick: first instant of full stick, result − reference, to a step; full stick: at least two instants whose
     stick edges are the contact edges; intervals that share most instants are compared."""
     return _full_stick(pair, 0, "the reference does not come into full stick")
 
 
-@metric("full_stick_end", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE, FRICTION)
+@metric("full_stick_end", "of the period", _IN_CYCLE, "state", WHOLE_CYCLE, FRICTION)
 def _(pair: Pair) -> Measured:
     """End of full stick: last instant of full stick, result − reference, as its start."""
     return _full_stick(pair, -1, "the reference does not come out of full stick")
@@ -1215,7 +1208,7 @@ def _reversals_to(sense: int, pair: Pair) -> _Changes:
     return _Changes(min(matches, key=lambda late: float(np.max(np.abs(late))), default=np.zeros(0)), theirs)
 
 
-@metric("slip_reversal", "of the period", _WORST_INSTANT, _WHOLE, "state", WHOLE_CYCLE, FRICTION)
+@metric("slip_reversal", "of the period", _IN_CYCLE, "state", WHOLE_CYCLE, FRICTION)
 def _(pair: Pair) -> Measured:
     """Reversal of slip: first instant of slip in the new sense, result − reference, to a step; the sense is that of the longer
     slip zone."""
@@ -1258,13 +1251,13 @@ def _slip_metric(pair: Pair, maximum: bool) -> Measured:
 _IN_CONTACT = "points in contact in both; judged instants"
 
 
-@metric("slip", "of the range of s_ref", _L2, _IN_CONTACT, "slip", FRICTION, signed=False, absolute_unit="f p_ref a_ref/E*")
+@metric("slip", "of the range of s_ref", (_L2, _IN_CONTACT), "slip", FRICTION, signed=False, absolute_unit="f p_ref a_ref/E*")
 def _(pair: Pair) -> Measured:
     """Slip, L2: root mean square over x of s − s_ref, over the range of s_ref in the cycle."""
     return _slip_metric(pair, maximum=False)
 
 
-@metric("slip_maximum", "of the range of s_ref", _WORST_POINT, _IN_CONTACT, "slip", FRICTION, absolute_unit="f p_ref a_ref/E*")
+@metric("slip_maximum", "of the range of s_ref", (_WORST_POINT, _IN_CONTACT), "slip", FRICTION, absolute_unit="f p_ref a_ref/E*")
 def _(pair: Pair) -> Measured:
     """Slip, maximum: largest |s − s_ref|, with its sign, over the range of s_ref in the cycle; with its place."""
     return _slip_metric(pair, maximum=True)
@@ -1273,13 +1266,13 @@ def _(pair: Pair) -> Measured:
 # ------------------------------------------------------------------------------------------------------- work and energy
 
 
-@metric("dissipation_absolute", f"of {_WORK_SCALE}", _FIGURE, _WHOLE, "dissipation", WHOLE_CYCLE)
+@metric("dissipation_absolute", f"of {_WORK_SCALE}", _ONE_VALUE, "dissipation", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
     """Dissipation, absolute: (W − W_ref)/(A f² P_ref²): of use near full stick, where W_ref goes to 0."""
     return Measured(value=(pair.result.dissipation - pair.reference.dissipation) / pair.scales.dissipation)
 
 
-@metric("hysteresis_distance", "of U_ref's stroke", _WORST_INSTANT, _INSTANTS, "tangential_displacement", WHOLE_CYCLE)
+@metric("hysteresis_distance", "of U_ref's stroke", _AT_INSTANTS, "tangential_displacement", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
     """Hysteresis loop, distance: U − U_ref, without its mean over time: distance of the loops in U at the same phase."""
     difference, moves, note = _stroke(pair)
@@ -1290,8 +1283,7 @@ def _(pair: Pair) -> Measured:
 @metric(
     "dissipation_density_norm",
     "of ‖w_ref‖",
-    "L2 over x",
-    "every point, edges included; last cycle",
+    ("L2 over x", "every point, edges included; last cycle"),
     "dissipation_density",
     WHOLE_CYCLE,
     signed=False,
@@ -1305,14 +1297,7 @@ def _(pair: Pair) -> Measured:
     return Measured(value=float(norm(x, found - expected) / whole), absolute=nothing)
 
 
-@metric(
-    "dissipation_density_peak_place",
-    "of a_ref",
-    _FIGURE,
-    "every point, edges included; last cycle",
-    "dissipation_density",
-    WHOLE_CYCLE,
-)
+@metric("dissipation_density_peak_place", "of a_ref", _POINTS_OF_CYCLE, "dissipation_density", WHOLE_CYCLE)
 def _(pair: Pair) -> Measured:
     """Pointwise dissipation, place of peak: x of the largest w − x of the largest w_ref, to a point; of several peaks of the
     reference within 5 % the nearest."""
@@ -1325,7 +1310,7 @@ def _(pair: Pair) -> Measured:
     return Measured(value=shift, place=place / length, uncertainty=spacing_at(x, place) / length)
 
 
-@metric("energy_balance", "of the work of the loads", _WORST_INSTANT, _WHOLE, signed=False)
+@metric("energy_balance", "of the work of the loads", _IN_CYCLE, signed=False)
 def _(pair: Pair) -> Measured:
     """Energy balance: work of the loads − stored energy − dissipation, step by step, over the largest work of the loads so far,
     as the result's record states it; needs no reference."""

@@ -44,7 +44,7 @@ from scenes import ContactSolution
 
 
 def render(
-    found: Comparison | Report,
+    report: Report,
     drawings: Sequence[Plate],
     command: str,
     seconds: Mapping[str, float],
@@ -61,7 +61,6 @@ def render(
     live : what the slider moves through; without it the page has none
     third : words of the third solver, where it ran
     """
-    report = found if isinstance(found, Report) else Report(found)
     comparison = report.comparison
     scene = comparison.scene
     words = said(report)
@@ -179,12 +178,9 @@ def _claims(report: Report) -> list[tuple[str, str, str]]:
 
 def _notes(comparison: Comparison) -> list[str]:
     """What a reader must not miss: of the metrics, then of the solutions."""
-    return [*(_note(m.label, m.note) for m in comparison.headlines if m.note), *comparison.notes]
-
-
-def _note(label: str, note: str) -> str:
-    """A note with the label of its metric, where it does not begin with that itself."""
-    return sentence(note if note.lower().startswith(label.lower()) else f"{label}: {note}")
+    named = [(m.label, m.note) for m in comparison.headlines if m.note]
+    own = [sentence(note if note.lower().startswith(label.lower()) else f"{label}: {note}") for label, note in named]
+    return [*own, *comparison.notes]
 
 
 def _scales(comparison: Comparison) -> list[tuple[str, str, str]]:

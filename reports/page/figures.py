@@ -472,7 +472,7 @@ def load_path(solution: ContactSolution, cycle: Cycle, chosen: Sequence[Event]) 
     panel = Panel("load-path", across, up, marks, alt, height=330.0)
     marks += _events(panel, cycle.normal_load, cycle.tangential_load, chosen)
     start = first_shown(cycle, chosen)
-    marks.append(_follower("P", "Q", cycle.normal_load[start], cycle.tangential_load[start], "now"))
+    marks.append(_follower("P", cycle.normal_load[start], cycle.tangential_load[start], "now"))
     beside = [_over_cycle(cycle, periodic, *pair) for pair in _bulk_and_tilt(solution.scene, cycle)]
     keys = (*(Key(looks[name], name) for name in reversed(drawn)), *([Key("cone", "|Q| = f P")] if friction else []))
     return Plate(
@@ -539,9 +539,9 @@ def _outward(x: Array, y: Array, k: int) -> Array:
     return np.asarray(across / (np.hypot(*across) or 1.0))
 
 
-def _follower(x: str, y: str, across: float, up: float, css: str) -> Dot:
-    """A ring that the slider moves along two series."""
-    return Dot(float(across), float(up), f"follow {css}", 6.5, data={"series_x": x, "series_y": y})
+def _follower(x: str, across: float, up: float, css: str) -> Dot:
+    """A ring that the slider moves along Q over another series."""
+    return Dot(float(across), float(up), f"follow {css}", 6.5, data={"series_x": x, "series_y": "Q"})
 
 
 def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
@@ -583,7 +583,7 @@ def hysteresis(comparison: Comparison, chosen: Sequence[Event]) -> Plate | None:
         panel = Panel(name, across, up, marks, f"Tangential load over {words}", height=330.0, notes=notes)
         marks += _events(panel, shifts[1], loads[1], chosen)
         for n, css in enumerate(("now pale", "now")):
-            marks.append(_follower(f"{letter}{n}", "Q", shifts[n][start], loads[n][start], css))
+            marks.append(_follower(f"{letter}{n}", shifts[n][start], loads[n][start], css))
         panels.append(panel)
     bulk = [
         (bulk_strain(cycle, scene.material), cycle.shear_moment) for cycle in (expected, found) if cycle.shear_moment is not None

@@ -28,20 +28,6 @@ _LETTERS = 1_500_000
 _STEPS, _NOTHING = 32766, -32768
 
 
-def kept_instants(count: int, chosen: Sequence[Event]) -> NDArray[np.intp]:
-    """Instants that the page carries: all, or evenly many of them with the first, the last and the chosen ones."""
-    even = np.linspace(0, count - 1, min(count, MOST_INSTANTS)).round().astype(int)
-    return np.unique([*even.tolist(), 0, count - 1, *(event.index for event in chosen)])
-
-
-def kept_points(comparison: Comparison, instants: int, needed: Sequence[int]) -> NDArray[np.intp]:
-    """Points that the page carries: those that are drawn, every second or third of them where there are too many."""
-    wide = 1.02 * reach(comparison) * comparison.scales.half_width
-    inside = np.flatnonzero(np.abs(comparison.found.x) <= wide)
-    every = -(-len(inside) * instants // MOST_VALUES)
-    return np.unique([*inside[::every].tolist(), inside[-1], *needed])
-
-
 def quantised(values: Array) -> dict[str, Any]:
     """Numbers as 16-bit whole numbers of a step, little-endian in base64; what is not finite is a number of its own.
 
@@ -57,8 +43,12 @@ def quantised(values: Array) -> dict[str, Any]:
 def cycle_data(comparison: Comparison, chosen: Sequence[Event], time: Array, time_words: str) -> dict[str, Any]:
     """Everything that the slider moves, and how much of the cycle that is."""
     expected, found, scales = comparison.expected, comparison.found, comparison.scales
-    rows = kept_instants(len(found.time), chosen)
-    points = kept_points(comparison, len(rows), places(comparison))
+    # All instants, or evenly many of them with the first, the last and the chosen ones; of the points those that are drawn.
+    last = len(found.time) - 1
+    even = np.linspace(0, last, min(last + 1, MOST_INSTANTS)).round().astype(int)
+    rows = np.unique([*even.tolist(), 0, last, *(event.index for event in chosen)])
+    inside = np.flatnonzero(np.abs(found.x) <= 1.02 * reach(comparison) * scales.half_width)
+    points = np.unique([*inside[:: -(-len(inside) * len(rows) // MOST_VALUES)].tolist(), inside[-1], *places(comparison)])
     grid = np.ix_(rows, points)
     series = {
         "t": time,
