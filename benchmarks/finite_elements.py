@@ -1,6 +1,4 @@
-"""Claims of the finite elements on half-planes: errors against theory, edges, penalty method, error and time, growth of the cost.
-
-    python benchmarks/finite_elements.py [SECTION ...]      (SECTIONS: against_theory, mindlin, edges, penalty, ...)
+"""Claims of the finite elements on half-planes: errors against theory, edges, error and time, growth of the cost, page and run.
 
 Times are CPU times of one thread with everything in them: the coarse run, mesh, condensation, every increment; nothing is read from
 the store.
@@ -20,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from claim import ROOT, Row, memory, rms, seconds, table
+from claim import ROOT, Row, memory, rms, seconds
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -272,7 +270,8 @@ def large_case() -> tuple[int, int, float, float]:
 
 def growth() -> Iterator[Row]:
     """The large case in a process of its own; what condensation by elimination is worth. Exponents are on docs/performance.md."""
-    text = subprocess.run([sys.executable, __file__, "--large"], check=True, capture_output=True, text=True).stdout
+    command = [sys.executable, "-c", "import finite_elements; print(*finite_elements.large_case())"]
+    text = subprocess.run(command, check=True, capture_output=True, text=True, cwd=Path(__file__).parent).stdout
     nodes, increments, spent, peak = text.split()
     how = f"{nodes} contact nodes a side, 400 regular steps a cycle, {increments} increments in two cycles, imports included"
     yield Row("hertz-paper, large: CPU time", float(spent), 120.0, how, "s")
@@ -353,13 +352,3 @@ def cold() -> Iterator[Row]:
     yield Row("... of that the FE model", took["finite elements"], 6.0, "mesh, condensation and two revolutions", "s")
     how = "on the points and instants of the FE model"
     yield Row("... of that the half-plane engine", took["half-plane theory"], 0.1, how, "s")
-
-
-SECTIONS = {f.__name__: f for f in (against_theory, mindlin, edges, precision, peers, growth, page, cold)}
-
-if __name__ == "__main__":
-    if sys.argv[1:] == ["--large"]:
-        print(*large_case())
-    else:
-        for name in sys.argv[1:] or SECTIONS:
-            print(table(SECTIONS[name]()), flush=True)

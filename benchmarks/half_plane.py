@@ -1,7 +1,4 @@
-"""Claims of the half-plane engine: errors against 30 digits; costs of histories and batches.
-
-python benchmarks/half_plane.py [SECTION ...]      extremes, precision, histories, batches
-"""
+"""Claims of the half-plane engine: errors against 30 digits; costs of histories and batches."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ from typing import Any, NamedTuple
 
 import mpmath as mp
 import numpy as np
-from claim import ROOT, Row, in_turn, kept_json, seconds, table
+from claim import ROOT, Row, in_turn, kept_json, seconds
 from regress_truth import DIGITS, TABLE, Case, ellipse_dissipation, mindlin
 
 import semi_analytic
@@ -390,10 +387,3 @@ def batches() -> Iterator[Row]:
         worst, relative = np.max(errors, axis=0).tolist()
         yield Row(f"{name}: worst error of {size} random members, in A f^2 P0^2", worst, 1e-11, "against 30 digits")
         yield Row(f"{name}: the same, relative", relative, None, "against 30 digits")
-
-
-SECTIONS = {f.__name__: f for f in (extremes, precision, histories, batches)}
-
-if __name__ == "__main__":
-    for name in sys.argv[1:] or SECTIONS:
-        print(table(SECTIONS[name]()), flush=True)

@@ -614,7 +614,7 @@ ALWAYS = (
     "steps, and there is no stepping without events. What equal steps alone would need is in the "
     "series of increments of the diagrams above.",
     "The bulk: both bodies are condensed to the nodes of the contact once; the increments never see the bulk. "
-    "`python benchmarks/finite_elements.py growth` reckons what it would cost otherwise.",
+    "`make numbers SECTIONS='\"*growth*\"'` reckons what it would cost otherwise.",
     "Slip iterations of increments in which no node left stick, and quadratures of phases in full stick: there is nothing to do.",
 )
 COUNTS = {
