@@ -25,7 +25,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.elasticity import assemble, condense, factorise
-from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
+from meshes import BodyMesh, MeshSettings, SurfaceGrading, solid
 from reports import Comparison, compare, write
 from scenes import Block, ContactSolution, Elastic, Hertz, PolygonLoad, Scene, load_scene
 
@@ -236,31 +236,6 @@ def peers() -> Iterator[Row]:
 
 
 # ------------------------------------------------------------------------------------------------------------------- growth
-class PathClock:
-    """A `progress` that notes the CPU time at which the load path begins."""
-
-    began: float | None = None
-
-    def __call__(self, done: int, total: int | None, text: str) -> None:
-        if text == "initial loading" and self.began is None:
-            self.began = time.process_time()
-
-
-def path_cost(edge: int, steps: int = 96) -> tuple[int, float, int]:
-    """Contact nodes, CPU seconds of hertz-paper's load path, increments; increments are never halved."""
-    clock, solver = PathClock(), SolverSettings(steps_per_cycle=steps, step_tolerance=FREE)
-    answer = halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings(edge_element_size=1 / edge), solver, clock)
-    return len(answer.x), time.process_time() - (clock.began or 0.0), answer.work.counts["steps solved"]
-
-
-def condensation_cost(edge: int, growth: float = 0.2) -> tuple[int, float, int]:
-    """Contact nodes, CPU seconds of condensing, degrees of freedom of a half-disc as the paper's cycle asks for."""
-    mesh = half_disc("lower", SurfaceGrading(0.4, 1.1, 1 / 24, 1 / edge, 10.0), growth)
-    begun = time.process_time()
-    found = condense(mesh, STEEL, 1.0)
-    return len(found.x), time.process_time() - begun, int(found.diagnostics["degrees_of_freedom"])
-
-
 def large_case() -> tuple[int, int, float, float]:
     """Contact nodes, increments, CPU seconds and peak memory [GiB] of this process: 1,000 nodes, 400 steps, two revolutions."""
     mesh, solver = MeshSettings(edge_element_size=1 / 320), SolverSettings(steps_per_cycle=400)
