@@ -1,7 +1,5 @@
 """Does the stated uncertainty of the error budget cover the known error, what does it cost, and which term does a fault fall on?
 
-    python benchmarks/budget.py            (five minutes)
-
 Covered: of half-planes the true error is known, the whole discrepancy; what the measured terms leave unexplained must be covered by
 the stated uncertainty at least 95 times of 100, over the metrics of the first table and the half-plane scenes of the library, on a
 mesh of twice the default sizes (a/80 at the edges) with the default steps. Metrics that are nothing but round-off error,
@@ -25,7 +23,7 @@ from unittest import mock
 
 import must_fail
 import numpy as np
-from claim import Row, table
+from claim import Row
 from finite_elements import beside_theory
 
 import halfplane_fe
@@ -262,7 +260,3 @@ def blame() -> Iterator[Row]:
         blamed = faulty.blamed(next(iter(caught))) if caught else "nobody"
         how = f"seen by {', '.join(f'{key} ({ratio:.3g} bands)' for key, ratio in list(caught.items())[:3])}; blamed: {blamed}"
         yield Row(fault.name, float(blamed != fault.blamed), 0.0, how)
-
-
-if __name__ == "__main__":
-    print(table([*rows(), *blame()]))

@@ -28,7 +28,6 @@ MOST_ROWS = 60
 # Heading -> module and function that yields its rows.
 SECTIONS = {
     "Half-plane engine: extremes": "half_plane.extremes",
-    "Half-plane engine: work and precision": "half_plane.precision",
     "Half-plane engine: histories": "half_plane.histories",
     "Half-plane engine: batches": "half_plane.batches",
     "Finite elements": "finite_elements.against_theory",

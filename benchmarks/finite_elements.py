@@ -1,6 +1,4 @@
-"""Claims of the finite elements on half-planes: errors against theory, edges, penalty method, error and time, growth of the cost.
-
-    python benchmarks/finite_elements.py [SECTION ...]      (SECTIONS: against_theory, mindlin, edges, penalty, ...)
+"""Claims of the finite elements on half-planes: errors against theory, edges, error and time, growth of the cost, page and run.
 
 Times are CPU times of one thread with everything in them: the coarse run, mesh, condensation, every increment; nothing is read from
 the store.
@@ -20,14 +18,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from claim import ROOT, Row, memory, rms, seconds, table
+from claim import ROOT, Row, memory, rms, seconds
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.elasticity import assemble, condense, factorise
-from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
+from meshes import BodyMesh, MeshSettings, SurfaceGrading, solid
 from reports import Comparison, compare, write
 from scenes import Block, ContactSolution, Elastic, Hertz, PolygonLoad, Scene, load_scene
 
@@ -238,31 +236,6 @@ def peers() -> Iterator[Row]:
 
 
 # ------------------------------------------------------------------------------------------------------------------- growth
-class PathClock:
-    """A `progress` that notes the CPU time at which the load path begins."""
-
-    began: float | None = None
-
-    def __call__(self, done: int, total: int | None, text: str) -> None:
-        if text == "initial loading" and self.began is None:
-            self.began = time.process_time()
-
-
-def path_cost(edge: int, steps: int = 96) -> tuple[int, float, int]:
-    """Contact nodes, CPU seconds of hertz-paper's load path, increments; increments are never halved."""
-    clock, solver = PathClock(), SolverSettings(steps_per_cycle=steps, step_tolerance=FREE)
-    answer = halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings(edge_element_size=1 / edge), solver, clock)
-    return len(answer.x), time.process_time() - (clock.began or 0.0), answer.work.counts["steps solved"]
-
-
-def condensation_cost(edge: int, growth: float = 0.2) -> tuple[int, float, int]:
-    """Contact nodes, CPU seconds of condensing, degrees of freedom of a half-disc as the paper's cycle asks for."""
-    mesh = half_disc("lower", SurfaceGrading(0.4, 1.1, 1 / 24, 1 / edge, 10.0), growth)
-    begun = time.process_time()
-    found = condense(mesh, STEEL, 1.0)
-    return len(found.x), time.process_time() - begun, int(found.diagnostics["degrees_of_freedom"])
-
-
 def large_case() -> tuple[int, int, float, float]:
     """Contact nodes, increments, CPU seconds and peak memory [GiB] of this process: 1,000 nodes, 400 steps, two revolutions."""
     mesh, solver = MeshSettings(edge_element_size=1 / 320), SolverSettings(steps_per_cycle=400)
@@ -272,7 +245,8 @@ def large_case() -> tuple[int, int, float, float]:
 
 def growth() -> Iterator[Row]:
     """The large case in a process of its own; what condensation by elimination is worth. Exponents are on docs/performance.md."""
-    text = subprocess.run([sys.executable, __file__, "--large"], check=True, capture_output=True, text=True).stdout
+    command = [sys.executable, "-c", "import finite_elements; print(*finite_elements.large_case())"]
+    text = subprocess.run(command, check=True, capture_output=True, text=True, cwd=Path(__file__).parent).stdout
     nodes, increments, spent, peak = text.split()
     how = f"{nodes} contact nodes a side, 400 regular steps a cycle, {increments} increments in two cycles, imports included"
     yield Row("hertz-paper, large: CPU time", float(spent), 120.0, how, "s")
@@ -353,13 +327,3 @@ def cold() -> Iterator[Row]:
     yield Row("... of that the FE model", took["finite elements"], 6.0, "mesh, condensation and two revolutions", "s")
     how = "on the points and instants of the FE model"
     yield Row("... of that the half-plane engine", took["half-plane theory"], 0.1, how, "s")
-
-
-SECTIONS = {f.__name__: f for f in (against_theory, mindlin, edges, precision, peers, growth, page, cold)}
-
-if __name__ == "__main__":
-    if sys.argv[1:] == ["--large"]:
-        print(*large_case())
-    else:
-        for name in sys.argv[1:] or SECTIONS:
-            print(table(SECTIONS[name]()), flush=True)

@@ -1,7 +1,5 @@
 """Faults planted in the FE model, and the checks that catch each: a check that nothing trips proves nothing.
 
-    python benchmarks/must_fail.py
-
 Each fault is planted by argument or by replacing one function, the paper's cycle is solved with it, and every check that the
 project has for an answer is asked: errors against half-plane theory, the laws of contact, energy, symmetry. W is nearly stationary
 in f at f = 1, so it is the shear that sees a wrong friction; and increments that land on each touch and turning point keep W within
@@ -19,7 +17,7 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from claim import Row, table
+from claim import Row
 
 import halfplane_fe
 import semi_analytic
@@ -261,7 +259,3 @@ def must_fail() -> Iterator[Row]:
         yield Row(
             f"{fault.name}: missed by {', '.join(fault.caught_by)}", len(set(fault.caught_by) - set(caught)), 0, how, "checks"
         )
-
-
-if __name__ == "__main__":
-    print(table(must_fail()))

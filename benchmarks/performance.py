@@ -46,8 +46,9 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings
 from halfplane_fe.active_subsets import NestedFactor
+from halfplane_fe.elasticity import condense
 from halfplane_fe.systems import Systems
-from meshes import MeshSettings
+from meshes import MeshSettings, SurfaceGrading, half_disc
 from reports.charts.publication import STYLE
 from scenes import (
     ContactSolution,
@@ -212,7 +213,7 @@ def precision_page(found: dict[str, Any]) -> list[str]:
 
 
 # ----------------------------------------------------------------------------------- error against time: half-plane theory
-CASES = {name: name for name in half_plane.CASES if not name.startswith("P1/P0")}
+CASES = {name: name for name in half_plane.CASES}
 CASES["flat face, the paper's loads"] = "flat and rounded, b/a = 0.7"
 METHODS = {
     "plain Gauss": "Gauss, 4 to 32 nodes a phase",
@@ -294,38 +295,50 @@ def sweep_of(points: int, engines: list[str]) -> tuple[float, float, int]:
     return points, spent, 1
 
 
-def steps_of(count: int) -> tuple[float, float, int]:
-    _, spent, steps = fe.path_cost(40, count)
-    return steps, spent, 1
+class PathClock:
+    """A `progress` that notes the CPU time at which the load path begins."""
+
+    began: float | None = None
+
+    def __call__(self, done: int, total: int | None, text: str) -> None:
+        if text == "initial loading" and self.began is None:
+            self.began = time.process_time()
 
 
-def condensation_of(edge: int) -> tuple[float, float, int]:
-    return *fe.condensation_cost(edge)[:2], 1
+def path_cost(edge: int, steps: int = 96) -> tuple[int, float, int]:
+    """Contact nodes, CPU seconds of hertz-paper's load path, increments; increments are never halved."""
+    clock, solver = PathClock(), SolverSettings(steps_per_cycle=steps, step_tolerance=FREE)
+    answer = halfplane_fe.solve(load_scene("hertz-paper"), MeshSettings(edge_element_size=1 / edge), solver, clock)
+    return len(answer.x), time.process_time() - (clock.began or 0.0), answer.work.counts["steps solved"]
 
 
-def bulk_of(inverse: int) -> tuple[float, float, int]:
-    _, spent, dof = fe.condensation_cost(80, 1 / inverse)
-    return dof, spent, 1
+def condensation_cost(edge: int, growth: float = 0.2) -> tuple[int, float, int]:
+    """Contact nodes, CPU seconds of condensing, degrees of freedom of a half-disc as the paper's cycle asks for."""
+    mesh = half_disc("lower", SurfaceGrading(0.4, 1.1, 1 / 24, 1 / edge, 10.0), growth)
+    begun = time.process_time()
+    found = condense(mesh, fe.STEEL, 1.0)
+    return len(found.x), time.process_time() - begun, int(found.diagnostics["degrees_of_freedom"])
 
 
 class Kind(NamedTuple):
-    """A cost: how it is measured (size as counted, CPU seconds, how many times the thing was done), and at which sizes."""
+    """A cost: what measures it (a count, CPU seconds, another count), which count its size is, and what is asked for."""
 
-    task: Callable[[int], tuple[float, float, int]]
+    task: Callable[[int], tuple[float, float, float]]
+    by: int
     sizes: tuple[int, ...]
     unit: str
     what: str
 
 
 KINDS = {
-    "path": Kind(fe.path_cost, (40, 80, 160, 320), "contact nodes", "two revolutions, every touch met"),
-    "steps": Kind(steps_of, (200, 400, 800, 1600), "increments", "two revolutions on a/40"),
-    "condensation": Kind(condensation_of, (40, 80, 160, 320), "contact nodes", "condensation of a body"),
-    "bulk": Kind(bulk_of, (5, 10, 20, 33), "bulk degrees of freedom", "condensation of a body"),
-    "history": Kind(history_of, (1_000, 10_000, 100_000, 1_000_000), "rows of a history", "theory, W of every step"),
-    "batch": Kind(batch_of, (1_000, 10_000, 100_000, 1_000_000), "members of a batch", "theory, W of each"),
-    "theory points": Kind(partial(sweep_of, engines=["exact"]), (25, 50, 100), "points of a sweep", "theory, one by one"),
-    "FE points": Kind(partial(sweep_of, engines=["fe"]), (2, 4, 8), "points of a sweep", "finite elements, coarse"),
+    "path": Kind(path_cost, 0, (40, 80, 160, 320), "contact nodes", "two revolutions, every touch met"),
+    "steps": Kind(lambda n: path_cost(40, n), 2, (200, 400, 800, 1600), "increments", "two revolutions on a/40"),
+    "condensation": Kind(condensation_cost, 0, (40, 80, 160, 320), "contact nodes", "condensation of a body"),
+    "bulk": Kind(lambda n: condensation_cost(80, 1 / n), 2, (5, 10, 20, 33), "bulk degrees of freedom", "condensation of a body"),
+    "history": Kind(history_of, 0, (1_000, 10_000, 100_000, 1_000_000), "rows of a history", "theory, W of every step"),
+    "batch": Kind(batch_of, 0, (1_000, 10_000, 100_000, 1_000_000), "members of a batch", "theory, W of each"),
+    "theory points": Kind(partial(sweep_of, engines=["exact"]), 0, (25, 50, 100), "points of a sweep", "theory, one by one"),
+    "FE points": Kind(partial(sweep_of, engines=["fe"]), 0, (2, 4, 8), "points of a sweep", "finite elements, coarse"),
 }
 
 
@@ -333,8 +346,10 @@ def one_cost(kind: str, size: int) -> dict[str, float]:
     """Cost of a point in this process, and its peak of memory [MB] beyond what the imports take."""
     imported = memory()
     with threadpool_limits(limits=1, user_api="blas"):
-        counted, spent, times = KINDS[kind].task(size)
-    cost = {"size": counted, "seconds": spent, "most seconds": spent, "each": spent / times}
+        found = KINDS[kind].task(size)
+    spent = found[1]
+    each = spent / found[2] if kind == "path" else spent  # an increment of the path
+    cost = {"size": found[KINDS[kind].by], "seconds": spent, "most seconds": spent, "each": each}
     return cost | {"memory": memory() - imported, "imports": imported}
 
 
@@ -480,17 +495,17 @@ def module(name: str) -> Any:
     return import_module(f"halfplane_fe.{name}")
 
 
-def _no(*_: Any) -> bool:  # plain functions: a mock's own bookkeeping would count in the times
-    return False
+def instead(owner: Any, name: str, value: bool) -> Switch:
+    """What always says `value` in place of the function that decides; plain: the bookkeeping of a mock would count in the times."""
+
+    def decided(*_: Any) -> bool:
+        return value
+
+    return lambda: mock.patch.object(owner, name, decided)
 
 
-def _yes(*_: Any) -> bool:
-    return True
-
-
-def whole_faces() -> contextlib.AbstractContextManager[Any]:
-    """Both halves of mirror-symmetric faces are solved."""
-    return mock.patch.object(module("solve"), "mirrored", _no)
+whole_faces = instead(module("solve"), "mirrored", value=False)
+"""Both halves of mirror-symmetric faces are solved."""
 
 
 def factors_anew() -> contextlib.AbstractContextManager[Any]:
@@ -526,10 +541,6 @@ def kept_bodies() -> Iterator[None]:
         yield
 
 
-def all_shear() -> contextlib.AbstractContextManager[Any]:
-    return mock.patch.object(module("solve"), "needs_shear", _yes)
-
-
 def every_point() -> contextlib.AbstractContextManager[Any]:
     """Half-plane theory evaluates x and -x one by one."""
 
@@ -538,11 +549,6 @@ def every_point() -> contextlib.AbstractContextManager[Any]:
         return np.abs(x)[order], np.argsort(order)
 
     return mock.patch.object(import_module("semi_analytic.solution"), "folded", apart)
-
-
-def every_cycle() -> contextlib.AbstractContextManager[Any]:
-    """Half-plane theory takes no cycle for a repetition of the one before."""
-    return mock.patch.object(import_module("semi_analytic.history"), "same", _no)
 
 
 def difference(one: ContactSolution, other: ContactSolution) -> dict[str, float]:
@@ -577,6 +583,8 @@ def switches() -> Iterator[dict[str, Any]]:
     model, known = partial(halfplane_fe.solve, scene, coarse), partial(halfplane_fe.solve, scene, coarse, scales=scales)
     normal, theory = partial(halfplane_fe.solve, frictionless, coarse), partial(semi_analytic.solve, scene)
     work_alone = partial(semi_analytic.solve, scene, fields=("dissipation",))
+    all_shear = instead(module("solve"), "needs_shear", value=True)
+    every_cycle = instead(import_module("semi_analytic.history"), "same", value=False)
     yield compared("one half of mirror-symmetric faces", name, (plain, model), (whole_faces, model))
     yield compared("Cholesky factors kept for all sets of nodes", name, (plain, model), (factors_anew, model))
     yield compared("one of two like bodies meshed and condensed", name, (plain, model), (both_bodies, model))
@@ -616,7 +624,7 @@ ALWAYS = (
     "steps, and there is no stepping without events. What equal steps alone would need is in the "
     "series of increments of the diagrams above.",
     "The bulk: both bodies are condensed to the nodes of the contact once; the increments never see the bulk. "
-    "`python benchmarks/finite_elements.py growth` reckons what it would cost otherwise.",
+    "`make numbers SECTIONS='\"*growth*\"'` reckons what it would cost otherwise.",
     "Slip iterations of increments in which no node left stick, and quadratures of phases in full stick: there is nothing to do.",
 )
 COUNTS = {

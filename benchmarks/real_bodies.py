@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from claim import Row, table, with_children
+from claim import Row, with_children
 
 import halfplane_fe
 import semi_analytic
@@ -122,7 +122,3 @@ def rows() -> Iterator[Row]:
     """Everything, in the order of the docstring."""
     for part in (mesh_error, roller, costs):
         yield from part()
-
-
-if __name__ == "__main__":
-    print(table(rows()))

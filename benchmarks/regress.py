@@ -42,10 +42,6 @@ PLACES = (0.25, 0.6, 0.9)  # of a slip zone, at which W(x) has references
 _TIMES, _PART = 20, 0.37  # equal parts of the last cycle, and where in each: at no event
 _PLACES = np.array([-0.83, -0.31, 0.0, 0.17, 0.42, 0.61, 0.78, 0.89, 0.97])  # over the largest half-width
 MEANS = {"pressure": "pressure", "shear": "shear", "slip": "slip", "displacement": "tangential_displacement"}
-QUANTITIES = (
-    *("dissipation", "permanent_stick_half_width", "largest_half_width", "largest_pressure", "stroke"),
-    *(f"rms {name}" for name in MEANS),
-)
 
 
 @dataclass(frozen=True)

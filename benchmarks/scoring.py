@@ -1,15 +1,11 @@
 """What `halfplane score` gets wrong: its rules on right results, its diagnoses of results with a planted fault, the examples.
 
-    python benchmarks/scoring.py              rules, readers and examples (a minute)
-    python benchmarks/scoring.py diagnosis    the confusion table, every severity in three scenes (some minutes); or FAULT ...
-
 A fault is planted in a file by altering its arrays, in a question by solving another one, in a model by running the finite elements
 with it. One so mild that the result stays within the scene's tolerances is not seen, and shall not be.
 """
 
 from __future__ import annotations
 
-import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -19,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from claim import ROOT, Row, table
+from claim import ROOT, Row
 from finite_elements import beside_theory
 
 import halfplane_fe
@@ -194,15 +190,14 @@ FAULTS = {
 }
 
 
-def confusion(keys: tuple[str, ...] = ()) -> Iterator[Row]:
+def confusion() -> Iterator[Row]:
     """Of each fault how many results out of tolerance were told wrong; then the share of all."""
-    os.environ["HALFPLANE_CACHE"] = "off"
     seen, wrong = 0, 0
-    for key in keys or FAULTS:
-        made = [(name, severity) for name in SCENES for severity in FAULTS[key].severities]
-        told = [(*one, diagnose(FAULTS[key].plant(load_scene(one[0]), one[1]))) for one in made]
+    for key, fault in FAULTS.items():
+        made = [(name, severity) for name in SCENES for severity in fault.severities]
+        told = [(*one, diagnose(fault.plant(load_scene(one[0]), one[1]))) for one in made]
         said = [(found[0].fault, f"{name} at {severity:g}: {found[0].fault}") for name, severity, found in told if found]
-        off = [words for fault, words in said if fault != key]
+        off = [words for first, words in said if first != key]
         seen, wrong = seen + len(said), wrong + len(off)
         yield Row(f"{key}: first diagnosis wrong", len(off), None, f"{len(said)} results out of tolerance; {'; '.join(off)}")
     yield Row("first diagnosis wrong, all faults, scenes and severities", wrong / seen, 0.05, f"{seen} results out of tolerance")
@@ -285,8 +280,3 @@ def example_rows() -> Iterator[Row]:
         faults = ", ".join(one.fault for one in report.diagnoses)
         how = f"{measure.SCENE}, {example.result}; p, relative L2: {pressure:.2g}; diagnosis: {faults}"
         yield Row(f"score of the example {example.name}: {metric.label}", float(metric.value), None, how)
-
-
-if __name__ == "__main__":
-    keys = tuple(sys.argv[1:])
-    print(table(list(confusion(() if keys == ("diagnosis",) else keys) if keys else [*rule_rows(), *example_rows()])))

@@ -1,7 +1,5 @@
 """What a sweep costs beyond its points, what a second process is worth, and whether the cheap uncertainty covers known errors.
 
-    python benchmarks/sweep.py
-
 Wall times show the machine's other load as much as the sweep, so the load is stated beside them. Each store is a new one.
 """
 
@@ -15,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from claim import Row, table
+from claim import Row
 
 from reports.sweep import Table
 from reports.sweep.figures import QUANTITIES
@@ -105,8 +103,3 @@ def coverage() -> Iterator[Row]:
     yield Row("... error over uncertainty, median", shares[len(shares) // 2], None, "")
     for tenths in (1, 9):
         yield Row(f"... error over uncertainty, {tenths} of ten below", shares[len(shares) * tenths // 10], None, "")
-
-
-if __name__ == "__main__":
-    os.environ["HALFPLANE_CACHE"] = "off"
-    print(table([*rows(), *coverage()]))

@@ -1,38 +1,51 @@
-"""CalculiX on the exported decks, against half-plane theory: error in p, q and W, and time. docs/third.md shows the results.
+"""CalculiX on the exported decks: error in p, q and W against half-plane theory, and why the NAFEMS roller differs from its values.
 
     python benchmarks/third.py                      (every case that has not been measured yet)
     python benchmarks/third.py hertz-paper ...      (these cases again; the others stay as measured)
 
-A minute or two a case; `make peers` installs CalculiX. Results are stored in third.json, case by case, with day, commit and
-version; `make pages` writes the page from it. Times are wall times of one thread.
+A minute or two a case; `make peers` installs CalculiX. Results are stored case by case with day, commit and version: those of the
+decks in third.json, for docs/third.md (`make pages`), those of the roller in roller.json (`make publish PAGES=1`). Times are wall
+times of one thread.
+
+The roller's reference values are those of Code_Aster's test SSNP154 (a to d), whose manual V6.03.154 names A. W. A. Konter's
+benchmark 1 as its source: half of the model by symmetry, the whole cylinder with a point force of 17.5 kN at its top, the base of
+the block fixed, linear or quadratic elements of 1.5 mm on the block's face, large displacements, two increments; the vertical
+displacement and the Cauchy stress sigma_yy, extrapolated from the elements, of the block's face under the roller. Ours is half a
+cylinder, bonded to a rigid plane at its middle, in small displacements, with the pressure of the contact itself. A case changes the
+deck in one way, or two.
 """
 
 from __future__ import annotations
 
-import json
 import sys
+import tempfile
 import time
+from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from claim import commit
+import numpy as np
+from claim import commit, kept_json, write_json
 
 from reports.console import Stages
-from reports.third.calculix import solve_with_calculix
-from reports.third.deck import DeckSettings
-from scenes import load_scene, scene_names
+from reports.scoring.calculix_files import FrdFile, read_frd
+from reports.third.calculix import calculix_version, find_calculix, run_calculix, solve_with_calculix
+from reports.third.deck import Deck, DeckSettings, build_deck
+from reports.third.dialects import deck_text
+from scenes import freeze, load_scene, scene_names
 
 STORED = Path(__file__).with_suffix(".json")
-# The library in one revolution, but for the two whose time series make decks of many hundred instants; those that take two
-# revolutions to become steady in two; a stiffer stick.
-CASES = {name: (name, DeckSettings(cycles=1)) for name in scene_names() if name not in ("flight", "time-series")}
-CASES |= {f"{name}, 2 revolutions": (name, DeckSettings()) for name in ("hertz-paper", "cattaneo-mindlin", "flat-pad-on-block")}
-CASES["cattaneo-mindlin, stick slope 50"] = ("cattaneo-mindlin", DeckSettings(cycles=1, stick_stiffness=50.0))
+ROLLER = STORED.with_name("roller.json")
+LIMIT = 3600.0
+COARSE = 1.5
+"""Length of the published elements on the block's face [mm]."""
 
 
 def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
-    """What CalculiX gives for a case, for JSON; a metric that has no value is null."""
+    """What CalculiX gives for a deck, for JSON; a metric that has no value is null."""
     begun = time.perf_counter()
     third = solve_with_calculix(load_scene(scene), settings, 1800.0, Stages(quiet=True))
     done, errors = third.done, {}
@@ -48,16 +61,113 @@ def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
         "iterations": done.iterations if done else None,
         "failure": third.failure,
         "errors": errors,
-        "day": datetime.now(UTC).date().isoformat(),
-        "commit": commit(),
     }
 
 
+# ------------------------------------------------------------------------------------------------------------------ the roller
+def whole_cylinder(deck: Deck) -> Deck:
+    """The half cylinder and its mirror image in its middle; the load acts at the top, on a cap as wide as the contact.
+
+    A force on a single node would crush the small elements there. Nodes at x = 0 move along x together: no rolling.
+    """
+    upper = deck.upper
+    y, first = upper.nodes[:, 1], upper.first_node
+    middle = y.max()
+    own = y > middle * (1 - 1e-9)
+    number = np.where(own, np.arange(len(y)), len(y) + np.cumsum(~own) - 1)
+    mirrored = np.stack([upper.nodes[~own, 0], 2 * middle - y[~own]], axis=1)
+    nodes = np.concatenate([upper.nodes, mirrored])
+    turned = number[upper.elements - first][:, [0, 3, 2, 1]] + first
+    top = np.flatnonzero(nodes[:, 1] >= 2 * middle - deck.scales.half_width**2 / (2 * middle))
+    axis = np.flatnonzero(np.abs(nodes[:, 0]) < 1e-9 * middle)
+    held = {1: freeze(axis + first, np.int64), 2: freeze(top + first, np.int64)}
+    elements = freeze(np.concatenate([upper.elements, turned]), np.int64)
+    return replace(deck, upper=replace(upper, nodes=freeze(nodes), elements=elements, held=held))
+
+
+def two_increments(deck: Deck) -> Deck:
+    """The load in two halves."""
+    half = (len(deck.time) - 1) // 2
+    time, normal, tangential = (freeze(series[::half]) for series in (deck.time, deck.normal_load, deck.tangential_load))
+    return replace(deck, time=time, normal_load=normal, tangential_load=tangential)
+
+
+def on_roller(
+    scene: str, *, large: bool = False, element_size: float | None = None, change: Callable[[Deck], Deck] = lambda deck: deck
+) -> dict[str, Any]:
+    """What CalculiX gives for the block's face under the roller, for JSON; pressures in MPa, displacements in mm.
+
+    Changed of the deck: large displacements, elements of `element_size` [mm] on the contact faces, or what `change` does.
+    """
+    settings, program = DeckSettings(), find_calculix()
+    if element_size is not None:
+        half_width = next(one.value for one in load_scene(scene).expected if one.quantity == "largest_half_width")
+        settings = replace(settings, element_size=element_size / half_width, edge_element_size=element_size / half_width)
+    deck = change(build_deck(load_scene(scene), settings))
+    middle = int(deck.lower.first_node + np.argmin(np.hypot(*deck.lower.nodes.T)))
+    text = deck_text(deck, "calculix").replace("*CONTACT FILE", "*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE", 1)
+    if large:
+        text = text.replace("NLGEOM=NO", "NLGEOM=YES")
+    with tempfile.TemporaryDirectory(prefix="halfplane-roller-") as name:
+        folder = Path(name)
+        (folder / "roller.inp").write_text(text, encoding="utf-8")
+        done = run_calculix(program, folder, "roller", float(deck.deck_time[-1]), LIMIT)
+        result = read_frd(folder / "roller.frd", ("DISP", "STRESS", "CONTACT"))
+    return {
+        "code": f"CalculiX {calculix_version(program)}",
+        "nodes": len(deck.lower.nodes) + len(deck.upper.nodes),
+        "seconds": round(done.seconds, 1),
+        "displacement": round(_last(result, "DISP", "D2", middle), 6),
+        "stress": round(-_last(result, "STRESS", "SYY", middle), 2),
+        "pressure per undeformed length": round(_last(result, "CONTACT", "CPRESS", middle), 2),
+    }
+
+
+def _last(result: FrdFile, block: str, component: str, node: int) -> float:
+    """A nodal value in the last frame."""
+    found = [one for one in result.blocks if one.name == block][-1]
+    return float(found.column(component)[np.flatnonzero(found.nodes == node)[0]])
+
+
+# ------------------------------------------------------------------------------------------------------------------- the cases
+# The library in one revolution, but for the two whose time series make decks of many hundred instants; those that take two
+# revolutions to become steady in two; a stiffer stick.
+CASES = {
+    name: partial(measured, name, DeckSettings(cycles=1)) for name in sorted(scene_names()) if name not in ("flight", "time-series")
+}
+CASES |= {
+    f"{name}, 2 revolutions": partial(measured, name, DeckSettings())
+    for name in ("hertz-paper", "cattaneo-mindlin", "flat-pad-on-block")
+}
+CASES["cattaneo-mindlin, stick slope 50"] = partial(measured, "cattaneo-mindlin", DeckSettings(cycles=1, stick_stiffness=50.0))
+CHANGES: dict[str, dict[str, Any]] = {
+    "as exported": {},
+    "large displacements": {"large": True},
+    "whole cylinder, force at its top": {"change": whole_cylinder},
+    "two increments": {"change": two_increments},
+    "elements of 1.5 mm": {"element_size": COARSE},
+    "elements of 1.5 mm, large displacements": {"element_size": COARSE, "large": True},
+}
+ROLLERS = {
+    f"{scene}: {words}": partial(on_roller, scene, **change)
+    for scene in ("cylinder-roller", "cylinder-roller-frictionless")
+    for words, change in CHANGES.items()
+}
+
+
+def main(names: list[str]) -> int:
+    if unknown := [name for name in names if name not in CASES | ROLLERS]:
+        print(f"no case is called {' or '.join(unknown)}; there are: {'; '.join(CASES | ROLLERS)}", file=sys.stderr)
+        return 2
+    for file, cases in ((STORED, CASES), (ROLLER, ROLLERS)):
+        for name in [name for name in cases if (name in names if names else name not in kept_json(file))]:
+            found = cases[name]() | {"day": datetime.now(UTC).date().isoformat(), "commit": commit()}
+            stored = kept_json(file) | {name: found}
+            write_json(file, {each: stored[each] for each in (sorted(stored) if file == STORED else cases) if each in stored})
+            said = found.get("failure") or found.get("errors") or f"{found['displacement']} mm, {found['stress']} MPa"
+            print(f"{found['seconds']:6.1f} s  {name}: {said}", flush=True)
+    return 0
+
+
 if __name__ == "__main__":
-    stored = json.loads(STORED.read_text(encoding="utf-8"))
-    if unknown := set(sys.argv[1:]) - set(CASES):
-        sys.exit(f"no case is called {' or '.join(unknown)}; there are: {'; '.join(CASES)}")
-    for name in sys.argv[1:] or [name for name in CASES if name not in stored]:
-        stored[name] = measured(*CASES[name])
-        STORED.write_text(json.dumps(dict(sorted(stored.items())), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-        print(f"{stored[name]['seconds']:6.1f} s  {name}: {stored[name]['failure'] or stored[name]['errors']}", flush=True)
+    sys.exit(main(sys.argv[1:]))

@@ -326,7 +326,7 @@ def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[st
 
 
 def _causes(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[str]:
-    """Why the published values of the roller differ from ours, as benchmarks/roller.py measured it with CalculiX; else nothing."""
+    """Why the published values of the roller differ from ours, as benchmarks/third.py measured it with CalculiX; else nothing."""
     kept = json.loads(ROLLER.read_text(encoding="utf-8"))
     cases = {name.partition(": ")[2]: case for name, case in kept.items() if name.partition(": ")[0] == scene.name}
     if not cases:

@@ -106,7 +106,7 @@ class Arc:
         ends = np.unique(np.clip([first, *self._corners, last], first, last))
         counts = np.maximum(np.ceil(np.diff(ends) / (last - first) * _PANELS), 1).astype(int)
         parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
-        marks = np.append(np.concatenate(parts), last)
+        marks = np.unique([*np.concatenate(parts), last])  # a panel of a digit or two has no inner ends
         half_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
         self._middle = float(marks[np.argmin(np.abs(marks - half_load))])
         self._follow(marks)

@@ -341,7 +341,7 @@ class PunchSuperposition:
                 here, begin, way = which[some], low[some, None], (high - low)[some, None]
                 if rooted:
                     inner = np.sqrt(begin - ends[behind[some], None])
-                    reach = way / (inner + np.sqrt(inner * inner + way))
+                    reach = way / np.where(way > 0, inner + np.sqrt(inner * inner + way), 1.0)  # none of a span that rounding ends
                     rise, weight = reach * node * (2 * inner + reach * node), 2 * reach * share * (inner + reach * node)
                 else:
                     rise, weight = (values[:, 0] for values in graded(0.0, way))

@@ -24,7 +24,7 @@ from scenes import ConvergenceError, InputError, load_scene, scene_names
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
-import roller  # noqa: E402
+import third  # noqa: E402
 
 sys.path.remove(str(BENCHMARKS))
 
@@ -375,15 +375,15 @@ def test_unequal_sides_are_cut_as_they_are() -> None:
 
 def test_the_roller_benchmark_mirrors_the_half_cylinder_and_loads_its_top() -> None:
     half = deck_of("cylinder-roller-frictionless")
-    whole = roller.whole_cylinder(half)
+    whole = third.whole_cylinder(half)
     assert whole.upper.areas().min() > 0
     assert whole.upper.areas().sum() == pytest.approx(2 * half.upper.areas().sum(), rel=1e-12)
     assert len(np.unique(whole.upper.nodes.round(9), axis=0)) == len(whole.upper.nodes) == whole.reference - whole.upper.first_node
     loaded = whole.upper.nodes[whole.upper.held[2] - whole.upper.first_node]
     assert loaded[:, 1].max() == pytest.approx(100.0)
     assert np.abs(loaded[:, 0]).max() <= half.scales.half_width
-    assert roller.two_increments(half).time.tolist() == [0.0, 0.5, 1.0]
-    assert set(roller.kept()) == set(roller.cases())
+    assert third.two_increments(half).time.tolist() == [0.0, 0.5, 1.0]
+    assert set(third.kept_json(third.ROLLER)) == set(third.ROLLERS)
 
 
 def test_the_cycle_closes_and_its_turning_points_are_instants() -> None:
