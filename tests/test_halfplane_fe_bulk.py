@@ -20,7 +20,7 @@ import halfplane_fe
 from halfplane_fe import SolverSettings, edge_tension, fields, stress
 from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.elasticity import assemble, condense, uniform_stretch
-from halfplane_fe.interface import Interface, couple, without_local_difference
+from halfplane_fe.interface import Interface
 from halfplane_fe.path import enclosed, loads_of, turning_points
 from halfplane_fe.store import condensed
 from halfplane_fe.systems import Layer
@@ -449,36 +449,6 @@ def test_a_stored_body_knows_its_stretch_and_one_with_another_is_refused(tmp_pat
 
 
 # ------------------------------------------------------------------------------------------------------------- fields
-
-
-INSIDE = {
-    "half-planes": {"material": UNLIKE},
-    "specimen on rollers": {"material": STEEL, "bodies": Bodies(lower=ROLLERS)},
-    "fixed block": {"material": STEEL, "bodies": Bodies(lower=FIXED)},
-}
-
-
-@pytest.mark.parametrize("name", INSIDE)
-def test_slip_and_gap_of_the_fields_are_those_of_the_interface(name: str) -> None:
-    """Upper less lower face, rigid motion and tilt included; the parts of T and K that only the mesh makes apart."""
-    answer = solved(scene(ellipse((3, 0.6), (0.2, 1.4), 25, **TURNING), cycles=2, **INSIDE[name]))
-    made = couple(*answer.condensed)
-    step, unit = len(answer.time) - 9, answer.scales.load / answer.scales.modulus
-    lower, upper = (_face(body, answer.x) for body in fields(answer, [answer.time[step]])[0].bodies)
-    smooth = without_local_difference(made, answer.scene) or made
-    p, q = (getattr(answer.states[step], part) * answer.scales.load for part in ("pressure", "shear"))
-    coupling = np.zeros_like(made.normal) if made.coupling is None else made.coupling - np.asarray(smooth.coupling)
-    slip, gap = (upper - lower).T
-    slip = slip + (made.tangential - smooth.tangential) @ q - coupling @ p
-    gap = gap + coupling.T @ q + answer.scene.profile.height(answer.x)
-    np.testing.assert_allclose(slip, answer.slip[step], atol=3e-5)
-    np.testing.assert_allclose(gap, answer.states[step].gap * unit, atol=3e-5)
-
-
-def _face(body: halfplane_fe.BodyFields, x: np.ndarray) -> np.ndarray:
-    surface = np.flatnonzero(body.points[:, 1] == 0)
-    order = surface[np.argsort(body.points[surface, 0])]
-    return body.displacement[order[np.searchsorted(body.points[order, 0], x - 1e-9 * np.ptp(x))]]
 
 
 def test_stress_has_the_bulk_stress_in_it() -> None:
