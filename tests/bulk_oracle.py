@@ -84,10 +84,9 @@ def solve(
     strain: ArrayLike = 0.0,
     tilt: ArrayLike = 0.0,
     *,
-    moment: ArrayLike | None = None,
     modulus: float = 1.0,
 ) -> Fields:
-    """Follow instants (n,) of P, Q, eps and the tilt, or the `moment` in its place, from bodies that have never touched.
+    """Follow instants (n,) of P, Q, eps and the tilt from bodies that have never touched.
 
     The first instant is one increment from nothing; where P = 0 there, its eps is in place at first touch. `extent` is the grid.
     Raises ArithmeticError where active sets do not converge or the contact meets the end of the grid.
@@ -96,7 +95,7 @@ def solve(
     >>> abs(found.edges(0)[1] - (1.6 / math.pi) ** 0.5) < found.step
     True
     """
-    loads = np.stack(np.broadcast_arrays(np.atleast_1d(normal), shear, strain, tilt if moment is None else moment), axis=1)
+    loads = np.stack(np.broadcast_arrays(np.atleast_1d(normal), shear, strain, tilt), axis=1)
     step = (extent[1] - extent[0]) / cells
     x = extent[0] + step * (np.arange(cells) + 0.5)
     ends = step * (np.arange(cells) + np.array([[-0.5], [0.5]]))
@@ -104,20 +103,17 @@ def solve(
     compliance = row[np.abs(np.arange(cells)[:, None] - np.arange(cells))]
     heights = height(x)
 
-    def balanced(here: NDArray[np.bool_], right: Array, columns: Array, totals: list[float]) -> tuple[Array, Array]:
-        """Tractions t of the cells `here`, C t = right + columns b, and b: the integrals of t times the columns are totals."""
-        inverse = np.linalg.solve(compliance[np.ix_(here, here)], np.column_stack([right[here], columns[here]]))
-        inner = columns[here].T @ inverse * step
-        factors = np.linalg.solve(inner[:, 1:], np.array(totals) - inner[:, 0])
+    def balanced(here: NDArray[np.bool_], right: Array, total: float) -> tuple[Array, float]:
+        """Tractions t of the cells `here`, C t = right + b, and b: the integral of t is the total."""
+        first, second = np.linalg.solve(compliance[np.ix_(here, here)], np.stack([right[here], np.ones(here.sum())], axis=1)).T
+        constant = (total / step - first.sum()) / second.sum()
         result = np.zeros(cells)
-        result[here] = inverse @ np.array([1.0, *factors])
-        return result, factors
+        result[here] = first + constant * second
+        return result, float(constant)
 
-    one, both = np.ones((cells, 1)), np.column_stack([np.ones(cells), -x])
     nowhere, none = np.zeros(cells, dtype=bool), np.zeros(cells)
-    touching, q, s, rows, approach, angle, shift = nowhere, none, none, [], 0.0, 0.0, 0.0
-    for instant, (load, force, eps, turn) in enumerate(loads.tolist()):
-        angle = turn if moment is None else angle
+    touching, q, s, rows, approach, shift = nowhere, none, none, [], 0.0, 0.0
+    for instant, (load, force, eps, angle) in enumerate(loads.tolist()):
         before, slipped, p, direction = q, s, none, np.zeros(cells, dtype=int)
         if load <= 0:
             touching, q, s = nowhere, none, shift - eps * x
@@ -125,10 +121,7 @@ def solve(
             if not touching.any():
                 touching = heights + angle * x <= np.sort(heights + angle * x)[5]
             for _ in range(_TURNS):  # normal contact: p > 0 where g = 0
-                if moment is None:
-                    p, (approach,) = balanced(touching, -heights - angle * x, one, [load])
-                else:
-                    p, (approach, angle) = balanced(touching, -heights, both, [load, -turn])
+                p, approach = balanced(touching, -heights - angle * x, load)
                 wanted = np.where(touching, p > 0, heights + angle * x - approach + compliance @ p < 0)
                 if np.array_equal(wanted, touching):
                     break
@@ -143,7 +136,7 @@ def solve(
                 if not sticks.any():
                     raise ArithmeticError(f"instant {instant}: all cells slip")
                 right = -slipped - eps * x - compliance @ fixed
-                q, (shift,) = balanced(sticks, right, one, [force - step * float(np.sum(fixed))])
+                q, shift = balanced(sticks, right, force - step * float(np.sum(fixed)))
                 q = q + fixed
                 s = shift - eps * x - compliance @ q
                 exceeds, goes_on = sticks & (np.abs(q) > limit + _ROUNDING * limit.max()), direction * (s - slipped) > 0
