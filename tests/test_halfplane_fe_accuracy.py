@@ -72,17 +72,6 @@ def test_default_settings_reach_the_promised_figures():
             check(f"default {metric}", error)
 
 
-METRICS = ("pressure", "shear", "contact_half_width", "stick_half_width", "peak_pressure", "normal_approach", "dissipation")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("problem", problems("cycle"), ids=lambda problem: problem.name)
-def test_a_finer_mesh_than_the_default_is_better_than_the_coarse_one(problem):
-    fine = fe_run(problem.scene, MeshSettings(edge_element_size=1 / 320), SolverSettings(steps_per_cycle=384))
-    here, there = errors(problem, fine), errors(problem, fe_run(problem.scene))
-    assert all(here[metric] <= there[metric] + 1e-12 for metric in METRICS)
-
-
 # ------------------------------------------------------------------------------------------------------------------- orders
 
 
@@ -157,24 +146,22 @@ def mindlin_errors(elements, order=2):
     return dict(zip(("shear", "stick edge", "dissipation"), (rms(column) for column in zip(*found, strict=True)), strict=True))
 
 
-def excess(method, steps, late, mean):
+def excess(steps, late, mean):
     """Late less mean work of the last cycle, over its dissipation."""
-    answer = stepped_run(method, steps)
+    answer = stepped_run("augmented_lagrangian", steps)
     cycle, energy = answer.last_cycle[1:], answer.record.energy
     return float(abs((energy[late] - energy[mean])[cycle].sum()) / answer.dissipation)
 
 
-def layered(name, quantity, stiffness):
+def layered(quantity, stiffness):
     """What a penalty layer costs: a figure of the audit, or the dissipation against that of the exact law."""
-    soft = layer_run(name, "penalty", float(stiffness))
-    return (
-        abs(soft.dissipation / layer_run(name, "augmented_lagrangian", 1e3).dissipation - 1)
-        if quantity == "dissipation"
-        else getattr(soft.penalty, quantity)
-    )
+    soft = layer_run("hertz-paper", "penalty", float(stiffness))
+    if quantity != "dissipation":
+        return getattr(soft.penalty, quantity)
+    return abs(soft.dissipation / layer_run("hertz-paper", "augmented_lagrangian", 1e3).dissipation - 1)
 
 
-STEEL, ALUMINIUM = Elastic(young_modulus=210e3, poisson_ratio=0.3), Elastic(young_modulus=70e3, poisson_ratio=0.33)
+STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
 
 
 @functools.cache
@@ -326,6 +313,8 @@ LADDERS = {
         for name in ("shear", "stick edge", "dissipation")
     },
     "moving edges": ladder(moving_edges, HALVED),
+    "end_of_step work": ladder(lambda n: excess(n, "end_of_step", "interface"), THREE),
+    "external_end_of_step work": ladder(lambda n: excess(n, "external_end_of_step", "external"), THREE),
     "step": lambda: (HALVED, step_errors((8, 16, 32), lambda answer: answer.dissipation_density)),
     "stiff punch": lambda: ([1e-2, 1e-3], stiff_punch()),
     **{
@@ -339,19 +328,7 @@ VARIANTS = {
         for name in ("hertz-paper", "phase-45", "flat-rounded-paper")
     },
     **{
-        f"{late} work, {method}": (
-            f"{late} work",
-            ladder(lambda n, late=late, mean=mean, method=method: excess(method, n, late, mean), THREE),
-        )
-        for late, mean in (("end_of_step", "interface"), ("external_end_of_step", "external"))
-        for method in ("augmented_lagrangian", "penalty")
-    },
-    **{
-        f"penalty, {name}, {quantity}": (
-            "penalty",
-            ladder(lambda k, name=name, quantity=quantity: layered(name, quantity, k), [1e-2, 1e-3, 1e-4]),
-        )
-        for name in ("cattaneo-mindlin", "hertz-paper")
+        f"penalty, {quantity}": ("penalty", ladder(functools.partial(layered, quantity), [1e-2, 1e-3, 1e-4]))
         for quantity in ("penetration", "elastic_slip", "creep", "dissipation")
     },
     **{
@@ -361,7 +338,7 @@ VARIANTS = {
     },
 }
 _SLOW = ("idealisation", "stiff", "external", "moving edges,")
-COSTLY = [name for name in (*LADDERS, *VARIANTS) if name.startswith(_SLOW) or name.endswith(", penalty")]
+COSTLY = [name for name in (*LADDERS, *VARIANTS) if name.startswith(_SLOW)]
 
 
 @pytest.mark.parametrize(
@@ -397,60 +374,43 @@ def test_quadratic_elements_are_better_by_far():
 # -------------------------------------------------------------------------------------- orders over the cycle of the paper
 
 
-CUTS = (8, 16, 32)
+CUTS = (16, 32, 64)
 
 
 def within(found: float, order: int, name: str) -> bool:
     return abs(found - fe_orders.EXPECTED[order][name]) <= fe_orders.ROOM
 
 
-def sequence(cuts: tuple[int, ...], order: int, name: str) -> list[float]:
-    spread = fe_orders.SPREAD if name == "W" else fe_orders.SPREAD[::3]
-    return [fe_orders.rung(n, order, spread)[name] for n in cuts]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["p", "q", "a", "c", "W"])
-def test_quadratic_elements_converge_at_their_order(name):
-    """Of p, q, a, c, W over the cycle under uniform refinement, and monotone; with a floor under the error it is another order."""
-    found = sequence(CUTS, 2, name)
-    assert fe_orders.convergence_class(found) == "monotone", found
-    assert within(fe_orders.observed_order(CUTS, found), 2, name), found
-    floor = {"p": 0.02, "q": 0.05, "a": 0.01, "c": 0.03}.get(name)
-    assert floor is None or not within(fe_orders.observed_order(CUTS, [error + floor for error in found]), 2, name)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", fe_orders.QUANTITIES)
-def test_finer_ladder(name, order):
-    found = sequence((16, 32, 64), order, name)
+def test_elements_converge_at_their_order(name, order):
+    """Of p, q, a, c, W over the cycle under uniform refinement, and monotone; with a floor under the error it is another order."""
+    spread = fe_orders.SPREAD if name == "W" else fe_orders.SPREAD[::3]
+    found = [fe_orders.rung(n, order, spread)[name] for n in CUTS]
     assert fe_orders.convergence_class(found) == "monotone", found
-    assert within(fe_orders.observed_order((16, 32, 64), found), order, name), found
+    assert within(fe_orders.observed_order(CUTS, found), order, name), found
+    floor = {"p": 0.02, "q": 0.05, "a": 0.01, "c": 0.03}.get(name)
+    assert floor is None or not within(fe_orders.observed_order(CUTS, [error + floor for error in found]), order, name)
 
 
-@pytest.mark.parametrize("name", fe_orders.QUANTITIES)
-def test_too_fast_is_as_suspect_as_too_slow(name):
+CLASSES = [
+    ([n**-1.5 for n in CUTS], "monotone"),
+    ([-4.0, -2.0, -1.0], "monotone"),
+    ([4.0, -2.0, 1.0], "oscillating"),
+    ([4.0, 1.0, 2.0], "oscillating"),
+    ([1.0, 0.1, -2.0], "diverging"),
+    ([1.0, 1.0, 1.0], "diverging"),
+    ([1.0, 0.5, float("nan")], "diverging"),
+]
+
+
+def test_too_fast_is_as_suspect_as_too_slow_and_sequences_have_their_class():
     for planted in (0.2, 2.5):
-        found = [n**-planted for n in CUTS]
-        assert fe_orders.observed_order(CUTS, found) == pytest.approx(planted)
-        assert not within(planted, 2, name)
-
-
-@pytest.mark.parametrize(
-    ("errors", "kind"),
-    [
-        ([4.0, 2.0, 1.0], "monotone"),
-        ([-4.0, -2.0, -1.0], "monotone"),
-        ([4.0, -2.0, 1.0], "oscillating"),
-        ([4.0, 1.0, 2.0], "oscillating"),
-        ([1.0, 0.1, -2.0], "diverging"),
-        ([1.0, 1.0, 1.0], "diverging"),
-        ([1.0, 0.5, float("nan")], "diverging"),
-    ],
-)
-def test_classes(errors, kind):
-    assert fe_orders.convergence_class(errors) == kind
+        assert fe_orders.observed_order(CUTS, [n**-planted for n in CUTS]) == pytest.approx(planted)
+        assert not any(within(planted, 2, name) for name in fe_orders.QUANTITIES)
+    for found, kind in CLASSES:
+        assert fe_orders.convergence_class(found) == kind, found
 
 
 # ------------------------------------------------------------------------------------------------------- testing the testers
@@ -497,21 +457,19 @@ def test_truth_of_the_layer_has_both_limits():
     assert 2 * half - one == pytest.approx(1.0, abs=2e-3)  # what is left goes with t
 
 
-@pytest.mark.parametrize("thickness", [1.0, 0.3])
-def test_pressure_on_a_layer_is_that_of_fourier_integrals(thickness):
+def test_pressure_on_a_layer_is_that_of_fourier_integrals():
     """Nobody's half-plane: bonded to a rigid base. Half-planes would fail."""
-    edge, pressure = layer_error(halfplane_fe.solve(layer(thickness), COARSE), thickness)
+    thin = layer(0.3)
+    edge, pressure = layer_error(halfplane_fe.solve(thin, COARSE), 0.3)
     check("layer, half-width", edge)
     check("layer, pressure", pressure)
-    if thickness == 1.0:
-        assert layer_error(halfplane_fe.solve(layer(1.0).vary(bodies=HALF_PLANES), COARSE), 1.0)[1] > 0.1
+    assert layer_error(halfplane_fe.solve(thin.vary(bodies=HALF_PLANES), COARSE), 0.3)[1] > 0.1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("nu", [0.0, 0.49, 0.4999])
-def test_a_thin_layer_does_not_lock(nu):
+def test_a_thin_layer_does_not_lock():
     wide = Bodies(lower=Block(width=20.0, height=0.5), upper=Block(width=20.0, height=4.0))
-    assert layer_error(halfplane_fe.solve(layer(0.5, nu=nu).vary(bodies=wide)), 0.5, nu)[1] < 1e-3
+    assert layer_error(halfplane_fe.solve(layer(0.5, nu=0.4999).vary(bodies=wide)), 0.5, 0.4999)[1] < 1e-3
 
 
 @pytest.mark.slow
@@ -526,21 +484,6 @@ def test_far_end_of_the_ladder_is_half_plane_theory():
         assert abs(answer.pressure.max() / theory.pressure.max() - 1) < 5e-4
 
 
-@pytest.mark.slow
-def test_which_body_is_the_stiff_one_does_not_matter():
-    """A million times stiffer above or below: the same, turned by half a turn."""
-    block = Block(width=10.0, height=10.0)
-    scene = mindlin(Bodies(lower=block, upper=block))
-    soft = scene.material.lower
-    stiff = soft.vary(young_modulus=1e6 * soft.young_modulus)
-    found = [
-        halfplane_fe.solve(scene.vary(material=Materials(lower=lower, upper=upper)), MeshSettings(1 / 8, 1 / 24))
-        for lower, upper in ((stiff, soft), (soft, stiff))
-    ]
-    assert found[0].dissipation == pytest.approx(found[1].dissipation, rel=1e-9, abs=0)
-    np.testing.assert_allclose(found[0].pressure[-1], found[1].pressure[-1, ::-1], rtol=1e-8, atol=1e-9 * found[0].pressure.max())
-
-
 # -------------------------------------------------------------------------------------------------------------- Dundurs
 RUBBER, CORK = Elastic(young_modulus=7e3, poisson_ratio=0.45), Elastic(young_modulus=70e3, poisson_ratio=0.0)
 
@@ -553,7 +496,7 @@ def test_like_bodies_have_none_and_exchanged_ones_the_opposite() -> None:
     assert other == (-one.alpha, -one.beta)
 
 
-@pytest.mark.parametrize(("upper", "lower"), [(STEEL, RUBBER), (RUBBER, STEEL), (CORK, STEEL)])
+@pytest.mark.parametrize(("upper", "lower"), [(RUBBER, STEEL), (CORK, STEEL)])
 def test_beta_is_the_jump_of_the_coupling_across_a_point_force(upper: Elastic, lower: Elastic) -> None:
     """A unit normal force draws a half-plane's face towards it by (1 - 2 nu)/(4 G) on either side.
 

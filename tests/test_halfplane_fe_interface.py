@@ -1,6 +1,6 @@
 """Patch tests of the interface: weights, mortar sides, two blocks on flat, inclined and curved faces, matching or not.
 
-The half-disc can't carry a uniform stress, as its arc follows the half-plane: its nodal weights are tried by a field held on it;
+The half-disc can't carry a uniform stress, as its arc follows the half-plane (its nodal weights: test_halfplane_fe_elasticity.py);
 two periodic blocks, and blocks bent so that their faces follow a line y = c(x), are coupled by the engine's own interface. The
 stiffness of the bent blocks is assembled here, not by the engine.
 """
@@ -24,12 +24,9 @@ from halfplane_fe.elasticity import CondensedBody, condense, scalar_element
 from halfplane_fe.interface import body_forces, couple
 from halfplane_fe.mortar import Side, mortar
 from halfplane_fe.systems import Layer
-from meshes import BodyMesh, SurfaceGrading, half_disc, solid
+from meshes import BodyMesh, SurfaceGrading, solid
 from scenes import Block, Elastic, Hertz, SurfaceState
 from tolerances import order_of
-
-# ------------------------------------------------------------------------------------------- the real, unstructured mesh
-
 
 STEEL, SOFT = Elastic(young_modulus=2.0, poisson_ratio=0.3), Elastic(young_modulus=0.7, poisson_ratio=0.1)
 GRADING = SurfaceGrading(inner=0.5, outer=1.1, size=0.2, edge_size=0.1, radius=4.0)
@@ -37,49 +34,6 @@ GRADING = SurfaceGrading(inner=0.5, outer=1.1, size=0.2, edge_size=0.1, radius=4
 
 def element(order):
     return skfem.ElementVector(skfem.ElementTriP2() if order == 2 else skfem.ElementTriP1())
-
-
-def uniform_field(places, pressure, shear, material):
-    """Displacement (2, n) of the uniform stress syy = -pressure, sxy = shear, sxx = 0 in plane strain."""
-    young, nu = material.young_modulus, material.poisson_ratio
-    across, along = (1 - nu**2) / young, nu * (1 + nu) / young
-    x, y = places
-    return np.stack([along * pressure * x + 2 * (1 + nu) / young * shear * y, -across * pressure * y])
-
-
-def patch_error(order, weights, pressure, shear):
-    """The body held at its linear field on arc and free surface, `weights` times traction on the contact: distance from linear."""
-    body = half_disc("body", GRADING, 0.3, order)
-    basis = skfem.Basis(body.mesh, element(order), intorder=2 * order)
-    stiffness = linear_elasticity(*lame_parameters(2.0, 0.3)).assemble(basis)
-    exact, load, contact = np.empty(basis.N), np.zeros(basis.N), basis.get_dofs("contact")
-    for component, (name, traction) in enumerate((("u^1", shear), ("u^2", -pressure))):
-        dofs = basis.get_dofs(elements=True).all([name])
-        exact[dofs] = uniform_field(basis.doflocs[:, dofs], pressure, shear, STEEL)[component]
-        loaded = contact.all([name])
-        load[loaded[np.argsort(basis.doflocs[0, loaded])]] = weights * traction
-    held = np.union1d(basis.get_dofs("far_field").all(), basis.get_dofs("free").all())
-    found = skfem.solve(*skfem.condense(stiffness, load, x=exact, D=held))
-    return np.abs(found - exact).max() / np.abs(exact).max()
-
-
-@functools.cache
-def half_disc_side(order):
-    return condense(half_disc("body", GRADING, 0.3, order), STEEL, 1.0)
-
-
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize(("pressure", "shear"), [(1.0, 0.0), (0.0, 1.0), (2.0, -0.6)])
-def test_nodal_weights_carry_a_uniform_traction_exactly(order, pressure, shear):
-    assert patch_error(order, half_disc_side(order).weights, pressure, shear) < 1e-12
-
-
-def test_weights_by_distance_would_fail_that_test():
-    """Half of the distance between a node's neighbours is right for linear elements, and wrong for quadratic ones."""
-    for order, fails in ((1, False), (2, True)):
-        x = half_disc_side(order).x
-        by_neighbours = np.convolve(np.diff(x, prepend=x[0], append=x[-1]), [0.5, 0.5], mode="valid")
-        assert (patch_error(order, by_neighbours, 1.0, 0.0) > 1e-3) == fails
 
 
 # ------------------------------------------------------------------------------------------------------- two periodic blocks

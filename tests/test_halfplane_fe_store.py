@@ -261,6 +261,10 @@ MISTAKEN: dict[str, tuple[BodyMesh, Callable[..., CondensedBody]]] = {
     "datum": (body(), lambda body, material, _: condense(body, material, 7.1)),
     "mesh": (body(), lambda _, material, datum: condense(with_mesh(doflocs=moved_much()), material, datum)),
     "supports": (block("rollers"), lambda _, material, datum: condense(block("fixed"), material, datum)),
+    "stretch by bulk stress": (
+        replace(block("fixed"), supports={"base": "fixed", "sides": "pulled"}),
+        lambda *one: replace(condense(*one), by_stress=1.001 * np.asarray(condense(*one).by_stress)),
+    ),
     "free base": (block("fixed"), lambda _, material, datum: condense(block("rollers"), material, datum)),
 }
 

@@ -12,13 +12,9 @@ from scenes import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz
 from semi_analytic import Reason, dissipation, peak_dissipation, solve, steady_ellipse
 from semi_analytic.profiles import contact_of
 from semi_analytic.steady_ellipse import (
-    LamTable,
-    corner_angles,
     density_of,
     dissipation_of,
     ellipses_of,
-    phase_of,
-    slip_moment,
     works_over_time,
 )
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
@@ -90,16 +86,11 @@ def test_batch_is_that_of_thirty_digits(flat):
         np.testing.assert_allclose(found.forward + found.reverse, found.value, rtol=1e-15)
 
 
-def test_extremes_through_solve_keep_ten_digits_as_far_as_the_phase_in_degrees_does():
-    for row in EXTREMES:
-        if row["phase"] in (1.0, math.pi / 2):
-            load = ellipse(row["mean"], row["amplitude"], 0.0, row["tangential"], math.degrees(row["phase"]))
-            solution = solve(make_scene(load, row["friction"], row["flat"]), x=[0.0], fields=("dissipation",))
-            assert solution.dissipation == pytest.approx(float(row["dissipation"]), rel=1e-10, abs=0)
-
-
+HARDLY_GROWING = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43))
 # Forward and reverse work for P0 = f = E* = 1 and (P1, Q1, phase), by int w' Lam dt in 25 digits, cut at the corners.
 IN_DIGITS = {
+    # By int w' Lam dt and a rule that took P(a) for smooth it was 6e-7 off, in batches without a word.
+    ("hardly growing", 0.6, 0.3, 1.2): ("0.024993744493561726468", "0.00040938678395082994304"),
     ("compound, outside blunter", 0.4, 0.35, 1.0): ("0.041398701088727516913", "0.00033343828903031071335"),
     ("compound, outside blunter", 0.75, 0.3, 2.2): ("0.037838382192384116972", "0.000061655928659698238722"),
     ("compound, outside sharper", 0.4, 0.35, 1.0): ("0.029191134879658040231", "0.00033343828810855715002"),
@@ -116,17 +107,9 @@ IN_DIGITS = {
 def test_work_is_that_of_twenty_five_digits(case):
     """Worst measured 6e-14 of the forward part, 2e-15 absolute of the reverse one."""
     name, ratio, force, phase = case
-    found = batch((1.0, ratio, 0.0, force, phase), profile=PROFILES[name])
+    found = batch((1.0, ratio, 0.0, force, phase), profile=PROFILES.get(name, HARDLY_GROWING))
     exact = [float(value) for value in IN_DIGITS[case]]
     np.testing.assert_allclose([float(found.forward), float(found.reverse)], exact, rtol=1e-12, atol=1e-14)
-
-
-def test_work_where_a_polynomial_hardly_grows_is_that_of_twenty_five_digits():
-    """By int w' Lam dt and a rule that took P(a) for smooth it was 6e-7 off, in batches without a word."""
-    profile, row = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43)), (1.0, 0.6, 0.0, 0.3, math.degrees(1.2))
-    exact = float("0.024993744493561726468") + float("0.00040938678395082994304")
-    assert dissipation(profile=profile, **question([row])).value[0] == pytest.approx(exact, rel=1e-12, abs=0)
-    assert solved(profile, row, x=[0.0], fields=("dissipation",)).dissipation == pytest.approx(exact, rel=1e-12, abs=0)
 
 
 # ------------------------------------------------------------------------------------------------------- independent routes
@@ -203,42 +186,6 @@ def test_work_over_the_contact_is_that_over_time(profile):
         np.testing.assert_allclose(one, other, rtol=1e-10, atol=3e-11)
 
 
-def test_slip_moment_is_that_of_the_phases():
-    """M(eta) against sums over 20,000 instants of each phase."""
-    loops = random_loops(12, 8)
-    above = np.linspace(0.02, 0.98, 7)[:, None] * ((loops.u + loops.v) / 2 + loops.amplitude)
-    eta = loops.permanent + above
-    sums = np.zeros((2, *eta.shape))
-    for direction, name, length in ((1, "E-G", loops.turn), (0, "I-J", math.pi - loops.turn), (0, "J-M", loops.turn)):
-        s = (np.arange(20_000)[:, None, None] + 0.5) / 20_000 * length
-        rate, slipped, load = phase_of(name, loops, s)
-        sums[direction] += np.sum(np.where(load - slipped < eta, rate * np.maximum(load - eta, 0.0), 0.0), axis=0) * length / 20_000
-    np.testing.assert_allclose(slip_moment(loops, above), sums, rtol=0, atol=2e-4)
-
-
-@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1.0, 1e6])
-def test_lam_of_the_table_is_that_of_the_contact(scale):
-    """To 1e-14 of J(P), which is Lam of a front at 0; the careful one to 2e-11 of itself."""
-    contact = contact_of(FlatRounded(radius=1.0, flat_half_length=1.0), MATERIAL)
-    rng = np.random.default_rng(2)
-    front, slipped = scale * rng.uniform(0.001, 1, (3, 700)), scale * 10 ** rng.uniform(-9, 0, (3, 700))
-    table, load = LamTable(contact, *(math.frexp(share * scale)[1] - 1 for share in (1e-3, 2.0))), front + slipped
-    exact = contact.dissipation_kernel(load, slipped)
-    assert np.all(np.abs(table.quick(front, slipped, np.empty((3, 700))) - exact) <= 2e-14 * contact.dissipation_kernel(load, load))
-    np.testing.assert_allclose(table.careful(front, slipped, np.empty((3, 700))), exact, rtol=2e-11)
-
-
-@given(st.floats(0.02, 0.98), st.floats(0.05, 0.95), st.floats(0.05, 3.0), st.floats(0.1, 1.9))
-def test_cuts_are_where_a_load_or_front_is_that_of_the_corner(ratio, use, phase, corner):
-    e = ellipses_of(*(np.array([v]) for v in (1.0, ratio, use * (1 - ratio), phase, 1.0)))
-    for name, marks in corner_angles(e, np.array([[corner]])).items():
-        inside = marks[(marks > 1e-6) & (marks < marks[-1] - 1e-6)]
-        _, slipped, load = phase_of(name, e.take(np.zeros(len(inside), dtype=int)), inside)
-        touching = np.minimum(np.abs(load - corner), np.abs(load - slipped - corner)) < 1e-7
-        # A corner beyond reach is answered by a cut at the greatest or least load.
-        assert np.all(touching | (np.abs(np.abs(load - 1) - ratio) < 1e-7) | (np.abs(np.abs(load - slipped - 1) - ratio) < 1e-7))
-
-
 # ---------------------------------------------------------------------------------------------------------------- broadcast
 VARIED = {
     "flat_rounded": {"radius": [1.0, 2.0, 1.0], "flat_half_length": [0.4, 0.7, 1.0]},
@@ -261,9 +208,6 @@ def test_parameters_of_every_kind_broadcast(kind):
         assert work.value[k] == pytest.approx(alone.value[0], rel=1e-12, abs=0)
         assert peak.value[k] == pytest.approx(alone_peak.value[0], rel=1e-9, abs=0)
         assert peak.place[k] == pytest.approx(alone_peak.place[0], rel=1e-6)
-        assert work.value[k] == pytest.approx(
-            solved({"kind": kind} | numbers, row, x=[0.0], fields=("dissipation",)).dissipation, rel=1e-10
-        )
 
 
 def test_power_laws_dissipate_as_two_over_n():
@@ -311,7 +255,7 @@ def limit(ratio, phase, friction, both):
 @pytest.mark.parametrize("both", [False, True])
 @pytest.mark.parametrize(
     "profile",
-    [Hertz(radius=1.0), FlatRounded(radius=1.0, flat_half_length=0.7), *list(PROFILES.values())[:4]],
+    [HERTZ, FLAT, *list(PROFILES.values())[:4]],
     ids=lambda profile: profile.kind,
 )
 def test_at_the_very_limit_of_sliding_the_work_is_finite_and_the_limit(profile, both):
@@ -354,7 +298,7 @@ def test_lines_within_the_cone_dissipate_nothing(profile):
 PEAKS = {
     "hertz": (HERTZ, LOADS[1]),
     "flat": (FLAT, (3.0, 1.0, 1.1, 1.0, 90.0)),
-    **{name: (PROFILES[name], LOADS[1]) for name in list(PROFILES)[:5]},
+    **{name: (PROFILES[name], LOADS[1]) for name in ("power law", "compound, outside sharper", "wedge")},
 }
 
 
@@ -377,7 +321,7 @@ def circle_on_flat(ratio):
     return make_scene(ellipse(ratio, 1.0, 0.0, 1.0, 90.0), 0.4, 0.505, radius=load / ratio)
 
 
-@pytest.mark.parametrize(("ratio", "shoulder"), [(4.5, True), (4.97, True), (5.0, True), (5.5, True), (6.0, False)])
+@pytest.mark.parametrize(("ratio", "shoulder"), [(5.0, True), (5.5, True), (6.0, False)])
 def test_peak_is_the_larger_of_two_maxima(ratio, shoulder):
     """The shoulder just inside a(P_min) and the outer maximum, each against 81 points next to it."""
     scene = circle_on_flat(ratio)

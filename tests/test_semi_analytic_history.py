@@ -1,7 +1,6 @@
 """Memory and events of a path: properties on random paths, the brute-force stepping of the theory, edges straight from the path."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -117,20 +116,6 @@ def test_combinations_turn_where_they_say_and_inverses_invert(leg, what):
             np.testing.assert_allclose(leg.change_of(what, inverse, begin), leg.change_of(what, times, begin), atol=2e-15)
 
 
-def test_the_closed_forms_of_one_wave_are_what_the_general_routines_find():
-    """A second wave of no size takes the routines for several: turning points by eigenvalues, times by Newton's method."""
-    known = LEGS[2]
-    general = replace(known, normal=(*known.normal, (1e-300, 0.0)))
-    assert known.ellipse
-    assert not general.ellipse
-    np.testing.assert_allclose(monotonic_parts(general, 0.7), monotonic_parts(known, 0.7), atol=1e-14)
-    begin, end = monotonic_parts(known, 0.7)[1]
-    amount = np.linspace(0, float(known.change_of(NORMAL_LOAD, end, begin)), 7)
-    np.testing.assert_allclose(
-        general.time_of(NORMAL_LOAD, amount, begin, end), known.time_of(NORMAL_LOAD, amount, begin, end), atol=1e-12
-    )
-
-
 # ------------------------------------------------------------------------------------------ edges of slip and memory by brute force
 
 
@@ -161,16 +146,6 @@ def test_fronts_and_the_memory_curve_straight_from_the_path(load):
             np.testing.assert_allclose(values(span.curve(float(time)), eta), exact, rtol=0, atol=1e-15 * 0.5 * top)
             checked += 1
     assert checked >= 12
-
-
-def test_looking_back_is_append_and_clip():
-    """Word for word as in the theory, on a grid: the same curve."""
-    corners = [(1.9, 0.2), (1.0, 0.45), (1.6, 0.1), (1.3, -0.6), (1.7, 0.1), (1.2, 0.3)]
-    work = Work(make_scene(polygon(corners), 0.5), 0)
-    eta, held = brute_force_curve(corners, 0.5, 401)
-    last = len(work.phases) - 1
-    found = [float(memory(work.phases, last, work.phases[last].end, each, 0.5)) for each in eta[1:]]
-    np.testing.assert_allclose(found, held[1:], rtol=0, atol=1e-15)
 
 
 # -------------------------------------------------------------------------------------------------------------------- events

@@ -10,17 +10,12 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from scenes import (
-    NORMAL_LOAD,
     CallableLoad,
-    ChebyshevSegment,
-    Combination,
     HarmonicLoad,
-    HarmonicSegment,
     InadmissibleLoadError,
     InputError,
     Tabulated,
     TimeSeriesLoad,
-    ellipse_segment,
     load_scene,
 )
 from semi_analytic import FIELDS, load_series, profiles, solution, solve
@@ -120,27 +115,6 @@ def test_harmonics_by_two_routes_and_by_many_rows(load):
     assert fine == pytest.approx(exact.dissipation, rel=1e-5, abs=0)
 
 
-def test_turning_points_are_found_to_rounding():
-    """u = Q - f P of an ellipse turns where the arc tangent says; harmonics and series must agree."""
-    known = ellipse_segment(0.3, 0.3 + 2 * math.pi, (3.0, 0.2), (1.0, 0.7), 0.9)
-    waves = HarmonicSegment(0.3, 0.3 + 2 * math.pi, (3.0, 0.2), ((1.0, 0.0), (1e-300, 0.0)), ((0.7, 0.9),))
-    series = as_functions(50.0).path().cycle
-    for what in ((1.0, 0.0), (-0.6, 1.0), (-0.6, -1.0), (0.0, 1.0)):
-        combination = Combination(*what)
-        np.testing.assert_allclose(waves.turning_points(combination), known.turning_points(combination), atol=3e-15)
-        found = [time for leg in series for time in leg.turning_points(combination)]
-        rates = [leg.rates(time) for leg in series for time in leg.turning_points(combination)]
-        assert len(found) in (1, 2)  # P turns at the ends too
-        assert all(abs(what[0] * p + what[1] * q) < 1e-13 for p, q in rates)
-
-
-def test_close_turning_points_are_told_apart():
-    """P = t^3/3 - e^2 t turns at -e and e."""
-    for e in (0.3, 1e-3):
-        leg = ChebyshevSegment(-1.0, 1.0, (0.0, 0.25 - e * e, 0.0, 1 / 12), (0.0,))
-        np.testing.assert_allclose(leg.turning_points(NORMAL_LOAD), [-e, e], rtol=1e-9)
-
-
 WAVES = st.tuples(st.floats(0.0, 1.0), st.floats(-180, 180))
 
 
@@ -217,7 +191,7 @@ def test_rows_as_a_series_are_rows_as_a_curved_path(repeats, data, flat):
     assert np.max(lean.record.certificates["tangential_balance"]) < 1e-13
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_rows_along_the_limit_of_friction_and_back_along_their_own_lines(seed):
     """Both ways of following them agree on every state."""
     draw = np.random.default_rng(seed)
@@ -297,7 +271,6 @@ def test_shakedown_of_a_series_is_told():
     assert solution.steady_from is not None
 
 
-@pytest.mark.parametrize("kind", ["ellipse", "harmonics"])
 @given(
     st.lists(st.tuples(st.floats(0.1, 3.0), st.floats(-0.95, 0.95)), max_size=4),
     st.floats(0.05, 0.9),
@@ -305,23 +278,17 @@ def test_shakedown_of_a_series_is_told():
     st.floats(5, 175),
 )
 @settings(max_examples=6)
-def test_the_start_is_forgotten(kind, detours, ratio, use, phase):
+def test_the_start_is_forgotten(detours, ratio, use, phase):
     """The steady cycle dissipates the same whatever admissible polygon led to it; the second route goes through what it left."""
     friction = 0.7
     amplitude = use * friction * (1 - ratio)
-    initial_loading = tuple((p, friction * p * share) for p, share in detours)
 
     def solved(start):
-        if kind == "ellipse":
-            load = ellipse(1.0, ratio, 0.0, amplitude, phase, start)
-        else:
-            waves = [(0.6 * amplitude, phase), (0.4 * amplitude, 20.0)]
-            load = HarmonicLoad(
-                mean_normal_load=1.0, normal_harmonics=[(ratio, 0)], tangential_harmonics=waves, initial_loading=start
-            )
+        waves = [(0.6 * amplitude, phase), (0.4 * amplitude, 20.0)]
+        load = HarmonicLoad(mean_normal_load=1.0, normal_harmonics=[(ratio, 0)], tangential_harmonics=waves, initial_loading=start)
         return solve(make_scene(load, friction=friction), x=[0.0], fields=("dissipation",))
 
-    straight, other = solved("straight"), solved(initial_loading)
+    straight, other = solved("straight"), solved(tuple((p, friction * p * share) for p, share in detours))
     assert other.steady_from in (0, 1)
     assert other.dissipation == pytest.approx(straight.dissipation, rel=1e-9, abs=1e-15)
     assert other.loop_work == pytest.approx(straight.dissipation, rel=1e-8, abs=1e-13)

@@ -172,15 +172,6 @@ def test_close_half_widths_keep_their_digits(name):
             assert float(np.sqrt(excess) * contact.inverse_root(inner, excess, advance)) == pytest.approx(root, rel=limit)
 
 
-@pytest.mark.parametrize("name", [name for name, (profile, _) in CASES.items() if profile.kind not in ("tabulated", "callable")])
-def test_a_point_that_comes_into_contact_has_lost_its_gap(name):
-    """(A/pi) S(x, P_x) = h(x), and p is 0 outside."""
-    profile = CASES[name][0]
-    contact, x = contact_on(profile), np.array([1.001, 1.7, 7.0])
-    np.testing.assert_allclose(2 / np.pi * contact.slip_integral(x, float(contact.load(10.0))), profile.height(x), rtol=1e-13)
-    assert np.all(contact.pressure([2.0000001, 3.0], float(contact.load(2.0))) == 0)
-
-
 @EVERY
 def test_the_law_of_the_oracle_is_that_of_the_slope_in_thirty_digits(name):
     """E* int_0^a x h'/sqrt(a^2 - x^2) dx, h' by hand of each profile; and dP/da, whose integral is P."""

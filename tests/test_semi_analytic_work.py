@@ -7,18 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from scenes import (
     CallableLoad,
     Compound,
     EllipseLoad,
     EvenPolynomial,
-    FlatRounded,
-    Hertz,
     InputError,
-    PowerLaw,
     Tabulated,
     Wedge,
     load_scene,
@@ -35,11 +30,6 @@ from semi_analytic_cases import LOADS, PROFILES, REFERENCE, ellipse, extreme, ma
 from semi_analytic_oracle import Work, work_over_points
 
 ONLY = ("dissipation",)
-
-
-def work_of(load, friction=0.5, **given):
-    """W of the steady cycle."""
-    return solve(make_scene(load, friction, **given), x=[0.0], fields=ONLY).dissipation
 
 
 # -------------------------------------------------------------------------------------------------------- thirty digits
@@ -170,22 +160,6 @@ def test_no_point_misses_an_instant_in_which_the_load_hardly_grows():
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-13 * np.max(exact))
 
 
-@pytest.mark.parametrize("use", [0.1, 0.7, 1 - 1e-6])
-def test_brute_force_has_the_closed_form_of_constant_load(use):
-    """W as in `test_semi_analytic_dissipation`; W(x) = (8 f^2/pi) p(x) K [x sqrt(x^2 - c^2) - c^2 arccosh(x/c)] where P = K a^2."""
-    friction, load = 0.5, 1.0
-    q = use * friction * load
-    work = Work(make_scene(polygon([(load, 0.0)], [(load, q), (load, -q)]), friction), 1)
-    bracket = (1 - use) * math.log1p(-use) + use - use**2 / 2
-    assert float(np.sum(work.whole())) == pytest.approx(4 * friction**2 / math.pi * bracket, rel=1e-12, abs=0)
-    half, stiffness = math.sqrt(4 / math.pi), math.pi / 4
-    stick = half * math.sqrt((load - q / friction) / load)
-    x = stick + (half - stick) * np.array([0.3, 0.8, 0.999])
-    reach = x * np.sqrt((x - stick) * (x + stick)) - stick**2 * np.arccosh(x / stick)
-    closed = 8 * friction**2 / math.pi * np.sqrt((half - x) * (half + x)) / 2 * stiffness * reach
-    np.testing.assert_allclose(np.sum(work.density(x), axis=0).astype(float), closed, rtol=1e-12)
-
-
 # --------------------------------------------------------------------------------------------------------- closed forms
 @pytest.mark.parametrize("use", [1e-9, 1e-4, 0.3, 0.6, 0.99, 1 - 1e-9])
 def test_constant_normal_load_has_its_closed_form(use):
@@ -247,32 +221,6 @@ def test_no_friction_dissipates_nothing():
 # ----------------------------------------------------------------------------------------------- what must not change it
 
 
-CYCLES = {
-    "ratio": st.floats(0.0, 0.97),
-    "use": st.floats(0.05, 0.97),
-    "phase": st.floats(-179, 179),
-    "friction": st.floats(0.01, 5),
-    "flat": st.sampled_from([0.0, 0.1, 2.0]),
-}
-
-
-@settings(max_examples=15)
-@given(**CYCLES, loads=st.floats(-12, 12), lengths=st.floats(-9, 9), moduli=st.floats(-12, 12), mean=st.floats(-0.9, 0.9))
-def test_answer_is_free_of_units_mean_shear_and_mirror(ratio, use, phase, friction, flat, loads, lengths, moduli, mean):
-    """Loads, lengths, E and with them the profile scaled at will: W/(A f^2 P0^2), c/a agree. Q0 and Q -> -Q play no part."""
-    load, length, modulus = 10.0**loads, 10.0**lengths, 10.0**moduli
-    q1 = use * friction * (1 - ratio)
-    one = solve(make_scene(ellipse(1.0, ratio, 0.0, q1, phase), friction, flat), x=[0.0], fields=ONLY)
-    scaled = ellipse(load, ratio * load, 0.0, q1 * load, phase)
-    two = solve(make_scene(scaled, friction, flat * length, modulus * length**2 / load, modulus), x=[0.0], fields=ONLY)
-    assert two.dissipation * modulus / load**2 == pytest.approx(one.dissipation, rel=1e-11, abs=1e-15 * friction**2)
-    assert two.permanent_stick_half_width / length == pytest.approx(one.permanent_stick_half_width, rel=1e-10)
-    q0 = mean * friction * (1 - ratio) * (1 - use)
-    for offset, angle in ((q0, phase), (-q0, phase - math.copysign(180, phase))):
-        other = work_of(ellipse(1.0, ratio, offset, q1, angle), friction, flat=flat)
-        assert other == pytest.approx(one.dissipation, rel=1e-10, abs=1e-15 * friction**2)
-
-
 # ------------------------------------------------------------------------------------------------------ independent routes
 
 
@@ -323,24 +271,6 @@ def test_every_way_to_the_work_of_a_scene_of_the_library_meets(name):
     found = routes(scene)
     size = 2 / composite_modulus(scene.material) * (scene.friction.coefficient * np.max(solve(scene, x=[0.0]).normal_load)) ** 2
     np.testing.assert_allclose(found, found[0], rtol=1e-10, atol=0 if found[0] else 1e-15 * size)
-
-
-SHAPES = st.one_of(
-    st.just(Hertz(radius=1.0)),
-    st.sampled_from([0.1, 2.0]).map(lambda b: FlatRounded(radius=1.0, flat_half_length=b)),
-    st.floats(1.1, 4.0).map(lambda n: PowerLaw(exponent=n, length=1.0, rise=0.5)),
-    st.floats(0.3, 3.0).map(lambda r: Compound(inner_radius=1.0, outer_radius=r, inner_half_length=1.1)),
-    st.just(Wedge(tip_radius=1.0, tip_half_length=0.9)),
-)
-
-
-@settings(max_examples=4)
-@given(SHAPES, st.floats(0.0, 0.97), st.floats(0.05, 0.97), st.floats(-179, 179), st.floats(0.01, 5))
-def test_every_way_to_the_work_of_an_ellipse_meets(profile, ratio, use, phase, friction):
-    """1e-10, or 1e-14 of A f^2 P0^2 where there is next to no slip."""
-    scene = make_scene(ellipse(1.0, ratio, 0.0, use * friction * (1 - ratio), phase), friction)
-    found = routes(scene.vary(profile=profile))
-    np.testing.assert_allclose(found, found[0], rtol=1e-10, atol=1e-14 * friction**2)
 
 
 def table(count):
