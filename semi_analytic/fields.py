@@ -157,11 +157,13 @@ class Arc:
             size = max(size, float(np.max(np.abs(found[:, 0]), initial=0.0)) * math.sqrt(len(low)))
             left, table = np.zeros((len(low), points)), np.zeros((len(low), points, DEGREE + 1))
             left[panel, point], table[panel, point] = worth, found
+            middle = (low + high) / 2
             good = (np.max(left, axis=1, initial=0.0) <= _RESOLVED * size) | (turn == _HALVINGS)
+            good |= (middle == low) | (middle == high)  # no number lies between
             done.append(tuple(values[good] for values in (low, high, near, cornered, table, left)))
             if np.all(good):
                 break
-            low, middle, high = low[~good], (low[~good] + high[~good]) / 2, high[~good]
+            low, middle, high = low[~good], middle[~good], high[~good]
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         low, high, near, cornered, table, left = (np.concatenate(parts) for parts in zip(*done, strict=True))
         order = np.argsort(low)
