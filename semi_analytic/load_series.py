@@ -532,6 +532,7 @@ class States:
         records, last = block.records, len(block.lines) - 1
         number = np.minimum(np.searchsorted(records.row + records.until, step + share - near, side="left"), last)
         number += records.row[number] < step
+        share = np.minimum(share, records.until[number])  # an instant that counts as the end of a record has the loads of that end
         begin = np.where(np.diff(records.row, prepend=-1) > 0, 0.0, np.append(0.0, records.until[:-1]))[number]
         part = np.clip((share - begin) / np.maximum(records.until[number] - begin, np.finfo(float).tiny), 0.0, 1.0)
         used, which = np.unique(number, return_inverse=True)
