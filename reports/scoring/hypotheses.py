@@ -317,23 +317,12 @@ def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
         yield from _history_faults(what)
     if path.period is not None and len(what.rows) >= 4:  # so much of a period late
         start, period = path.cycle_start + 2 * path.period, path.period
-        fractions = np.linspace(0, 1, 181)
-        p, q = theory(replace(what, exact=True), scene, start + fractions[:-1] * period)
+        tries = tuple(np.linspace(-0.5, 0.5, 21))
 
         def late(delay: float) -> Tractions:
             return theory(what, scene, start + np.mod(what.fraction - delay, 1.0) * period)
 
-        def between(delay: float) -> Tractions:
-            """On straight lines between the instants of the table."""
-            at = np.mod(what.fraction - delay, 1.0) * 180
-            low, share = at.astype(int) % 180, (at % 1)[:, None]
-            p0, q0 = what.beyond_theory
-            after = (low + 1) % 180
-            return (1 - share) * p[low] + share * p[after] + p0, (1 - share) * q[low] + share * q[after] + q0
-
-        rough = fitted(what, between, tuple(np.linspace(-0.5, 0.5, 41)))
-        near = 0.0 if rough is None else rough[0]
-        fit = fitted(what, late, (near - 0.01, near, near + 0.01), rounds=6, close=1e-3)
+        fit = fitted(what, late, tries, close=1e-5)
         if fit and abs(fit[0]) > 1e-3:
             yield Hypothesis("other_times", fit[1], {"delay": fit[0]})
 
