@@ -140,10 +140,11 @@ def test_flaws_of_the_model_are_looked_for_where_theory_leaves_something_and_tho
     monkeypatch.setattr(Model, "march", march)
     assert keys(diagnose(planted(table, "friction", "cattaneo-mindlin"))) == ["friction"]
     assert not asked
-    found = diagnose(planted(table, "steps", "cattaneo-mindlin"))
+    true = table.truth("cattaneo-mindlin")
+    found = diagnose(compare(true, replace(true, shear=true.shear * (1 - 0.2 * np.abs(true.x) / true.x.max()))))
     assert asked
     assert found[0].evidence[-1] == (
-        "not all was tried: a model with this fault does not settle (elastic slip, small body, soft normal, steps)"
+        "not all was tried: a model with this fault does not settle (elastic slip, small body, soft normal)"
     )
 
 

@@ -11,7 +11,7 @@ guesses.py         units and signs that can't be
 solution.py        the result as a ContactSolution: states, edges, friction work, by the same rule in the reference
 against.py         the score
 hypotheses.py      the discrepancy; faults of the file and of the question, in closed form
-flaws.py           faults of a model: penalties, small bodies, coupling, long steps
+flaws.py           faults of a model: penalties, small bodies
 diagnosis.py       which fault it is, in words
 loops.py           a rig's loop of Q over U: the f that fits it, its interval, the engines' loops
 study.py           a folder of meshes: orders, and what no mesh removes

@@ -31,6 +31,10 @@ FEWEST = 8
 # largest movement of the instant. A stick zone ends like the root of the distance: one per cent of f p is a ten-thousandth of a.
 CONE = 0.01
 MOVES = 1e-3
+# Outermost points in contact that a parabola of p^2 leaves out, points behind them that it takes at most and at least, relative
+# residual above which p^2 is no parabola there, spacings by which its zero may differ from that of the straight line. Farther in
+# than the share SERIES of the contact two terms of a power series are too few: flat-rounded-paper erred by 0.005 a at 0.11.
+RIM, SQUARES, FEWEST_SQUARES, ROUGH, NEAR, SERIES = 3, 12, 6, 0.005, 0.4, 0.05
 # An instant at which no point of the contact moves faster than this share of the largest rate of all is at rest: where slip turns,
 # it is the digits of the slip that tell who moves.
 RESTS = 0.02
@@ -205,8 +209,9 @@ def zones(x: Array, pressure: Array, shear: Array, slip: Array | None, friction:
     In full stick the stick edges are the contact edges, in full slip NaN, as everywhere in the project.
 
     A contact edge lies where the straight line of p^2 through the last two points in contact is 0, a stick edge where that of
-    (f p - |q|)^2 is, each no farther than the next point: both are roots of the distance at an edge. Which points slip: those on
-    the Coulomb limit, whose slip, where there is one, moves with the shear; the first instant has no step before it, so that there
+    (f p - |q|)^2 is, each no farther than the next point: both are roots of the distance at an edge. The outermost points are the
+    mesh's own: a parabola of p^2 through those behind them gives the contact edge where it fits. Which points slip: those on the
+    Coulomb limit, whose slip, where there is one, moves with the shear; the first instant has no step before it, so that there
     the limit alone tells.
     """
     touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
@@ -234,7 +239,7 @@ def zones(x: Array, pressure: Array, shear: Array, slip: Array | None, friction:
         words += "; for want of slip, a point that just came to rest still counts as slipping"
     state = np.where(touching, np.where(slips, np.where(sense > 0, SLIP_FORWARD, SLIP_REVERSE), STICK), OPEN).astype(np.int8)
     sticks, short = touching & ~slips, np.maximum(friction * pressure - np.abs(shear), 0.0)
-    contact = np.array([_ends(x, row**2, here) for row, here in zip(pressure, touching, strict=True)])
+    contact = np.array([_ends(x, row**2, here, smooth=True) for row, here in zip(pressure, touching, strict=True)])
     stick = np.array([_ends(x, row**2, here) for row, here in zip(short, sticks, strict=True)])
     for k in range(len(stick)):  # where the outermost points of the contact stick, the stick zone ends with it
         inside = np.flatnonzero(touching[k])
@@ -244,22 +249,34 @@ def zones(x: Array, pressure: Array, shear: Array, slip: Array | None, friction:
     return Zones(state, contact, stick, (f"states and edges are worked out from its {told}: {words}",))
 
 
-def _ends(x: Array, square: Array, inside: Mask) -> tuple[float, float]:
-    """Left and right end of `inside`, where `square` (n,) goes to 0; NaN where nothing is inside."""
+def _ends(x: Array, square: Array, inside: Mask, *, smooth: bool = False) -> tuple[float, float]:
+    """Left and right end of `inside`, where `square` (n,) goes to 0, as a power series if `smooth`; NaN where nothing is inside."""
     points = np.flatnonzero(inside)
     if not len(points):
         return np.nan, np.nan
 
     def end(last: int, outward: int) -> float:
-        """Where the line through the points `last` and the one before is 0, between `last` and the next point."""
+        """Where the line through the points `last` and the one before is 0, between `last` and the next point; or the parabola."""
         following, before = last + outward, last - outward
         if not 0 <= following < len(x):
             return float(x[last])
         reach = abs(float(x[following] - x[last]))
         if not 0 <= before < len(x) or square[before] <= square[last]:
             return float(x[last]) + outward * reach / 2
-        slope = (square[before] - square[last]) / abs(float(x[last] - x[before]))
-        return float(x[last]) + outward * min(float(square[last] / slope), reach)
+        spacing = abs(float(x[last] - x[before]))
+        line = float(x[last]) + outward * min(float(square[last] / (square[before] - square[last])) * spacing, reach)
+        for share in (1, 2, 4) if smooth else ():  # fewer points where a corner of the profile is among them
+            count = min(SQUARES, len(points) // 2 - RIM) // share
+            nodes = last - outward * (RIM + np.arange(count))
+            if count < FEWEST_SQUARES or abs(x[last] - x[nodes[-1]]) > SERIES * abs(x[points[-1]] - x[points[0]]):
+                continue
+            away, values = outward * (x[nodes[0]] - x[nodes]) / spacing, square[nodes]
+            a, b, c = fit = np.polyfit(away, values, 2, w=1 / values)
+            rough, under = np.std(np.polyval(fit, away) / values), b**2 - 4 * a * c
+            zero = float(x[nodes[0]] + outward * spacing * 2 * c / (b + np.sqrt(max(under, 0.0))))
+            if b > 0 and under > 0 and rough < ROUGH and abs(zero - line) <= NEAR * spacing:
+                return zero
+        return line
 
     return end(int(points[0]), -1), end(int(points[-1]), 1)
 
