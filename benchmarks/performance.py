@@ -494,7 +494,7 @@ def module(name: str) -> Any:
 
 
 def instead(owner: Any, name: str, value: bool) -> Switch:
-    """What always says `value` in place of the function that decides; plain, since a mock's bookkeeping would count in the times."""
+    """What always says `value` in place of the function that decides; plain, since a mock's bookkeeping would count in times."""
 
     def decided(*_: Any) -> bool:
         return value
