@@ -6,6 +6,7 @@ import json
 import os
 import resource
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -101,6 +102,17 @@ def with_children(work: Callable[[], Any]) -> tuple[float, Any]:
     begun = spent()
     answer = work()
     return spent() - begun, answer
+
+
+def cold(statement: str) -> tuple[float, float, list[float]]:
+    """A statement in a process of its own in benchmarks/: CPU seconds, peak memory [GiB], the numbers that it has in `found`."""
+    code = f"found = []; {statement}; from claim import memory; print(*found, memory())"
+    command = [sys.executable, "-c", code]
+    spent, done = with_children(
+        lambda: subprocess.run(command, check=True, capture_output=True, text=True, cwd=Path(__file__).parent)
+    )
+    *found, peak = map(float, done.stdout.split())
+    return spent, peak * 1e6 / 2**30, found
 
 
 def memory() -> float:

@@ -37,7 +37,7 @@ SECTIONS = {
     "Finite elements: growth of the cost": "finite_elements.growth",
     "Finite elements: edges and increments": "finite_elements.edges",
     "Finite elements: planted faults": "must_fail.must_fail",
-    "Real bodies": "real_bodies.rows",
+    "Real bodies": "finite_elements.real_bodies",
     "Faults and bad input": "faults.rows",
     "Error budget": "budget.rows",
     "Error budget: planted faults": "budget.blame",
@@ -47,7 +47,7 @@ SECTIONS = {
     "The report": "finite_elements.page",
     "Sweeps": "sweep.rows",
     "Sweeps: cheap uncertainty": "sweep.coverage",
-    "Time": "finite_elements.cold",
+    "Time": "finite_elements.main_job",
 }
 # The ten that matter most: words, section, row.
 TEN = (

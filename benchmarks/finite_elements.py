@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from claim import ROOT, Row, memory, rms, seconds
+from claim import ROOT, Row, cold, rms, seconds
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -27,7 +27,7 @@ from halfplane_fe import FiniteElementSolution, SolverSettings
 from halfplane_fe.elasticity import assemble, condense, factorise
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, solid
 from reports import Comparison, compare, write
-from scenes import Block, ContactSolution, Elastic, Hertz, PolygonLoad, Scene, load_scene
+from scenes import Block, Bodies, ContactSolution, Elastic, Hertz, PolygonLoad, Scene, load_scene
 
 FREE = float("inf")
 STEEL = Elastic(young_modulus=210e3, poisson_ratio=0.3)
@@ -236,21 +236,16 @@ def peers() -> Iterator[Row]:
 
 
 # ------------------------------------------------------------------------------------------------------------------- growth
-def large_case() -> tuple[int, int, float, float]:
-    """Contact nodes, increments, CPU seconds and peak memory [GiB] of this process: 1,000 nodes, 400 steps, two revolutions."""
-    mesh, solver = MeshSettings(edge_element_size=1 / 320), SolverSettings(steps_per_cycle=400)
-    answer = halfplane_fe.solve(load_scene("hertz-paper"), mesh, solver)
-    return len(answer.x), answer.work.counts["steps solved"], time.process_time(), memory() * 1e6 / 2**30
-
-
 def growth() -> Iterator[Row]:
-    """The large case in a process of its own; what condensation by elimination is worth. Exponents are on docs/performance.md."""
-    command = [sys.executable, "-c", "import finite_elements; print(*finite_elements.large_case())"]
-    text = subprocess.run(command, check=True, capture_output=True, text=True, cwd=Path(__file__).parent).stdout
-    nodes, increments, spent, peak = text.split()
+    """1,000 nodes, 400 steps, two revolutions; what condensation by elimination is worth. Exponents are on docs/performance.md."""
+    mesh, solver = "MeshSettings(edge_element_size=1 / 320)", "SolverSettings(steps_per_cycle=400)"
+    imports = "from halfplane_fe import SolverSettings, solve; from meshes import MeshSettings; from scenes import load_scene"
+    answer = f"answer = solve(load_scene('hertz-paper'), {mesh}, {solver})"
+    spent, peak, found = cold(f"{imports}; {answer}; found = len(answer.x), answer.work.counts['steps solved']")
+    nodes, increments = map(int, found)
     how = f"{nodes} contact nodes a side, 400 regular steps a cycle, {increments} increments in two cycles, imports included"
-    yield Row("hertz-paper, large: CPU time", float(spent), 120.0, how, "s")
-    yield Row("hertz-paper, large: peak memory", float(peak), 2.0, how, "GiB")
+    yield Row("hertz-paper, large: CPU time", spent, 120.0, how, "s")
+    yield Row("hertz-paper, large: peak memory", peak, 2.0, how, "GiB")
     with threadpool_limits(limits=1, user_api="blas"):
         yield from condensation_ways()
 
@@ -315,7 +310,7 @@ def page() -> Iterator[Row]:
             yield Row(f"{name}: size of report.html", size, 8.0, "with the slider's data and the tables in it", "MB")
 
 
-def cold() -> Iterator[Row]:
+def main_job() -> Iterator[Row]:
     """Cold run of the main job, in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
@@ -327,3 +322,81 @@ def cold() -> Iterator[Row]:
     yield Row("... of that the FE model", took["finite elements"], 6.0, "mesh, condensation and two revolutions", "s")
     how = "on the points and instants of the FE model"
     yield Row("... of that the half-plane engine", took["half-plane theory"], 0.1, how, "s")
+
+
+# -------------------------------------------------------------------------------------------------------------- real bodies
+# Limits of real bodies, half-planes and a layer on a rigid base, are in tests/test_halfplane_fe_accuracy.py.
+BODY_SCENES = (
+    *("blocks", "cylinder-roller", "cylinder-roller-frictionless", "flat-pad-on-block"),
+    *("layer", "pad-on-block", "two-cylinders"),
+)
+FINER, FINEST = MeshSettings(element_size=1 / 48, edge_element_size=1 / 320), MeshSettings.fine()
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What is compared of a solution: at the largest load, at common instants of the last cycle, over the cycle."""
+
+    peak: float
+    half_width: float
+    stick: np.ndarray
+    dissipation: float
+
+
+def figures(answer: FiniteElementSolution, instants: Sequence[float]) -> Figures:
+    """Figures of a solution; the instants are among its steps."""
+    largest = int(np.argmax(answer.normal_load))
+    steps = [int(np.argmin(np.abs(answer.time - instant))) for instant in instants]
+    if max(abs(answer.time[step] - instant) for step, instant in zip(steps, instants, strict=True)) > 1e-9:
+        raise ValueError("an instant is not among the steps")
+    return Figures(
+        float(answer.pressure[largest].max()),
+        float(answer.contact_half_width[largest]),
+        answer.stick_half_width[steps],
+        answer.dissipation,
+    )
+
+
+def off(one: Figures, other: Figures) -> dict[str, float]:
+    """Relative differences; the stick edge over the contact half-width, worst instant."""
+    return {
+        "peak pressure": one.peak / other.peak - 1,
+        "contact half-width": one.half_width / other.half_width - 1,
+        "stick half-width": float(np.abs(one.stick - other.stick).max()) / other.half_width,
+        "dissipation": one.dissipation / other.dissipation - 1,
+    }
+
+
+def mesh_error() -> Iterator[Row]:
+    """Blocks of 4, 10 and 40 half-widths, half the default sizes against the finest mesh, P constant and Q cycling."""
+    for size in (4.0, 10.0, 40.0):
+        like, block = load_scene("cattaneo-mindlin"), Block(width=size, height=size)
+        normal, tangential = like.load.cycle[0]
+        load = PolygonLoad(initial_loading=((normal, 0.0), (normal, tangential)), cycle=((normal, -tangential),))
+        scene = like.vary(bodies=Bodies(lower=block, upper=block), load=load)
+        instants = (2.0, 3.0, 4.0)  # Q at its largest and least: the stick zone is at its smallest
+        default, finer, finest = (figures(halfplane_fe.solve(scene, mesh), instants) for mesh in (MeshSettings(), FINER, FINEST))
+        for name, error in off(finer, finest).items():
+            how = f"elements of a/320 at the edges against a/640; default mesh {off(default, finest)[name]:.1e}"
+            yield Row(f"blocks {size:g} a high and wide, mesh error: {name}", error, 5e-4, how)
+
+
+def roller() -> Iterator[Row]:
+    """The NAFEMS roller beside Hertz, as the published benchmark compares it."""
+    for name, limit in (("cylinder-roller-frictionless", 5e-3), ("cylinder-roller", 3e-2)):
+        answer = halfplane_fe.solve(load_scene(name))
+        hertz = semi_analytic.solve(load_scene(name), x=answer.x, time=answer.time)
+        peak, width = float(answer.pressure[-1].max()), float(answer.contact_half_width[-1])
+        how = f"{peak:.0f} MPa and {width:.3f} mm; Hertz 3585 MPa and 6.215 mm; a/R = 0.124"
+        yield Row(f"{name}: peak pressure against Hertz", peak / float(hertz.pressure[-1].max()) - 1, limit, how)
+        yield Row(f"{name}: half-width against Hertz", width / float(hertz.contact_half_width[-1]) - 1, limit, how)
+
+
+def real_bodies() -> Iterator[Row]:
+    """Mesh error against a finer mesh, the NAFEMS roller, cost of cold runs."""
+    yield from mesh_error()
+    yield from roller()
+    for name in BODY_SCENES:
+        spent, peak, _ = cold(f"import halfplane_fe; from scenes import load_scene; halfplane_fe.solve(load_scene({name!r}))")
+        yield Row(f"{name}, cold: CPU", spent, 20.0, "a process of its own", "s")
+        yield Row(f"{name}, cold: peak memory", peak, 2.0, "resident", "GiB")

@@ -33,13 +33,11 @@ from unittest import mock
 
 import finite_elements as fe
 import half_plane
-import matplotlib as mpl
 import numpy as np
 import performance_peers as peers
 from claim import ROOT, kept_json, markdown, memory, seconds, slope, with_children, write_json
 from finite_elements import COARSE, DEFAULT, FINE, FREE, Measured, Setting
 from half_plane import random_ellipses, random_rows
-from matplotlib.figure import Figure
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -49,7 +47,7 @@ from halfplane_fe.active_subsets import NestedFactor
 from halfplane_fe.elasticity import condense
 from halfplane_fe.systems import Systems
 from meshes import MeshSettings, SurfaceGrading, half_disc
-from reports.charts.publication import STYLE
+from reports.charts.publication import canvas
 from scenes import (
     ContactSolution,
     ConvergenceError,
@@ -496,7 +494,7 @@ def module(name: str) -> Any:
 
 
 def instead(owner: Any, name: str, value: bool) -> Switch:
-    """What always says `value` in place of the function that decides; plain: the bookkeeping of a mock would count in the times."""
+    """What always says `value` in place of the function that decides; plain, since a mock's bookkeeping would count in times."""
 
     def decided(*_: Any) -> bool:
         return value
@@ -732,8 +730,7 @@ def draw(name: str, panels: Sequence[Panel]) -> None:
     """Panels of points over log-log axes, one legend below all."""
     columns = min(len(panels), 4) if len(panels) != 5 else 5
     rows = -(-len(panels) // columns)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(max(9.6, 2.6 * columns), 3.2 * rows + 0.9))
+    with canvas(max(9.6, 2.6 * columns), 3.2 * rows + 0.9) as figure:
         axes = figure.subplots(rows, columns, squeeze=False)
         labels: dict[str, Any] = {}
         for one, (title, x, y, lines) in zip(axes.flat, panels, strict=False):

@@ -13,7 +13,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,62 +32,50 @@ FIELDS = ("tangential displacement", "stick half-width", "shear at 1", "shear at
 
 # ------------------------------------------------------------------------------------------------------------ normal contact
 class Contact(NamedTuple):
-    """A parabola and a rounded flat superposed: E*, their curvatures, and the half-length b of the flat."""
+    """A parabola of radius R, or a flat of half-length b with edges of that radius; a = b sqrt(1 + tau^2)."""
 
     modulus: mp.mpf
-    round: mp.mpf = mp.mpf(1)
-    rounded: mp.mpf = mp.mpf(0)
-    b: mp.mpf = mp.mpf(1)
+    radius: mp.mpf = mp.mpf(1)
+    b: mp.mpf = mp.mpf(0)
 
-    def _tau(self, a: mp.mpf) -> mp.mpf:
-        return mp.sqrt(a * a / (self.b * self.b) - 1) if a > self.b else mp.mpf(0)
+    def load(self, tau: mp.mpf) -> mp.mpf:
+        """P of a flat: section 4.2 of the paper with b^2 in place of a^2 (a misprint there)."""
+        return self.modulus / self.radius * self.b**2 * ((1 + tau**2) * mp.atan(tau) - tau) / 2
 
-    def load(self, a: mp.mpf) -> mp.mpf:
-        """P(a); the flat's by section 4.2 of the paper with b^2 in place of a^2 (a misprint there), a = b sqrt(1 + tau^2)."""
-        tau = self._tau(a)
-        return self.modulus * (self.round * mp.pi * a * a / 4 + self.rounded * self.b**2 * ((1 + tau**2) * mp.atan(tau) - tau) / 2)
-
-    def half_width(self, p: mp.mpf) -> mp.mpf:
-        """a(P): closed within b, else Newton for tau from beyond the root; P(tau) is convex there."""
-        if not self.rounded or p <= self.load(self.b):
-            return mp.sqrt(4 * p / (mp.pi * self.modulus * self.round)) if self.round else self.b
+    def depth(self, p: mp.mpf) -> mp.mpf:
+        """tau of a flat: Newton from beyond the root; P(tau) is convex there."""
         tau = mp.mpf(1)
-        while self.load(self.b * mp.sqrt(1 + tau**2)) < p:
+        while self.load(tau) < p:
             tau *= 2
         for _ in range(300):
-            slope = self.modulus * self.b**2 * tau * (self.round * mp.pi / 2 + self.rounded * mp.atan(tau))
-            step = (self.load(self.b * mp.sqrt(1 + tau**2)) - p) / slope
+            step = (self.load(tau) - p) / (self.modulus / self.radius * self.b**2 * tau * mp.atan(tau))
             tau -= step
             if abs(step) < tau * mp.mpf(10) ** (2 - mp.mp.dps):
                 break
-        return self.b * mp.sqrt(1 + tau**2)
+        return tau
+
+    def half_width(self, p: mp.mpf) -> mp.mpf:
+        """a(P)."""
+        return self.b * mp.sqrt(1 + self.depth(p) ** 2) if self.b else mp.sqrt(4 * p * self.radius / (mp.pi * self.modulus))
 
     def area(self, p: mp.mpf, front: mp.mpf) -> mp.mpf:
-        """int ln(a(eta)/c) d eta over P_c < eta < P."""
-        a, c = self.half_width(p), self.half_width(front)
-        return p * mp.log(a / c) - self._below(a) + self._below(c)
+        """int ln(a(eta)/c) d eta over P_c < eta < P: P ln(a/c) - int P(alpha)/alpha d alpha from c to a."""
+        if not self.b:
+            return (p * mp.log(p / front) - p + front) / 2
+        stiffness, (tau, inner) = self.modulus / self.radius * self.b**2, (self.depth(p), self.depth(front))
 
-    def _below(self, a: mp.mpf) -> mp.mpf:
-        """int P(alpha)/alpha d alpha up to a."""
-        tau = self._tau(a)
-        flat = ((1 + tau**2) * mp.atan(tau) - tau) / 2 - tau + mp.atan(tau)
-        return self.modulus * (self.round * mp.pi * a * a / 8 + self.rounded * self.b**2 / 2 * flat)
+        def below(t: mp.mpf) -> mp.mpf:
+            return stiffness / 2 * (((1 + t**2) * mp.atan(t) - t) / 2 - t + mp.atan(t))
+
+        return p * mp.log((1 + tau**2) / (1 + inner**2)) / 2 - below(tau) + below(inner)
 
 
 def contact_of(scene: Scene) -> Contact | None:
-    """Of the profiles that are a parabola and a rounded flat laid over each other; None for the others."""
-    p = scene.profile
-    curvatures: dict[str, Callable[[], tuple[Any, Any, Any]]] = {
-        "hertz": lambda: (1 / mp.mpf(p.radius), 0, 1),
-        "flat_rounded": lambda: (0, 1 / mp.mpf(p.radius), p.flat_half_length),
-        "compound": lambda: (
-            1 / mp.mpf(p.inner_radius),
-            1 / mp.mpf(p.outer_radius) - 1 / mp.mpf(p.inner_radius),
-            p.inner_half_length,
-        ),
-        "wedge": lambda: (1 / mp.mpf(p.tip_radius), -1 / mp.mpf(p.tip_radius), p.tip_half_length),
-    }
-    return Contact(modulus(scene), *map(mp.mpf, curvatures[p.kind]())) if p.kind in curvatures else None
+    """Of a parabola, or of a flat with rounded edges; None for other profiles."""
+    profile = scene.profile
+    if profile.kind not in {"hertz", "flat_rounded"}:
+        return None
+    return Contact(modulus(scene), mp.mpf(profile.radius), mp.mpf(getattr(profile, "flat_half_length", 0)))
 
 
 def modulus(scene: Scene) -> mp.mpf:
@@ -110,7 +97,7 @@ class Case(NamedTuple):
     radians: bool = False
 
     def contact(self) -> Contact:
-        return Contact(mp.mpf(1), mp.mpf(0), mp.mpf(1), mp.mpf(self.flat)) if self.flat else Contact(mp.mpf(1))
+        return Contact(mp.mpf(1), b=mp.mpf(self.flat))
 
 
 class Phase(NamedTuple):
@@ -164,13 +151,9 @@ def ellipse_dissipation(case: Case, contact: Contact | None = None) -> mp.mpf:
         p, front = load(t), part.front(t)
         return part.rate(t) * contact.area(p, front) if 0 < front < p else mp.mpf(0)
 
-    # P(a) is smooth but for the load at which the edge passes b: cut there, for P and for the stick edge.
-    corner = contact.load(contact.b) if contact.round and contact.rounded else None
     total = mp.mpf(0)
     for part in parts:
         marks = _towards_ends(part.begin, part.end) if case.radians else mp.linspace(part.begin, part.end, 4)
-        if corner is not None:
-            marks = sorted([*marks, *_crossings(load, corner, marks), *_crossings(part.front, corner, marks)])
         total += mp.quad(lambda t, part=part: power(part, t), marks)
     return mp.mpf(case.friction) * 2 / (mp.pi * contact.modulus) * total
 
@@ -179,16 +162,6 @@ def _towards_ends(begin: mp.mpf, end: mp.mpf) -> list[mp.mpf]:
     """Places ever closer to both ends."""
     steps = [(end - begin) * mp.mpf(10) ** -k / 2 for k in range(0, 14, 2)]
     return [begin, *(begin + step for step in reversed(steps)), *(end - step for step in steps[1:]), end]
-
-
-def _crossings(function: Callable[[mp.mpf], mp.mpf], value: mp.mpf, marks: Sequence[mp.mpf]) -> list[mp.mpf]:
-    """Where a function takes a value, between places that are dense beside its turning points."""
-    grid = [t for a, b in pairwise(marks) for t in mp.linspace(a, b, 9)[:-1]] + [marks[-1]]
-    found = []
-    for a, b in pairwise(grid):
-        if (function(a) > value) != (function(b) > value):
-            found.append(mp.findroot(lambda t: function(t) - value, (a, b), solver="anderson", tol=mp.eps**2, verify=False))
-    return found
 
 
 # -------------------------------------------------------------------------------------------------------------------- scenes

@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import must_fail
 import numpy as np
 from claim import ROOT, Row
 from finite_elements import beside_theory
@@ -109,8 +110,6 @@ def solved(scene: Scene, mesh: MeshSettings = MESH, **settings: Any) -> Comparis
 
 def few_steps(scene: Scene, steps: float) -> Comparison:
     """Increments that land on no event. On a polygon, whose corners they can't miss, theory on straight lines that do."""
-    import must_fail
-
     if isinstance(scene.load, EllipseLoad):
         with must_fail.blind():
             return solved(scene, steps_per_cycle=int(steps), step_tolerance=float("inf"))
@@ -121,8 +120,6 @@ def few_steps(scene: Scene, steps: float) -> Comparison:
 
 def forgetful(scene: Scene, _severity: float) -> Comparison:
     """Each increment starts from faces that have never slipped; few of them, for they never settle."""
-    import must_fail
-
     with must_fail.equilibrium(must_fail.forgetting):
         return solved(scene, steps_per_cycle=32, step_tolerance=float("inf"))
 
