@@ -24,10 +24,9 @@ from command_line import COARSE, ROOT, Done, environment, everything, halfplane,
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.cli import main
-from reports.cli.answers import FORMAT, answer_schema
 from reports.cli.application import app
 from reports.cli.machine import Finding
-from reports.cli.options import tolerances_of
+from reports.cli.options import FORMAT, answer_schema, tolerances_of
 from reports.cli.scene_files import InitOptions, example
 from reports.cli.solving import LONG, cost_of
 from reports.comparison.words import narrow

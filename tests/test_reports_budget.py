@@ -39,7 +39,7 @@ def test_example_of_nasa_to_every_digit():
     found = extrapolate(nasa)
     numbers = (found.order, found.value, found.uncertainty / 0.97050)
     assert [f"{number:.6f}" for number in numbers] == ["1.786170", "0.971300", "0.001031"]
-    assert (found.kind, found.rungs) == ("monotone", 3)
+    assert found.kind == "monotone"
 
 
 @pytest.mark.parametrize("order", [0.7, 1.0, 1.5, 2.0])

@@ -22,7 +22,7 @@ from reports.checking import (
     remarks,
     require_admissible,
 )
-from reports.cli.answers import answer_schema
+from reports.cli.options import answer_schema
 from reports.maps.advice import parts_of
 from reports.scoring.loops import MeasuredLoop, score_loop
 from scenes import (

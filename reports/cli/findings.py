@@ -15,7 +15,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from reports.comparison.metrics import Verdict, verdict_on
+from reports.comparison.metrics import Verdict, energy_scale, verdict_on
 from reports.staging import replace_text
 from scenes import ContactSolution, InputError, Scene
 from scenes.errors import present_names
@@ -400,14 +400,11 @@ def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
 
 def _floor(key: str, findings: Findings) -> float:
     """What a dissipation is at least taken relative to [energy / thickness]; 0 for all else."""
-    from reports.comparison.metrics import compliance
-
     engine, _, quantity = key.partition(".")
     if quantity not in ("dissipation", "loop_work", "bulk_work"):
         return 0.0
     load = (findings.figures[f"{engine}.largest_pressure"] or 0.0) * (findings.figures[f"{engine}.largest_half_width"] or 0.0)
-    friction = findings.scene.friction.coefficient or 1.0
-    return NOTHING * compliance(findings.scene.material) * (friction * load) ** 2
+    return NOTHING * energy_scale(findings.scene, load)
 
 
 def _notes(a: Findings, b: Findings) -> Iterator[str]:
