@@ -168,37 +168,28 @@ def _worst_of(leg: LoadSegment, friction: float) -> tuple[float, float]:
 
 
 def _highest(leg: LoadSegment, of: Callable[[Array], Array]) -> tuple[float, float]:
-    """(largest value, its time) on one leg: the best sample, then the golden section around it."""
+    """(largest value, its time) on one leg: the best sample, then twice the best of samples close around it."""
     time = sampled(leg, _SAMPLES)
-    value = of(time)
-    place = int(np.argmax(value))
-    if not np.isfinite(value[place]) or place in (0, len(time) - 1):
-        return float(value[place]), float(time[place])
-    low, high = float(time[place - 1]), float(time[place + 1])
-    for _ in range(60):
-        inner = np.array([high - (high - low) * 0.6180339887498949, low + (high - low) * 0.6180339887498949])
-        left, right = of(inner)
-        low, high = (low, float(inner[1])) if left >= right else (float(inner[0]), high)
-    middle = (low + high) / 2
-    found = float(of(np.array([middle]))[0])
-    return (found, middle) if found > value[place] else (float(value[place]), float(time[place]))
+    for _ in range(3):
+        value = of(time)
+        place = int(np.argmax(value))
+        found = float(value[place]), float(time[place])
+        if not np.isfinite(found[0]) or place in (0, len(time) - 1):
+            break
+        time = np.linspace(time[place - 1], time[place + 1], _SAMPLES)
+    return found
 
 
 def _first_of(leg: LoadSegment, friction: float) -> float:
-    """When a leg that leaves the admissible region first does so, by bisection."""
+    """When a leg that leaves the admissible region first does so: the first sample outside, of ever closer samples."""
     time = np.union1d(sampled(leg, _SAMPLES), [_worst_of(leg, friction)[1]])
-    outside = int(np.flatnonzero(_ratio(*leg.loads(time), friction) > 1 + _ROUNDING)[0])
-    if outside == 0:
-        return float(time[0])
-    low, high = float(time[outside - 1]), float(time[outside])
-    for _ in range(60):
-        middle = (low + high) / 2
-        if _ratio(*leg.loads(np.array([middle])), friction)[0] > 1 + _ROUNDING:
-            high = middle
-        else:
-            low = middle
+    for _ in range(6):  # 512 samples between two, so often: below the last digit of a time
+        outside = int(np.flatnonzero(_ratio(*leg.loads(time), friction) > 1 + _ROUNDING)[0])
+        if outside == 0:
+            return float(time[0])
+        time = np.linspace(time[outside - 1], time[outside], _SAMPLES)
     # A line from P = Q = 0 that slides does so from its start on, where the ratio itself is 0/0.
-    return leg.start if high - leg.start < _ROUNDING * (leg.end - leg.start) else high
+    return leg.start if time[-1] - leg.start < _ROUNDING * (leg.end - leg.start) else float(time[-1])
 
 
 @dataclass(frozen=True)

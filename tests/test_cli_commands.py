@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +23,13 @@ import semi_analytic
 from command_line import COARSE, ROOT, Done, environment, everything, halfplane, process, refused
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.cli.answers import FORMAT, answer_schema
+from reports.cli import main
 from reports.cli.application import app
 from reports.cli.machine import Finding
-from reports.cli.options import tolerances_of
+from reports.cli.options import FORMAT, answer_schema, tolerances_of
+from reports.cli.scene_files import InitOptions, example
 from reports.cli.solving import LONG, cost_of
+from reports.comparison.words import narrow
 from reports.console import Stages, TimeLeft, say, show_table
 from reports.folder import claim
 from reports.paper.page import PaperReport
@@ -163,7 +166,7 @@ def test_what_is_refused_is_one_sentence_with_2_and_no_file(words: str, spoilt: 
 
 def test_an_old_name_of_a_key_gets_one_note(tmp_path: Path) -> None:
     """Python shows no DeprecationWarning of a library. Each name once, and only on stderr."""
-    assert halfplane(tmp_path, "init", "old.toml", "--quiet").returncode == 0
+    assert halfplane(tmp_path, "init", "old.toml", "--quiet") == Done(0, "", "")
     text = (tmp_path / "old.toml").read_text(encoding="utf-8")
     (tmp_path / "old.toml").write_text(text.replace("initial_loading =", "way_in ="), encoding="utf-8")
     done = halfplane(tmp_path, "check", "old.toml", "--json")
@@ -238,6 +241,7 @@ def test_init_check_and_what_the_example_mentions(tmp_path: Path) -> None:
     """The commented example is a whole scene; with its comment signs moved it is another, with --bodies a third."""
     assert halfplane(tmp_path, "init", "my.toml").returncode == 0
     text = (tmp_path / "my.toml").read_text(encoding="utf-8")
+    assert "FILE.toml" not in text
     assert {"material", "profile", "friction", "load"} <= tomllib.loads(text).keys()
     stated = re.sub(r"(?m)^# ", "", text[text.index("# [tolerances]") :].split("\n\n")[0])
     assert set(tomllib.loads(stated)["tolerances"]) == set(load_scene(tmp_path / "my.toml").tolerances.model_dump())
@@ -305,6 +309,56 @@ def test_a_missed_number_ends_with_1(tmp_path: Path) -> None:
         assert done.returncode == code, done
         row = next(line for line in done.stdout.splitlines() if "largest half width" in line)
         assert re.search(rf"\b{word}\b", row)
+
+
+def comments(text: str) -> list[str]:
+    return [line.split("#", 1)[1] for line in text.splitlines() if "#" in line]
+
+
+class TestInit:
+    """The commented example with values from options."""
+
+    def test_what_is_given_stands_in_the_file_and_the_rest_is_the_example(self, tmp_path: Path) -> None:
+        file = tmp_path / "my.toml"
+        given = {
+            "title": 'A "dovetail" \\ root',
+            "profile": "flat_rounded",
+            "radius": 250.0,
+            "flat_half_length": 1.5,
+            "young_modulus": 115e3,
+            "poisson_ratio": 0.32,
+            "friction": 0.4,
+            "mean_normal_load": 300.0,
+            "normal_amplitude": 12.0,
+            "mean_tangential_load": -20.0,
+            "tangential_amplitude": 35.0,
+            "phase_degrees": 60.0,
+        }
+        assert set(given) == {one.name for one in fields(InitOptions)} - {"start", "bodies", "quiet"}
+        options = [word for name, value in given.items() for word in (f"--{name.replace('_', '-')}", str(value))]
+        assert main(["init", str(file), *options, "--bodies"]) == 0
+        scene = load_scene(file)
+        assert (scene.title, scene.profile.kind, scene.friction.coefficient) == (given["title"], "flat_rounded", 0.4)
+        for part in (scene.profile, scene.load, tomllib.loads(file.read_text(encoding="utf-8"))["material"]):
+            values = part if isinstance(part, dict) else part.model_dump()
+            found = {name: value for name, value in values.items() if name in given}
+            assert found == {name: given[name] for name in found}
+        assert scene.bodies.upper.kind == "pad"
+        assert not {"radius", "flat_half_length"} - set(scene.profile.model_dump())
+
+    def test_what_nobody_said_is_said_nowhere(self) -> None:
+        """The words that stand on the page are the user's, not the example's: purpose and source wait as comments."""
+        stated = tomllib.loads(example())
+        assert not {"purpose", "source"} & set(stated)
+        assert stated["title"]
+
+    def test_comments_stay(self) -> None:
+        """Every comment of the example, in its order; columns move only where the new number has no room."""
+        text = example(given={"friction": 0.25, "mean_normal_load": 123.456, "phase_degrees": 5.0})
+        assert comments(text) == comments(example())
+        flat = next(line for line in example(given={"profile": "flat_rounded"}).splitlines() if line.startswith("flat_half"))
+        assert flat.index("#") == text.splitlines()[10].index("#")
+        assert [line.find("#") for line in text.splitlines()] == [line.find("#") for line in example().splitlines()]
 
 
 # ---------------------------------------------------------------------------------------------------- answers as JSON
@@ -380,13 +434,9 @@ def test_a_run_is_judged_by_the_users_tolerances_and_says_how_to_repeat_that(tmp
 
 
 def test_a_share_is_for_four_metrics_and_a_key_for_one() -> None:
-    assert tolerances_of(()) == {}
-    assert tolerances_of(["5%"]) == dict.fromkeys(
-        ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick"), 0.05
-    )
-    assert tolerances_of(["0.1", "shear=3%", "dissipation=0.02"])["shear"] == pytest.approx(0.03)
-    assert tolerances_of(["0.1", "dissipation=0.02"])["dissipation"] == 0.02
-    assert tolerances_of(["dissipation=0.02", "0.1"])["dissipation"] == 0.1  # the last counts
+    """As the doctest of tolerances_of; the last counts."""
+    found = tolerances_of(["dissipation=0.02", "0.1", "shear=3%"])
+    assert (tolerances_of(()), found["dissipation"], found["shear"]) == ({}, 0.1, pytest.approx(0.03))
 
 
 def test_one_engine_alone_has_its_values_and_misses_what_so_coarse_a_mesh_misses(said: Any, tmp_path: Path) -> None:
@@ -654,7 +704,38 @@ def test_interrupted_at_the_first_line_is_130_and_leaves_nothing_half_written(tm
         assert (tmp_path / "out" / "hertz-paper" / "partial.nc").exists()
 
 
-# ----------------------------------------------------------------------------------------------------- progress and cost
+# ---------------------------------------------------------------------------------------------- tables, progress and cost
+HEADS = ("metric", "E", "mesh", "penalty", "step", "far field", "idealisation", "± u", "verdict", "accurate")
+ROWS = [
+    ("Peak pressure", "+0.691 %", "± 0.033 %", "none", "0 ± 0", "± 0.0045 %", "+0.69 %", "0.033 %", "resolved", "outside"),
+    ("Contact edge", "−0.759 %", "± 3.4 %", "none", "0 ± 0", "+0.0089 % ± 0.0036 %", "−0.77 %", "3.4 %", "not resolved", "within"),
+    ("Pointwise dissipation", "0", "0 ± 0", "none", "0 ± 0", "0 ± 0", "0", "0", "not resolved", "–"),
+]
+
+
+def shown(capsys: pytest.CaptureFixture[str], columns: int, heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", str(columns))
+        show_table("Where the discrepancy comes from", heads, rows)
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines[1:])) <= columns
+    return lines
+
+
+def test_a_budget_fits_80_columns_with_its_words_whole(capsys: pytest.CaptureFixture[str]) -> None:
+    """It was "penal|ty", "ideal|isati|on", "Dissip|ation"."""
+    heads, rows = narrow(HEADS, ROWS)
+    assert not {"penalty", "accurate"} & set(heads)  # none everywhere; in the table above it
+    assert all(len(row) == len(heads) for row in rows)
+    pieces = {word for line in shown(capsys, 80, heads, rows) for word in re.split(r"[\s│┃]+", line)}
+    assert {word for row in (heads, *rows) for cell in row for word in cell.split()} <= pieces
+
+
+def test_a_long_word_is_folded_and_a_table_that_fits_is_as_wide_as_its_cells(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sum(line.count("a") for line in shown(capsys, 30, ("file", "size"), [("a" * 60, "1")])[5:]) == 60
+    assert any("│two words │ 3    │" in line for line in shown(capsys, 80, ("what", "value"), [("two words", "3")]))
+
+
 def test_time_left_is_that_of_the_part_and_starts_anew_with_the_next() -> None:
     left = TimeLeft(iter([0.0, 10.0, 12.0, 14.0, 20.0, 21.0]).__next__)
     found = [left.words(done, 5) for done in (0, 1, 2, 0, 1)]

@@ -16,15 +16,13 @@ import semi_analytic
 from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
 from reports.charts.marks import Arrow, Curve, Note
-from reports.cli import main
 from reports.cli.solving import summary_rows
 from reports.comparison.metrics import normal_work
 from reports.comparison.words import beyond_theory, bodies_in_words, idealisation, lead, question, unlike_materials
 from reports.page.bodies import outline, sketch
 from reports.units import minus
-from scenes import Block, Bodies, ContactSolution, Cylinder, Pad, Scene, load_scene, scene_text
+from scenes import Block, Bodies, ContactSolution, Cylinder, Pad, Scene, load_scene
 from scenes.scene import OWN_TOLERANCES
-from test_reports_fields import TOML
 
 A_BLOCK = {"kind": "block", "width": 20.0, "height": 12.0}
 A_PAD = {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"}
@@ -225,18 +223,6 @@ def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines
         "Outside tolerance: a finding about the idealisation." if found else "Not within tolerance."
     )
     assert ("not a fault of the engines" in beyond_theory(comparison)) is found
-
-
-def test_check_names_the_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "pads.toml").write_text(scene_text("cattaneo-mindlin").split("[[expected]]")[0] + TOML, encoding="utf-8")
-    assert main(["check", str(tmp_path / "pads.toml")]) == 0
-    said = capsys.readouterr().out
-    assert "a block 20 mm wide" in said
-    assert "a finding about the idealisation" in said
-    assert main(["check", "cattaneo-mindlin"]) == 0
-    said = capsys.readouterr().out
-    assert "Both bodies are half-planes" in said
-    assert "finding" not in said
 
 
 def test_the_docs_table_of_bodies_is_a_scene_s_and_names_every_key() -> None:

@@ -22,7 +22,7 @@ from reports.checking import (
     remarks,
     require_admissible,
 )
-from reports.cli.answers import answer_schema
+from reports.cli.options import answer_schema
 from reports.maps.advice import parts_of
 from reports.scoring.loops import MeasuredLoop, score_loop
 from scenes import (
@@ -273,6 +273,7 @@ def test_check_says_how_large_the_contact_gets_and_infinity_is_null_for_programs
     said = halfplane(tmp_path, "check", "blocks").stdout
     found = largest_contact(load_scene("blocks"), "blocks")
     words = (f"a = {found.half_width:.4g} mm", f"p0 = {found.peak_pressure:.4g} MPa", "a/R = ", "upper height/a = ", "p0/E* = ")
+    words += ("a block 20 mm wide", "a finding about the idealisation")
     assert not [word for word in words if word not in said]
     answer = json.loads(halfplane(tmp_path, "check", "blocks", "--json").stdout)["result"]
     assert (answer["largest_contact"], answer["remarks"]) == ({**vars(found), "ratios": found.ratios}, [])

@@ -215,11 +215,6 @@ def test_page_has_every_figure_with_words_for_it(page: Tags) -> None:
     assert len(identities) == len(set(identities))
 
 
-def test_figures_are_the_same_for_the_same_data(comparison: Comparison) -> None:
-    first, second = (draw(Report(comparison))[0].svg() for _ in range(2))
-    assert first == second
-
-
 def fill(out: Path, text: str, *names: str, error: BaseException | None = None, fresh: tuple[str, ...] | None = None) -> None:
     """Write a file under each name, then fail with `error`."""
     with filled(out) if fresh is None else filled(out, fresh=fresh) as folder:
@@ -271,14 +266,6 @@ class TestFolder:
             fill(tmp_path, "ours", "report.html", "odd.csv")
         assert (tmp_path / "odd.csv").read_text() == "mine"
         assert names_in(tmp_path) == {"odd.csv"}
-
-    @pytest.mark.parametrize("place", ["file", "file/below", "/proc/halfplane"])
-    def test_a_folder_that_can_not_be_made_is_refused(self, tmp_path: Path, place: str) -> None:
-        (tmp_path / "file").write_text("a file")
-        with pytest.raises(InputError, match=r"--out .*(is a file|can't be written to)"):
-            claim(tmp_path / place)
-        assert claim(tmp_path / "a" / "b") == tmp_path / "a" / "b"
-        assert names_in(tmp_path) == {"file"}, "nothing is made by claiming"
 
 
 class TestPdf:

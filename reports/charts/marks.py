@@ -50,17 +50,20 @@ class Band:
     label: str = ""
 
 
+# Of the axes: what segments that a page holds once are rounded to.
+GRAIN = 2e-4
+
+
 @dataclass(frozen=True, eq=False)
 class Segments:
     """Straight lines (n, 2, 2) between places. A page holds them once, where panels show the same ones under one `name`.
 
-    There they are whole numbers of `grain`; a panel that uses those of another has "again" after the name.
+    There they are whole numbers of `GRAIN`; a panel that uses those of another has "again" after the name.
     """
 
     ends: NDArray[np.float64]
     css: str
     name: str = ""
-    grain: float = 2e-4
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reports.charts.marks import (
+    GRAIN,
     Arrow,
     Axis,
     Band,
@@ -376,13 +377,12 @@ class _Pen:
             seen &= (y.max(axis=1) >= frame.y.end) & (y.min(axis=1) <= frame.y.start)
             lines = zip(np.round(x[seen], 2).tolist(), np.round(y[seen], 2).tolist(), strict=True)
             return element("path", d="".join(f"M{a:g} {c:g}L{b:g} {d:g}" for (a, b), (c, d) in lines) or "M0 0", **look)
-        grain = mark.grain
-        zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * grain
+        zoom = (frame.x.end - frame.x.start) / (frame.x.high - frame.x.low) * GRAIN
         x0, y0 = float(frame.x.place(0.0)), float(frame.y.place(0.0))
         transform = f"translate({x0:.3f} {y0:.3f}) scale({zoom:.7g} {-zoom:.7g})"
         if "again" in mark.name.split():
             return element("g", element("use", href=f"#{mark.name.split()[0]}"), transform=transform)
-        whole = np.rint(mark.ends / grain).astype(int)
+        whole = np.rint(mark.ends / GRAIN).astype(int)
         moves = (whole[:, 1] - whole[:, 0]).tolist()
         d = "".join(f"M{x} {y}l{dx} {dy}" for (x, y), (dx, dy) in zip(whole[:, 0].tolist(), moves, strict=True))
         return element("g", element("path", d=d, id=mark.name, **look), transform=transform)

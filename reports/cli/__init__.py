@@ -3,7 +3,6 @@
     application.py   the table of commands, the start of the process, exit codes, what is said of a fault
     process.py       the streams and signals of the process
     options.py       options that commands share, and the command line that repeats a run
-    answers.py       `--json`: one envelope for every command
     solving.py       run, exact, fe, export, paper
     field_output.py  fields: files for ParaView, pictures, a film
     results.py       score, diff, advise

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from reports.cli.answers import answer
-from reports.cli.options import FiniteElements, SceneName, flag, several
+from reports.cli.options import FiniteElements, SceneName, answer, flag, several
 from reports.cli.process import WITHIN
 from reports.cli.solving import at_work, load_engines, require_drawing, require_times, solve_finite_elements
 from reports.console import Stages, say, show_table

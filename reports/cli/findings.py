@@ -15,7 +15,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from reports.comparison.metrics import Verdict, verdict_on
+from reports.comparison.metrics import Verdict, energy_scale, verdict_on
 from reports.staging import replace_text
 from scenes import ContactSolution, InputError, Scene
 from scenes.errors import present_names
@@ -172,7 +172,11 @@ def flat(value: Any, name: str = "") -> dict[str, Any]:
 def _of_folder(folder: Path, source: str) -> Findings:
     if (folder / "comparison.json").exists():
         return of_content(_json(folder / "comparison.json", source), source)
-    answers = [content for path in sorted(folder.glob("*.json")) if _is_solution(content := _json(path, path))]
+    answers = [
+        content
+        for path in sorted(folder.glob("*.json"))
+        if str((content := _json(path, path)).get("format")).startswith("halfplane solution ")
+    ]
     finished = [content for content in answers if content["converged"]]
     if not answers:
         raise InputError(f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an engine")
@@ -187,10 +191,6 @@ def _of_folder(folder: Path, source: str) -> Findings:
         {key: value for part in parts for key, value in part.figures.items()},
         {key: value for part in parts for key, value in part.engines.items()},
     )
-
-
-def _is_solution(content: Mapping[str, Any]) -> bool:
-    return str(content.get("format")).startswith("halfplane solution ")
 
 
 def _of_baseline(content: Mapping[str, Any], source: str) -> Findings:
@@ -332,7 +332,9 @@ def difference(a: Findings, b: Findings, tolerances: Mapping[str, float] | None 
     keys = [key for key in {**a.figures, **b.figures} if _group(key) in shared]
     if not keys:
         raise InputError(f"{a.source} and {b.source} have no figure in common: {_engines(a)} and {_engines(b)}")
-    _refuse_unknown(tolerances or {}, keys)
+    for pattern in tolerances or {}:
+        if not any(fnmatchcase(key, pattern) for key in keys):
+            raise InputError(f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}")
     patterns = [*(tolerances or {}).items(), *b.tolerances.items(), *a.tolerances.items(), *DEFAULTS]
     rows = tuple(_row(key, a, b, next(value for pattern, value in patterns if fnmatchcase(key, pattern))) for key in keys)
     return Difference(a.source, b.source, a.scene.name or b.scene.name, rows, tuple(_notes(a, b)))
@@ -355,12 +357,6 @@ def tolerances_of(words: Sequence[str]) -> dict[str, float]:
             raise InputError(f"--tolerance {word}: write KEY=VALUE, VALUE a number not below 0 (inf: not judged)")
         found[key] = value
     return found
-
-
-def _refuse_unknown(tolerances: Mapping[str, float], keys: Sequence[str]) -> None:
-    for pattern in tolerances:
-        if not any(fnmatchcase(key, pattern) for key in keys):
-            raise InputError(f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}")
 
 
 def _refuse_other_scene(a: Findings, b: Findings) -> None:
@@ -400,14 +396,11 @@ def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
 
 def _floor(key: str, findings: Findings) -> float:
     """What a dissipation is at least taken relative to [energy / thickness]; 0 for all else."""
-    from reports.comparison.metrics import compliance
-
     engine, _, quantity = key.partition(".")
     if quantity not in ("dissipation", "loop_work", "bulk_work"):
         return 0.0
     load = (findings.figures[f"{engine}.largest_pressure"] or 0.0) * (findings.figures[f"{engine}.largest_half_width"] or 0.0)
-    friction = findings.scene.friction.coefficient or 1.0
-    return NOTHING * compliance(findings.scene.material) * (friction * load) ** 2
+    return NOTHING * energy_scale(findings.scene, load)
 
 
 def _notes(a: Findings, b: Findings) -> Iterator[str]:

@@ -16,7 +16,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from reports.cli.application import app
-from reports.cli.options import Output, Silent
+from reports.cli.options import Output, Silent, answer
 from reports.cli.process import OUTSIDE, WITHIN
 from reports.console import show_table
 
@@ -68,8 +68,6 @@ def doctor(*, options: DoctorOptions = _DOCTOR) -> int:
     findings = examine(options.out or "out")
     code = WITHIN if all(finding.good for finding in findings) else OUTSIDE
     if options.json:
-        from reports.cli.answers import answer
-
         checks = {one.name: {"good": one.good, "found": one.found} for one in findings}
         return answer("doctor", code, {"passed": code == WITHIN, "checks": checks})
     if not options.quiet:
@@ -90,7 +88,7 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
         ("Python", _python),
         ("packages", _packages),
         ("gmsh", lambda: _alone(_GMSH, gmsh)),
-        ("off-screen rendering", lambda: _alone(_SCREEN, "only field pictures need it")),
+        ("off-screen rendering", drawing),
         ("output folder", lambda: _folder(out)),
         ("threads", _threads),
         ("condensation store", _store),
@@ -98,9 +96,9 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
     return tuple(Finding(name, *check()) for name, check in checks)
 
 
-def drawing() -> Finding:
-    """Whether pictures can be drawn without a screen."""
-    return Finding("off-screen rendering", *_alone(_SCREEN, "only field pictures need it"))
+def drawing() -> tuple[bool, str]:
+    """Whether pictures can be drawn without a screen, and what was found."""
+    return _alone(_SCREEN, "only field pictures need it")
 
 
 def _store() -> tuple[bool, str]:

@@ -1,12 +1,15 @@
-"""Options that commands share, as frozen values; one that is left out keeps the engine's own default."""
+"""What commands share: options as frozen values, of which one that is left out keeps the engine's own default; `--json`, one
+envelope for every command, and its schema."""
 
 # Annotations are evaluated here, and not by name where a class of another module inherits them: no `from __future__`.
 import math
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from importlib import resources
+from json import dumps, loads
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
@@ -139,4 +142,27 @@ def tolerances_of(words: Sequence[str]) -> dict[str, float]:
         if not 0 < value < math.inf:
             raise InputError(f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a metric: dissipation=3%")
         found |= dict.fromkeys([key] if equals else COMMON, value)
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------------- answers
+FORMAT = "halfplane answer 2"
+
+
+def answer(command: str, code: int, result: Mapping[str, Any], scene: str | None = None) -> int:
+    """Print the answer of a command as the one JSON document on stdout, and give its exit code.
+
+    What is not finite in `result` becomes null. `scene` is the name of the scene; None where a command is about none.
+    """
+    from reports.comparison.content import strict
+    from reports.console import say
+
+    content = {"format": FORMAT, "command": command, "exit_code": code, "scene": scene, "result": result}
+    say(dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False))
+    return code
+
+
+def answer_schema() -> dict[str, Any]:
+    """The JSON schema of every answer: the envelope, and for each command what `result` holds."""
+    found: dict[str, Any] = loads((resources.files("reports") / "templates" / "answer.schema.json").read_text("utf-8"))
     return found

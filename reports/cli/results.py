@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from reports.cli.answers import answer
-from reports.cli.options import Json, Output, SceneName, Silent, Tolerance, flag, several, tolerances_of
+from reports.cli.options import Json, Output, SceneName, Silent, Tolerance, answer, flag, several, tolerances_of
 from reports.cli.process import NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.cli.solving import exit_code, read, show_verdict
 from reports.console import Stages, complain, say, show_table

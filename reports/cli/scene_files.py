@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
-from reports.cli.answers import answer, answer_schema
-from reports.cli.options import Json, SceneName, Silent, flag
+from reports.cli.options import Json, SceneName, Silent, answer, answer_schema, flag
 from reports.cli.process import WITHIN
 from reports.cli.solving import load_engines, read
 from reports.console import Stages, say, width

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from reports.cli.answers import answer
-from reports.cli.options import FiniteElements, Output, SceneName, Tolerance, flag, several, tolerances_of
+from reports.cli.options import FiniteElements, Output, SceneName, Tolerance, answer, flag, several, tolerances_of
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 
@@ -226,9 +225,9 @@ def require_drawing(stages: Stages) -> None:
     from scenes import InputError
 
     with stages.stage("can pictures be drawn?"):
-        finding = drawing()
-    if not finding.good:
-        raise InputError(f"pictures can't be drawn here: {finding.found}; --no-pictures leaves them out")
+        good, found = drawing()
+    if not good:
+        raise InputError(f"pictures can't be drawn here: {found}; --no-pictures leaves them out")
 
 
 def require_times(words: Iterable[str], option: str, scene: Scene) -> None:

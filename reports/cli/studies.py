@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Group, Parameter
 
-from reports.cli.answers import answer
-from reports.cli.options import Json, Output, flag
+from reports.cli.options import Json, Output, answer, flag
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, WITHIN
 from reports.console import Stages, complain, say, show_table
 

@@ -97,9 +97,7 @@ class Comparison(Pair):
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        from reports.comparison.words import comparison_html
-
-        return comparison_html(Report(self))
+        return Report(self)._repr_html_()
 
     def metric(self, key: str) -> Metric:
         """The metric of that key; KeyError for an unknown one."""
@@ -107,9 +105,7 @@ class Comparison(Pair):
 
     def summary(self) -> str:
         """The first table of the page as text: theory, finite elements, difference with its uncertainty, verdict; in units."""
-        from reports.comparison.words import summary
-
-        return summary(Report(self))
+        return Report(self).summary()
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,7 +57,6 @@ class Rung:
     size : that size over the run's; of the far field 1/L
     values : metric -> its value without the error of the steps; empty where the run failed
     failure : why there are none
-    seconds : CPU time
     steps, nodes : of the path, of the contact
     """
 
@@ -65,7 +64,6 @@ class Rung:
     size: float
     values: Mapping[str, float | None]
     failure: str = ""
-    seconds: float = 0.0
     steps: int = 0
     nodes: int = 0
 
@@ -153,7 +151,7 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
     missing: dict[str, str] = {}
     ratio = mesh_ratio(mesh)
     on_polygon = comparison.polygon_reference is not None
-    own = Rung("h", 1.0, without_steps(comparison), "", 0.0, len(comparison.result.time), len(comparison.result.x))
+    own = Rung("h", 1.0, without_steps(comparison), "", len(comparison.result.time), len(comparison.result.x))
     if ratio is None:
         why = "the run's own elements leave no room for three coarser meshes"
         return Ladders(
@@ -165,17 +163,16 @@ def climb(comparison: Comparison, mesh: MeshSettings, settings: SolverSettings, 
         import halfplane_fe
         import semi_analytic
 
-        began = time.process_time()
         with stage(f"budget, {label}") as report:
             try:
                 result = halfplane_fe.solve(scene, mesh, settings, report, scales=scales)
             except ConvergenceError as failure:
-                return Rung(label, size, {}, f"{label} did not converge: {failure}", time.process_time() - began)
+                return Rung(label, size, {}, f"{label} did not converge: {failure}")
             reference = theory_on_steps(result) if on_polygon else semi_analytic.solve(scene, x=result.x, time=result.time)
         if reference is None:
-            return Rung(label, size, {}, f"{label}: half-plane theory has no answer on its steps", time.process_time() - began)
+            return Rung(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
         values = _values(compare(reference, result))
-        return Rung(label, size, values, "", time.process_time() - began, len(result.time), len(result.x))
+        return Rung(label, size, values, "", len(result.time), len(result.x))
 
     sizes = [ratio**power for power in range(1, coarsenings + 1)]
     meshes = (own, *(solved(f"{size:.3g}h", size, *coarser(mesh, settings, size)) for size in sizes))

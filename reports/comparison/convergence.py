@@ -70,7 +70,6 @@ class Extrapolation:
     kind : how the values go as h falls
     value : phi_0; None for a single rung
     uncertainty : |phi_0 - truth| and |finest phi - truth| should both be less, about 19 times of 20; None for a single rung
-    rungs : how many were used
     rule : in words
     """
 
@@ -78,7 +77,6 @@ class Extrapolation:
     kind: Kind
     value: float | None
     uncertainty: float | None
-    rungs: int
     rule: str
 
 
@@ -134,19 +132,19 @@ def extrapolate(ladder: Ladder) -> Extrapolation:
     """
     kind, count, finest = kind_of(ladder), len(ladder.values), ladder.values[0]
     if count == 1:
-        return Extrapolation(None, kind, None, None, 1, "a single rung says nothing")
+        return Extrapolation(None, kind, None, None, "a single rung says nothing")
     if ladder.spread <= ladder.rounding:
-        return Extrapolation(None, kind, finest, ladder.rounding, count, "all rungs agree to rounding")
+        return Extrapolation(None, kind, finest, ladder.rounding, "all rungs agree to rounding")
     if count == 2:
         step = _step(ladder, ladder.formal_order)
-        return Extrapolation(None, kind, finest + step, DOUBTFUL * abs(step), 2, "formal order taken for granted, safety factor 3")
+        return Extrapolation(None, kind, finest + step, DOUBTFUL * abs(step), "formal order taken for granted, safety factor 3")
     orders = [observed_order(ladder.sizes[i : i + 3], ladder.values[i : i + 3]) for i in range(count - 2)]
     found = [order for order in orders if order is not None and ladder.plausible(order)]
     if len(found) == len(orders) and max(found) - min(found) <= ladder.formal_order / 4:
         least = SAFE * abs(_step(ladder, min(found)))
-        return Extrapolation(found[0], kind, finest + _step(ladder, found[0]), least, count, "Roache, safety factor 1.25")
+        return Extrapolation(found[0], kind, finest + _step(ladder, found[0]), least, "Roache, safety factor 1.25")
     if count == 3:
-        return Extrapolation(orders[0], kind, finest, DOUBTFUL * ladder.spread, 3, "the finest, three times the spread")
+        return Extrapolation(orders[0], kind, finest, DOUBTFUL * ladder.spread, "the finest, three times the spread")
     return _least_squares(ladder, kind)
 
 
@@ -177,9 +175,9 @@ def _least_squares(ladder: Ladder, kind: Kind) -> Extrapolation:
         uncertainty = DOUBTFUL * fit.deviation / typical * (step + fit.deviation + away)
     if kind == "monotone":
         near = max(ladder.values[:3]) - min(ladder.values[:3])
-        return Extrapolation(order, kind, fit.limit, max(uncertainty, near), len(ladder.values), f"least squares, {words}")
+        return Extrapolation(order, kind, fit.limit, max(uncertainty, near), f"least squares, {words}")
     widest = max(uncertainty, ladder.spread)
-    return Extrapolation(None, kind, ladder.values[0], widest, len(ladder.values), f"the finest; scatter about {words}")
+    return Extrapolation(None, kind, ladder.values[0], widest, f"the finest; scatter about {words}")
 
 
 def _chosen(ladder: Ladder) -> tuple[_Fit, str, float | None]:

@@ -224,18 +224,14 @@ def events(cycle: Cycle, friction: float) -> tuple[Event, ...]:
     size = float(np.max(np.abs(normal)))
     for label, quantity in wanted:
         if np.ptp(quantity) > 1e-9 * size:
-            found.setdefault(_first_largest(quantity, size), label)
+            # The first instant, to rounding: the end of a cycle repeats its start.
+            found.setdefault(int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0]), label)
     chosen = dict(list(found.items())[:MOST_EVENTS])
     if len(cycle.time) == 1:
         chosen = {0: "the only instant"}
     while len(chosen) < min(MOST_EVENTS, len(cycle.time) - 1):
         chosen.setdefault(_widest_gap(chosen, cycle.time), "between")
     return tuple(Event(index, chosen[index]) for index in sorted(chosen))
-
-
-def _first_largest(quantity: np.ndarray, size: float) -> int:
-    """The first instant at which `quantity` is largest, to rounding: the end of a cycle repeats its start."""
-    return int(np.flatnonzero(quantity >= np.max(quantity) - 1e-12 * size)[0])
 
 
 def _widest_gap(chosen: dict[int, str], time: NDArray[np.float64]) -> int:

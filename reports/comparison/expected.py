@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.comparison.metrics import Verdict, compliance, name_of, verdict_on
+from reports.comparison.metrics import Verdict, energy_scale, name_of, verdict_on
 from scenes import ContactSolution, Expected, Scene
 
 
@@ -92,17 +92,12 @@ def scale(expected: Expected, solution: ContactSolution) -> float:
     match expected.quantity:
         case "dissipation" | "loop_work":
             load = float(solution.normal_load[solution.last_cycle].max())
-            return _energy(solution.scene, load)
+            return energy_scale(solution.scene, load)
         case "largest_pressure":
             return float(np.max(solution.pressure))
         case "stick_share":
             return 1.0
     return _largest_half_width(solution)
-
-
-def _energy(scene: Scene, load: float) -> float:
-    """A f^2 P^2, f being 1 for a frictionless scene [energy / thickness]."""
-    return compliance(scene.material) * ((scene.friction.coefficient or 1.0) * load) ** 2
 
 
 def check(scene: Scene, solutions: Iterable[ContactSolution]) -> Iterator[Finding]:

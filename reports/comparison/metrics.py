@@ -146,6 +146,11 @@ def compliance(materials: Materials) -> float:
     return 2 * sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (materials.upper, materials.lower))
 
 
+def energy_scale(scene: Scene, load: float) -> float:
+    """A f^2 P^2, f being 1 for a frictionless scene [energy / thickness]."""
+    return compliance(scene.material) * ((scene.friction.coefficient or 1.0) * load) ** 2
+
+
 def scales(reference: ContactSolution) -> Scales:
     """The scales of `reference`; a(P_ref) is read off its own half-widths, linear in P between its instants."""
     load, friction = reference.scene.load, reference.scene.friction.coefficient

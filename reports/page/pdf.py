@@ -12,7 +12,7 @@ from typing import Any
 
 from reports.charts.plate import Plate
 from reports.comparison import Report
-from reports.comparison.metrics import Metric, name_of
+from reports.comparison.metrics import name_of
 from reports.comparison.words import (
     accuracy_of,
     heads,
@@ -64,7 +64,11 @@ def write_pdf(report: Report, plates: Sequence[Plate], path: Path, command: str)
 def _content(report: Report, figures: Sequence[Mapping[str, Any]], command: str) -> dict[str, Any]:
     """Everything that the document says."""
     comparison, budget = report.comparison, report.budget
-    scene, words = comparison.scene, said(report)
+    scene, words, admissible = comparison.scene, said(report), "yes" if comparison.admissible else "no"
+    metrics = [
+        [m.label, open_value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m), admissible, honest_of(report, m)]
+        for m in comparison.headlines
+    ]
     return {
         "title": scene.title or scene.name,
         "name": scene.name,
@@ -74,7 +78,7 @@ def _content(report: Report, figures: Sequence[Mapping[str, Any]], command: str)
         "lead": lead(report),
         "verdict": verdict(report),
         "words": [words[one] for one in ("question", "bodies", "unlike_materials", "idealisation") if words[one]],
-        "metrics": [_metric(report, metric) for metric in comparison.headlines],
+        "metrics": metrics,
         "notes": list(comparison.notes),
         "budget": {"heads": heads(budget), "rows": rows(budget)} if budget else None,
         "figures": list(figures),
@@ -85,10 +89,3 @@ def _content(report: Report, figures: Sequence[Mapping[str, Any]], command: str)
             for solution in (comparison.reference, comparison.result)
         ],
     }
-
-
-def _metric(report: Report, metric: Metric) -> list[str]:
-    """A row of the verdict table."""
-    admissible = "yes" if report.comparison.admissible else "no"
-    verdicts = [accuracy_of(metric), admissible, honest_of(report, metric)]
-    return [metric.label, open_value_of(metric), unit_of(metric), tolerance_of(metric), *verdicts]

@@ -82,7 +82,8 @@ def write(
             answer = with_bodies(comparison.result, "--vtu")
             write_fields(answer, halfplane_fe.fields(answer, vtu_instants), folder / "fields")
         words = _write_third(comparison, report.third, folder) if report.third else None
-        page = render(report, drawings, command, seconds or {}, live_data(comparison, texts), words)
+        live = cycle_data(comparison, chosen_instants(comparison), *time_axis(comparison)) | {"tables": tables(texts)}
+        page = render(report, drawings, command, seconds or {}, live, words)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
             (folder / "run.log").write_text("\n".join([*log, headline(report), verdict(report)]) + "\n", encoding="utf-8")
@@ -120,12 +121,6 @@ def chosen_instants(comparison: Comparison) -> tuple[Event, ...]:
     return events(comparison.found, comparison.scene.friction.coefficient)
 
 
-def live_data(comparison: Comparison, texts: Mapping[str, str]) -> dict[str, Any]:
-    """What the page's slider moves through, and the tables that the page carries, of the CSV of each figure."""
-    data = cycle_data(comparison, chosen_instants(comparison), *time_axis(comparison))
-    return data | {"tables": tables(texts)}
-
-
 def draw(report: Report) -> tuple[Plate, ...]:
     """Every figure of the report, in the order of the page."""
     comparison = report.comparison
@@ -154,18 +149,9 @@ def draw(report: Report) -> tuple[Plate, ...]:
         from reports.field_output.pictures import mesh
 
         drawings.append(mesh(meshes, comparison.scales.half_width, float(np.nanmax(comparison.found.contact_edges))))
-    left_out = _can_not_be_drawn(comparison)
+    # What a foreign result does not hold: slip, dissipation, more than one instant.
+    needed = {"slip": "slip_history", "dissipation_density": "dissipation_density"}
+    left_out = {needed[name] for name in needed if name in missing(comparison.result)}
+    if len(comparison.found.time) < 2:
+        left_out |= {"state_map", "half_widths", "slip_history", "errors", "certificates_result", "certificates_reference"}
     return tuple(drawing for drawing in drawings if drawing and drawing.name not in left_out)
-
-
-def _can_not_be_drawn(comparison: Comparison) -> frozenset[str]:
-    """Names of figures of what a foreign result does not hold: slip, dissipation, more than one instant."""
-    lacking = missing(comparison.result)
-    names = {"slip": {"slip_history"}, "dissipation_density": {"dissipation_density"}}
-    found = set[str]().union(*(names[name] for name in names if name in lacking))
-    alone = (
-        {"state_map", "half_widths", "slip_history", "errors", "certificates_result", "certificates_reference"}
-        if len(comparison.found.time) < 2
-        else set()
-    )
-    return frozenset(found | alone)
