@@ -2,7 +2,7 @@
 
     make regress                             (python benchmarks/regress.py)
     make regress ACCEPT="hertz-paper ..."    take the new values of the named scenes for frozen ones
-    make regress REFERENCES=1                evaluate the 30-digit references again (some minutes)
+    make regress REFERENCES=1                evaluate the references again
 
 Dissipation has a reference in every scene, W(x) at three places of the slip zone in the Hertz scenes POINTWISE. At one time of the
 last cycle, which is no event, the tangential displacement U, the stick edge, the shear at three points and the slip at one are
@@ -26,7 +26,7 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
-from regress_truth import DIGITS, FIELDS, PLACES, field_truth, pointwise_truth, truth
+from regress_truth import DIGITS, FIELDS, density_truth, field_truth, truth
 
 import semi_analytic
 from scenes import ContactSolution, Scene, load_scene, scene_names
@@ -38,6 +38,7 @@ DENSE = 1e-11  # of the largest of W(x), of f times the largest pressure, of a s
 # Scenes with bulk stress or tilt have their references in `[[expected]]`.
 NAMES = tuple(name for name in scene_names() if not load_scene(name).load.has_bulk_or_tilt)
 POINTWISE = ("cattaneo-mindlin", "harmonics", "near-sliding", "time-series", "tiny-slip")
+PLACES = (0.25, 0.6, 0.9)  # of a slip zone, at which W(x) has references
 _TIMES, _PART = 20, 0.37  # equal parts of the last cycle, and where in each: at no event
 _PLACES = np.array([-0.83, -0.31, 0.0, 0.17, 0.42, 0.61, 0.78, 0.89, 0.97])  # over the largest half-width
 MEANS = {"pressure": "pressure", "shear": "shear", "slip": "slip", "displacement": "tangential_displacement"}
@@ -120,19 +121,39 @@ def instant_of(scene: Scene) -> dict[str, Any]:
 
 
 def references(names: list[str], stored: dict[str, dict]) -> None:
-    """Evaluate the 30-digit references of the named scenes and store each."""
+    """Evaluate the references of the named scenes again and store each; a stored one that agrees has more digits and stays."""
     mp.mp.dps = DIGITS + 10
     for name in names:
-        scene = load_scene(name)
-        value = truth(scene)
-        print(f"{name}: {'none' if value is None else mp.nstr(value, 15)}", flush=True)
-        kept = stored.setdefault(name, {})
-        kept.update({} if value is None else {"reference": mp.nstr(value, DIGITS)})
-        kept.update(pointwise_truth(scene) if name in POINTWISE else {})
+        scene, kept = load_scene(name), stored.setdefault(name, {})
+        (kept["reference"],), apart = renewed([kept.get("reference")], [mp.nstr(truth(scene), DIGITS)])
+        if name in POINTWISE:
+            kept.setdefault("x", places(scene))
+            kept["density"], off = renewed(kept.get("density"), density_truth(scene, kept["x"]))
+            apart = max(apart, off)
         fields = kept.setdefault("fields", instant_of(scene))
-        known = field_truth(scene, fields["time"], fields["at"])
-        fields.update({} if known is None else {"references": known})
+        if known := field_truth(scene, fields["time"], fields["at"]):
+            fields["references"], off = renewed(fields.get("references"), known)
+            apart = max(apart, off)
+        print(f"{name}: {float(kept['reference']):.15g}, stored and evaluated again differ by {apart:.1e}", flush=True)
         write(stored)
+
+
+def renewed(old: list[str | None] | None, new: list[str]) -> tuple[list[str], float]:
+    """The old values where the new ones agree with them, else the new ones; the largest relative difference."""
+    if not np.isfinite([float(value) for value in new]).all():
+        raise ArithmeticError(f"a reference is no number: {', '.join(new)}")
+    pairs = list(zip(old or [None] * len(new), new, strict=True))
+    lines = [Line("", "", float(value), None, before) for before, value in pairs]
+    good = [before is not None and (line.error or 0.0) <= ACCURATE for (before, _), line in zip(pairs, lines, strict=True)]
+    values = [str(before) if same else value for (before, value), same in zip(pairs, good, strict=True)]
+    return values, max(line.error or 0.0 for line in lines)
+
+
+def places(scene: Scene) -> list[float]:
+    """Three places of the slip zone."""
+    answer = semi_analytic.solve(scene, x=[0.0], fields=())
+    inner, outer = answer.permanent_stick_half_width, float(answer.contact_half_width.max())
+    return [inner + (outer - inner) * part for part in PLACES]
 
 
 def write(stored: dict[str, dict]) -> None:
@@ -181,9 +202,7 @@ def main() -> int:
     arguments.add_argument(
         "--accept", nargs="*", default=[], metavar="SCENE", help="scenes whose new values become the frozen ones"
     )
-    arguments.add_argument(
-        "--references", nargs="*", metavar="SCENE", help="evaluate the 30-digit references again, of all or of these"
-    )
+    arguments.add_argument("--references", nargs="*", metavar="SCENE", help="evaluate the references again, of all or of these")
     asked = arguments.parse_args()
     if unknown := {*asked.accept, *(asked.references or ())} - set(NAMES):
         print(f"regress: no such scene: {', '.join(sorted(unknown))}", file=sys.stderr)

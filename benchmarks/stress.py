@@ -28,7 +28,7 @@ from unittest import mock
 import mpmath
 import numpy as np
 import regress_truth
-from claim import Row, kept_json, markdown, write_json
+from claim import kept_json, markdown, write_json
 from half_plane import PROFILES, batch, classes, like, table_of_ellipses
 
 import halfplane_fe
@@ -681,16 +681,6 @@ def cases() -> Iterator[Case]:
     """Both engines' cases."""
     yield from half_plane_cases()
     yield from fe_cases()
-
-
-def rows() -> Iterator[Row]:
-    """One claim a case: its worst error, or the number of trials that went wrong where some are stated or all shall be refused."""
-    for case in cases():
-        found = outcome(case)
-        if case.must_refuse or found.broken or found.told:
-            yield Row(f"{case.name}, trials that broke", float(len(found.broken)), 0.0, found.verdict)
-        else:
-            yield Row(f"{case.name}: {case.measure}", max(found.worst.values()), case.limit, case.tried)
 
 
 HEAD = (

@@ -69,7 +69,7 @@ def answer_arrays(scene: Scene, problem: ContactProblem, run: PathRun, scales: S
     weights = problem.interface.weights * scales.half_width
     densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work
     anywhere = scene.unsymmetric
-    every = visible_states(run.states, run.cycle_starts, problem.friction)
+    every = visible_states(run.states, run.cycle_starts, problem.friction, problem.interface.imposed)
     seen = every[kept]
     edges = {name: found * scales.half_width for name, found in _edges(problem, states, seen, anywhere).items()}
     permanent = _permanent_stick(scene, problem, run, every)

@@ -50,17 +50,22 @@ _CREEP = 1e-2
 _ROUNDING = 1e-9
 
 
-def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int], friction: float) -> NDArray[np.int8]:
+def visible_states(
+    states: Sequence[InterfaceState], cycle_starts: Sequence[int], friction: float, imposed: Array | None = None
+) -> NDArray[np.int8]:
     """(n_steps, n) states as the user sees them: the law's, but a node that only creeps by the error of the mesh sticks.
 
-    The load drives forward slip while Q - f P grows and reverse slip while Q + f P falls: like half-planes slip then alone, each
-    node of the slip zone, however slowly. Unlike bodies, bulk stress and tilt have slip besides, which has to be fast to count.
+    The load drives forward slip where dQ > f dP and reverse slip where -dQ > f dP: like half-planes slip there alone, each node of
+    the slip zone, however slowly. At a distance from the middle of the stick zone bulk strain and tilt add their part to dQ and dP:
+    in full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - m)/A] over one and the same root, A = 2 in scaled variables.
+    Unlike bodies have slip besides, which has to be fast to count.
 
     Parameters
     ----------
     states : of the whole path
     cycle_starts : index of the state at which each revolution starts; what comes before them is the initial loading
     friction : coefficient f
+    imposed : (2, n, 3) gap and slip by a unit of the bulk stresses and of the tilt; None without any
     """
     # Row by row: arrays of all steps and nodes would take gigabytes of a long record.
     seen = np.array([state.state for state in states])
@@ -83,11 +88,16 @@ def visible_states(states: Sequence[InterfaceState], cycle_starts: Sequence[int]
         sign, slip = moved(step)
         slip[np.abs(slip) <= rounding] = 0.0
         run = np.where(run * slip > 0, run, 0.0) + slip  # slip in one direction without a stop, open or closed
-        driven = sign * rise[step, 1] > friction * rise[step, 0]
+        normal, along = rise[step, :2]
+        if imposed is not None and len(inside := np.flatnonzero(states[step].state == STICK)):
+            gap, shift = imposed @ (states[step].imposed - states[max(step - 1, 0)].imposed)
+            normal = normal - np.pi / 2 * (gap - gap[inside[[0, -1]]].mean())
+            along = along + np.pi / 2 * (shift - shift[inside[[0, -1]]].mean())
+        driven = sign * along > friction * normal
         slides = driven | (np.abs(slip) > _CREEP * fastest[revolution[step]] * change[step])
         for sense in (1, -1):
-            along = np.where(sign == sense, sense * run, 0.0)
-            seen[step, (sign == sense) & ~(slides & (along > _MOVED * along.max()))] = STICK
+            moved_on = np.where(sign == sense, sense * run, 0.0)
+            seen[step, (sign == sense) & ~(slides & (moved_on > _MOVED * moved_on.max()))] = STICK
     return seen.astype(np.int8)
 
 

@@ -22,6 +22,7 @@ Source: Muskhelishvili (1953), Some Basic Problems of the Mathematical Theory of
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -219,7 +220,9 @@ def _edge(x: Array, p: Array, rim: tuple[int, int]) -> tuple[float, float, Array
     while most >= _FEWEST:
         chosen = slice(skipped, skipped + most)
         away, square = x[chosen] - x[skipped], p[chosen] ** 2
-        fit = np.polyfit(away, square, 2, w=1 / square)
+        with warnings.catch_warnings():  # where p jumps from node to node; the roughness below refuses that fit
+            warnings.simplefilter("ignore", np.exceptions.RankWarning)
+            fit = np.polyfit(away, square, 2, w=1 / square)
         rms = math.sqrt(float(np.mean((np.polyval(fit, away) / square - 1) ** 2)))
         roots = np.roots(fit)
         roots = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real

@@ -134,7 +134,7 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     inner = 0.0
     if scene.load.path().period is not None:
         cycles = slice(run.cycle_starts[0] + 1, None)  # the first one too: the hook that it locks in stays
-        seen = visible_states(run.states, run.cycle_starts, scene.friction.coefficient)[cycles]
+        seen = visible_states(run.states, run.cycle_starts, problem.friction, problem.interface.imposed)[cycles]
         nearest = _nearest_edge if scene.unsymmetric else _least_half_width
         inner = nearest(problem, run.states[cycles], seen)
     inner = np.floor(_ROUGH * inner / half_width) / _ROUGH * half_width

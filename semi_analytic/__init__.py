@@ -6,9 +6,8 @@ Normal contact::
     hertz.py                Hertz law: the parabola in closed form
     profiles.py             P(a) of every profile: flat and rounded, power law, two curvatures; Abel transform of tables
     punch_superposition.py  Ciavarella-Jaeger superposition of flat punches: p, outer displacement and slip kernel of any P(a)
-    unsymmetric.py          the same with tilt and bulk strain: families of nested contact intervals; the parabola in closed form
+    tilted_profile.py       the same with tilt and bulk strain, also with unequal sides: families of nested contact intervals
     opposite_slip.py        large bulk stress at constant P: ends that slip opposite ways (Nowell and Hills)
-    tilted_profile.py       flat and rounded, compound, wedge and tables under a tilt, with unequal sides: sums over their knots
 
 The history of P and Q::
 

@@ -1,24 +1,36 @@
 """From a scene with bulk stress and tilt to the family of its contact intervals: which load paths have one memory curve.
 
-# notation: alpha tilt, eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2), kappa as in `unsymmetric`
+# notation: alpha tilt, eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2), kappa as in `tilted_profile`
 """
 
 from __future__ import annotations
 
+import cmath
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import NORMAL_LOAD, Combination, Hertz, InputError, LoadPath, LoadSegment, Materials, Scene
+from scenes import (
+    NORMAL_LOAD,
+    Combination,
+    HarmonicSegment,
+    Hertz,
+    InputError,
+    LoadPath,
+    LoadSegment,
+    Materials,
+    Scene,
+    StraightSegment,
+)
 from scenes.chebyshev import Unresolved
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import contact_of
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
-from semi_analytic.unsymmetric import TiltedParabola
 
 Array = NDArray[np.float64]
 
@@ -41,12 +53,12 @@ class OneCurve:
     Attributes
     ----------
     contact : the nested intervals of its family
-    path : P and Q alone
+    path : P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms the memory curve is
     bulk, turning : stresses of both bodies, tilt and moment as paths over the same time; None for none
     moment_given : whether `turning` states the moment
     """
 
-    contact: TiltedParabola | TiltedProfile
+    contact: TiltedProfile
     path: LoadPath
     bulk: LoadPath | None
     turning: LoadPath | None
@@ -58,8 +70,8 @@ class OneCurve:
         inside, contact = np.maximum(time, self.path.start), self.contact
         lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
         tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        if self.moment_given and isinstance(contact, TiltedParabola):
-            tilt = _tilt_of(contact.radius, load, moment)
+        if self.moment_given and contact.shape.is_parabola:
+            tilt = _tilt_of(1 / float(contact.shape.curvature[0]), load, moment)
         m, c = contact.under(load, tilt)
         return {
             "bulk_stress_lower": lower,
@@ -90,7 +102,8 @@ def strain_of(materials: Materials) -> tuple[float, float]:
 def one_curve(scene: Scene) -> OneCurve | None:
     """The scene's path where its memory is one curve: alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with nested intervals.
 
-    At constant P large bulk strain is one as well, as long as the stick zones recede at both ends: see `opposite_slip`.
+    At constant P large bulk strain is one as well, and bulk strain alone, as long as the stick zones recede at both ends: see
+    `opposite_slip`.
 
     While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do what it will: nothing is sheared,
     and nothing is remembered. None where there is another memory, or intervals are not nested.
@@ -116,6 +129,17 @@ def one_curve(scene: Scene) -> OneCurve | None:
         first += 1
     p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
     turned = np.isfinite(alpha)
+    modulus, datum, most, friction = (
+        composite_modulus(scene.material),
+        profile.datum_length,
+        float(np.max(p)),
+        scene.friction.coefficient,
+    )
+    # At constant P the stick zones of a parabola are nested where contacts are not.
+    still = radius is not None and friction > 0 and np.ptp(p) <= _ROUNDING * most
+    begin, alone = float(eps[0]), still and not np.any(q) and np.ptp(eps) > _ROUNDING * strained
+    if alone:  # a load in proportion to the bulk strain, of half f P at most, takes the place of Q
+        q = (eps - begin) * (friction * most / 2 / float(np.max(np.abs(eps - begin))))
     slope = _slope_of(q, eps) if np.ptp(q) > _ROUNDING * np.max(np.abs(q)) else _slope_of(p[turned], alpha[turned])
     tilt = float(np.mean(alpha[turned] - slope * p[turned])) if np.any(turned) else 0.0
     offset = eps - slope * q
@@ -124,29 +148,45 @@ def one_curve(scene: Scene) -> OneCurve | None:
         return None
     if np.any(apart > _ROUNDING * (np.max(np.abs(alpha[turned])) + abs(slope) * np.max(p))):
         return None
-    modulus, datum, most = composite_modulus(scene.material), profile.datum_length, float(np.max(p))
-    contact: TiltedParabola | TiltedProfile
-    if radius is not None:
-        contact = TiltedParabola(modulus, radius, datum, tilt=tilt, slope=slope)
-    else:
-        contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
-    if not contact.is_nested(most):
-        # At constant P the stick zones are nested where contacts are not.
-        if radius is None or np.ptp(p) > _ROUNDING * most or scene.friction.coefficient == 0:
+    contact = TiltedProfile(NestedIntervals(shape, 2 / modulus, tilt, slope, most), datum)
+    if alone or not contact.is_nested(most):
+        if not still:
             return None
-        reach = float(np.max(np.abs(q)))
-        turned_by = tilt + slope * most
-        contact = OppositeSlip(
-            modulus, radius, datum, tilt=turned_by, slope=slope, friction=scene.friction.coefficient, most=most, reach=reach
-        )
+        reach, share = float(np.max(np.abs(q))), 0.0 if alone else 1.0
+        contact = OppositeSlip(contact.intervals, datum, friction=friction, reach=reach, share=share)
         try:
             if not contact.is_nested(most):
                 return None
         except (ArithmeticError, Unresolved):
             return None
-    loading, cycle = (tuple(replace(leg, bulk=None, turning=None) for leg in part) for part in (path.initial_loading, path.cycle))
-    bare, bulk, turning = LoadPath(loading, cycle), _companions(path, "bulk"), _companions(path, "turning")
-    return OneCurve(contact, bare, bulk, turning, path.moment_given)
+    bare = [replace(leg, bulk=None, turning=None) for leg in legs]
+    if alone:
+        driven = [_driven(leg, strain_of(scene.material), begin, slope) for leg in legs]
+        if None in driven[first:]:
+            return None
+        bare[first:] = driven[first:]  # type: ignore[assignment]
+    loading = len(path.initial_loading)
+    only = LoadPath(tuple(bare[:loading]), tuple(bare[loading:]))
+    return OneCurve(contact, only, _companions(path, "bulk"), _companions(path, "turning"), path.moment_given)
+
+
+def _driven(leg: LoadSegment, strain: tuple[float, float], begin: float, slope: float) -> LoadSegment | None:
+    """A leg of P and (eps - begin)/slope in place of Q; None where bulk stress is neither a line nor a sum of waves."""
+
+    def load(stresses: Sequence[float]) -> float:
+        return (float(np.dot(strain, stresses)) - begin) / slope
+
+    first, bulk = float(leg.loads(leg.start)[0]), leg.bulk
+    if bulk is None or bulk.is_straight:
+        ends = [(0.0, 0.0) if bulk is None else bulk.loads(time) for time in (leg.start, leg.end)]
+        return StraightSegment(leg.start, leg.end, *((first, load([float(one) for one in end])) for end in ends))
+    if not isinstance(bulk, HarmonicSegment):
+        return None
+    waves = np.zeros((2, max(len(bulk.normal), len(bulk.tangential))), dtype=complex)
+    for row, own in zip(waves, (bulk.normal, bulk.tangential), strict=True):
+        row[: len(own)] = [size * cmath.exp(-1j * phase) for size, phase in own]
+    sums = (np.array(strain) @ waves / slope).tolist()
+    return HarmonicSegment(leg.start, leg.end, (first, load(bulk.mean)), (), tuple((abs(one), -cmath.phase(one)) for one in sums))
 
 
 class Eccentricity(NamedTuple):
@@ -208,7 +248,7 @@ def followed_path(scene: Scene) -> LoadPath:
     if not path.has_bulk_or_tilt:
         return path
     family = one_curve(scene)
-    if family is None:
+    if family is None or not family.contact.share:
         raise InputError(NO_ONE_CURVE)
     return family.path
 

@@ -32,7 +32,6 @@ from semi_analytic.memory import LAST_DIGITS, change_from, level, level_on
 from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import NODES, ROOTS, crowded, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
-from semi_analytic.unsymmetric import TiltedParabola
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -274,7 +273,7 @@ def _flat_at(contact: Contact, largest: float) -> Contact:
     That keeps the digits of a closed integral where the logarithm hardly varies, as for a face that is nearly all flat.
     """
     found = replace(contact, datum_length=float(contact.half_width(largest)) / 2)
-    return replace(found, rigid="loop") if isinstance(found, TiltedParabola | TiltedProfile) else found
+    return replace(found, rigid="loop") if isinstance(found, TiltedProfile) else found
 
 
 Values = Callable[[Indices, Array, Array], Array]

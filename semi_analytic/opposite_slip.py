@@ -11,7 +11,7 @@ forward and left end reverse,
 
 and for eps > 0 the same with -Q and -eps. While Q and eps grow in proportion the stick zones I are nested, and q is a sum of the
 increments [1/pi - (kappa/A) t]/sqrt(c^2 - t^2) dQ on them. So the memory curve of constant P holds with I(eta), eta = P - |Q|/f, in
-place of contact intervals of load eta (Masing rule), and so do the formulas of s, U, m_q and W in `unsymmetric`.
+place of contact intervals of load eta (Masing rule), and so do the formulas of s, U, m_q and W in `tilted_profile`.
 """
 
 from __future__ import annotations
@@ -24,9 +24,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.chebyshev import Pieces, halved
-from semi_analytic.hertz import HertzContact
 from semi_analytic.quadrature import crowded, gauss, graded
-from semi_analytic.unsymmetric import TiltedParabola
+from semi_analytic.tilted_profile import TiltedProfile
 
 Array = NDArray[np.float64]
 
@@ -117,106 +116,97 @@ def _stick_zones(eccentric: float, forced: float, most: float) -> tuple[Pieces, 
     return halved(lambda v: ends(v)[0], marks, 1.0), halved(lambda v: ends(v)[1], marks, 1.0)
 
 
-@dataclass(frozen=True)
-class OppositeSlip(TiltedParabola):
+@dataclass(frozen=True, eq=False)
+class OppositeSlip(TiltedProfile):
     """The parabola at constant P under bulk strain kappa Q that is large; its I(eta), eta <= P, are stick zones.
 
     Attributes
     ----------
-    tilt, slope : alpha, which is constant, and kappa
-    friction, most, reach : f, P, and the largest |Q| that is asked for
+    friction, reach : f, and the largest |Q| that is asked for; P is the largest load of `intervals`
+    share : 1; 0 where Q = 0, and a load T that nobody applies stands in its place: eps = kappa T
     """
 
     friction: float = 1.0
-    most: float = 1.0
     reach: float = 1.0
-
-    @cached_property
-    def half(self) -> float:
-        """a."""
-        return float(HertzContact.half_width(self, self.most))
+    share: float = 1.0  # type: ignore[misc]
 
     @property
-    def _middle(self) -> float:
-        """Centre of contact."""
-        return -self.tilt * self.radius  # type: ignore[return-value]
+    def closed_form(self) -> bool:
+        return True
+
+    @cached_property
+    def _contact(self) -> tuple[float, float, float]:
+        """P, and centre and half-length of contact."""
+        m, c = self.intervals.exactly(self.intervals.most)
+        return self.intervals.most, float(m), float(c)
+
+    @property
+    def _deepest(self) -> float:
+        """P - eta of the largest Q."""
+        return self.reach / self.friction
 
     @cached_property
     def _series(self) -> tuple[Pieces, Pieces]:
-        """b1 and b2 from the centre of contact, over a, as functions of P - eta."""
-        return _stick_zones(
-            abs(self._lean) / self.half, -float(np.sign(self.slope)) / self.most, self.reach / self.friction * (1 + 1e-9)
-        )
+        """b1 and b2 from the centre of contact, over a, as functions of P - eta: e = eps pi a/(2 A f P), for A P = pi a^2/(2 R)."""
+        most, _, half = self._contact
+        forced = -self.share * float(np.sign(self.lean)) / most
+        return _stick_zones(abs(self.lean) * half / (2 * most), forced, self._deepest * (1 + 1e-9))
 
     @cached_property
     def _as_loop(self) -> OppositeSlip:
         return replace(self, rigid="loop")
 
-    def _at(self, load: ArrayLike) -> tuple[Array, Array]:
-        """m and c of I(eta)."""
-        left, right = (
-            ends(np.clip(self.most - np.asarray(load, dtype=float), 0.0, self.reach / self.friction)) for ends in self._series
-        )
-        return self._middle + self.half * (left + right) / 2, self.half * (right - left) / 2
+    def at(self, load: ArrayLike) -> tuple[Array, Array]:
+        most, middle, half = self._contact
+        left, right = (ends(np.clip(most - np.asarray(load, dtype=float), 0.0, self._deepest)) for ends in self._series)
+        return middle + half * (left + right) / 2, half * (right - left) / 2
 
-    def is_nested(self, load: float) -> bool:  # noqa: ARG002 whatever the load is
-        """Whether stick zones recede at both ends."""
-        ends = self.interval(self.most - self.reach / self.friction * np.linspace(0, 1, 200))
-        slack = 1e-12 * self.half
+    def is_nested(self, load: float) -> bool:
+        """Whether stick zones recede at both ends, whatever the load is."""
+        ends = self.interval(load - self._deepest * np.linspace(0, 1, 200))
+        slack = 1e-12 * self._contact[2]
         return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))
-
-    def centre(self, load: ArrayLike) -> Array:
-        return self._at(load)[0]
-
-    def half_width(self, load: ArrayLike) -> Array:
-        """c(eta) [length]."""
-        return self._at(load)[1]
-
-    def advance(self, load: ArrayLike) -> Array:
-        """What kernels know an interval by: its load."""
-        return np.asarray(load, dtype=float)
-
-    def load_at(self, advance: ArrayLike) -> Array:
-        """The same."""
-        return np.asarray(advance, dtype=float)
 
     def load(self, half_width: ArrayLike) -> Array:
         """P_x: above P out of contact, 0 where nothing slips up to the largest Q."""
-        place = (np.asarray(half_width, dtype=float) - self._middle) / self.half
-        low, high = np.zeros(place.shape), np.full(place.shape, self.reach / self.friction)
+        most, middle, half = self._contact
+        place = (np.asarray(half_width, dtype=float) - middle) / half
+        low, high = np.zeros(place.shape), np.full(place.shape, self._deepest)
         left, right = self._series
         for _ in range(60):
             v = (low + high) / 2
             outside = np.where(place < 0, place < left(v), place > right(v))
             low, high = np.where(outside, low, v), np.where(outside, v, high)
-        never = (place >= left(np.array(self.reach / self.friction))) & (place <= right(np.array(self.reach / self.friction)))
+        never = (place >= left(np.array(self._deepest))) & (place <= right(np.array(self._deepest)))
         out = np.abs(place) - 1
-        return np.where(out > 0, self.most * (1 + out), np.where(never, 0.0, self.most - (low + high) / 2))
+        return np.where(out > 0, most * (1 + out), np.where(never, 0.0, most - (low + high) / 2))
 
     def sense(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
-        return np.where(np.asarray(x, dtype=float) > self._middle, -1.0, 1.0) * np.sign(self.slope)
+        return np.where(np.asarray(x, dtype=float) > self._contact[1], -1.0, 1.0) * np.sign(self.lean)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x) at the constant load, with the sign of `sense`: q/f where x slips [stress]."""
-        t = np.asarray(x, dtype=float) - self._middle + 0 * np.asarray(load, dtype=float)
-        size = np.sqrt(np.maximum((self.half - t) * (self.half + t), 0.0)) * (2 / (np.pi * self.stretch))
-        return np.asarray(self.sense(x) * size)
+        m, c = np.array(self._contact[1]), np.array(self._contact[2])
+        size = self.shape.pressure(np.asarray(x, dtype=float), m, c) / (np.pi * self.intervals.product)
+        return np.asarray(self.sense(x) * size + 0 * np.asarray(load, dtype=float))
 
     def _to_the_top(self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]) -> Array:
         """Integral of a kernel from `load` to P, of slip over loads at which x is open, of shear where x sticks.
 
         From load to load: close to P_x by the rule for singular ends, else by Gauss' rule.
         """
-        places, loads = np.broadcast_arrays(np.asarray(x, dtype=float), np.clip(load, self._least, self.most))
+        most = self.intervals.most
+        least = most - self._deepest
+        places, loads = np.broadcast_arrays(np.asarray(x, dtype=float), np.clip(load, least, most))
         (points, column), (stops, row) = (np.unique(values, return_inverse=True) for values in (places, loads))
-        low, high, edge = stops[:, None], np.append(stops[1:], self.most)[:, None], self.load(points)
+        low, high, edge = stops[:, None], np.append(stops[1:], most)[:, None], self.load(points)
         if kernel == "inverse_root":
-            begin, end, away = low + 0 * edge, high + 0 * edge, low - np.maximum(edge, self._least)
+            begin, end, away = low + 0 * edge, high + 0 * edge, low - np.maximum(edge, least)
             inside = (low >= edge) & (high > low)
         else:
             begin, end = low + 0 * edge, np.minimum(high, edge)
-            inside, away = end > begin, np.minimum(edge, self.most) - end
+            inside, away = end > begin, np.minimum(edge, most) - end
         cells, near = np.zeros(inside.shape), away < 3 * (high - low)
         for some, rule in ((inside & near, graded), (inside & ~near, _by_gauss)):
             cell, point = np.nonzero(some)
@@ -227,49 +217,20 @@ class OppositeSlip(TiltedParabola):
         total = np.cumsum(cells[::-1], axis=0)[::-1]
         return np.asarray(total[row.ravel(), column.ravel()].reshape(places.shape))
 
-    @property
-    def _least(self) -> float:
-        """P - eta of the largest Q."""
-        return self.most - self.reach / self.friction
-
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of dp/d eta up to a load, less that up to P: -q/f after Q = f (P - eta)."""
-        sticks = self.load(x) < np.minimum(load, self.most)
+        sticks = self.load(x) < np.minimum(load, self.intervals.most)
         return -np.where(sticks, self._to_the_top(x, load, "inverse_root") / np.pi, self.pressure(x, load))
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of the kernel of slip up to a load, less that up to P."""
         return -self._to_the_top(x, load, "arccosh_ratio")
 
-    def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """The kernel of slip from the load; 0 inside."""
-        del excess
-        m, c = self._at(advance)
-        t = np.asarray(x, dtype=float) - m
-        root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
-        return np.arcsinh(root / c) - 2 * self._lean / self.stretch * np.sign(t) * root
-
-    def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """pi times the increment of q over that of Q, from the load; 0 outside."""
-        del excess
-        m, c = self._at(advance)
-        t = np.asarray(x, dtype=float) - m
-        square = (c - t) * (c + t)
-        return (1 - 2 * self._lean / self.stretch * t) / np.sqrt(np.where(square > 0, square, np.inf))
-
-    def log_ratio(self, load: ArrayLike) -> Array:
-        """As `TiltedParabola`: from m and c."""
-        m, c = self._at(load)
-        lean = 2 * self._lean / self.stretch
-        arm = m - lean * c * c / 2
-        if self.rigid == "moment":
-            return arm
-        return np.log(2 * self.datum_length / c) + lean * (m + arm if self.rigid == "loop" else m)
-
     def log_distance(self, load: ArrayLike) -> Array:
         """Integral of `log_ratio` up to a load, less that up to P."""
-        low = np.clip(load, self.most - self.reach / self.friction, self.most)
-        eta, weight = graded(low, np.full(np.shape(low), self.most))
+        most = self.intervals.most
+        low = np.clip(load, most - self._deepest, most)
+        eta, weight = graded(low, np.full(np.shape(low), most))
         return np.asarray(-np.sum(weight * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:

@@ -58,8 +58,7 @@ from semi_analytic.profiles import Contact, SymmetricContact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
 from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
-from semi_analytic.tilted_profile import TiltedProfile
-from semi_analytic.unsymmetric import TiltedParabola
+from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
 
 Array = NDArray[np.float64]
 
@@ -173,7 +172,7 @@ def solve(
     # A front that is nothing but the last digits of P is none.
     least = found.least if found.least > LAST_DIGITS * path.largest else 0.0
     stick = float(contact.half_width(least))
-    if isinstance(contact, TiltedParabola | TiltedProfile):
+    if isinstance(contact, TiltedProfile):
         arrays["permanent_stick_edges"] = freeze(contact.interval(least) if stick > 0 else np.full(2, math.nan))
     termination, message = _ending(path)
     return ContactSolution(
@@ -227,9 +226,12 @@ def _solved_by_fronts(
     contact_edges, stick_edges = found.contact_edges[rows], found.stick_edges[rows]
     middle, half = np.mean(contact_edges, axis=1), np.diff(contact_edges)[:, 0] / 2
     lower, upper = loads.stresses(time)
+    shape = piecewise_parabola(scene.profile)
+    assert shape is not None  # for the type checker: a parabola is one
+    leaning = TiltedProfile(NestedIntervals(shape, 2 / modulus, 0.0, 0.0, float(np.max(load))), datum)
     series: dict[str, Any] = {
         "tangential_displacement": found.displacement[rows] + 2 / (math.pi * modulus) * shear_load * math.log(datum),
-        "normal_approach": TiltedParabola(modulus, parabola.radius, datum).approach(middle, half, load, tilt),
+        "normal_approach": leaning.approach(middle, half, load, tilt),
     }
     grids = {name: getattr(found, name)[rows] for name in ("pressure", "shear", "slip")}
     series |= {name: np.full_like(values, np.nan) for name, values in (series | grids).items() if name not in wanted} | {
@@ -441,7 +443,7 @@ def _along_spans(history: History, request: Request) -> Along:
         spans = history.cycles[number]
         used.extend(spans)
         if ellipse is not None and history.is_loop(number):
-            leans = isinstance(contact, TiltedParabola | TiltedProfile)
+            leans = isinstance(contact, TiltedProfile)
             parts = works_over_time(ellipse, contact) if leans else dissipation_of(ellipse, contact, careful=True)
             works[number] = unit * float(sum(part[0] for part in parts)), 0.0
         else:
@@ -512,7 +514,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         approach = more.pop("normal_approach") if "normal_approach" in fields else nothing
     return more | {
         "normal_load": snapshot.load,
-        "tangential_load": snapshot.force,
+        "tangential_load": snapshot.force * (1.0 if family is None else family.contact.share),
         "tangential_displacement": factor * shift,
         "normal_approach": approach,
         "contact_half_width": half,
@@ -583,7 +585,7 @@ def _within(edges: Array, x: Array) -> NDArray[np.bool_]:
 def _points_of(contact: Contact, largest: float) -> Array:
     """Points across the largest contact and a little beyond; an unsymmetric one is not mirrored."""
     points = mirrored_points(1.05 * float(contact.half_width(largest)))
-    return points + float(contact.centre(largest)) if isinstance(contact, TiltedParabola | TiltedProfile) else points
+    return points + float(contact.centre(largest)) if isinstance(contact, TiltedProfile) else points
 
 
 # ------------------------------------------------------------------------------------- what a solution says of itself

@@ -1,4 +1,4 @@
-"""Normal contact of any piecewise parabolic profile under a tilt, in closed form; the same as a family of nested intervals.
+"""Unsymmetric contact: any piecewise parabolic profile under a tilt, in closed form, and families of nested contact intervals.
 
 # notation: b_j knots, J_j jumps of h'' there, k_0 and s_0 the curvature left of b_0 and the slope at it; m, c centre and
 #           half-length of the contact, x = m + t, b_j = m + c cos(theta_j), 0 <= theta_j <= pi; alpha tilt, A = 2/E*; sums run over
@@ -11,8 +11,25 @@ A contact interval under load P and tilt alpha is where h' + alpha has no mean o
     0   = alpha + s_0 + k_0 (m - b_0) + (c/pi) sum J (sin - theta cos)
     A P = (c^2/2) [pi k_0 + sum J (theta - sin cos)]
 
-Pressure, gap, approach and moment follow by integrating h'' over the contact. Flat and rounded, compound, wedges with a rounded tip
-and tables, whose sides may be unequal, are such profiles.
+Pressure, gap, approach and moment follow by integrating h'' over the contact. The parabola, flat and rounded, compound, wedges with
+a rounded tip and tables, whose sides may be unequal, are such profiles.
+
+# notation: eps difference of the bulk strains; eta normal load, I(eta) contact interval of load eta and tilt alpha_0 + kappa eta, m
+#           its centre, c its half-length, t = x - m; M(eta) memory curve
+
+Where tilt and bulk strain are the same affine function of the loads, alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q, the
+intervals I(eta) take the place of the flat punches of a symmetric contact. They are nested while |kappa| <= A/(pi a). The memory
+curve is what it is without tilt and bulk, and its integrals take other kernels:
+
+    dp/d eta = [1/pi - (kappa/A) t]/sqrt(c^2 - t^2)                                       inside, q = int M' dp
+    s = (A/pi) int M' [arccosh(|t|/c) - (pi kappa/A) sgn(t) sqrt(t^2 - c^2)] d eta        outside
+    U = (A/pi) int M' [ln(2 L/c) + (pi kappa/A) m] d eta                                  of x = 0
+    m_q = int x q = int M' mu d eta,  mu = m - (pi kappa/(2 A)) c^2,  and int x p = int mu d eta
+    W = closed-int Q dU - m_q d eps = -closed-int (U + kappa m_q) dQ
+
+An increment of Q alone that is stuck on I would leave q symmetric about m; the increment kappa dQ of bulk strain leans it as the
+increment kappa dP of tilt leans p. So q stays a sum of the same increments that p is a sum of. No source is known for this family;
+kappa = 0 is the theorem of Ciavarella and Jaeger for unsymmetric profiles, constant P the bulk stress of Nowell and Hills 1987.
 """
 
 from __future__ import annotations
@@ -29,7 +46,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import Compound, FlatRounded, Hertz, InputError, NotFoundError, Profile, ProfileDataError, Tabulated, Wedge
 from scenes.chebyshev import Pieces, Unresolved, halved
-from semi_analytic.quadrature import crowded, panels
+from semi_analytic.quadrature import crowded, graded, panels
 
 Array = NDArray[np.float64]
 
@@ -102,6 +119,11 @@ class PiecewiseParabola:
         """J."""
         return np.diff(self.curvature)
 
+    @cached_property
+    def is_parabola(self) -> bool:
+        """Whether h'' is the same everywhere: of such a profile m and c have closed forms."""
+        return bool(np.all(self.jumps == 0))
+
     def angles(self, m: Array, c: Array) -> Angles:
         """Of the knots over contacts of centre m and half-length c; 0 beyond the right end, pi beyond the left one."""
         away, size = self.knots - m[..., None], np.asarray(c)[..., None]
@@ -166,6 +188,9 @@ class PiecewiseParabola:
             For a tilt steeper than the sides, and for a contact that reaches beyond the profile.
         """
         product, tilt = np.broadcast_arrays(np.asarray(product, dtype=float), np.asarray(tilt, dtype=float))
+        if self.is_parabola:
+            bend = self.curvature[0]
+            return self.knots[0] - (self.slope + tilt) / bend, np.sqrt(2 * np.maximum(product, 0.0) / (np.pi * bend))
         if not np.all(np.isfinite(self.touch(tilt))):
             raise InputError("load: the tilt is steeper than the sides of the profile: it touches nowhere along its sides")
         low, high = np.zeros(product.shape), self._wide_enough(product, tilt)
@@ -216,6 +241,8 @@ class PiecewiseParabola:
         return np.concatenate(parts or [np.empty(0)]).reshape(whole[0].shape)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
+        if self.is_parabola:
+            return np.asarray(np.pi * self.curvature[0] * np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0)))
         t, over = x - m, self.angles(m, c)
         root = np.sqrt(np.maximum((c - t) * (c + t), 0.0))[..., None]
         size, knot = np.where(c > 0, c, 1.0)[..., None], self.knots - x[..., None]
@@ -328,7 +355,7 @@ class NestedIntervals:
     @cached_property
     def break_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
-        loads = self.load(self.shape.knots)
+        loads = self.load(self.shape.knots[self.shape.jumps != 0])
         return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.most)])
 
     @cached_property
@@ -354,6 +381,8 @@ class NestedIntervals:
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         """m and c of I(eta)."""
+        if self.shape.is_parabola:
+            return self.exactly(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.most)
         marks, places, middle, half = self._series
         number = np.searchsorted(marks, eta, side="right") - 1
@@ -379,23 +408,29 @@ class NestedIntervals:
 
 @dataclass(frozen=True, eq=False)
 class TiltedProfile:
-    """A piecewise parabola under the tilt alpha_0 + kappa eta; see `unsymmetric`. Arrays broadcast; points x carry their sign.
+    """A piecewise parabola under the tilt alpha_0 + kappa eta. Arrays broadcast; points x carry their sign.
 
     Attributes
     ----------
     intervals : I(eta)
     datum_length : L, distance of the datum of rigid movements [length]
-    rigid : as of `unsymmetric.TiltedParabola`
+    rigid : what `log_ratio` and its integrals are over A/pi: the rate of U, of U + kappa m_q ("loop"), or mu itself ("moment")
     """
 
     intervals: NestedIntervals
     datum_length: float
     rigid: Literal["displacement", "loop", "moment"] = "displacement"
-    closed_form: ClassVar[bool] = False
     bends_anywhere: ClassVar[bool] = False
     breaks: ClassVar[tuple[float, ...]] = ()
     least: ClassVar[float] = 0.0
     noise: ClassVar[float] = _NOISE
+    share: ClassVar[float] = 1.0
+    """Rise of Q over that of the load in whose terms the memory curve is: 1, or 0 where bulk strain alone changes."""
+
+    @property
+    def closed_form(self) -> bool:
+        """Whether contacts are known without series."""
+        return self.shape.is_parabola
 
     @property
     def shape(self) -> PiecewiseParabola:
@@ -407,10 +442,14 @@ class TiltedProfile:
         """A."""
         return self.intervals.product
 
-    @property
-    def _lean(self) -> float:
+    @cached_property
+    def lean(self) -> float:
         """pi kappa/A."""
         return float(np.pi * self.intervals.slope / self._product)
+
+    def at(self, load: ArrayLike) -> tuple[Array, Array]:
+        """m and c of I(eta)."""
+        return self.intervals.at(load)
 
     @property
     def break_loads(self) -> Array:
@@ -418,21 +457,20 @@ class TiltedProfile:
         return self.intervals.break_loads
 
     def is_nested(self, load: float) -> bool:
-        """Whether every I(eta) up to a load holds all that come before it."""
-        ends, slack = self.interval(load * np.linspace(0, 1, 400) ** 2), 1e-9 * self.intervals.scale
-        return bool(np.all(np.diff(ends[:, 0]) <= slack) and np.all(np.diff(ends[:, 1]) >= -slack))
+        """Whether every I(eta) up to a load holds all that come before it: whether dp/d eta > 0 in it, |kappa| <= A/(pi c)."""
+        return bool(abs(self.lean) * self.half_width(load) <= 1 + 1e-11)
 
     def centre(self, load: ArrayLike) -> Array:
         """m(eta) [length]."""
-        return self.intervals.at(load)[0]
+        return self.at(load)[0]
 
     def half_width(self, load: ArrayLike) -> Array:
         """c(eta) [length]."""
-        return self.intervals.at(load)[1]
+        return self.at(load)[1]
 
     def interval(self, load: ArrayLike) -> Array:
         """Ends of I(eta) [length], a new last axis."""
-        m, c = self.intervals.at(load)
+        m, c = self.at(load)
         return np.stack([m - c, m + c], axis=-1)
 
     def advance(self, load: ArrayLike) -> Array:
@@ -457,8 +495,7 @@ class TiltedProfile:
 
     def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
         """Normal approach at x = 0 of contacts (n,) [length]."""
-        logarithm = np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
-        return self.shape.approach(m, c, tilt) + self._product / np.pi * load * logarithm
+        return self.shape.approach(m, c, tilt) + self._product / np.pi * load * self.logarithm(c)
 
     def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
         """int x p of contacts (n,) [force]."""
@@ -482,6 +519,8 @@ class TiltedProfile:
 
     def _nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
         """Nodes and weights on loads, cut at those at which an end meets a knot, a new last axis."""
+        if not len(self.break_loads):
+            return graded(begin, end)
         found = panels(begin, end, self.break_loads)
         shape = (*np.shape(end), -1)
         return found.at.reshape(shape), found.weight.reshape(shape)
@@ -501,27 +540,31 @@ class TiltedProfile:
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """The kernel of slip, arccosh(|t|/c) - (pi kappa/A) sgn(t) sqrt(t^2 - c^2), from the load; 0 inside."""
         del excess
-        m, c = self.intervals.at(advance)
+        m, c = self.at(advance)
         t = np.asarray(x, dtype=float) - m
         root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
-        return np.arcsinh(root / np.where(c > 0, c, np.inf)) - self._lean * np.sign(t) * root
+        return self.share * np.arcsinh(root / np.where(c > 0, c, np.inf)) - self.lean * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """pi dp/d eta from the load; 0 outside."""
         del excess
-        m, c = self.intervals.at(advance)
+        m, c = self.at(advance)
         t = np.asarray(x, dtype=float) - m
         square = (c - t) * (c + t)
-        return (1 - self._lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
+        return (self.share - self.lean * t) / np.sqrt(np.where(square > 0, square, np.inf))
+
+    def logarithm(self, c: Array) -> Array:
+        """ln(2 L/c); 0 for c = 0, where it is multiplied by the load."""
+        return np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
 
     def log_ratio(self, load: ArrayLike) -> Array:
         """What `rigid` asks for: ln(2 L/c) + (pi kappa/A) m, with mu added to m, or mu alone."""
-        m, c = self.intervals.at(load)
-        arm = m - self._lean * c * c / 2
+        m, c = self.at(load)
+        arm = self.share * m - self.lean * c * c / 2
         if self.rigid == "moment":
             return arm
-        logarithm = np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
-        return logarithm + self._lean * (m + arm if self.rigid == "loop" else m)
+        shift = self.share * self.logarithm(c) + self.lean * m
+        return self.share * shift + self.lean * arm if self.rigid == "loop" else shift
 
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P of `log_ratio`."""
@@ -531,10 +574,9 @@ class TiltedProfile:
         moment = self.shape.moment(m, c, turned) / self._product
         if self.rigid == "moment":
             return moment
-        logarithm = np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
         start = self.shape.approach(*self.intervals.start, self.intervals.tilt)
-        whole = np.pi / self._product * (self.shape.approach(m, c, turned) - start) + load * logarithm
-        return whole + self._lean * moment if self.rigid == "loop" else whole
+        whole = np.pi / self._product * (self.shape.approach(m, c, turned) - start) + load * self.logarithm(c)
+        return whole + self.lean * moment if self.rigid == "loop" else whole
 
     def log_moment(self, load: ArrayLike) -> Array:
         """int_0^P of eta times `log_ratio`."""

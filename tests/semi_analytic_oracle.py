@@ -235,7 +235,8 @@ def _slope_on(piece):
         sine, cosine = np.sin(LONG(leg.ellipse.phase)), np.cos(LONG(leg.ellipse.phase))
 
         def slope(eta):
-            up, down = (eta - (p0 - p1)) / (2 * p1), ((p0 + p1) - eta) / (2 * p1)
+            # At an end of the arc the difference may round to 0, where M' has no bound.
+            up, down = (np.maximum(way / (2 * p1), LONG(1e-40)) for way in (eta - (p0 - p1), (p0 + p1) - eta))
             return q1 / p1 * (cosine + sine * (up - down) / (2 * np.sqrt(up * down)))
 
         return slope

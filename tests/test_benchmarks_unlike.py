@@ -10,7 +10,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from scenes import load_scene
+import halfplane_fe
+from meshes import MeshSettings
+from scenes import ContactSolution, Scene, load_scene
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 P, F, K = math.pi / 4, 0.5, 0.6  # E* = R = a = 1
@@ -89,3 +91,28 @@ def test_wrong_coupling_is_seen(peer: ModuleType, monkeypatch: pytest.MonkeyPatc
 def test_the_mirror_image_is_the_same(peer: ModuleType) -> None:
     both = [peer.solve(load_scene("unlike-beta-fifth"), beta, 60, 8)[0] for beta in (0.2, -0.2)]
     assert np.ptp(both) < 1e-6 * both[0]
+
+
+def pressed(beta: float, friction: float) -> ContactSolution:
+    """A parabola under P = 3, R = E* = 1, on bodies of this Dundurs constant by FE; at 0.5 the lower one is rigid."""
+    sides = {"upper": 1 + 2 * beta, "lower": max(1 - 2 * beta, 1e-9)}
+    material = {side: {"young_modulus": 2 / share, "poisson_ratio": 0.0} for side, share in sides.items()}
+    load = {"kind": "polygon", "initial_loading": [(3.0, 0.0)]}
+    keys = {"profile": {"kind": "hertz", "radius": 1.0}, "material": material, "friction": friction, "load": load}
+    return halfplane_fe.solve(Scene.model_validate(keys), MeshSettings.coarse())
+
+
+@pytest.mark.parametrize(
+    ("ratio", "share", "within"), [(0.5, 0.9851714310094, 5e-3), (1, math.sqrt(0.5), 0.04), (2, 3 - 2 * math.sqrt(2), 0.08)]
+)
+def test_the_stick_zone_under_a_normal_load_is_that_of_goodmans_closed_solution(ratio: float, share: float, within: float) -> None:
+    """c/a by beta/f; 0.3, 3 and 7 % of a were measured on the coarse mesh. Like bodies would stick all over."""
+    found = pressed(0.01, 0.01 / ratio)
+    assert np.ptp(found.stick_edges[-1]) / np.ptp(found.contact_edges[-1]) == pytest.approx(share, abs=within)
+
+
+@pytest.mark.parametrize(("beta", "load"), [(0.1, 1.0074974191), (0.2, 1.0309017851), (0.3, 1.0732603237), (0.5, 1.2464188563)])
+def test_the_load_of_a_bonded_contact_is_that_of_its_closed_solution(beta: float, load: float) -> None:
+    """P over that of Hertz for the same half-width where nothing slips; 0.3 to 1.5 % were measured on the coarse mesh."""
+    found = pressed(beta, 100.0)
+    assert 48 / (math.pi * np.ptp(found.contact_edges[-1]) ** 2) == pytest.approx(load, abs=0.02 if beta == 0.5 else 5e-3)

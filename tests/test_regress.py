@@ -12,7 +12,7 @@ from types import ModuleType
 import pytest
 
 import semi_analytic
-from scenes import Scene, TimeSeriesLoad, freeze, load_scene, scene_names
+from scenes import Friction, HarmonicLoad, Hertz, Scene, TimeSeriesLoad, freeze, load_scene, scene_names
 from semi_analytic import load_series
 from semi_analytic.fields import Integrals
 from semi_analytic.hertz import HertzContact
@@ -164,7 +164,7 @@ def test_each_column_sees_its_own_fault_only(regress: ModuleType, monkeypatch: p
 
 @pytest.mark.parametrize("fault", ["friction", "load"])
 def test_the_reference_of_a_time_series_sees_the_physics(regress: ModuleType, fault: str) -> None:
-    """The memory curve in mpmath, from the same scene and from one that is 1e-9 beside it."""
+    """Brute force in extended precision, on the same scene and on one that is 1e-9 beside it."""
     regress.mp.mp.dps = 20
     scene = load_scene("time-series")
     exact = regress.mp.mpf(stored()["time-series"]["reference"])
@@ -175,6 +175,47 @@ def test_the_reference_of_a_time_series_sees_the_physics(regress: ModuleType, fa
         rows = [(t, p, q * (1 + 1e-9)) for t, p, q in scene.load.series().tolist()]
         scene = scene.vary(load=TimeSeriesLoad(rows=rows))
     assert abs(regress.truth(scene) / exact - 1) > 1e-10
+
+
+def test_references_evaluated_again_are_those_that_are_stored(regress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They have 30 digits and stay; a wrong one is replaced, and so is none that is no number."""
+    table, names = stored(), ["harmonics", "near-sliding", "full-stick"]
+    monkeypatch.setattr(regress, "write", lambda _: None)
+    regress.references(names, table)
+    assert table == stored()
+    table["harmonics"]["density"][1] = table["harmonics"]["fields"]["references"][0] = "1e-3"
+    regress.references(names[:1], table)
+    again = table["harmonics"]["density"] + table["harmonics"]["fields"]["references"]
+    right = stored()["harmonics"]["density"] + stored()["harmonics"]["fields"]["references"]
+    assert list(map(float, again)) == pytest.approx(list(map(float, right)), rel=1e-14, abs=0)
+    with pytest.raises(ArithmeticError, match="no number: nan"):
+        regress.renewed(["1.0"], ["nan"])
+
+
+@pytest.mark.parametrize("row", json.loads((BENCHMARKS / "semi_analytic_reference.json").read_text("utf-8"))[:41:8])
+def test_the_table_of_ellipses_has_its_digits_by_two_routes(regress: ModuleType, row: dict) -> None:
+    """W in closed phases of slip, to 28 digits; W(x) by brute force. Of the extremes W takes 90 digits and minutes."""
+    truth, half_plane = (importlib.import_module(name) for name in ("regress_truth", "half_plane"))
+    case = truth.Case(*(row[name] for name in truth.Case._fields))
+    with regress.mp.workdps(38):
+        assert abs(truth.ellipse_dissipation(case) / regress.mp.mpf(row["dissipation"]) - 1) < 1e-28
+    exact = list(map(float, row["density"]))
+    found = truth.density_truth(half_plane.scene_of(row), row["x"])
+    assert list(map(float, found)) == pytest.approx(exact, rel=0, abs=1e-14 * max(exact))
+
+
+@pytest.mark.parametrize(("name", "within"), [("square wave", 1e-6), ("near sliding", 1e-13)])
+def test_the_harmonics_of_the_other_table_are_repeated_by_brute_force(regress: ModuleType, name: str, within: float) -> None:
+    """W(x) to 1e-12. W of the square wave converges slowly: the stick edge has ripples at no corner of the path."""
+    truth, half_plane = (importlib.import_module(name) for name in ("regress_truth", "half_plane"))
+    case = json.loads(truth.NASTY_FILE.read_text("utf-8"))[name]
+    means = dict(zip(("mean_normal_load", "mean_tangential_load"), case["mean"], strict=True))
+    load = HarmonicLoad(**means, normal_harmonics=case["normal"], tangential_harmonics=case["tangential"])
+    friction = Friction(coefficient=case["friction"])
+    scene = Scene(name=name, material=half_plane.like(1.0), profile=Hertz(radius=1.0), friction=friction, load=load)
+    assert float(regress.truth(scene)) == pytest.approx(float(case["dissipation"]), rel=within, abs=0)
+    exact = list(map(float, case["density"]))
+    assert list(map(float, truth.density_truth(scene, case["x"]))) == pytest.approx(exact, rel=0, abs=1e-12 * max(exact))
 
 
 def test_a_scene_that_is_new_is_not_good_until_it_is_accepted(regress: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 from math import asin, pi, sqrt
 from pathlib import Path
@@ -471,11 +472,14 @@ ADVISED = {
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ADVISED)
 def test_advice_holds_in_a_run(case: str) -> None:
-    scene, settings = ADVISED[case]
+    scene, mesh = ADVISED[case]
+    twice = replace(mesh, element_size=2 * mesh.element_size, edge_element_size=2 * mesh.edge_element_size)
     _, found = parts_of(scene)
-    for figure, truth in measured(scene, settings).items():
+    fine, coarse = measured(scene, mesh), measured(scene, twice)
+    # The mesh's own part is taken out at order 2: p0 of the soft pad is +0.544, +0.468, +0.441 % as sizes are halved.
+    for figure, truth in fine.items():
         error, doubt = total(found, figure)
-        assert abs(truth - error) <= doubt, figure
+        assert abs(truth + (truth - coarse[figure]) / 3 - error) <= doubt, figure
 
 
 @pytest.mark.slow
