@@ -250,20 +250,21 @@ def _slope_on(piece):
     return slope
 
 
-class Oracle:
+class Oracle(Punches):
     """Every field of one scene; `at` gives those of one of `times` at points x."""
 
     def __init__(self, scene, times):
         history = history_of(scene.load.path(), scene.friction.coefficient, scene.cycles, np.array(times, dtype=float))
-        self.snapshot, self.punches = history.snapshot(np.array(times, dtype=float)), Punches(scene.profile)
+        super().__init__(scene.profile)
+        self.snapshot = history.snapshot(np.array(times, dtype=float))
         self.contact = contact_of(scene.profile, scene.material)
 
     def half(self, load):
-        return half_width(self.punches.law, load, float(self.contact.half_width(load))).item()
+        return half_width(self.law, load, float(self.contact.half_width(load))).item()
 
     def parts(self, k):
         """(lower, upper half-width, M') of the curve of instant k, M' as a function of the half-width."""
-        s, load = self.snapshot, self.punches.law.load
+        s, load = self.snapshot, self.law.load
         front = float(s.load[k] - s.slipped[k])
         if s.slipped[k]:
             line = LONG(float(s.direction[k]) * s.friction)
@@ -278,14 +279,14 @@ class Oracle:
 
     def at(self, k, x):
         """pressure, shear and slip at |x| (m,), and shift, approach, contact and stick half-width, of instant k."""
-        punches, half = self.punches, self.half(float(self.snapshot.load[k]))
+        half = self.half(float(self.snapshot.load[k]))
         parts, points = list(self.parts(k)), np.abs(np.asarray(x, dtype=float)).astype(LONG)
         return {
-            "pressure": np.array([punches.traction(at, punches.least, half) for at in points]),
-            "shear": np.array([sum(punches.traction(at, *part) for part in parts) for at in points]),
-            "slip": 2 / PI * np.array([sum(punches.slip(at, *part) for part in parts) for at in points]),
-            "tangential_displacement": 2 / PI * sum(punches.log(*part) for part in parts),
-            "normal_approach": 2 / PI * punches.log(punches.least, half),
+            "pressure": np.array([self.traction(at, self.least, half) for at in points]),
+            "shear": np.array([sum(self.traction(at, *part) for part in parts) for at in points]),
+            "slip": 2 / PI * np.array([sum(self.slip(at, *part) for part in parts) for at in points]),
+            "tangential_displacement": 2 / PI * sum(self.log(*part) for part in parts),
+            "normal_approach": 2 / PI * self.log(self.least, half),
             "contact_half_width": half,
             "stick_half_width": self.half(float(self.snapshot.load[k] - self.snapshot.slipped[k])),
         }

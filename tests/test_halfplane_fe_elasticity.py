@@ -1,6 +1,5 @@
 """One body condensed to its contact nodes: far field, supports, surface displacement of a half-plane, orders, no locking."""
 
-import contextlib
 import dataclasses
 import functools
 import itertools
@@ -17,16 +16,14 @@ import halfplane_fe
 from halfplane_fe import elasticity
 from halfplane_fe.elasticity import condense, displacement_fields, split_lame
 from halfplane_fe.far_field import surface_force_displacement, surface_force_traction
-from halfplane_fe.interface import check_supports
 from meshes import MeshSettings, SurfaceGrading, half_disc, solid
 from problems import COARSE, FEW_STEPS, drawn_inwards, fe_run, hertz_pressure, mindlin_dissipation, pressed_in
-from scenes import Block, ConvergenceError, Cylinder, Elastic, Hertz, InputError, Materials, Pad, Scene, load_scene
+from scenes import Block, ConvergenceError, Cylinder, Elastic, Hertz, InputError, Materials, Pad, load_scene
 from tolerances import check, check_order
 
 # ------------------------------------------------------------------------ a point force on a half-plane, by finite differences
 
 
-YOUNG, POINT = 3.0, 5.0
 YOUNG, POINT = 3.0, 5.0
 ratios = st.floats(-0.9, 0.49)
 angles = st.floats(-math.pi / 2 + 0.05, math.pi / 2 - 0.05)
@@ -82,33 +79,6 @@ def test_a_point_force_is_in_equilibrium_with_its_tractions(force, nu, angle, cu
     np.testing.assert_allclose(displacement(-x, y, nu, force), signs * here, atol=1e-15)
     # Betti: u_y by a force along x is u_x by one along y, the other way.
     assert displacement(far, 0.0, nu, 0)[1, 0] == pytest.approx(displacement(0.0, 0.0, nu, 1, place=far)[0, 0], abs=1e-15)
-
-
-@EACH_FORCE
-@pytest.mark.parametrize(("nu", "radius"), [(-0.4, 0.5), (0.3, 2.0), (0.49, 2.0)])
-def test_resultant_on_any_arc_is_the_unit_force(force, nu, radius):
-    """The traction on an arc, along the outward normal, holds the body against the force; no moment about the force."""
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    total, moment = np.zeros(2), 0.0
-    for angle, weight in zip(nodes * math.pi / 2, weights * math.pi / 2, strict=True):
-        normal = np.array([math.sin(angle), -math.cos(angle)])
-        traction = stress(radius * normal[0], radius * normal[1], nu, force) @ normal
-        total += traction * weight * radius
-        moment += (normal[0] * traction[1] - normal[1] * traction[0]) * weight * radius**2
-    np.testing.assert_allclose(total, -np.eye(2)[force], atol=2e-6)
-    assert abs(moment) < 2e-6
-
-
-def test_numbers_of_a_known_case():
-    """Straight below a force pulling outward, depth r: u_y = c [1 - 2 (1-nu) ln(r/L)], c = 1/(2 pi G); and the pull lifts."""
-    nu, r = 0.3, 2.0
-    c = 1 / (2 * math.pi * YOUNG / (2 * (1 + nu)))
-    u_x, u_y = displacement(0.0, -r, nu, 1)[:, 0]
-    assert u_y == pytest.approx(c * (1 - 2 * (1 - nu) * math.log(r / POINT)), rel=1e-14)
-    assert u_x == 0.0
-    # Pressed in by a force along -y the surface is drawn towards the force: (1 - 2 nu)/(4 G) each side.
-    side = -displacement(1.0, 0.0, nu, 1)[0, 0]
-    assert side == pytest.approx(-(1 - 2 * nu) * (1 + nu) / (2 * YOUNG), rel=1e-14)
 
 
 @EACH_FORCE
@@ -258,7 +228,7 @@ def test_other_datum_is_a_rigid_translation_and_a_softer_body_moves_in_proportio
     np.testing.assert_allclose(soft.compliance, 4 * condensed().compliance, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize("nu", [-0.3, 0.0, 0.3, 0.49])
+@pytest.mark.parametrize("nu", [-0.3, 0.49])
 def test_surface_displacement_is_the_half_planes(nu):
     for error in uniform_errors(16, material=Elastic(young_modulus=2.0, poisson_ratio=nu)):
         check("compliance", error)
@@ -269,28 +239,6 @@ def test_compliance_converges_at_the_order_of_its_elements(order, sizes, name):
     sequences = np.array([uniform_errors(elements, order) for elements in sizes]).T
     for sequence in sequences:
         check_order(f"compliance, {name} elements", [1 / n for n in sizes], sequence)
-
-
-def test_like_bodies_are_condensed_once_and_unlike_ones_twice(monkeypatch):
-    calls = []
-
-    def counted(body, material, datum_length):
-        calls.extend([material] if len(body.mesh.boundaries["contact"]) < 24 else [])  # not the solver's own coarse run, of 48
-        return condense(body, material, datum_length)
-
-    monkeypatch.setattr(import_module("halfplane_fe.store"), "condense", counted)
-    scene = load_scene("hertz-normal")
-    coarse = MeshSettings(element_size=1 / 6, edge_element_size=1 / 6, far_radius=5.0, growth=0.5)
-    like = halfplane_fe.solve(scene, coarse)
-    assert len(calls) == like.work.counts["condensations"] == 1
-    assert like.condensed[0] is like.condensed[1]
-    assert "condensations" in like.work.skipped
-    soft = Materials(lower=scene.material.lower, upper=Elastic(young_modulus=70e3, poisson_ratio=0.33))
-    calls.clear()
-    unlike = halfplane_fe.solve(scene.vary(material=soft), coarse)
-    assert len(calls) == unlike.work.counts["condensations"] == 2
-    assert [material.young_modulus for material in calls] == [210e3, 70e3]
-    assert "condensations" not in unlike.work.skipped
 
 
 def second_moment(radius):
@@ -420,53 +368,7 @@ def pushed(shape, order, cells, size, growth):
     return np.array([forces @ body.compliance[i, :, j, :] @ (forces * body.x ** (i != j)) for i, j in ((0, 0), (1, 1), (0, 1))])
 
 
-# Relative errors of the finer mesh, linear and quadratic. The corners of a fixed base are singular and far from the fine elements.
-FOUND = {"Block, rollers, guided": (3.2e-2, 1.4e-4), "Block, fixed, free": (3.9e-2, 3.1e-3), "Cylinder": (3.8e-2, 1.2e-3)}
-
-
-@functools.cache
-def finely(name):
-    return pushed(SUPPORTED[name], 2, "quadrilaterals", 1 / 30, 0.1)
-
-
-@EVERY
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] if "fixed" in name else []) for name in FOUND])
-def test_triangles_and_quadrilaterals_come_to_the_same_answer(name, order, cells):
-    """Both orders and both kinds against one fine mesh of quadratic quadrilaterals."""
-    sizes = ((1 / 5, 0.5), (1 / 20, 0.2))
-    coarse, fine = (np.abs(pushed(SUPPORTED[name], order, cells, *size) / finely(name) - 1).max() for size in sizes)
-    assert fine < 1.5 * FOUND[name][order - 1]
-    assert fine < coarse / 3
-
-
-SCENE = load_scene("hertz-paper")
-
-
-def supported(base, sides, which="upper", like=SCENE):
-    bodies = {which: Block(width=200.0, height=100.0, base=base, sides=sides)}
-    return Scene.model_validate({**like.model_dump(), "bodies": bodies})
-
-
-@pytest.mark.parametrize(
-    ("base", "sides", "sheared", "refused"),
-    [
-        ("rollers", "free", True, True),
-        ("rollers", "free", False, False),
-        ("rollers", "guided", True, False),
-        ("fixed", "free", True, False),
-    ],
-)
-def test_a_body_that_nothing_holds_is_refused(base, sides, sheared, refused):
-    for which in ("lower", "upper"):
-        said = f"bodies.{which}: nothing holds the block against the tangential load, it slides off: its base is on rollers"
-        with pytest.raises(InputError, match=said) if refused else contextlib.nullcontext():
-            check_supports(supported(base, sides, which), sheared=sheared)
-
-
 # -------------------------------------------------------------------------------------------------- nearly incompressible
-
-
-RATIOS = (0.45, 0.4999)
 
 
 def scene_at(poisson_ratio):
@@ -477,7 +379,6 @@ def scene_at(poisson_ratio):
     return scene.vary(material=Materials(lower=body, upper=body))
 
 
-@functools.cache
 def errors_at(poisson_ratio):
     """Dissipation, and pressure at the end in L2 and in the worst of its inner nodes."""
     scene = scene_at(poisson_ratio)
@@ -495,16 +396,12 @@ def errors_at(poisson_ratio):
     }
 
 
-@pytest.mark.parametrize("poisson_ratio", RATIOS)
-def test_error_does_not_grow_with_nu(poisson_ratio):
-    for quantity, error in errors_at(poisson_ratio).items():
+def test_error_does_not_grow_with_nu_and_plain_elements_would_fail(monkeypatch):
+    for quantity, error in errors_at(0.4999).items():
         check(f"incompressible {quantity}", error)
-
-
-def test_plain_elements_would_fail_that_test(monkeypatch):
     monkeypatch.setattr(elasticity, "PLAIN_LAMBDA", np.inf)
     with pytest.raises(AssertionError, match="incompressible rocking"):
-        check("incompressible rocking", errors_at.__wrapped__(0.4999)["rocking"])
+        check("incompressible rocking", errors_at(0.4999)["rocking"])
 
 
 def test_linear_elements_are_refused_in_a_sentence():

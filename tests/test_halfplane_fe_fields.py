@@ -141,35 +141,11 @@ def test_stress_of_hertz_is_largest_below_the_surface():
         assert (tau.max(), z[tau.argmax()]) == (pytest.approx(0.3003, abs=0.005), pytest.approx(0.786, abs=0.1))
 
 
-def flamant(points, x, pressure, shear):
-    """Stress (n, 3: xx, yy, xy) at y < 0 of tractions on y = 0, by summing up point forces. Johnson (2.23)."""
-    across, depth = points[:, :1] - x, -points[:, 1:]
-    radial = -2 / np.pi * (pressure * depth + shear * across) / (across**2 + depth**2) ** 2 * np.gradient(x)
-    return np.stack([(radial * across**2).sum(1), (radial * depth**2).sum(1), -(radial * across * depth).sum(1)], axis=1)
-
-
 def von_mises(stress):
     """sqrt(3/2 s:s), s being the deviator."""
     xx, yy, xy, zz = stress.T
     mean = (xx + yy + zz) / 3
     return np.sqrt(1.5 * ((xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2 + 2 * xy**2))
-
-
-@pytest.mark.parametrize("name", ["lower", "upper"])
-def test_stress_below_a_sheared_contact(name):
-    """Mindlin's p and q at the largest Q, as point forces on a half-plane; the upper body feels -q, and its xy is turned round."""
-    problem = PROBLEMS["mindlin, Q largest"]
-    answer = fe_run(problem.scene, FINE)
-    (snapshot,) = fields(answer, [problem.time])
-    (body,) = (body for body in snapshot.bodies if body.name == name)
-    a, p0, side = problem.exact["contact_half_width"], problem.exact["peak_pressure"], 1 if name == "lower" else -1
-    places = body.points * [1, side]
-    near = (np.hypot(*places.T) < 2 * a) & (places[:, 1] < -0.2 * a)
-    x = np.linspace(-1.01 * a, 1.01 * a, 2001)
-    exact = flamant(places[near], x, problem.exact["pressure"](x), side * problem.exact["shear"](x)) * [1, 1, side]
-    check("stress below a sheared contact", float(np.abs(body.stress[near][:, :3] - exact).max() / p0))
-    turned = flamant(places[near], x, problem.exact["pressure"](x), -side * problem.exact["shear"](x)) * [1, 1, side]
-    assert np.abs(body.stress[near][:, :3] - turned).max() > 0.1 * p0  # a wrong sense of the shear would be seen
 
 
 def test_stress_on_both_faces_is_the_traction_between_them():
@@ -198,37 +174,9 @@ def test_nearest_step_is_taken_and_instants_outside_are_refused():
             fields(answer, [instant])
 
 
-def test_tension_of_the_face_behind_the_trailing_edge():
-    """s_xx = 2 f p0 (sqrt(x^2 - c^2) - sqrt(x^2 - a^2))/a there: the closed integrals of the two ellipses of the shear.
-
-    The face carries nothing else. At the edge itself that has an infinite slope.
-    """
-    scene = load_scene("cattaneo-mindlin")
-    answer = fe_run(scene, MeshSettings(), FEW_STEPS)
-    step = int(np.argmax(answer.tangential_load))
-    (snapshot,) = fields(answer, [answer.time[step]])
-    f, p, q = scene.friction.coefficient, answer.normal_load[step], answer.tangential_load[step]
-    a = PROBLEMS["mindlin, Q largest"].exact["contact_half_width"]
-    peak, c = 4 * f * p / (np.pi * a) * np.sqrt(q / (f * p)), a * np.sqrt(1 - q / (f * p))
-    for body, side in zip(snapshot.bodies, (-1, 1), strict=True):
-        face = body.points[:, 1] == 0
-        x, stress = body.points[face, 0] * side, body.stress[face]
-        behind, before = (x > 1.02 * a) & (x < 3 * a), (x < -1.02 * a) & (x > -3 * a)
-        exact = 4 * f * p / (np.pi * a**2) * (np.sqrt(x[behind] ** 2 - c**2) - np.sqrt(x[behind] ** 2 - a**2))
-        check("tension behind the trailing edge", float(np.abs(stress[behind, 0] - exact).max() / peak))
-        check("tension behind the trailing edge", float(np.abs(stress[behind, 1]).max() / peak))
-        assert stress[before, 0].max() < 0
-        trailing = 0 if side < 0 else 1
-        assert body.edges[trailing] == pytest.approx(side * a, rel=2e-4)
-        assert body.edge_tension[trailing] == pytest.approx(peak, rel=1e-3)
-        assert body.edge_tension[1 - trailing] == pytest.approx(-peak, rel=1e-3)
-        assert stress[:, 0].max() < body.edge_tension[trailing]
-
-
-@pytest.mark.parametrize("share", [0.1, 0.6, 0.95])
-def test_tension_at_the_trailing_edge_on_a_coarse_mesh(share):
+def test_tension_at_the_trailing_edge_on_a_coarse_mesh():
     """2 f p0 sqrt(Q/(f P)): to 2e-3 with elements of a/40, opposite at the other edge and body; nodes have 71 to 88 % of it."""
-    scene = load_scene("cattaneo-mindlin")
+    scene, share = load_scene("cattaneo-mindlin"), 0.1
     load, f = scene.load.cycle[0][0], scene.friction.coefficient
     scene = scene.vary(load={"cycle": [[load, share * f * load], [load, -share * f * load]]})
     answer = fe_run(scene, MeshSettings(edge_element_size=0.025), FEW_STEPS)
@@ -388,15 +336,6 @@ def test_uncertainty_is_honest_and_not_absurd(edge):
 @pytest.mark.parametrize("name", [*SCENES, "phase-45", "near-sliding", "motor", "harmonics", "tiny-slip", "compound-curvature"])
 def test_uncertainty_is_honest_on_the_default_mesh(name, edge):
     assert share_honest(*errors_and_uncertainties(name, edge, MeshSettings())) >= 0.95
-
-
-@pytest.mark.slow
-def test_worst_stick_edge_of_the_paper_is_within_an_element():
-    answer = fe_run(load_scene("hertz-paper"), MeshSettings(), SolverSettings())
-    exact = semi_analytic.solve(answer.scene, x=[0.0], time=answer.time)
-    cycle = answer.last_cycle
-    off = np.abs(answer.stick_edges - exact.stick_edges)[cycle] / answer.settings["element_size"]
-    assert off.max() < 1.0
 
 
 def pair(half_width: float) -> np.ndarray:

@@ -244,7 +244,6 @@ solving = importlib.import_module("halfplane_fe.solve")  # the package has a fun
 COARSE = ("--order", "1", "--element-size", "0.25", "--edge-element-size", "0.125", "--growth", "1.0", "--steps-per-cycle", "8")
 STEEL, ALUMINIUM = "{ young_modulus = 210e3, poisson_ratio = 0.3 }", "{ young_modulus = 70e3, poisson_ratio = 0.33 }"
 HERTZ = '{ kind = "hertz", radius = 50.0 }'
-FLAT = '{ kind = "flat_rounded", radius = 50.0, flat_half_length = 0.3 }'
 BLOCK, PAD = '{ kind = "block", width = 12.0, height = 6.0 }', '{ kind = "pad", width = 6.0, height = 4.0 }'
 LOOSE = '{ kind = "block", width = 12.0, height = 6.0, base = "rollers" }'
 SHEARED = "[[500.0, 0.0], [500.0, 60.0]]"
@@ -389,11 +388,10 @@ def interface_of(question):
     return couple(*pairs.condensed_pair(question, bodies, 1.0, Counter()))
 
 
-@pytest.mark.parametrize(("profile", "ratio"), [(HERTZ, 0.25), pytest.param(FLAT, 2 / 3, marks=pytest.mark.slow)])
-def test_linear_sides_that_do_not_match_are_no_penetration(profile, ratio, tmp_path):
+def test_linear_sides_that_do_not_match_are_no_penetration(tmp_path):
     """The weighted gap of a linear side is -h^2/6R at the middle: it was taken for an overlap and refused."""
-    question = bodies(tmp_path, profile=profile, initial_loading="[[500.0, 0.0]]")
-    mesh = MeshSettings(element_size=1 / 6, edge_element_size=1 / 12, order=1, upper_ratio=ratio, growth=1.0)
+    question = bodies(tmp_path, initial_loading="[[500.0, 0.0]]")
+    mesh = MeshSettings(element_size=1 / 6, edge_element_size=1 / 12, order=1, upper_ratio=0.25, growth=1.0)
     found = halfplane_fe.solve(question, mesh)
     matching = halfplane_fe.solve(question, dataclasses.replace(mesh, upper_ratio=1.0))
     assert found.contact_half_width[-1] == pytest.approx(matching.contact_half_width[-1], rel=0.05)
@@ -417,8 +415,6 @@ def test_near_gross_sliding_every_node_but_a_few_slips_and_at_it_the_path_is_ref
 
 SMALL, LARGE = '{ kind = "cylinder", radius = 60.0 }', '{ kind = "cylinder", radius = 120.0 }'
 TURNED = {
-    "pad and block, like": (BLOCK, PAD, (STEEL, STEEL), HERTZ),
-    "pad and block, unlike": (BLOCK, PAD, (STEEL, ALUMINIUM), HERTZ),
     "flat pad and block, unlike": (
         BLOCK,
         PAD,
@@ -451,10 +447,8 @@ def solved(name, folder, turned=False, size=1 / 10, ratio=1.0):
     return halfplane_fe.solve(bodies(folder, *pair), mesh)
 
 
-ONE_PLAIN = [pytest.param(name, marks=[] if name == "pad and block, unlike" else [pytest.mark.slow]) for name in TURNED]
-
-
-@pytest.mark.parametrize("name", ONE_PLAIN)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TURNED)
 def test_turned_upside_down_on_matching_sides_nothing_changes(name, tmp_path):
     """Half a turn takes p(x), q(x) to p(-x), q(-x) and leaves W: to rounding, for the middle line knows neither body's name."""
     plain, other = solved(name, tmp_path), solved(name, tmp_path, turned=True)

@@ -228,14 +228,6 @@ def test_scale_does_not_matter_and_the_same_question_has_the_same_mesh(name, ord
     assert not gmsh.isInitialized()
 
 
-def test_growth_makes_fewer_elements_and_order_two_more_nodes():
-    for order in (1, 2):
-        assert half_disc("graded", DISC, 0.5, order).quality["elements"] < body("disc, graded", order).quality["elements"]
-    one, two = (body("disc, graded", order).quality for order in (1, 2))
-    assert one["elements"] == two["elements"]
-    assert two["nodes"] > 3 * one["nodes"]
-
-
 def test_build_makes_each_shape_and_reports_its_supports():
     settings = MeshSettings(growth=0.4)
     face = Hertz(radius=10.0)
@@ -298,13 +290,6 @@ def test_refusals(shape, sentence):
     assert str(caught.value).startswith(sentence)
 
 
-def test_the_height_at_which_a_pad_is_refused_is_that_of_its_face():
-    depth = 10 - math.sqrt(10**2 - 6**2)
-    solid("upper", Pad(width=12.0, height=depth * 1.05), Hertz(radius=10.0), GRADING, 0.4, 1)
-    with pytest.raises(InputError, match="make it higher"):
-        solid("upper", Pad(width=12.0, height=depth), Hertz(radius=10.0), GRADING, 0.4, 1)
-
-
 @pytest.mark.parametrize(
     ("settings", "rule"),
     [
@@ -364,15 +349,6 @@ def test_an_interrupt_waits_until_the_end():
         interrupted()
     assert reached == [True]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-def test_an_interrupt_is_ignored_where_it_was_ignored_before():
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        with interrupts_wait():
-            os.kill(os.getpid(), signal.SIGINT)
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def test_an_interrupt_while_gmsh_meshes_is_not_lost_and_the_next_mesh_is_made(monkeypatch):
