@@ -19,6 +19,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from reports.charts.table import markdown_table
 from reports.cli.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
 from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
 from reports.comparison.words import (
@@ -240,16 +241,16 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
         f"Largest normal load {stored['largest_normal_load']:.6g}; left, where it acts; right, the last cycle. "
         "Broad pale lines: half-plane theory, at the points of the finite elements; thin dark ones: finite elements.",
         "## Finite elements against half-plane theory",
-        _table(_HEADS, _metric_rows([metric for metric in found if metric.tolerance is not None])),
+        markdown_table(_HEADS, _metric_rows([metric for metric in found if metric.tolerance is not None])),
         "<details><summary>Metrics without a tolerance</summary>",
-        _table(_HEADS[:3], [row[:3] for row in _metric_rows([m for m in found if m.tolerance is None])]),
+        markdown_table(_HEADS[:3], [row[:3] for row in _metric_rows([m for m in found if m.tolerance is None])]),
         "</details>",
         "## Against others: closed forms and published values",
-        _table(("figure", "ours", "theirs", "difference", "tolerance", "verdict", "source"), _external_rows(scene, stored)),
+        markdown_table(("figure", "ours", "theirs", "difference", "tolerance", "verdict", "source"), _external_rows(scene, stored)),
         *_causes(scene, stored["frozen"]),
         "## Our own frozen values",
         "They say that nothing moved, not that it is right.",
-        _table(("figure", *map(name_of, _ENGINES)), _frozen_rows(scene, stored["frozen"])),
+        markdown_table(("figure", *map(name_of, _ENGINES)), _frozen_rows(scene, stored["frozen"])),
         f"`halfplane run {name}` makes the whole report. {CLAIM}",
         "[All scenes](README.md)",
     ]
@@ -276,7 +277,7 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
         "where the code gives another one. No uncertainty was requested, so each verdict is by |E| alone. "
         "The columns *external* and *frozen*: [regression.md](../../docs/regression.md)."
     )
-    return f"# Published reports\n\n<!-- written by `make publish` -->\n\n{intro}\n\n{_table(heads, rows)}\n"
+    return f"# Published reports\n\n<!-- written by `make publish` -->\n\n{intro}\n\n{markdown_table(heads, rows)}\n"
 
 
 def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
@@ -357,7 +358,7 @@ def _causes(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[str]:
         )
         for name, case in cases.items()
     ]
-    yield _table(heads, rows)
+    yield markdown_table(heads, rows)
     ours = {key: figures[f"halfplane_fe.{quantity}"] or math.nan for key, quantity in keys.items()}
     mended = {key: value * (1 + change(large, key)) for key, value in ours.items()}
     published = {
@@ -405,11 +406,6 @@ def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[
 
 def _number(value: float | None) -> str:
     return "none" if value is None else f"{value:.10g}"
-
-
-def _table(heads: Sequence[str], rows: Iterator[tuple[str, ...]] | Sequence[tuple[str, ...]]) -> str:
-    lines = [heads, ["---"] * len(heads), *rows]
-    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
 
 
 # ------------------------------------------------------------------------------------------------------------- the command
