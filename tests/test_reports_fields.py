@@ -96,11 +96,11 @@ class TestFiles:
             areas = (corners[..., 0] * ahead[..., 1] - ahead[..., 0] * corners[..., 1]).sum(axis=1) / 2
             assert areas.min() > 0
             skin = Skin(body.points, body.cells, body.von_mises)
-            assert skin.surface().area == pytest.approx(areas.sum(), rel=0.02)  # mid-side nodes of arcs bulge
+            assert skin.grid().area == pytest.approx(areas.sum(), rel=0.02)  # mid-side nodes of arcs bulge
             assert np.isfinite(body.von_mises).all()
             np.testing.assert_array_equal(np.unique(body.cells), np.arange(len(body.points)))
             per_side = 2 if body.cells.shape[1] in (6, 9) else 1
-            assert skin.sides().n_cells == per_side * mesh.mesh.facets.shape[1]
+            assert skin.grid().extract_all_edges().n_cells == per_side * mesh.mesh.facets.shape[1]
 
     def test_collection_is_read_back_with_times_parts_and_fields(self, kind: str, tmp_path: Path) -> None:
         """By VTK's own reader of PVD, the one in ParaView. The contact line adds up to P, and warped lies on the warped body."""

@@ -1,10 +1,10 @@
-"""Tables as CSV text that a spreadsheet opens and computes nothing of."""
+"""Tables as text: CSV that a spreadsheet opens and computes nothing of, and Markdown."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -58,3 +58,15 @@ def _cell(value: Any) -> Any:
         return harmless(value)
     number = value.item() if hasattr(value, "item") else value
     return "" if number != number else repr(number)  # noqa: PLR0124
+
+
+def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown.
+
+    >>> print(markdown_table(("x", "|q|"), [("0", "1")]))
+    | x | \\|q\\| |
+    | --- | --- |
+    | 0 | 1 |
+    """
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)

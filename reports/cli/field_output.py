@@ -265,7 +265,7 @@ def _animate(
     return {
         "files": found.files,
         "frames": len(series),
-        "frames_per_second": found.rate,
+        "frames_per_second": film.RATE,
         "size": found.size,
         "exaggeration": views.factor,
         "exaggerated": "displacements and the gap between the bodies; tractions and stresses are not",

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison.cycles import events, last_cycle
+from reports.field_output.fatigue import principal
 from scenes import ContactSolution, InputError
 
 if TYPE_CHECKING:
@@ -191,8 +192,7 @@ def peak(snapshot: Snapshot, of: Callable[[BodyFields], Array] = lambda body: bo
 
 def tension(body: BodyFields) -> Array:
     """Largest principal stress at each node, (n,) [stress]: on the face, beside the contact, the one that opens cracks."""
-    xx, yy, xy, zz = body.stress.T
-    return np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz)
+    return np.asarray(principal(body.stress)[:, 0])
 
 
 @dataclass(frozen=True)

@@ -187,10 +187,9 @@ def _loads(solution: FiniteElementSolution, step: int) -> Panel:
 
 @dataclass(frozen=True)
 class Film:
-    """What was written: names of files, frames a second, (width, height) in pixels of the GIF, sentences for the user."""
+    """What was written: names of files, (width, height) in pixels of the GIF, sentences for the user."""
 
     files: list[str]
-    rate: int
     size: tuple[int, int]
     notes: list[str]
 
@@ -246,7 +245,7 @@ def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
     if scaled[0].size != size:
         now, full = (f"{across} x {down}" for across, down in (scaled[0].size, size))
         notes.append(f"{files[0]}: {now} pixels instead of {full}, to stay below 8 MB")
-    return Film(files, RATE, scaled[0].size, notes)
+    return Film(files, scaled[0].size, notes)
 
 
 def _indexed(frame: Frame) -> Image:

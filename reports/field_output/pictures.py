@@ -36,14 +36,6 @@ BOUNDARIES = ("contact", "free", "sides", "base", "far_field")
 _DECADES = 2.5
 # Largest displacement of the whole picture over the size of the bodies.
 _SHOWN = 0.06
-# Elements of an element with mid-side nodes, and its sides as chains of nodes, by the number of nodes; VTK's order.
-_PARTS = {
-    3: [[0, 1, 2]],
-    6: [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
-    4: [[0, 1, 2, 3]],
-    9: [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]],
-}
-_OUTLINE = {3: [0, 1, 2, 0], 6: [0, 3, 1, 4, 2, 5, 0], 4: [0, 1, 2, 3, 0], 9: [0, 4, 1, 5, 2, 6, 3, 7, 0]}
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,23 +49,17 @@ class Skin:
     colours: str = "viridis"
     edges: float = 0.0
 
-    def surface(self) -> Any:
-        """The mesh as pyvista.PolyData of plain triangles or quadrilaterals: those of order 2 cut at their mid-side nodes."""
+    def grid(self) -> Any:
+        """The mesh as pyvista.UnstructuredGrid with its values; elements of order 2 are those of VTK."""
         import pyvista
+        from pyvista import CellType
 
-        parts = np.vstack([self.cells[:, part] for part in _PARTS[self.cells.shape[1]]])
-        faces = np.column_stack([np.full(len(parts), parts.shape[1]), parts]).ravel()
-        return pyvista.PolyData(np.column_stack([self.points, np.zeros(len(self.points))]), faces=faces)
-
-    def sides(self) -> Any:
-        """The sides of the elements as pyvista.PolyData of lines, through the mid-side nodes."""
-        import pyvista
-
-        loop = _OUTLINE[self.cells.shape[1]]
-        pairs = np.vstack([self.cells[:, [a, b]] for a, b in itertools.pairwise(loop)])
-        pairs = np.unique(np.sort(pairs, axis=1), axis=0)
-        lines = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
-        return pyvista.PolyData(np.column_stack([self.points, np.zeros(len(self.points))]), lines=lines)
+        kinds = {3: CellType.TRIANGLE, 6: CellType.QUADRATIC_TRIANGLE, 4: CellType.QUAD, 9: CellType.BIQUADRATIC_QUAD}
+        found = pyvista.UnstructuredGrid(
+            {kinds[self.cells.shape[1]]: self.cells}, np.column_stack([self.points, np.zeros(len(self.points))])
+        )
+        found["value"] = self.values
+        return found
 
 
 def round_down(value: float) -> float:
@@ -105,13 +91,10 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
         plotter.set_background("white")
         for k, skin in enumerate(skins):
             depth = 1e-3 * k * height
-            mesh = skin.surface().translate((0, 0, depth))
-            mesh["value"] = skin.values
-            plotter.add_mesh(
-                mesh, scalars="value", cmap=skin.colours, clim=skin.limits, show_scalar_bar=False, lighting=False
-            )  # fmt: skip
+            mesh = skin.grid().translate((0, 0, depth), inplace=False)
+            plotter.add_mesh(mesh, scalars="value", cmap=skin.colours, clim=skin.limits, show_scalar_bar=False, lighting=False)
             if skin.edges:
-                lines = skin.sides().translate((0, 0, depth + 1e-3 * (depth or 1.0)))
+                lines = mesh.extract_all_edges().translate((0, 0, 1e-3 * (depth or 1.0)), inplace=False)
                 plotter.add_mesh(lines, color="black", line_width=1, opacity=skin.edges, lighting=False)
         x, y = (left + right) / 2, (bottom + top) / 2
         camera = plotter.camera

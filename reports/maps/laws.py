@@ -9,8 +9,6 @@ the largest s are left out until what is left shows no more curvature in the log
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +20,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import t as student
 
-from reports.charts.table import harmless
+from reports.charts.table import table_text
 from reports.maps.atlas import Chart
 from scenes import InputError
 
@@ -82,13 +80,9 @@ def as_csv(table: Table) -> str:
     """The index of a sweep as it is published: without addresses, seven digits."""
 
     def cell(value: Any) -> str:
-        return "" if value is None else f"{value:.7g}" if isinstance(value, float) else harmless(str(value))
+        return "" if value is None else f"{value:.7g}" if isinstance(value, float) else str(value)
 
-    columns, text = [name for name in table.columns if name not in _LEFT_OUT], io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([cell(row[name]) for name in columns] for row in table.rows)
-    return text.getvalue()
+    return table_text({name: [cell(row[name]) for row in table.rows] for name in table.columns if name not in _LEFT_OUT})
 
 
 # ------------------------------------------------------------------------------------------------------------------- laws

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from reports.charts.table import markdown_table
 from reports.comparison.metrics import compliance
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
 from reports.maps.atlas import MAPS, PAGE_WORDS, WORDS, Chart, Map, place
@@ -143,7 +144,7 @@ def page(asked: Map, folder: Path) -> str:
     costs = [(study, numbers(read(folder, study), "seconds")) for study in asked.studies]
     rows = [[f"[{study}]({study}.csv)", str(len(s)), f"{np.nanmedian(s):.1f}", f"{np.nansum(s) / 60:.1f}"] for study, s in costs]
     head = ["study", "points", "median seconds of a point", "minutes in all"]
-    made += ["## How it was made", PAGE_WORDS["cost"].format(name=asked.name), _table(head, rows)]
+    made += ["## How it was made", PAGE_WORDS["cost"].format(name=asked.name), markdown_table(head, rows)]
     return "\n\n".join(made) + "\n"
 
 
@@ -158,7 +159,7 @@ def index(folder: Path, there: list[Map]) -> str:
     question = PAGE_WORDS["question"].format(says=says, dissipation=percent(error, doubt), missing=missing, pressure=pressure)
     head = ["departure", *(WORDS[figure] for figure in FIGURES), "where from"]
     made = ["# Where the half-plane holds, and by how much it fails", "<!-- written by `halfplane map all` -->", question]
-    made += [_table(head, [[part.what, *cells(part), part.how] for part in found]), PAGE_WORDS["index"]]
+    made += [markdown_table(head, [[part.what, *cells(part), part.how] for part in found]), PAGE_WORDS["index"]]
     for asked in there:
         points = sum(len(read(folder, study)) for study in asked.studies)
         made += [f"## [{asked.title}]({asked.name}.md)", f"*{asked.question}* {answer(asked, folder)} ({points} points.)"]
@@ -227,15 +228,10 @@ def _worst_loops(table: pd.DataFrame) -> str:
     return str(PAGE_WORDS["loop"].format(**said, **counts, p0=f"{100 * pressure.min():+.3f} to {100 * pressure.max():+.3f}"))
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A markdown table."""
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows))
-
-
 def _section(name: str, rows: Iterable[Sequence[str]], **values: float) -> list[str]:
     """A part of a page: its title, words with their numbers, and table."""
     words = PAGE_WORDS[name]
-    return [f"## {words['title']}", words["text"].format(**values), _table(words["head"], rows)]
+    return [f"## {words['title']}", words["text"].format(**values), markdown_table(words["head"], rows)]
 
 
 def _within(chart: Chart, found: Sequence[Line]) -> list[str]:
@@ -244,7 +240,11 @@ def _within(chart: Chart, found: Sequence[Line]) -> list[str]:
         for line in found
     ]
     head = ["figure", "where", *(f"within {100 * level:g} % if {chart.within}" for level in _LEVELS)]
-    return ["## Within 1, 5 and 10 %" if not chart.study.startswith("limits") else "", _table(head, rows), PAGE_WORDS["within"]]
+    return [
+        "## Within 1, 5 and 10 %" if not chart.study.startswith("limits") else "",
+        markdown_table(head, rows),
+        PAGE_WORDS["within"],
+    ]
 
 
 def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
@@ -267,7 +267,7 @@ def _laws(chart: Chart, found: Sequence[Line]) -> list[str]:
     fits = PAGE_WORDS["fits"].format(power="²" if chart.step == 2 else "")
     if straight and np.isfinite(straight).all():
         fits += PAGE_WORDS["straight"].format(low=min(straight), high=max(straight))
-    return ["### Laws", prediction, _table(head, rows), fits]
+    return ["### Laws", prediction, markdown_table(head, rows), fits]
 
 
 def straight_exponent(line: Line) -> float:

@@ -61,17 +61,17 @@ class Curvatures:
     normal: float
     tangential: float
 
-    def pressure_error(self, load: float = 1.0) -> float:
-        """Peak pressure over that of half-planes, less 1, at P = `load` P0.
+    def pressure_error(self) -> float:
+        """Peak pressure over that of half-planes, minus 1, at P0.
 
         >>> round(Curvatures(0.02, 0.0).pressure_error(), 6)
         0.00995
         """
-        return float(np.sqrt(1 + self.normal * load)) - 1
+        return float(np.sqrt(1 + self.normal)) - 1
 
-    def half_width_error(self, load: float = 1.0) -> float:
-        """Half-width over that of half-planes, less 1, at P = `load` P0."""
-        return 1 / float(np.sqrt(1 + self.normal * load)) - 1
+    def half_width_error(self) -> float:
+        """Half-width over that of half-planes, minus 1, at P0."""
+        return 1 / float(np.sqrt(1 + self.normal)) - 1
 
 
 def dissipation(normal_load: Array, tangential_load: Array, friction: float, added: Curvatures, last: int) -> float:
@@ -120,9 +120,12 @@ def _shifts(normal_load: Array, tangential_load: Array, friction: float, added: 
     return shifts
 
 
-def ellipse_path(normal_amplitude: float, mean: float, amplitude: float, phase: float, cycles: int = 2) -> tuple[Array, Array, int]:
-    """P/P0 (n,) and Q/P0 (n,) of an ellipse from rest, straight to where Q is least, and its steps; loads over P0, phase in rad."""
-    t = phase + np.pi + np.linspace(0.0, 2 * np.pi * cycles, _STEPS * cycles + 1)
+def ellipse_path(normal_amplitude: float, mean: float, amplitude: float, phase: float) -> tuple[Array, Array, int]:
+    """P/P0 (n,) and Q/P0 (n,) of two turns of an ellipse from rest, straight to where Q is least, and the steps of a turn.
+
+    Loads are over P0, the phase in rad.
+    """
+    t = phase + np.pi + np.linspace(0.0, 4 * np.pi, 2 * _STEPS + 1)
     p, q = 1 + normal_amplitude * np.cos(t), mean + amplitude * np.cos(t - phase)
     way = np.linspace(0.0, 1.0, 100)[1:-1]
     return np.concatenate([way * p[0], p]), np.concatenate([way * q[0], q]), _STEPS
