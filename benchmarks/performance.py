@@ -33,11 +33,13 @@ from unittest import mock
 
 import finite_elements as fe
 import half_plane
+import matplotlib as mpl
 import numpy as np
 import performance_peers as peers
 from claim import ROOT, kept_json, markdown, memory, seconds, slope, with_children, write_json
 from finite_elements import COARSE, DEFAULT, FINE, FREE, Measured, Setting
 from half_plane import random_ellipses, random_rows
+from matplotlib.figure import Figure
 from threadpoolctl import threadpool_limits
 
 import halfplane_fe
@@ -47,7 +49,7 @@ from halfplane_fe.active_subsets import NestedFactor
 from halfplane_fe.elasticity import condense
 from halfplane_fe.systems import Systems
 from meshes import MeshSettings, SurfaceGrading, half_disc
-from reports.charts.publication import canvas
+from reports.charts.publication import STYLE
 from scenes import (
     ContactSolution,
     ConvergenceError,
@@ -730,7 +732,8 @@ def draw(name: str, panels: Sequence[Panel]) -> None:
     """Panels of points over log-log axes, one legend below all."""
     columns = min(len(panels), 4) if len(panels) != 5 else 5
     rows = -(-len(panels) // columns)
-    with canvas(max(9.6, 2.6 * columns), 3.2 * rows + 0.9) as figure:
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(max(9.6, 2.6 * columns), 3.2 * rows + 0.9))
         axes = figure.subplots(rows, columns, squeeze=False)
         labels: dict[str, Any] = {}
         for one, (title, x, y, lines) in zip(axes.flat, panels, strict=False):

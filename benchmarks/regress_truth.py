@@ -204,7 +204,7 @@ def field_truth(scene: Scene, time: float, x: Sequence[float]) -> list[str] | No
     ):
         return None
     oracle, e_star = Oracle(scene, [time]), _long(modulus(scene))
-    oracle.punches.law = _stiff(oracle.punches.law, e_star)
+    oracle.law = _stiff(oracle.law, e_star)
     found = oracle.at(0, x)
     shift, slip = found["tangential_displacement"] / e_star, found["slip"][-1] / e_star
     return [_text(one) for one in (shift, found["stick_half_width"], *found["shear"], slip)]
