@@ -23,10 +23,9 @@ from reports.comparison.content import solution_content, strict
 from reports.folder import MANIFEST, claim
 from reports.profile_fit import fit_in_words
 from reports.scoring.against import own_solution
-from reports.scoring.guesses import whole_path
 from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.reading import read
-from reports.scoring.solution import contact_solution
+from reports.scoring.solution import contact_solution, whole_path
 from reports.sweep.store import canonical, checksum, read_index
 from reports.sweep.study import load_study, study_of
 from scenes import InputError, Scene, load_scene, scene_text

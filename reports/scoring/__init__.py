@@ -7,8 +7,8 @@ calculix.py        CalculiX' results as tractions; calculix_files.py: the forms 
 mapping.py         names of columns, factors of units, signs
 surface.py         the one form; surface of a foreign mesh, elements inside out
 history.py         which instant is which on the scene's load path
-guesses.py         units and signs that can't be
-solution.py        the result as a ContactSolution: states, edges, friction work, by the same rule in the reference
+solution.py        units and signs that can't be; the result as a ContactSolution: states, edges, friction work, by the same
+                   rule in the reference
 against.py         the score
 hypotheses.py      the discrepancy; faults of the file and of the question, in closed form
 flaws.py           faults of a model: penalties, small bodies

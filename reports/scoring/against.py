@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike
 from reports.comparison import Report, compare
 from reports.comparison.laws import DERIVED, certificates, derived
 from reports.comparison.metrics import WHOLE_CYCLE, scales
-from reports.scoring.guesses import whole_path
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from reports.scoring.solution import by_same_rule, contact_solution
+from reports.scoring.solution import by_same_rule, contact_solution, whole_path
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
 from scenes.frozen import validated

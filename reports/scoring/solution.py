@@ -1,11 +1,12 @@
-"""From a foreign result to a ContactSolution: its place on the load path, what follows from its own fields, what it lacks.
+"""From a foreign result to a ContactSolution: units and signs that can't be, place on the load path, states, edges, what it lacks.
 
-What is worked out of a result's fields (states, edges, dissipation) is worked out of the reference's by the same rule, whose error
-drops out.
+Each guess follows from the scales of the scene and is a sentence. What is worked out of a result's fields (states, edges,
+dissipation) is worked out of the reference's by the same rule, whose error drops out.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,15 +16,20 @@ from numpy.typing import NDArray
 
 from reports.comparison.laws import DERIVED, derived
 from reports.comparison.metrics import WHOLE_CYCLE, missing
-from reports.scoring.guesses import guessed, oddities
-from reports.scoring.history import matched
+from reports.scoring.history import matched, resultants
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import TOUCHES, SurfaceResult
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, LoadPath, Record, Scene, Work, freeze
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, InputError, LoadPath, Record, Scene, Work, freeze
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+# A figure of the result over that of theory may lie between these and be right: a frame near unloading, a coarse mesh, a wrong
+# body. They are less than a factor of 1000 apart, so that at most one factor brings a figure between them.
+LEAST, MOST = 0.03, 10.0
+FACTORS = (1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9)
+# Of the half-width: a contact whose middle is farther from x = 0 was measured from elsewhere.
+OFF_CENTRE = 0.5
 LACKING = "not in the result"
 # Instants of a cycle below which the work of friction by the trapezoidal rule means nothing.
 FEWEST = 8
@@ -338,3 +344,101 @@ def by_same_rule(reference: ContactSolution, result: ContactSolution, length: fl
             f"of the reference that rule gives {share:+.2g} % more than its own."
         )
     return replace(reference, **known), tuple(words)
+
+
+# ------------------------------------------------------------------------------------------- units and signs that can't be
+def whole_path(scene: Scene) -> ContactSolution:
+    """Half-widths and loads of half-plane theory through the whole path, at the engine's own instants."""
+    import semi_analytic
+
+    return semi_analytic.solve(scene, x=[0.0], fields=())
+
+
+def guessed(result: SurfaceResult, mapping: Mapping, whole: ContactSolution) -> tuple[SurfaceResult, tuple[str, ...]]:
+    """`result` in the scene's units and our signs, and a sentence for each guess that took.
+
+    What the mapping states is never guessed at. `whole` is the `whole_path` of the scene.
+
+    Raises
+    ------
+    InputError
+        For a pressure that is zero everywhere, or nowhere compression by the sign that the mapping states.
+    """
+    if not np.any(result.pressure):
+        raise InputError(f"{result.source}: the pressure is zero at every point and instant: nothing to score")
+    if mapping.signs.pressure is not None and result.pressure.max() <= 0:
+        raise InputError(
+            f"{result.source}: by signs.pressure = {mapping.signs.pressure!r} of the mapping no point is in compression: state the "
+            "other sign, or leave it out"
+        )
+    half_width, load = float(np.nanmax(whole.contact_half_width)), float(np.max(whole.normal_load))
+    said: list[str] = []
+    if mapping.signs.pressure is None and result.pressure.max() <= TOUCHES * -result.pressure.min():
+        result = replace(result, pressure=freeze(0.0 - result.pressure))
+        said.append(
+            'the pressure is negative throughout: compression was taken to be negative (signs.pressure = "compression negative")'
+        )
+    if result.normal_load is not None and result.normal_load.max() <= 1e-9 * -result.normal_load.min():
+        result = replace(result, normal_load=freeze(0.0 - result.normal_load))
+        said.append("the normal load is negative throughout and was turned: here P > 0 presses")
+
+    left, right = _extent(result)
+    pressure = load / (2 * half_width)  # the mean one at the largest load
+    largest = 0.0 if result.normal_load is None else float(np.max(result.normal_load))
+    for key, fields, what, own, expected, quantity in (
+        ("length", ("x", "slip"), "x", (right - left) / 2, half_width, "the contact's half-width is"),
+        ("stress", ("pressure", "shear"), "pressure and shear", float(result.pressure.max()), pressure, "the largest pressure is"),
+        ("load", ("normal_load", "tangential_load"), "P and Q", largest, load, "the largest P is"),
+    ):
+        known = {name: values for name in fields if (values := getattr(result, name)) is not None}
+        factor = next((one for one in (1.0, *FACTORS) if LEAST <= own / expected * one <= MOST), 1.0)
+        if getattr(mapping.factors, key) is not None or not known or not own or factor == 1.0:
+            continue
+        scaled: dict[str, Any] = {name: freeze(values * factor) for name, values in known.items()}
+        result = replace(result, **scaled)
+        theirs = f"at least the mean one, {expected:.4g}," if key == "stress" else f"{expected:.4g}"
+        said.append(
+            f"{what} multiplied by {factor:g}, for {quantity} {own:.4g} and theory has {theirs} "
+            f"(factors.{key} = {factor:g} says it for certain)"
+        )
+
+    left, right = _extent(result)
+    sides = np.nanmin(whole.contact_edges[:, 0]), np.nanmax(whole.contact_edges[:, 1])
+    centre = float(sides[0] + sides[1]) / 2 if whole.tilt is not None else 0.0
+    if not mapping.x_offset and abs((left + right) / 2 - centre) > OFF_CENTRE * half_width and right - left <= 4 * half_width:
+        row = result.pressure[int(np.argmax(result.pressure.max(axis=1)))]
+        middle = float(np.trapezoid(row * result.x, result.x) / np.trapezoid(row, result.x))
+        middle -= centre
+        result = replace(result, x=freeze(result.x - middle))
+        by = ", by the centroid" if centre else ", the centroid"
+        said.append(f"x was counted from {middle:.6g}{by} of the largest pressure, where the file has it from 0 (x_offset)")
+    return result, tuple(said)
+
+
+def _extent(result: SurfaceResult) -> tuple[float, float]:
+    """Leftmost and rightmost x that carries pressure at any instant."""
+    touched = result.x[(result.pressure > TOUCHES * result.pressure.max()).any(axis=0)]
+    return float(touched[0]), float(touched[-1])
+
+
+def oddities(result: SurfaceResult, tangential: Array, scene: Scene) -> Iterator[str]:
+    """Signs that look wrong and are scored as they are; `tangential` is Q of the scene at the result's instants."""
+    if result.pressure.min() < -TOUCHES * result.pressure.max():
+        row, column = np.unravel_index(np.argmin(result.pressure), result.pressure.shape)
+        yield (
+            f"the pressure is tension at some points, down to {result.pressure[row, column]:.4g} at x = {result.x[column]:.4g} "
+            f"of instant {row + 1}; it is scored as it is"
+        )
+    force = resultants(result)[1]
+    if float(force @ tangential) < -0.5 * float(np.linalg.norm(force) * np.linalg.norm(tangential)):
+        yield (
+            "the shear is opposite to Q in the mean: it looks like the shear on the upper body; it is scored as it is "
+            '(signs.shear = "on upper" turns it)'
+        )
+    if result.slip is not None and scene.friction.coefficient and len(result.slip) > 1:
+        work = (result.shear[1:] + result.shear[:-1]) / 2 * np.diff(result.slip, axis=0)
+        if float(np.sum(work)) < -0.5 * float(np.sum(np.abs(work))):
+            yield (
+                "the slip goes against the shear, so that friction would feed energy in: it looks like lower over upper; it is "
+                'scored as it is (signs.slip = "lower over upper" turns it)'
+            )

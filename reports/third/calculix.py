@@ -27,10 +27,9 @@ from reports.comparison.content import strict
 from reports.comparison.words import value_of
 from reports.console import Stages
 from reports.scoring.against import score_solution
-from reports.scoring.guesses import whole_path
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from reports.scoring.solution import contact_solution
+from reports.scoring.solution import contact_solution, whole_path
 from reports.third.deck import Deck, DeckSettings, build_deck
 from reports.third.dialects import deck_text
 from reports.units import energy_unit, number, units
