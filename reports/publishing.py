@@ -24,7 +24,6 @@ from reports.cli.findings import COUNTS, SAME, Findings, difference, of_content,
 from reports.comparison.metrics import METRICS, Metric, are_half_planes, name_of, tolerances_of, verdict_on
 from reports.comparison.words import (
     CLAIM,
-    accuracy_of,
     bodies_in_words,
     idealisation,
     question,
@@ -295,7 +294,7 @@ def _lead(scene: Scene, found: Sequence[Metric], stored: Mapping[str, Any]) -> s
 
 def _metric_rows(found: Sequence[Metric]) -> Iterator[tuple[str, ...]]:
     for metric in found:
-        yield metric.label, value_of(metric), metric.unit, tolerance_of(metric), accuracy_of(metric)
+        yield metric.label, value_of(metric), metric.unit, tolerance_of(metric), metric.verdict or "–"
 
 
 def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:

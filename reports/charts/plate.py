@@ -139,8 +139,22 @@ class Plate:
     columns: int = 2
 
     def svg(self) -> str:
-        """The whole figure as a document of its own."""
-        return plate_svg(self)
+        """The whole figure as a document of its own: its legend, its panels, its colours; the same figure gives the same text."""
+        paper, parts = arranged(self), []
+        for key, left, top in paper.keys:
+            pen = _Pen(Frame(*(_UNIT,) * 2, 0, 0), alone=True)
+            line = element("path", d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}", **pen.look(f"curve {key.css}"))
+            patch = element("rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch"))
+            parts += [patch if key.patch else line, pen.words(left + 30, top + 11, key.text, "word")]
+        parts += [
+            panel_svg(panel, alone=True, x=left, y=top, width=panel.width, height=panel.height) for panel, left, top in paper.panels
+        ]
+        size = {"width": f"{paper.width:g}", "height": f"{paper.height:g}", "viewBox": f"0 0 {paper.width:g} {paper.height:g}"}
+        ground = element("rect", width=paper.width, height=paper.height, fill="#ffffff")
+        return element(
+            "svg", f"<title>{escape(self.title)}</title>{ground}{''.join(parts)}", xmlns="http://www.w3.org/2000/svg", **size,
+            font_family="DejaVu Sans, Segoe UI, sans-serif", font_size="12",
+        )  # fmt: skip
 
     def csv(self) -> str:
         """The table, numbers to the last digit; an empty cell stands for "no such thing"."""
@@ -471,22 +485,3 @@ def panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
     return element(
         "svg", "".join(parts), **box, role="img", aria_label=panel.alt, class_=kind, id=f"panel-{panel.name}", **scales, **names
     )
-
-
-def plate_svg(plate: Plate) -> str:
-    """A figure as an SVG document of its own: its legend, its panels, its colours; the same figure gives the same text."""
-    paper, parts = arranged(plate), []
-    for key, left, top in paper.keys:
-        pen = _Pen(Frame(*(_UNIT,) * 2, 0, 0), alone=True)
-        line = element("path", d=f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}", **pen.look(f"curve {key.css}"))
-        patch = element("rect", x=left + 4, y=top + 2, width=16, height=10, **pen.look(f"{key.css} patch"))
-        parts += [patch if key.patch else line, pen.words(left + 30, top + 11, key.text, "word")]
-    parts += [
-        panel_svg(panel, alone=True, x=left, y=top, width=panel.width, height=panel.height) for panel, left, top in paper.panels
-    ]
-    size = {"width": f"{paper.width:g}", "height": f"{paper.height:g}", "viewBox": f"0 0 {paper.width:g} {paper.height:g}"}
-    ground = element("rect", width=paper.width, height=paper.height, fill="#ffffff")
-    return element(
-        "svg", f"<title>{escape(plate.title)}</title>{ground}{''.join(parts)}", xmlns="http://www.w3.org/2000/svg", **size,
-        font_family="DejaVu Sans, Segoe UI, sans-serif", font_size="12",
-    )  # fmt: skip

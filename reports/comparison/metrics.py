@@ -1104,21 +1104,6 @@ def _(pair: Pair) -> Measured:
     return Measured(value=1 - both / either) if either else _none("nothing sticks in either")
 
 
-@dataclass(frozen=True, eq=False)
-class _Changes:
-    """Instants of the result less those of the reference that they belong to.
-
-    late : (m,) differences over the length of the cycle, positive where the result is late; NaN without a counterpart
-    index : (m,) instants of the reference as indices into the cycle
-    missing, extra : how many instants of the one have no counterpart in the other
-    """
-
-    late: Array
-    index: NDArray[np.intp]
-    missing: int = 0
-    extra: int = 0
-
-
 def intervals(applies: Mask, periodic: bool) -> list[NDArray[np.intp]]:
     """The runs of at least two instants at which `applies` (k,), as indices in the order of time; none if it does always.
 
@@ -1145,16 +1130,21 @@ def _late(fraction: Array, expected: int, found: int, periodic: bool) -> float:
     return (late + 0.5) % 1 - 0.5 if periodic and abs(late) > 0.5 else late
 
 
-def _change(pair: Pair, change: _Changes, none: str) -> Measured:
+# Differences of instants over the length of the cycle, positive where the result is late (NaN without a counterpart); the
+# reference's instants that they belong to, as indices; how many of the reference, and of the result, have no counterpart.
+_Changes = tuple[Array, NDArray[np.intp], int, int]
+
+
+def _change(pair: Pair, changes: _Changes, none: str) -> Measured:
     """The worst of the differences of instants; those without a counterpart are counted in the note."""
-    counts = ((change.missing, "the reference's", "result"), (change.extra, "the result's", "reference"))
+    late, index, missing, extra = changes
+    counts = ((missing, "the reference's", "result"), (extra, "the result's", "reference"))
     notes = [f"{count} of {whose} without a counterpart in the {other}" for count, whose, other in counts if count]
-    if not len(change.late):
+    if not len(late):
         return _none("; ".join([none, *notes]))
-    value, time = worst(change.late, np.ones(len(change.late), dtype=bool), pair.found.time[change.index])
+    value, time = worst(late, np.ones(len(late), dtype=bool), pair.found.time[index])
     step = float(np.max(np.diff(pair.found.fraction), initial=0.0))
-    unmatched = bool(change.missing + change.extra)
-    return Measured(value=value, time=time, note="; ".join(notes), uncertainty=step, unmatched=unmatched)
+    return Measured(value=value, time=time, note="; ".join(notes), uncertainty=step, unmatched=bool(missing + extra))
 
 
 def _full_stick(pair: Pair, at: int, none: str) -> Measured:
@@ -1167,7 +1157,7 @@ def _full_stick(pair: Pair, at: int, none: str) -> Measured:
     late = [_late(fraction, run[at], other[at], pair.periodic) if len(other) else np.nan for run, other in pairs]
     index = np.array([run[at] for run, _ in pairs], dtype=np.intp)
     missing = sum(not len(other) for _, other in pairs)
-    return _change(pair, _Changes(np.array(late), index, missing, len(ours) - len(used)), none)
+    return _change(pair, (np.array(late), index, missing, len(ours) - len(used)), none)
 
 
 @metric("full_stick_start", "of the period", _IN_CYCLE, "state", WHOLE_CYCLE, FRICTION)
@@ -1204,51 +1194,40 @@ def _reversals_to(sense: int, pair: Pair) -> _Changes:
     theirs, ours = (_turns(slip_sense(cycle), sense, pair.periodic) for cycle in (pair.expected, pair.found))
     if len(theirs) != len(ours):
         absent, extra = max(len(theirs) - len(ours), 0), max(len(ours) - len(theirs), 0)
-        return _Changes(np.full(max(len(theirs), 1), np.nan), theirs if len(theirs) else ours[:1], absent, extra)
+        return np.full(max(len(theirs), 1), np.nan), theirs if len(theirs) else ours[:1], absent, extra
     starts = range(len(ours)) if pair.periodic else range(min(len(ours), 1))
     matches = [
         np.array([_late(pair.found.fraction, a, b, pair.periodic) for a, b in zip(theirs, np.roll(ours, k), strict=True)])
         for k in starts
     ]
-    return _Changes(min(matches, key=lambda late: float(np.max(np.abs(late))), default=np.zeros(0)), theirs)
+    return min(matches, key=lambda late: float(np.max(np.abs(late))), default=np.zeros(0)), theirs, 0, 0
 
 
 @metric("slip_reversal", "of the period", _IN_CYCLE, "state", WHOLE_CYCLE, FRICTION)
 def _(pair: Pair) -> Measured:
     """Reversal of slip: first instant of slip in the new sense, result − reference, to a step; the sense is that of the longer
     slip zone."""
-    found = [_reversals_to(sense, pair) for sense in (1, -1)]
-    both = _Changes(
-        np.concatenate([change.late for change in found]),
-        np.concatenate([change.index for change in found]),
-        sum(change.missing for change in found),
-        sum(change.extra for change in found),
-    )
-    return _change(pair, both, "slip does not reverse in either")
+    late, index, missing, extra = zip(*(_reversals_to(sense, pair) for sense in (1, -1)), strict=True)
+    return _change(pair, (np.concatenate(late), np.concatenate(index), sum(missing), sum(extra)), "slip does not reverse in either")
 
 
-def _slip(pair: Pair) -> tuple[Array, Array, bool]:
-    """s - s_ref over the range of s_ref in contact, (k, n); what each point in contact in both stands for, (k, n) [length].
+def _slip(pair: Pair, maximum: bool) -> Measured:
+    """s - s_ref over the range of s_ref, where both are in contact: apart from there it is a displacement and nothing slips.
 
-    And whether it is absolute: over f p_ref a_ref/E* where the range of s_ref is below 1e-12 of that.
+    Absolute, over f p_ref a_ref/E*, where the range of s_ref is below 1e-12 of that.
     """
     scale = pair.scales.compliance * pair.scales.shear * pair.scales.half_width / 2
     touching = (pair.expected.state != OPEN) & (pair.found.state != OPEN)
-    largest = np.ptp(pair.expected.slip[touching]) if touching.any() else 0.0
-    nothing = bool(largest <= 1e-12 * scale)
-    return (pair.found.slip - pair.expected.slip) / (scale if nothing else largest), touching * shares(pair.found.x), nothing
-
-
-def _slip_metric(pair: Pair, maximum: bool) -> Measured:
-    """Where both are in contact: apart from there it is a displacement and nothing slips."""
-    difference, lengths, nothing = _slip(pair)
-    applies = pair.judged & (lengths.sum(axis=1) > 0)
+    applies = pair.judged & touching.any(axis=1)
     if not applies.any():
         return _none("no instant has points in contact in both")
-    difference = np.where(lengths > 0, difference, 0.0)
+    largest = np.ptp(pair.expected.slip[touching])
+    nothing = bool(largest <= 1e-12 * scale)
+    difference = np.where(touching, (pair.found.slip - pair.expected.slip) / (scale if nothing else largest), 0.0)
     if maximum:
         series, places = worst_point(difference, pair.found.x)
         return _at_worst(pair, series, applies, places=places, absolute=nothing)
+    lengths = touching * shares(pair.found.x)
     mean = over((difference**2 * lengths).sum(axis=1), lengths.sum(axis=1))
     return _at_worst(pair, np.sqrt(mean), applies, absolute=nothing)
 
@@ -1259,13 +1238,13 @@ _IN_CONTACT = "points in contact in both; judged instants"
 @metric("slip", "of the range of s_ref", (_L2, _IN_CONTACT), "slip", FRICTION, signed=False, absolute_unit="f p_ref a_ref/E*")
 def _(pair: Pair) -> Measured:
     """Slip, L2: root mean square over x of s − s_ref, over the range of s_ref in the cycle."""
-    return _slip_metric(pair, maximum=False)
+    return _slip(pair, maximum=False)
 
 
 @metric("slip_maximum", "of the range of s_ref", (_WORST_POINT, _IN_CONTACT), "slip", FRICTION, absolute_unit="f p_ref a_ref/E*")
 def _(pair: Pair) -> Measured:
     """Slip, maximum: largest |s − s_ref|, with its sign, over the range of s_ref in the cycle; with its place."""
-    return _slip_metric(pair, maximum=True)
+    return _slip(pair, maximum=True)
 
 
 # ------------------------------------------------------------------------------------------------------- work and energy

@@ -47,16 +47,13 @@ def question(scene: Scene) -> str:
         for m in (scene.material.upper, scene.material.lower)
     )
     material = f"both {upper}" if scene.material.alike else f"upper {upper}; lower {lower}"
+    load = scene.load
+    repeats = load.cycle if isinstance(load, PolygonLoad) else getattr(load, "repeats", True)
     return (
         f"Two elastic bodies in plane strain ({material}) meet with {shape} and friction coefficient "
         f"{number(scene.friction.coefficient)}; {_loads(scene, load_unit(scene))}{bulk_and_tilt(scene)}. "
-        f"What do they transmit, where do they slip, and what does {'a cycle' if _repeats(scene) else 'the path'} dissipate?"
+        f"What do they transmit, where do they slip, and what does {'a cycle' if repeats else 'the path'} dissipate?"
     )
-
-
-def _repeats(scene: Scene) -> bool:
-    load = scene.load
-    return bool(load.cycle) if isinstance(load, PolygonLoad) else getattr(load, "repeats", True)
 
 
 def _loads(scene: Scene, unit: str) -> str:
@@ -251,11 +248,6 @@ def tolerance_of(metric: Metric) -> str:
     if metric.tolerance is None:
         return "–"
     return f"{metric.tolerance:.3g}" if metric.absolute else f"{100 * metric.tolerance:.3g} %"
-
-
-def accuracy_of(metric: Metric) -> str:
-    """Within, outside, undecided, or a dash where nothing is judged."""
-    return metric.verdict or "–"
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
@@ -599,7 +591,7 @@ def rows(budget: ErrorBudget, *, full: bool = True, headline: bool = True) -> li
             _amount(one.rest, one.metric, signed=True),
             "not measured" if one.uncertainty is None else _amount(one.uncertainty, one.metric),
             judgement(one),
-            accuracy_of(one.judged),
+            one.judged.verdict or "–",
         )
         for one in budget.budgets
         if one.metric.definition.headline is headline

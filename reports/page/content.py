@@ -16,7 +16,6 @@ from reports.comparison.cycles import last_cycle
 from reports.comparison.metrics import Metric, Verdict, bulk_work, name_of, normal_work
 from reports.comparison.words import (
     SUPPORT_WORDS,
-    accuracy_of,
     cost,
     first_table,
     heads,
@@ -127,7 +126,7 @@ def _row(metric: Metric) -> dict[str, str]:
         "value": value_of(metric),
         "unit": unit_of(metric),
         "tolerance": tolerance_of(metric),
-        "accurate": accuracy_of(metric),
+        "accurate": metric.verdict or "–",
         "when": "" if metric.time is None else signed(metric.time),
         "where": "" if metric.place is None else signed(metric.place),
         "uncertainty": uncertainty_of(metric),

@@ -14,7 +14,6 @@ from reports.charts.plate import Plate
 from reports.comparison import Report
 from reports.comparison.metrics import name_of
 from reports.comparison.words import (
-    accuracy_of,
     heads,
     honest_of,
     how_judged,
@@ -66,7 +65,7 @@ def _content(report: Report, figures: Sequence[Mapping[str, Any]], command: str)
     comparison, budget = report.comparison, report.budget
     scene, words, admissible = comparison.scene, said(report), "yes" if comparison.admissible else "no"
     metrics = [
-        [m.label, open_value_of(m), unit_of(m), tolerance_of(m), accuracy_of(m), admissible, honest_of(report, m)]
+        [m.label, open_value_of(m), unit_of(m), tolerance_of(m), m.verdict or "–", admissible, honest_of(report, m)]
         for m in comparison.headlines
     ]
     return {
