@@ -31,7 +31,6 @@ from reports.field_output.files import (
     instant_of,
     instants_of,
     peak,
-    require_series,
     series_of,
     snapshots_of,
     tension,
@@ -251,11 +250,6 @@ class TestFatigue:
         assert largest[0] == pytest.approx(peak, rel=5e-3)
         assert 0.3 * peak < largest[1] < 0.8 * peak
 
-    @pytest.mark.parametrize("option", ["--findley", "--critical-distance"])
-    def test_numbers_that_make_no_sense_are_refused(self, option: str, capsys: pytest.CaptureFixture[str]) -> None:
-        assert main(["fields", "cattaneo-mindlin", option, "-1"]) == 2
-        assert f"{option} -1: a number above 0 is needed" in capsys.readouterr().err
-
 
 class TestInstants:
     def test_they_are_times_of_the_path_or_events(self) -> None:
@@ -285,13 +279,6 @@ class TestInstants:
         series, notes = series_of(answer, None, 1000)
         assert len({one.time for one in series}) == len(series) < len(cycle)
         assert f"{len(series)} instants instead of 1000" in notes[0]
-
-    @pytest.mark.parametrize(
-        ("every", "frames", "sentence"), [(1, 9, "leave one"), (0, None, "--every 0"), (None, 1, "--frames 1")]
-    )
-    def test_what_makes_no_series_is_refused(self, every: int | None, frames: int | None, sentence: str) -> None:
-        with pytest.raises(InputError, match=sentence):
-            require_series(every, frames)
 
     def test_stills_are_drawn_only_where_instants_are_named(self) -> None:
         cases: list[tuple[dict[str, Any], tuple[str, ...]]] = [
@@ -491,7 +478,10 @@ class TestCommand:
             (("--at", "99"), "--at 99: the instant lies outside"),
             (("--out", "file"), "--out file: this is a file"),
             (("--frames", "1"), "--frames 1: a series has 2 instants"),
+            (("--every", "0"), "--every 0: every how many stored steps"),
             (("--frames", "9", "--every", "2"), "leave one of the two out"),
+            (("--findley", "-1"), "--findley -1: a number above 0 is needed"),
+            (("--critical-distance", "-1"), "--critical-distance -1: a number above 0 is needed"),
         ):
             assert main(["fields", "cattaneo-mindlin", *words]) == 2
             [line] = capsys.readouterr().err.strip().splitlines()

@@ -29,8 +29,7 @@ from reports.charts.plate import stacks
 from reports.cli import main
 from reports.comparison import compare
 from reports.sweep import running, solving
-from reports.sweep.page import state_of, write_page
-from reports.sweep.pictures import draw
+from reports.sweep.page import draw, state_of, write_page
 from reports.sweep.running import SCHEDULER_GONE, Processes, crew_of, prepare, run
 from reports.sweep.solving import code_versions, solve_task
 from reports.sweep.store import STATUS, Claims, Planned, Store, StoreError, Table, at_work, read_index
@@ -286,12 +285,9 @@ CONSTANT = PULLED | {"load": {"kind": "polygon", "initial_loading": [[3.0, 0.0],
 def test_a_sweep_goes_over_bulk_stress_and_tilt(scene: dict[str, Any], key: str, values: list[float], works: list[float]) -> None:
     """None of these points is one of a batch, which knows P and Q alone."""
     data = {"scene": scene, "axes": [{"name": "s", "key": key, "values": values}], "engines": ["exact"]}
-    points = expand(study_of(data | {"figures": ["exact.dissipation"]}, "here"))
-    task = {"engines": ["exact"], "figures": ["exact.dissipation"], "uncertainty": "none", "share": True}
-    text = json.dumps(task | {"versions": code_versions(), "points": [point.job() for point in points]})
-    answers = json.loads(solve_task(text))["answers"]
-    assert {answer["reason"] for answer in answers} == {""}
-    assert [answer["figures"]["exact.dissipation"] for answer in answers] == pytest.approx(works, rel=1e-9)
+    found = answers(study_of(data | {"figures": ["exact.dissipation"]}, "here"))
+    assert {answer["reason"] for answer in found} == {""}
+    assert [answer["figures"]["exact.dissipation"] for answer in found] == pytest.approx(works, rel=1e-9)
 
 
 def test_one_call_gives_what_solving_one_by_one_gives() -> None:

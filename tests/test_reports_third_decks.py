@@ -165,6 +165,15 @@ def data_of(cards: list[Card], keyword: str) -> list[list[str]]:
     return [row for name, _, data in cards if name == keyword for row in data]
 
 
+def amplitudes(cards: list[Card]) -> dict[str, np.ndarray]:
+    """(n, 2) time and value of each."""
+    return {
+        parameters["NAME"]: np.array([float(word) for row in data for word in row]).reshape(-1, 2)
+        for keyword, parameters, data in cards
+        if keyword == "AMPLITUDE"
+    }
+
+
 @pytest.mark.parametrize("dialect", ["calculix", "abaqus"])
 @pytest.mark.parametrize("name", SCENES)
 class TestText:
@@ -190,11 +199,7 @@ class TestText:
 
     def test_amplitudes_are_the_scenes_loads_and_a_step_ends_at_every_instant(self, name: str, dialect: Dialect) -> None:
         cards, deck, scene = cards_of(name, dialect), deck_of(name), load_scene(name)
-        tables = {
-            parameters["NAME"]: np.array([float(word) for row in data for word in row]).reshape(-1, 2)
-            for keyword, parameters, data in cards
-            if keyword == "AMPLITUDE"
-        }
+        tables = amplitudes(cards)
         path = scene.load.path()
         time = tables["NORMAL_LOAD"][:, 0] + path.start
         loads = dict(zip(("NORMAL_LOAD", "TANGENTIAL_LOAD"), path.at(np.minimum(time, deck.time[-1])), strict=True))
@@ -255,15 +260,6 @@ def imposed(bodies: dict[str, Any] | None = None, **load: Any) -> Deck:
     base = load_scene("hertz-paper")
     scene = base.vary(load=load) if bodies is None else base.vary(load=load, bodies=bodies)
     return build_deck(scene, COARSE, deck_of("hertz-paper").scales)
-
-
-def amplitudes(cards: list[Card]) -> dict[str, np.ndarray]:
-    """(n, 2) time and value of each."""
-    return {
-        parameters["NAME"]: np.array([float(word) for row in data for word in row]).reshape(-1, 2)
-        for keyword, parameters, data in cards
-        if keyword == "AMPLITUDE"
-    }
 
 
 def moved(deck: Deck, text: str, nodes: dict[tuple[int, int], float]) -> dict[tuple[int, int], float]:

@@ -14,7 +14,7 @@ from reports.charts.scale import labels
 from reports.charts.style import shades
 from reports.maps.atlas import AXES, WORDS, Chart, place
 from reports.maps.laws import Line, errors, numbers, parts
-from reports.sweep.pictures import bars, borders_of
+from reports.sweep.page import bars, borders_of
 
 Array = NDArray[np.float64]
 _LOOKS = 8

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import semi_analytic
-from reports.paper.cases import Case, Paper, sliding_limit, total
-from reports.paper.formulas import Formulas, integral
+from reports.paper.cases import Case, Formulas, Paper, integral, sliding_limit, total
 from reports.paper.tables import EXACT, Found, proves
 from scenes import PolygonLoad
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.charts.style import STATE_NAMES
-from reports.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Paper, total
-from reports.paper.formulas import Formulas
+from reports.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Formulas, Paper, total
 from reports.paper.tables import EXACT, Found, judge, judge_number
 from scenes import SurfaceState
 from semi_analytic.friction_work import slip_times

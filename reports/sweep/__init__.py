@@ -5,7 +5,7 @@
     solving.py   what a worker does with a point; how uncertain its figures are
     running.py   processes or a dask cluster, and the loop that hands out points and loses none
     store.py     one file for each result, the table, claims of sweeps that run at once
-    pictures.py  a figure of each quantity; page.py  how far a sweep is, and its page
+    page.py      how far a sweep is; its page, with a figure of each quantity
 
 from reports import sweep
 

@@ -1,19 +1,35 @@
-"""How far a sweep is, seen from outside, also while it runs; and its page: the state, a figure of each quantity, the table."""
+"""How far a sweep is, seen from outside, also while it runs; and its page: the state, a figure of each quantity, the table.
+
+A figure is a line with uncertainty over one axis, a map over two, points where there is no grid.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reports.charts.templating import script, template
-from reports.sweep.figures import unit_of
-from reports.sweep.pictures import draw, plain, plain_figures
-from reports.sweep.store import Store
-from reports.sweep.study import study_of
-from reports.units import number
+import numpy as np
+from numpy.typing import NDArray
 
+from reports.charts import marks
+from reports.charts.marks import Band, Block, Curve, Dot, Mark, Rule
+from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
+from reports.charts.scale import labels, limits
+from reports.charts.style import shades
+from reports.charts.templating import script, template
+from reports.sweep.figures import axis_label, is_error, unit_of
+from reports.sweep.store import Store, Table
+from reports.sweep.study import Axis, study_of
+from reports.units import number
+from scenes import Scene
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+# Panels of one figure; points of a line that are marked one by one; looks of lines in the style sheet.
+_PANELS, _MARKED, _LOOKS = 6, 120, 6
 _ROWS = 250  # more rows than that are in index.csv alone
 _LATEST = 40  # results that the rate is taken from
 _ENGINES = {"fe": "finite elements", "exact": "half-plane theory"}
@@ -84,3 +100,178 @@ def write_page(store: Store) -> Path:
 
 def _cell(value: Any) -> str:
     return "none" if value is None else number(value) if isinstance(value, float) else str(value)
+
+
+# ---------------------------------------------------------------------------------------------------------------- figures
+def plain(name: str) -> str:
+    """A name of a program as words."""
+    return name.replace("_", " ")
+
+
+def plain_figures(table: Table) -> list[str]:
+    """The figures without what is stated about them."""
+    return [name for name in table.figures if not name.endswith((".uncertainty", ".idealisation"))]
+
+
+def draw(table: Table, axes: Sequence[Axis], scene: Scene) -> list[Plate]:
+    """A figure of each quantity that has values, in the units of the `scene` that the sweep varies."""
+    found, plates = table.done(), []
+    named = {column: axis for axis in axes for column in axis.columns}
+    for name in plain_figures(found):
+        shown = f"{name}.idealisation" if f"{name}.idealisation" in found.figures else name
+        known = f"{name}.uncertainty" in found.figures
+        uncertainty = found.numbers(f"{name}.uncertainty") if known else np.full(len(found.rows), np.nan)
+        sheet = Sheet(name, found.numbers(shown), uncertainty, found, named, plain(axis_label(name, scene)))
+        if np.isfinite(sheet.value).any():
+            plates.append(_plate(sheet, shown))
+    return plates
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One figure of a table, ready to be drawn: values and uncertainties (n,), NaN where there is none; `words` for its axis."""
+
+    name: str
+    value: Array
+    uncertainty: Array
+    table: Table
+    axes: dict[str, Axis]
+    words: str
+
+    @property
+    def unresolved(self) -> Mask:
+        """Where an error is not larger than its uncertainty; never for a quantity that is no error."""
+        return np.abs(self.value) <= self.uncertainty if is_error(self.name) else np.zeros(len(self.value), dtype=bool)
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Values minus and plus their uncertainties."""
+        margin = np.nan_to_num(self.uncertainty)
+        return self.value - margin, self.value + margin
+
+    def title(self, row: int) -> str:
+        """What a reader sees of a value."""
+        return f"{plain(self.name)} = {number(float(self.value[row]))}" + (", not resolved" if self.unresolved[row] else "")
+
+    def label(self, column: str) -> str:
+        """Words of an axis."""
+        axis = self.axes.get(column)
+        if axis is None or column != axis.name:
+            return plain(column)
+        return plain(axis.label or axis.name) + (f" [{axis.unit}]" if axis.unit else "")
+
+    def axis(self, column: str, *, cells: bool = False) -> marks.Axis:
+        """An axis of numbers; its ticks stand at the values themselves where these are few and apart.
+
+        With `cells` it goes half a step beyond the outer values: a cell of a map is one value.
+        """
+        log = column in self.axes and self.axes[column].by_factors
+        values = np.unique(self.table.numbers(column))
+        at = np.log(values) if log else values
+        apart = (log or cells) and len(values) <= 8 and np.all(np.diff(at) > 0.04 * np.ptp(at))
+        ends = borders_of(at)[[0, -1]] if cells else np.array(limits(at, margin=0.05))
+        low, high = (np.exp(ends) if log else ends).tolist()
+        own = tuple(zip(values.tolist(), labels([float(f"{value:.3g}") for value in values]), strict=True)) if apart else ()
+        return marks.Axis(low, high, self.label(column), log, ticks=own)
+
+
+def _plate(sheet: Sheet, shown: str) -> Plate:
+    rows, axes = sheet.table.rows, sheet.table.axes
+    words = [name for name in axes if any(isinstance(row[name], str | bool) for row in rows)]
+    moves = [name for name in axes if len({row[name] for row in rows}) > 1]
+    moving, sorts = [name for name in moves if name not in words], [name for name in moves if name in words]
+    stem, title = shown.replace(".", "-"), plain(shown)
+    csv = {**{column: sheet.table.numbers(column) for column in moving}, shown: sheet.value, "uncertainty": sheet.uncertainty}
+    if not moving:
+        text = f"{number(float(sheet.value[0]))}: the sweep has one point on every axis of numbers"
+        return Plate(stem, title, text, text, (), csv)
+    keys = np.array([", ".join(f"{name} = {row[name]}" for name in sorts) for row in rows])
+    parts = np.unique(keys).tolist()
+    masks = [(part, keys == part) for part in parts[:_PANELS]]
+    legend: tuple[Key, ...] = ()
+    panels: list[Panel | Cell]
+    places = {tuple(row[name] for name in moving) for row in rows}
+    if len(moving) == 1:
+        panels, how = [_line(sheet, stem, masks, moving[0])], "bars are its uncertainty; hollow: not resolved"
+        legend = tuple(Key(f"line-{k}", plain(part)) for k, (part, _) in enumerate(masks) if part)
+    elif len(moving) == 2 and len(places) > 0.3 * np.prod([len({row[name] for row in rows}) for name in moving]):
+        how = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
+        panels = [_map(sheet, f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)]
+    else:
+        how = "hollow: unresolved; colour: the second axis"
+        panels = [_cloud(sheet, f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)]
+    left = f" {len(parts) - _PANELS} more sets of the other axes are in index.csv." if len(parts) > _PANELS else ""
+    bars = how if np.isfinite(sheet.uncertainty).any() else "without uncertainty"
+    caption = f"Over {' and '.join(sheet.label(name) for name in moving[:2])}; {bars}.{left}"
+    return Plate(stem, title, caption, f"{title}. {caption}", tuple(panels), csv, legend, min(2, len(panels)))
+
+
+def bars(x: Array, low: Array, high: Array, look: str) -> Curve:
+    """Upright lines from `low` to `high` at each x."""
+    gap = np.full(len(x), np.nan)
+    return Curve(np.column_stack([x, x, gap]).ravel(), np.column_stack([low, high, gap]).ravel(), f"{look} bar-line")
+
+
+def _line(sheet: Sheet, name: str, masks: Sequence[tuple[str, Mask]], moving: str) -> Panel:
+    drawn: list[Mark] = [Rule(0.0, "zero")] if is_error(sheet.name) else []
+    places = sheet.table.numbers(moving)
+    low, high = sheet.bounds()
+    for k, (part, here) in enumerate(masks):
+        rows, look = np.flatnonzero(here)[np.argsort(places[here])], f"line-{k % _LOOKS}"
+        x, y = places[rows], sheet.value[rows]
+        drawn.append(Curve(x, y, look, plain(part) or plain(sheet.name)))
+        many = len(rows) > _MARKED
+        if many:  # a band and no marks: the page stays small
+            drawn.insert(0, Band(x, low[rows], high[rows], f"p{k % _LOOKS} pale"))
+        else:
+            drawn.append(bars(x, low[rows], high[rows], look))
+        for a, b, hollow in zip(x.tolist(), y.tolist(), sheet.unresolved[rows], strict=True):
+            if hollow or not many:
+                drawn.append(Dot(a, b, f"{look} hollow" if hollow else f"{look} p{k % _LOOKS}", 3.0))
+    up = marks.Axis(*limits(low, high, zero=is_error(sheet.name)), sheet.words)
+    return Panel(name, sheet.axis(moving), up, drawn, f"{plain(sheet.name)} over {sheet.label(moving)}", 560.0, 340.0)
+
+
+def _map(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> Cell:
+    horizontal, vertical = axes = [sheet.axis(column, cells=True) for column in moving]
+    cells = []  # of each axis: (n, 2) borders of the cell of each row
+    for column, axis in zip(moving, axes, strict=True):
+        steps, place = np.unique(sheet.table.numbers(column), return_inverse=True)
+        borders = np.exp(borders_of(np.log(steps))) if axis.log else borders_of(steps)
+        cells.append(np.column_stack([borders[:-1], borders[1:]])[place].tolist())
+    least, most = float(np.nanmin(sheet.value)), float(np.nanmax(np.abs(sheet.value)))
+    low, high, colours = (-most, most, "RdBu_r") if least < 0 else (least, float(np.nanmax(sheet.value)), "viridis")
+    share = (sheet.value - low) / ((high - low) or 1.0)
+    drawn: list[Mark] = [Block((horizontal.low, horizontal.high), (vertical.low, vertical.high), "no-value")]
+    for row in np.flatnonzero(here & np.isfinite(sheet.value)).tolist():
+        fill = shades([share[row]], colours)[0]
+        drawn.append(Block(tuple(cells[0][row]), tuple(cells[1][row]), "", sheet.title(row), fill, bool(sheet.unresolved[row])))
+    panel = Panel(name, horizontal, vertical, drawn, f"Map of {plain(sheet.name)}, {part}", 480.0, 360.0, plain(part))
+    return Cell((panel, colour_scale(f"{name}-colours", low, high, sheet.words, colours)), None)
+
+
+def _cloud(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> Cell:
+    x, second = (sheet.table.numbers(column) for column in moving[:2])
+    across, other = (sheet.axis(column) for column in moving[:2])
+    ends = np.array([other.low, other.high])
+    share = np.interp(np.log(second), np.log(ends), [0.0, 1.0]) if other.log else np.interp(second, ends, [0.0, 1.0])
+    least, most = sheet.bounds()
+    drawn: list[Mark] = [bars(x[here], least[here], most[here], "faint")]
+    for row in np.flatnonzero(here & np.isfinite(sheet.value)).tolist():
+        look = "faint hollow" if sheet.unresolved[row] else ""
+        fill = "" if look else shades([share[row]])[0]
+        drawn.append(Dot(float(x[row]), float(sheet.value[row]), look, 3.6, sheet.title(row), fill=fill))
+    up = marks.Axis(*limits(least, most), sheet.words)
+    panel = Panel(name, across, up, drawn, f"{plain(sheet.name)} over {across.words}, {part}", 480.0, 340.0, plain(part))
+    return Cell((panel, colour_scale(f"{name}-colours", other.low, other.high, other.words, log=other.log)), None)
+
+
+def borders_of(middles: Array) -> Array:
+    """Borders half-way between the middles (n,) of cells, and as far beyond the outer ones: (n + 1,).
+
+    >>> borders_of(np.array([1.0, 2.0, 4.0])).tolist()
+    [0.5, 1.5, 3.0, 5.0]
+    """
+    if len(middles) == 1:
+        return np.array([middles[0] - 0.5, middles[0] + 0.5])
+    inner = (middles[1:] + middles[:-1]) / 2
+    return np.concatenate([[2 * middles[0] - inner[0]], inner, [2 * middles[-1] - inner[-1]]])
