@@ -44,6 +44,13 @@ from scenes import ContactSolution, ConvergenceError, InputError, Scene, Work, f
 
 Array = NDArray[np.float64]
 
+# Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated on the faces as they are.
+_CURED, _KEPT = "interfaces without the mesh's part of N - T", "runs repeated with the mesh's part of N - T"
+_NOTE_KEPT = (
+    "the contact did not converge on faces without the part of N - T and K that only the mesh makes: this is the answer of the "
+    "faces as they are; where edges move its dissipation errs by the first power of the element"
+)
+
 # Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x = 0.
 _BEYOND = 1.5
 
@@ -139,14 +146,19 @@ def _solve(
     condensed = condensed_pair(scene, bodies, datum, work)
     watch.lap("condensation")
     made = couple(*condensed)
-    faces = without_local_difference(made, scene) or made
-    if faces is not made:
-        work["interfaces without the mesh's part of N - T"] += 1
-    problem = _contact_problem(scene, mesh, settings, scales, faces, work)
-    solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if _on_half(scene, faces) else problem
+    cured = without_local_difference(made, scene)
     pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance, scales.half_width, scales.modulus)
     doubt = partial(_uncertainty, scene, mesh, settings, scales)
-    run = run_path(solved, scene.load.path(), pace, scene.cycles, report, uncertainty=doubt)
+    for faces in (made,) if cured is None else (cured, made):
+        problem = _contact_problem(scene, mesh, settings, scales, faces, work)
+        solved = _contact_problem(scene, mesh, settings, scales, half(faces), work) if _on_half(scene, faces) else problem
+        run = run_path(solved, scene.load.path(), pace, scene.cycles, report, uncertainty=doubt)
+        if not isinstance(run.failure, ConvergenceError):
+            break
+    if faces is not made:
+        work[_CURED] += 1
+    elif cured is not None:
+        work[_KEPT] += 1
     if solved is not problem:
         run = whole(run, faces)
     if datum > scene.profile.datum_length:
@@ -291,6 +303,7 @@ def _solution(
     of_bodies = bulk_stress_notes(scene, condensed, float(np.abs(arrays["tangential_load"]).max()))
     notes = (
         *refusals(problem.work),
+        *([_NOTE_KEPT] if problem.work[_KEPT] and run.failure is None else []),
         *of_bodies,
         *of_mesh,
         *uncertainty_note(arrays["dissipation"], uncertain, tolerance, scales.dissipation),
@@ -414,10 +427,12 @@ def _work(
         skipped["contact nodes"] = (len(problem.interface.x) // 2, "p is even in x, q even or odd: solved on one half")
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.energies), "no shear can arise")
-    if not problem.work["interfaces without the mesh's part of N - T"]:
+    if not problem.work[_CURED]:
         skipped["the mesh's part of N - T"] = (
             1,
-            "an end of a face or a base is within ten nodes: W is of first order in the element",
+            "the contact did not converge without it"
+            if problem.work[_KEPT]
+            else "an end of a face or a base is within ten nodes: W is of first order in the element",
         )
     if problem.tangential and not problem.work["slip iterations"]:
         skipped["slip iterations"] = (len(run.energies), "no node left stick")
