@@ -5,7 +5,7 @@
 
 E* = R = 1 and two like bodies with E = 2, nu = 0, so that a stress of 2 eps in the lower one is the strain eps. A line has the
 known value (docs/bulk-stress.md; W of rows 7 and 8 is a limit of fine grids, to 3e-5) and what was found minus the known value: by
-half-plane theory, by finite elements and on a grid (tests/bulk_oracle.py, errors of a cell of 0.023 at edges). Rows 10 and 11
+half-plane theory, by finite elements and on a grid (semi_analytic/grid.py, errors of a cell of 0.023 at edges). Rows 10 and 11
 couple pressure and shear: finite elements alone. Rows that an engine refuses are listed below the table with the reason.
 
 # notation: W dissipation of the last cycle; stick, always, contact: edges of stick at the end, of permanent stick, of contact at
@@ -31,7 +31,7 @@ from scenes import ContactSolution, ConvergenceError, InputError, Scene
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
-import bulk_oracle
+from semi_analytic import grid as dense_grid
 
 A0, STUCK = math.sqrt(12 / math.pi), math.sqrt(4.8 / math.pi)  # a at P = 3; c of Cattaneo and Mindlin at Q = 1.8
 CELLS, INCREMENTS, CYCLES = 240, 24, 4  # of the grid; increments a segment of the load path (an ellipse: four times as many)
@@ -163,7 +163,7 @@ def on_grid(scene: Scene) -> Values:
         columns.append(np.stack([*leg.loads(times), stress[0] / 2, turn[0]]))
         per_cycle += count if path.cycle_start <= leg.start < path.cycle_start + (path.period or 0) else 0
     loads = np.concatenate(columns, axis=1)
-    found = bulk_oracle.solve(scene.profile.height, (-2.8, 2.8), CELLS, scene.friction.coefficient, *loads)
+    found = dense_grid.solve(scene.profile.height, (-2.8, 2.8), CELLS, scene.friction.coefficient, *loads)
     always = found.permanent_stick(len(loads[0]) - per_cycle, 1e-3) if per_cycle else (math.nan, math.nan)
     values = {"W": float(found.cycle_work(per_cycle)[-1]) if per_cycle else math.nan, "M": float(found.moment[-1])}
     return values | edges("stick", *found.edges(-1, stick=True)) | edges("contact", *found.edges(-1)) | edges("always", *always)

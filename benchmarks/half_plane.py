@@ -40,7 +40,7 @@ from scenes import (
 from semi_analytic.profiles import Contact, contact_of
 
 sys.path.insert(0, str(ROOT / "tests"))
-import bulk_oracle
+from semi_analytic import grid as dense_grid
 
 
 def like(e_star: float, poisson_ratio: float = 0.0) -> Materials:
@@ -175,7 +175,7 @@ def discretised(case: Case, elements: int) -> float:
     half = 1.15 * float(case.contact().half_width(mp.mpf(case.mean + case.amplitude)))
     cycle = np.array(loads(case, 5 * elements // 2))
     path = np.concatenate([np.linspace(0, 1, 11)[1:, None] * cycle[-1], cycle, cycle]).T
-    found = bulk_oracle.solve(scene_of(case._asdict()).profile.height, (-half, half), elements, case.friction, *path)
+    found = dense_grid.solve(scene_of(case._asdict()).profile.height, (-half, half), elements, case.friction, *path)
     return float(found.cycle_work(len(cycle))[-1])
 
 

@@ -255,7 +255,7 @@ def theory_page(cases: dict[str, Any]) -> list[str]:
     return [
         "One W of a steady cycle at a time, one thread, against 30 digits. The engine's rule has no setting: it takes the nodes "
         "that it needs. Plain Gauss is faster to few digits where nothing is extreme, and does not arrive near gross "
-        "sliding or with tiny slip. The naive discretised half-plane is `tests/bulk_oracle.py`.",
+        "sliding or with tiny slip. The naive discretised half-plane is `semi_analytic/grid.py`.",
         "",
         *markdown(f"case | engine: error | time [ms] | {best}", cells),
     ]

@@ -30,7 +30,7 @@ from meshes import MeshSettings
 from scenes import Scene, load_scene
 
 sys.path.insert(0, str(ROOT / "tests"))
-import bulk_oracle
+from semi_analytic import grid as dense_grid
 
 Array = NDArray[np.float64]
 TITLE = "Beside other codes"
@@ -88,7 +88,7 @@ def naive_hertz(per_half_width: int) -> Answer:
     modulus, radius, load = hertz()
     begun = time.process_time()
     extent, cells = (-1.1, 1.1), round(2.2 * per_half_width)
-    found = bulk_oracle.solve(lambda x: x**2 / (2 * radius), extent, cells, 1.0, [load], [0.0], modulus=modulus)
+    found = dense_grid.solve(lambda x: x**2 / (2 * radius), extent, cells, 1.0, [load], [0.0], modulus=modulus)
     return Answer(found.x, found.pressure[0], None, time.process_time() - begun)
 
 
@@ -186,7 +186,7 @@ def lines_by_hand() -> dict[str, int]:
     written = sum(bool(line.strip()) for line in scene.splitlines())
     return found | {
         "kratos": count(of(KRATOS)),
-        "naive": count(of(Path(bulk_oracle.__file__))),
+        "naive": count(of(Path(dense_grid.__file__))),
         "ours": written,
         "calculix": written,
     }

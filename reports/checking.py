@@ -220,13 +220,13 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
         One sentence, for what no engine answers: rows that do not say what the profile is, real bodies that finite elements refuse
         (theory has half-planes in their place), and what both refuse.
     """
-    import semi_analytic
     from semi_analytic.profiles import contact_of
+    from semi_analytic.solution import require_followable
 
     theory, elements = "", ""
     try:
         if scene.unsymmetric:
-            semi_analytic.solve(scene, x=[0.0], fields=())
+            require_followable(scene)
         else:
             contact_of(scene.profile, scene.material).half_width(largest_normal_load(scene))
     except InputError as fault:

@@ -43,7 +43,7 @@ NO_ONE_CURVE = (
     "load: half-plane theory takes bulk strain that is kappa Q and tilt that is kappa P, with the same kappa and each with a "
     "constant, as long as contact intervals, at constant P stick zones, stay nested; of others the finite elements give the answer"
 )
-"""Why a scene is refused that `one_curve` does not take."""
+"""Why events are refused of a scene that `one_curve` does not take."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def one_curve(scene: Scene) -> OneCurve | None:
     Raises
     ------
     InputError
-        For a profile that is no piecewise parabola, a moment on another one than Hertz', a contact that leaves the profile.
+        For a profile that is no piecewise parabola, a contact that leaves the profile.
     """
     path, profile = scene.load.path(), scene.profile
     legs = (*path.initial_loading, *path.cycle)
@@ -125,6 +125,8 @@ def one_curve(scene: Scene) -> OneCurve | None:
     found = [_sampled(leg, radius, strain_of(scene.material), path.moment_given) for leg in legs]
     first = 0
     largest, _, strained = np.max([np.max(np.abs(each[:3]), axis=1) for each in found], axis=0).tolist()
+    if path.moment_given and radius is None:
+        return None
     while first < len(path.initial_loading) and _presses_only(found[first], largest, strained):
         first += 1
     p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
@@ -260,10 +262,7 @@ def _presses_only(samples: Array, largest: float, strained: float) -> bool:
 
 
 def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float], moment_given: bool) -> Array:
-    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load.
-
-    InputError for a moment where there is no radius to find the tilt from.
-    """
+    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load."""
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     turns = max(part.most_turns for part in parts)
     share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
@@ -274,9 +273,7 @@ def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float]
     p, q = leg.loads(time)
     lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
     tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)
-    if moment_given and np.any(moment):
-        if radius is None:
-            raise InputError("load: half-plane theory takes a moment or a line of action under the parabola alone; state the tilt")
+    if moment_given and radius is not None and np.any(moment):
         tilt = np.where(p > 0, _tilt_of(radius, p, moment), np.nan)
     return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
 

@@ -44,6 +44,11 @@ Array = NDArray[np.float64]
 ORDER = 16
 """Degree in time of a step: with steps of a sixteenth of a cycle its last coefficients are 1e-10 of the half-width."""
 
+ERROR = 1e-8
+"""What events, edges and pieces of s' leave of W, of q and of s, as share of the largest value."""
+
+# Share of its work by which a cycle may differ from the one before and repeat it.
+STEADY = 1e-8
 # Panels of half an interval, ever shorter towards its end: roots of what lies close beyond the end are resolved there.
 _PANELS = (0.0, 0.001, 0.006, 0.03, 0.12, 0.4, 1.0)
 # What a step may leave unresolved, as share of the half-width; shortest step and longest stretch bridged, as shares of the longest.
@@ -1060,7 +1065,9 @@ class PathLoads:
         """(4, n)."""
         leg, late = self._place(float(np.mean(time)))
         (p, q), eps, (tilt, moment) = leg.loads(time - late), self._eps(leg.bulk, time - late), self._turning(leg, time - late)
-        return np.stack(np.broadcast_arrays(p, q, eps, -moment / (self.radius * p) if self.path.moment_given else tilt))
+        if self.path.moment_given:
+            tilt = -moment / (self.radius * np.where(p > 0, p, np.inf))
+        return np.stack(np.broadcast_arrays(p, q, eps, tilt))
 
     def rates(self, time: Array) -> Array:
         """(4, n)."""
@@ -1102,12 +1109,10 @@ class PathLoads:
     def corners(self, cycles: int) -> Array:
         """Times at which a leg ends or a load turns round: an edge that turns there has no solution on the way it went."""
         late = np.arange(cycles)[:, None] * (self.path.period or 0.0)
-        first, cycle = (
-            [time for leg in legs for time in self._turns(leg)] for legs in (self.path.initial_loading, self.path.cycle)
-        )
+        first, cycle = ([time for leg in legs for time in self.turns(leg)] for legs in (self.path.initial_loading, self.path.cycle))
         return np.unique(np.concatenate([first, (late + np.array(cycle)).ravel()]))
 
-    def _turns(self, leg: LoadSegment) -> list[float]:
+    def turns(self, leg: LoadSegment) -> list[float]:
         """The end of a leg and the turning points of P, Q, eps, tilt and moment in it; one time for all that turn together."""
         force, pairs = Combination(0.0, 1.0), [(leg, NORMAL_LOAD), (leg, Combination(0.0, 1.0))]
         pairs += [(leg.bulk, Combination(*self.strain))] if leg.bulk is not None else []
@@ -1133,10 +1138,11 @@ class Followed:
     works : friction work of each cycle that was followed; of the whole path where none repeats
     loop : closed integral of Q dU - m_q d eps of the last
     remainder : estimate of what the work of the last cycle still is from the steady one
-    steady_from : index of the first cycle that repeats the one before to 1e-8 of W, None if none does
+    steady_from, steady_to : index of the first cycle that repeats the one before to this share of W, None if none does
     density : (k,) friction work at the points, of the last cycle
     permanent_stick_edges : (2,) of the last cycle; NaN where none
     counts : see `Follower`
+    errors : relative, of dissipation, dissipation_density, shear and slip, as in a Record
     """
 
     time: Array
@@ -1154,9 +1160,11 @@ class Followed:
     loop: float
     remainder: float
     steady_from: int | None
+    steady_to: float
     density: Array
     permanent_stick_edges: Array
     counts: dict[str, int]
+    errors: dict[str, float]
 
 
 def remainder_of(works: Sequence[float]) -> float:
@@ -1245,12 +1253,12 @@ def follow(
         last, state = follower.run(state, path.cycle_start + (len(works) + 1) * period)
         steps = [*steps, *last]
         works.append(math.fsum(step.work for step in last))
-        if len(works) >= max(needed, 2) and abs(works[-1] - works[-2]) <= 1e-8 * works[-1]:
+        if len(works) >= max(needed, 2) and abs(works[-1] - works[-2]) <= STEADY * works[-1]:
             break
     loop = math.fsum(_loop_of(follower, step) for step in last)
     if period is not None:
         loop = _agreeing(works[-1], loop, contact.compliance * (friction * float(np.max(last[0].loads[0]))) ** 2)
-    changes = np.abs(np.diff(works)) <= 1e-8 * np.array(works[1:])
+    changes = np.abs(np.diff(works)) <= STEADY * np.array(works[1:])
     steady = int(np.flatnonzero(changes)[0]) + 1 if np.any(changes) else None
     instants = np.unique(np.concatenate([step.time[::2] for step in steps])) if time is None else np.asarray(time, dtype=float)
     given, moment, shear_moment, displacement, contact_edges, stick_edges, pressure, shear, slip, state_of = _at(
@@ -1273,9 +1281,11 @@ def follow(
         loop=loop,
         remainder=remainder_of(works),
         steady_from=steady,
+        steady_to=STEADY,
         density=np.sum([_density_of(follower, step, x) for step in last], axis=0),
         permanent_stick_edges=np.array([low, high] if low < high else [math.nan, math.nan]),
         counts=dict(follower.counts),
+        errors=dict.fromkeys(("dissipation", "dissipation_density", "shear", "slip"), ERROR),
     )
 
 

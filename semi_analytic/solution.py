@@ -10,6 +10,7 @@ import math
 import platform
 import time as clock
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import metadata
@@ -21,6 +22,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import (
+    NORMAL_LOAD,
     OPEN,
     SLIP_FORWARD,
     SLIP_REVERSE,
@@ -36,7 +38,7 @@ from scenes import (
     freeze,
     scene_of,
 )
-from semi_analytic.bulk_and_tilt import NO_ONE_CURVE, one_curve, strain_of
+from semi_analytic.bulk_and_tilt import one_curve, strain_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -49,7 +51,8 @@ from semi_analytic.friction_work import (
     slip_work,
     work_error,
 )
-from semi_analytic.fronts import Parabola, PathLoads, follow
+from semi_analytic.fronts import Followed, NotOneStickInterval, Parabola, PathLoads, follow
+from semi_analytic.grid import INCREMENTS, edges_along, follow_on_grid
 from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
 from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, pieces, rounding_of_shift, rounding_of_slip, value_on
@@ -64,8 +67,6 @@ Array = NDArray[np.float64]
 
 # Rounding of the closed integral of Q dU over the dissipation, above which it is no second route any more.
 _TOO_ROUGH = 1e-2
-# Of front following: what events, edges and pieces of s' leave of W, of q and of s, as share of the largest value.
-FRONTS_ERROR = 1e-8
 # Errors that a note says, share of the largest value.
 _DOUBTFUL = 1e-9
 
@@ -121,12 +122,12 @@ def solve(
     family = None
     if scene.unsymmetric:
         family = one_curve(scene)
-        if family is None and not isinstance(scene.profile, Hertz):
-            raise InputError(NO_ONE_CURVE)
         if family is None:
             if straight_steps:
-                raise InputError("straight_steps: the engine that follows fronts takes the scene's own path; leave it out")
-            return _solved_by_fronts(scene, wanted, points, asked, cycles)
+                raise InputError(
+                    "straight_steps: without one memory curve half-plane theory takes the scene's own path; leave it out"
+                )
+            return _followed(scene, wanted, points, asked, cycles)
     contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
     friction = scene.friction.coefficient
     path: LoadSeries | History
@@ -203,21 +204,49 @@ def solve(
     )
 
 
-def _solved_by_fronts(
-    scene: Scene, wanted: frozenset[str], points: Array | None, asked: Array | None, cycles: Cycles
-) -> ContactSolution:
-    """The answer of front following, for a parabola whose bulk stress and tilt make no one memory curve."""
-    assert isinstance(scene.profile, Hertz)  # for the type checker
+def require_followable(scene: Scene) -> None:
+    """Nothing for a scene with bulk stress, tilt or unequal sides that half-plane theory takes; its history is not followed here.
+
+    Raises
+    ------
+    InputError
+        For a profile that theory does not know so, and for a contact that leaves the profile.
+    """
+    if one_curve(scene) is None:
+        edges_along(*_leaning(scene))
+
+
+def _leaning(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
+    """P, Q, eps and alpha of a scene, and its profile under any tilt."""
+    shape, path = piecewise_parabola(scene.profile), scene.load.path()
+    assert shape is not None  # for the type checker: `one_curve` has refused the others
+    legs = (*path.initial_loading, *path.cycle)
+    largest = max(float(leg.loads(time)[0]) for leg in legs for time in (leg.end, *leg.turning_points(NORMAL_LOAD)))
+    radius = scene.profile.radius if isinstance(scene.profile, Hertz) else 1.0
+    intervals = NestedIntervals(shape, 2 / composite_modulus(scene.material), 0.0, 0.0, largest)
+    return PathLoads(path, strain_of(scene.material), radius), TiltedProfile(intervals, scene.profile.datum_length)
+
+
+def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked: Array | None, cycles: Cycles) -> ContactSolution:
+    """The answer where bulk stress and tilt make no one memory curve: edges of stick are followed, or cells where it breaks."""
     started, path, friction = clock.perf_counter(), scene.load.path(), scene.friction.coefficient
     modulus, datum = composite_modulus(scene.material), scene.profile.datum_length
-    parabola = Parabola(2 / modulus, scene.profile.radius)
-    loads = PathLoads(path, strain_of(scene.material), parabola.radius)
+    loads, leaning = _leaning(scene)
     if points is None:
-        legs = (*path.initial_loading[1:], *path.cycle) or path.initial_loading
-        samples = [loads.values(np.linspace(leg.start, leg.end, 66)[1:]) for leg in legs]
-        edges = np.abs([parabola.edges(each[0], each[3]) for each in samples])
-        points = mirrored_points(1.05 * float(np.max(edges)))
-    found = follow(path, parabola, friction, loads.strain, points, asked, most=max(scene.cycles, 2))
+        points = mirrored_points(1.05 * float(np.max(np.abs(edges_along(loads, leaning)))))
+    notes, most = [*neglected_coupling(scene.material)], max(scene.cycles, 2)
+    found: Followed | None = None
+    if isinstance(scene.profile, Hertz):
+        with suppress(NotOneStickInterval):
+            found = follow(path, Parabola(2 / modulus, scene.profile.radius), friction, loads.strain, points, asked, most=most)
+    if found is None:
+        found = follow_on_grid(loads, leaning, scene.profile.height, friction, points, asked, most=most)
+        cells, pieces = found.counts["cells"], found.counts["pieces"]
+        notes.append(
+            "no one memory curve, and no one stick zone whose edges could be followed: half-plane theory on grids of "
+            f"{cells} cells and {INCREMENTS} increments a cycle, dissipation to {found.errors['dissipation']:.1e}, edges of stick "
+            f"to about {2 / cells:.2g} a" + (f"; they are the outer ones of up to {pieces} zones" if pieces > 1 else "")
+        )
     period, rows = path.period, slice(None)
     if asked is None and cycles == "steady" and period is not None:
         first = path.cycle_start + (len(found.works) - 1) * period
@@ -226,9 +255,6 @@ def _solved_by_fronts(
     contact_edges, stick_edges = found.contact_edges[rows], found.stick_edges[rows]
     middle, half = np.mean(contact_edges, axis=1), np.diff(contact_edges)[:, 0] / 2
     lower, upper = loads.stresses(time)
-    shape = piecewise_parabola(scene.profile)
-    assert shape is not None  # for the type checker: a parabola is one
-    leaning = TiltedProfile(NestedIntervals(shape, 2 / modulus, 0.0, 0.0, float(np.max(load))), datum)
     series: dict[str, Any] = {
         "tangential_displacement": found.displacement[rows] + 2 / (math.pi * modulus) * shear_load * math.log(datum),
         "normal_approach": leaning.approach(middle, half, load, tilt),
@@ -239,14 +265,13 @@ def _solved_by_fronts(
     }
     arrays: dict[str, Any] = {name: freeze(values) for name, values in series.items()}
     work, steady = float(found.works[-1]), found.steady_from is not None
-    notes = [*neglected_coupling(scene.material)]
     if period is not None and not steady:
         notes.append(
             f"the last cycle, number {len(found.works)}, is not steady: by the trend its dissipation is within "
             f"{found.remainder / work:.1e} of the steady one"
         )
     apart = abs(found.loop / work - 1) if steady and work > 0 else 0.0
-    errors = {"dissipation": FRONTS_ERROR + apart, "dissipation_density": FRONTS_ERROR, "shear": FRONTS_ERROR, "slip": FRONTS_ERROR}
+    errors = found.errors | {"dissipation": found.errors["dissipation"] + apart}
     skipped = {name: (len(time), "not asked for") for name in FIELDS if name not in wanted}
     stays = found.permanent_stick_edges
     return ContactSolution(
@@ -276,7 +301,7 @@ def _solved_by_fronts(
         record=Record(
             converged=True,
             termination="steady" if steady else "end of path",
-            message=f"cycle {(found.steady_from or 0) + 1} repeats the one before to 1e-8 of its work"
+            message=f"cycle {(found.steady_from or 0) + 1} repeats the one before to {found.steady_to:.0e} of its work"
             if steady
             else "the path was followed to its end",
             iterations=freeze(np.zeros(len(time)), np.int64),

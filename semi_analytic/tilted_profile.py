@@ -502,6 +502,34 @@ class TiltedProfile:
         del load
         return self.shape.moment(m, c, tilt) / self._product
 
+    def tilt_under(self, load: Array, moment: Array) -> Array:
+        """The tilt at which contacts under the loads (n,) carry int x p = moment, by halving; 0 where there is no load.
+
+        Raises
+        ------
+        InputError
+            For a moment that the profile carries at no tilt.
+        """
+        load = np.maximum(load, 0.0)
+        wanted = np.where(load > 0, moment, 0.0)
+        if self.shape.is_parabola:
+            return -wanted * float(self.shape.curvature[0]) / np.where(load > 0, load, np.inf)
+
+        def excess(tilt: Array) -> Array:  # falls: the contact moves towards -x where the gap opens at x > 0
+            return self.moment(*self.under(load, tilt), load, tilt) - wanted
+
+        reach = np.full(load.shape, 1e-3 * float(np.max(self.shape.curvature)) * float(np.max(self.under(load, 0.0 * load)[1])))
+        for _ in range(_STEPS):
+            if np.all(excess(-reach) >= 0) and np.all(excess(reach) <= 0):
+                break
+            reach = 1.5 * reach
+        low, high = -reach, reach
+        for _ in range(60):
+            middle = (low + high) / 2
+            above = excess(middle) > 0
+            low, high = np.where(above, middle, low), np.where(above, high, middle)
+        return np.where(load > 0, (low + high) / 2, 0.0)
+
     # --- kernels of the family
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:

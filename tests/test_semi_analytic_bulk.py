@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy import special
 
-import bulk_oracle
 from scenes import Compound, EllipseLoad, EvenPolynomial, FlatRounded, Hertz, InputError, PolygonLoad, Scene, Tabulated, Wedge
 from semi_analytic import compliance, dissipation, eccentricity, edge_tension, events, friction_from, hysteresis, solve, stress
+from semi_analytic import grid as dense_grid
+from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.opposite_slip import loads_of
 from semi_analytic.profiles import contact_of
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
@@ -45,7 +46,7 @@ STICK = {
 @pytest.mark.parametrize(("force", "strain", "increments", "edges"), STICK.values(), ids=STICK)
 def test_the_grid_finds_the_stick_zones_of_closed_solutions(force, strain, increments, edges):
     shear, eps = ramp(increments, force, strain)
-    found = bulk_oracle.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, shear, eps)
+    found = dense_grid.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, shear, eps)
     assert found.edges(-1) == pytest.approx((-A0, A0), abs=found.step)
     assert found.edges(-1, stick=True) == pytest.approx(edges, abs=found.step)
 
@@ -54,7 +55,7 @@ def test_the_work_of_the_grid_is_its_loop_with_the_bulk_term():
     """Discretely exact over a steady cycle."""
     way = np.concatenate([np.linspace(0, 1, 21), np.linspace(1, -1, 41)[1:], np.linspace(-1, 1, 41)[1:]])
     way = np.concatenate([way, way[21:]])
-    found = bulk_oracle.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, 1.8 * way, 0.3 * way)
+    found = dense_grid.solve(parabola, (-2.3, 2.3), 230, 1.0, 3.0, 1.8 * way, 0.3 * way)
     works = found.cycle_work(80)
     assert works == pytest.approx(0.9368781396315213, rel=1e-3)
     assert found.cycle_work(80, loop=True) == pytest.approx(works, rel=1e-10)
@@ -119,7 +120,7 @@ def on_grid(scene, legs, per_leg, cells, extent=(-2.8, 2.8)):
         stresses, turns = (part.loads(time) if part is not None else nothing for part in (leg.bulk, leg.turning))
         columns.append([*leg.loads(time), (np.asarray(stresses[0]) - stresses[1]) / 2, turns[0]])
     p, q, eps, tilt = (np.concatenate(column) for column in zip(*columns, strict=True))
-    grid = bulk_oracle.solve(scene.profile.height, extent, cells, scene.friction.coefficient, p, q, eps, tilt)
+    grid = dense_grid.solve(scene.profile.height, extent, cells, scene.friction.coefficient, p, q, eps, tilt)
     return grid, solve(scene, x=grid.x, time=np.concatenate(times))
 
 
@@ -328,7 +329,7 @@ def test_units_and_the_path_by_straight_lines():
 
 
 OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
-REFUSED = {
+OTHERS = {
     "out of phase": OUT_OF_PHASE,
     "bulk alone": make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"mean": 0.22, "amplitude": 0.2, "phase_degrees": 90})),
     "another kappa": leaning(0.1).vary(load={"tilt": {"mean": 0.3, "amplitude": 0.12}}),
@@ -336,10 +337,14 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("scene", REFUSED.values(), ids=REFUSED)
-def test_other_histories_are_refused(scene):
-    with pytest.raises(InputError, match=r"kappa Q|stick"):
-        solve(scene)
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", OTHERS.values(), ids=OTHERS)
+def test_other_histories_have_no_one_curve_and_an_answer_that_states_its_error(scene):
+    """By fronts or by grids; what either leaves out is in `errors`."""
+    assert one_curve(scene) is None
+    found = solve(scene, x=0.0, fields="dissipation")
+    assert 1e-9 < found.record.errors["dissipation"] < 3e-3
+    assert found.dissipation > 0.1
 
 
 def test_eccentricity_of_the_stick_zone():
