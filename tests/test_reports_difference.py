@@ -122,6 +122,10 @@ def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:
     near = with_fields(theory, engine="halfplane_fe", dissipation=1.0004 * TRUTH.dissipation)
     agree = "The two solutions agree to 0.04 % in the dissipation and 0 % in the peak pressure; no uncertainty was measured."
     assert headline(Report(compare(theory, near))) == agree
+    known = with_fields(near, dissipation_uncertainty=5e-4 * near.dissipation)
+    assert headline(Report(compare(theory, known))).endswith(
+        "errors of the dissipation by their own estimates: finite elements 0.05 %."
+    )
     other = with_fields(theory, engine="another code", dissipation=1.02 * TRUTH.dissipation)
     said = headline(Report(compare(theory, other)))
     assert said.startswith(

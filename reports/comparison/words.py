@@ -289,7 +289,7 @@ def headline(report: Report) -> str:
     ours = _both_ours(comparison)
     judge_theory = ours and not are_half_planes(comparison.scene) and comparison.result.engine == "halfplane_fe"
     unknown = all(metric.uncertainty is None for metric in metrics)
-    told = "; no uncertainty was measured" if unknown else ""
+    told = f"; {_stated(comparison) or 'no uncertainty was measured'}" if unknown else ""
     if ours and are_half_planes(comparison.scene):
         sizes = [(metric, abs(metric.value or 0.0) + (metric.uncertainty or 0.0)) for metric in metrics]
         parts = [f"{minus(f'{100 * _settled(size):.2g}')} % in the {_words_of(metric)}" for metric, size in sizes]
@@ -302,6 +302,18 @@ def headline(report: Report) -> str:
     found, theirs = _first_large(name_of(comparison.result.engine)), name_of(comparison.reference.engine)
     beside = under_what(comparison.scene)
     return f"{found}, measured by {theirs}, {' and '.join(parts)}{beside}{f' ({told[2:]})' if told else ''}."
+
+
+def _stated(comparison: Comparison) -> str:
+    """What each side says itself of the error of its dissipation; empty where neither says any, or all of it is rounding."""
+    found = []
+    for solution in (comparison.result, comparison.reference):
+        share = solution.record.errors.get("dissipation", 0.0)
+        if solution.dissipation > 0 and math.isfinite(solution.dissipation_uncertainty):
+            share = solution.dissipation_uncertainty / solution.dissipation
+        if share > 1e-6:
+            found.append(f"{name_of(solution.engine)} {100 * share:.2g} %")
+    return f"errors of the dissipation by their own estimates: {', '.join(found)}" if found else ""
 
 
 def _claim(metric: Metric, theory: bool) -> str:
