@@ -408,7 +408,7 @@ def test_every_key_of_the_library_is_in_its_table() -> None:
         stated = [(one["kind"], key) for one in tables for key in one if key not in {"kind", *KEYS}]
         missing = [key for kind, key in stated if f"| `{kind}` | `{key}` |" not in SCENE_KEYS]
         missing += [key for key in scene["load"] if key in KEYS and f"| `{key}` |" not in SCENE_KEYS]
-        missing += [key for key in scene if not any(f"{mark}{key}" in SCENE_KEYS for mark in ("| `", "`[", "`[["))]
+        missing += [key for key in scene if not any(mark.format(key) in SCENE_KEYS for mark in ("| `{}` |", "`[{}", "`[[{}"))]
         assert not missing, name
 
 

@@ -16,7 +16,7 @@ from reports import Report, compare, write
 from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
 from reports.comparison.words import value_of
-from reports.folder import MANIFEST, claim, filled
+from reports.folder import MANIFEST
 from reports.page import pdf
 from reports.page.writing import draw
 from scenes import ContactSolution, InputError, Scene, load_scene, scene_names
@@ -213,59 +213,6 @@ def test_page_has_every_figure_with_words_for_it(page: Tags) -> None:
     assert all(attributes["aria-label"] for attributes in (*figures, *panels))
     identities = [attributes["id"] for _, attributes in page.found if "id" in attributes]
     assert len(identities) == len(set(identities))
-
-
-def fill(out: Path, text: str, *names: str, error: BaseException | None = None, fresh: tuple[str, ...] | None = None) -> None:
-    """Write a file under each name, then fail with `error`."""
-    with filled(out) if fresh is None else filled(out, fresh=fresh) as folder:
-        for name in names or ("report.html",):
-            (folder / name).parent.mkdir(exist_ok=True)
-            (folder / name).write_text(text)
-        if error:
-            raise error
-
-
-def names_in(folder: Path) -> set[str]:
-    return {path.name for path in folder.iterdir()}
-
-
-class TestFolder:
-    """Whole or not at all."""
-
-    def test_an_error_leaves_nothing_or_the_earlier_report(self, tmp_path: Path) -> None:
-        with pytest.raises(RuntimeError, match="half-way"):
-            fill(tmp_path / "out", "half", error=RuntimeError("half-way"))
-        assert names_in(tmp_path) == set()
-        fill(tmp_path / "out", "first")
-        with pytest.raises(KeyboardInterrupt):
-            fill(tmp_path / "out", "second", error=KeyboardInterrupt())
-        assert (tmp_path / "out" / "report.html").read_text() == "first"
-        assert names_in(tmp_path) == {"out"}
-
-    def test_own_files_are_replaced_and_stale_ones_removed_but_by_a_lesser_run(self, tmp_path: Path) -> None:
-        fill(tmp_path, "first", "report.html", "fields/old.vtu")
-        (tmp_path / "mine.txt").write_text("mine")
-        fill(tmp_path, "second")
-        assert (tmp_path / "report.html").read_text() == "second"
-        assert names_in(tmp_path) == {"report.html", "mine.txt", MANIFEST}
-        fill(tmp_path, "alone", "semi_analytic.nc", fresh=())
-        assert names_in(tmp_path) == {"report.html", "mine.txt", "semi_analytic.nc", MANIFEST}
-        fill(tmp_path, "third")
-        assert names_in(tmp_path) == {"report.html", "mine.txt", MANIFEST}
-
-    @pytest.mark.parametrize("name", ["report.html", "scene.json", "manifest.json"])
-    def test_files_of_others_are_never_replaced(self, tmp_path: Path, name: str) -> None:
-        (tmp_path / name).write_text("mine")
-        with pytest.raises(InputError, match=f"{name} is there already"):
-            claim(tmp_path)
-        assert names_in(tmp_path) == {name}
-
-    def test_a_name_that_only_the_writer_knows_is_not_replaced_either(self, tmp_path: Path) -> None:
-        (tmp_path / "odd.csv").write_text("mine")
-        with pytest.raises(InputError, match=r"odd\.csv is there already"):
-            fill(tmp_path, "ours", "report.html", "odd.csv")
-        assert (tmp_path / "odd.csv").read_text() == "mine"
-        assert names_in(tmp_path) == {"odd.csv"}
 
 
 class TestPdf:
