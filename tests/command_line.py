@@ -12,6 +12,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 from reports.cli import main
@@ -45,7 +46,7 @@ def halfplane(folder: Path, *words: str, **own: str) -> Done:
     return Done(code, out.getvalue(), errors.getvalue())
 
 
-def process(
+def start(
     folder: Path,
     *words: str | bytes,
     program: tuple[str, ...] = ("-m", "reports"),
@@ -54,9 +55,13 @@ def process(
     closed: bool = False,
     file_size: int = resource.RLIM_INFINITY,
     memory: int = resource.RLIM_INFINITY,
+    session: bool = False,
     **own: str,
-) -> subprocess.CompletedProcess[str]:
-    """A command as a process: its streams others or closed, its files and its address space limited, in bytes."""
+) -> subprocess.Popen[str]:
+    """A command as a process: streams of its own or closed, its files and its address space limited, in bytes; `own` variables.
+
+    With `session` in a session of its own, so that its workers can be killed with it.
+    """
 
     def prepare() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
@@ -64,25 +69,27 @@ def process(
         for handle in range(3) if closed else ():
             os.close(handle)
 
-    return subprocess.run(
-        [sys.executable, *program, *words],
-        cwd=folder,
-        env=environment(**own),
-        stdin=subprocess.DEVNULL,
-        stdout=stdout,
-        stderr=stderr,
-        text=True,
-        timeout=120,
-        check=False,
-        preexec_fn=prepare,
-    )
+    streams = {"stdin": subprocess.DEVNULL, "stdout": stdout, "stderr": stderr, "text": True}
+    how = {"cwd": folder, "env": environment(**own), "preexec_fn": prepare, "start_new_session": session}
+    return subprocess.Popen([sys.executable, *program, *words], **streams, **how)
+
+
+def process(folder: Path, *words: str | bytes, **how: Any) -> Done:
+    """What became of a command as a process, started as `start` does."""
+    with start(folder, *words, **how) as running:
+        try:
+            out, errors = running.communicate(timeout=300)
+        except subprocess.TimeoutExpired:
+            running.kill()
+            raise
+    return Done(running.returncode, out, errors)
 
 
 def everything(folder: Path) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*")}
 
 
-def sentence(done: Done | subprocess.CompletedProcess[str]) -> str:
+def sentence(done: Done) -> str:
     """The one line of a refusal."""
     assert done.returncode == 2, done
     assert not done.stdout
@@ -101,10 +108,7 @@ def refused(folder: Path, *words: str) -> str:
 
 def interrupted(folder: Path, *words: str, which: signal.Signals = signal.SIGINT) -> tuple[int, str]:
     """Exit code and stderr of a command that gets Ctrl-C, or another signal, once it reports its steps."""
-    command = [sys.executable, "-m", "reports", *words]
-    with subprocess.Popen(
-        command, cwd=folder, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as running:
+    with start(folder, *words) as running:
         assert running.stderr is not None
         said = ""
         for line in running.stderr:

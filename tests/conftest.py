@@ -40,9 +40,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    for item in items:
-        if item.nodeid.removeprefix("tests/") in COSTLY:
-            item.add_marker(pytest.mark.slow)
+    found = {item.nodeid.removeprefix("tests/"): item for item in items}
+    whole = not any("::" in name for name in config.args) and not config.getoption("lf")
+    collected = {name.split("::")[0] for name in found} if whole else set()
+    if lost := [
+        name
+        for name in COSTLY - found.keys()
+        if name.split("::")[0] in collected or not Path(__file__, "..", name.split("::")[0]).resolve().exists()
+    ]:
+        raise pytest.UsageError(f"tests/costly.txt names tests that are not there: {', '.join(lost)}")
+    for name in COSTLY & found.keys():
+        found[name].add_marker(pytest.mark.slow)
     if _slow_wanted(config):
         return
     for item in items:

@@ -8,14 +8,13 @@ import random
 import shutil
 import signal
 import subprocess
-import sys
 import time
 import traceback
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from command_line import COARSE, ROOT, environment
+from command_line import COARSE, ROOT, start
 from reports.sweep.store import Store
 from scenes import ContactSolution
 
@@ -48,20 +47,12 @@ def started(folder: Path, job: str) -> subprocess.Popen[str]:
     """A job in a session of its own, so that its workers can be killed with it."""
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
     own = {"HALFPLANE_CACHE": str(folder / "cache"), "PYTHONPATH": str(folder.parent / "code")}
-    return subprocess.Popen(
-        [sys.executable, "-m", "reports", *JOBS[job], "--quiet"],
-        cwd=folder,
-        env=environment(**own),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
+    return start(folder, *JOBS[job], "--quiet", session=True, **own)
 
 
 def finished(folder: Path, job: str) -> int:
-    process = started(folder, job)
-    _, errors = process.communicate(timeout=300)
+    with started(folder, job) as process:
+        _, errors = process.communicate(timeout=300)
     assert "Traceback" not in errors, errors
     return process.returncode
 

@@ -123,7 +123,7 @@ def _scene(path: Path) -> object:
 
 
 def _beside_a_scene(table: str, *fits: str) -> Callable[[Path], Scene]:
-    """A scene with the file beside it as its profile or its load; one of `fits`, by the file's bytes, is laid through its rows."""
+    """A scene with the file beside it as its profile or load; one of `fits`, by the file's first bytes, goes through its rows."""
     kind = {"profile": "tabulated", "load": "time_series"}[table]
 
     def enter(path: Path) -> Scene:
@@ -131,11 +131,16 @@ def _beside_a_scene(table: str, *fits: str) -> Callable[[Path], Scene]:
         start = text.index(f"[{table}]")
         end = text.find("\n[", start + 1)
         scene = path.with_name("beside.toml")
-        fit = f'\nfit = {{kind = "{fits[zlib.crc32(path.read_bytes()) % len(fits)]}"}}' if fits else ""
+        fit = f'\nfit = {{kind = "{fits[zlib.crc32(_first_bytes(path)) % len(fits)]}"}}' if fits else ""
         scene.write_text(f'{text[:start]}[{table}]\nkind = "{kind}"\nfile = "{path.name}"{fit}{text[end:]}', encoding="utf-8")
         return load_scene(scene)
 
     return enter
+
+
+def _first_bytes(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(4096)
 
 
 def _fitted(path: Path) -> object:

@@ -1,4 +1,4 @@
-"""The manual and the README: examples run and print what the pages say, generated pages are current, what pages name exists."""
+"""The manual and the README: examples run and print what pages say, made pages are current, what pages name exists, plain words."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import ast
 import hashlib
 import html
 import importlib
+import io
 import json
 import os
 import re
 import sys
+import tokenize
 import tomllib
 import unicodedata
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -24,12 +27,15 @@ import pytest
 
 from command_line import COARSE, halfplane
 from reports.cli.application import app
+from scenes import Scene, Tolerances, scene_names, scene_text
+from scenes.bulk_stress import KEYS
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 sys.path.append(str(DOCS))
 pages: Any = importlib.import_module("pages")
 quoting: Any = importlib.import_module("quoting")
+reference: Any = importlib.import_module("reference")
 architecture: Any = importlib.import_module("architecture")
 executed: Any = importlib.import_module("executed")
 report_picture: Any = importlib.import_module("report_picture")
@@ -217,11 +223,6 @@ def test_pages_are_what_files_and_engines_say(made: dict[str, str], name: str) -
     assert pages.without_rounding(stored) == pages.without_rounding(made[name]), f"docs/{name} is stale: {RENEW}"
 
 
-def test_rounding_alone_is_forgiven() -> None:
-    assert pages.without_rounding("off by 3e-16 and 0") == pages.without_rounding("off by 0 and 2.5e-15")
-    assert pages.without_rounding("off by 3e-06, 0.7270") == "off by 3e-06, 0.7270"
-
-
 def test_each_number_in_a_text_has_a_key_two_marks_and_no_mark_at_the_start_of_a_line() -> None:
     """A line that starts with a comment is HTML to Markdown, and what follows on it would be shown raw."""
     assert len(MARKED) > 8
@@ -229,21 +230,20 @@ def test_each_number_in_a_text_has_a_key_two_marks_and_no_mark_at_the_start_of_a
     assert not [name for name, text in MARKED.items() if re.search(r"^[ >]*(?:[-*]|\d+\.)? *<!-- n:", text, re.M)]
 
 
-def test_a_number_changed_by_hand_does_not_stay_and_an_unknown_key_is_seen() -> None:
+def test_values_are_quoted_by_their_keys_with_two_digits_and_a_unit_and_rounding_alone_is_forgiven() -> None:
+    """Planted: a number changed by hand, a key that is not there, the same words in two sections."""
     page = "a <!-- n:scenes -->34<!-- /n -->, <!-- n:scenes -->0<!-- /n --> b"
     assert quoting.with_numbers(page, {"scenes": "33"}) == page.replace("34", "33").replace("0<", "33<")
     with pytest.raises(KeyError, match="no such key"):
         quoting.with_numbers("<!-- n:no such key -->1<!-- /n -->", {"scenes": "33"})
-
-
-def test_a_claim_is_quoted_with_two_digits_and_its_unit_and_by_its_section_where_two_share_its_words() -> None:
     rows = [("a", 2.1766, "%"), ("b", 137.0, ""), ("c", -0.00061, ""), ("d", float("inf"), "")]
     kept = {title: {"rows": [{"what": w, "measured": m, "unit": u} for w, m, u in rows]} for title in ("S", "T")}
     kept["T"]["rows"][0]["what"] = "e"
     claims = quoting.claim_values(kept)
-    assert [claims[key] for key in ("a", "S: b", "T: c", "S: d")] == ["2.2 %", "137", "−0.00061", "inf"]
+    assert [claims[key] for key in ("a", "e", "S: b", "T: c", "S: d")] == ["2.2 %", "2.2 %", "137", "−0.00061", "inf"]
     assert len(claims) == 8
-    assert claims["e"] == "2.2 %"
+    assert pages.without_rounding("off by 3e-16 and 0") == pages.without_rounding("off by 0 and 2.5e-15")
+    assert pages.without_rounding("off by 3e-06, 0.7270") == "off by 3e-06, 0.7270"
 
 
 def test_the_third_solver_is_what_was_measured_and_published() -> None:
@@ -265,29 +265,13 @@ def test_the_third_solver_is_what_was_measured_and_published() -> None:
     assert f"{100 * constant:+.0f} % of cattaneo-mindlin's" in source
 
 
-def functions(path: Path) -> set[str]:
-    """Names of a file's tests, those of classes as Class::test."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    found = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    for node in tree.body:
-        if isinstance(node, ast.ClassDef):
-            found |= {f"{node.name}::{inner.name}" for inner in node.body if isinstance(inner, ast.FunctionDef)}
-    return found
-
-
-def missing(tests: list[str]) -> list[str]:
-    """Those that are not there; a file alone stands for all its tests."""
-    split = [(test, *test.partition("::")) for test in tests]
-    paths = [(test, ROOT / "tests" / file, name) for test, file, _, name in split]
-    return [test for test, path, name in paths if not path.is_file() or (name and name not in functions(path))]
-
-
 def test_every_test_of_a_requirement_exists() -> None:
     rows = [row for area in pages.requirements().values() for row in area]
     assert len(rows) > 20
     assert all(row["tests"] for row in rows)
-    assert not missing([test for row in rows for test in row["tests"]])
-    assert missing(["test_docs_pages.py::test_no_such"]) == ["test_docs_pages.py::test_no_such"]
+    for file, _, name in (test.partition("::") for row in rows for test in row["tests"]):
+        text = (ROOT / "tests" / file).read_text(encoding="utf-8")
+        assert not name or f"def {name.split('::')[-1]}(" in text, f"{file} has no {name}"
 
 
 def test_the_architecture_is_that_of_the_contracts(tmp_path: Path) -> None:
@@ -370,11 +354,217 @@ def test_the_paper_is_quoted_nowhere() -> None:
     assert len(paper) > 4000
     kinds = {".py", ".md", ".html", ".toml", ".txt", ".ipynb"}  # what people wrote, and the pages that are made from it
     below = [path for name in (*PACKAGES, "benchmarks", "docs", "tests") for path in (ROOT / name).rglob("*")]
-    written = [path for path in (*ROOT.glob("*.md"), *below) if path.suffix in kinds and "_build" not in path.parts]
-    assert {ROOT / "README.md", DOCS / "misprints.md", *(ROOT / "reports" / "paper").glob("*.py")} <= set(written)
-    texts = {str(path.relative_to(ROOT)): runs(path.read_text(encoding="utf-8")) for path in written}
+    files = [path for path in (*ROOT.glob("*.md"), *below) if path.suffix in kinds and "_build" not in path.parts]
+    assert {ROOT / "README.md", DOCS / "misprints.md", *(ROOT / "reports" / "paper").glob("*.py")} <= set(files)
+    texts = {str(path.relative_to(ROOT)): runs(path.read_text(encoding="utf-8")) for path in files}
     assert not {name: quoted for name, text in texts.items() if (quoted := [text[key] for key in text.keys() & paper])}
     # A quotation is seen through line breaks, markup and the joints of strings.
     planted = runs("one two three four five six seven eight nine").keys()
     assert runs('("zero One two, *three*, four "\n f"five <b>six</b> seven-eight nine ten")').keys() & planted
     assert not runs("one two three four five six seven eight ten").keys() & planted
+
+
+# -------------------------------------------------------------------------------------------------------------- keys of a scene
+SCENE_KEYS = TEXTS["scene-keys.md"]
+# Numbers without a dimension.
+PLAIN = {"poisson_ratio", "coefficient", "friction", "exponent", "asymmetry", "value", "tolerance", "cycles", "average"}
+PLAIN |= {*Tolerances.model_fields, "freedom", "weight", "left_out"}
+PLAIN |= {"mean", "amplitude"}  # of a wave, in the unit of its key
+
+
+def test_the_table_of_scene_keys_is_what_the_models_say() -> None:
+    """A key, a default and a range changed by hand do not stay."""
+    assert reference.page(SCENE_KEYS) == SCENE_KEYS, f"docs/scene-keys.md is stale: {RENEW}"
+    forgeries = {
+        "| `ellipse` | `phase_degrees` |": "| `ellipse` | `phase` |",
+        "| `90.0` | ≥": "| `0.0` | ≥",
+        "| `90.0` | ≥ −180, ≤ 180 |": "| `90.0` | any number |",
+    }
+    for old, new in forgeries.items():
+        assert SCENE_KEYS.count(old) == 1
+        assert reference.page(SCENE_KEYS.replace(old, new)) == SCENE_KEYS
+
+
+def numeric_keys(schema: Any) -> Iterator[tuple[str, str]]:
+    """(key, description) of every key that is a number; what a table states of a column is in the unit of that column."""
+    for model in (schema, *(model for name, model in schema["$defs"].items() if not name.startswith(("OfLoads", "OfProfile")))):
+        for key, one in model["properties"].items():
+            kinds = {one.get("type"), *(option.get("type") for option in one.get("anyOf", ()))}
+            if kinds & {"number", "integer"}:
+                yield key, one.get("description", "")
+
+
+def test_every_number_with_a_dimension_states_its_unit() -> None:
+    found = list(numeric_keys(Scene.model_json_schema()))
+    assert len(found) > 30
+    assert not [key for key, words in found if key not in PLAIN and reference.unit(key, words) == "–"]
+
+
+def test_every_key_of_the_library_is_in_its_table() -> None:
+    """From the files, not from the models: a key that the schema hides would be missed otherwise."""
+    for name in scene_names():
+        scene = tomllib.loads(scene_text(name))
+        tables = [scene["profile"], scene["load"], *scene.get("bodies", {}).values()]
+        stated = [(one["kind"], key) for one in tables for key in one if key not in {"kind", *KEYS}]
+        missing = [key for kind, key in stated if f"| `{kind}` | `{key}` |" not in SCENE_KEYS]
+        missing += [key for key in scene["load"] if key in KEYS and f"| `{key}` |" not in SCENE_KEYS]
+        missing += [key for key in scene if not any(mark.format(key) in SCENE_KEYS for mark in ("| `{}` |", "`[{}", "`[[{}"))]
+        assert not missing, name
+
+
+# -------------------------------------------------------------------------------------------------------------- troubleshooting
+TROUBLE = TEXTS["troubleshooting.md"].replace("\\|", "|")
+SCENE = """
+[material]
+young_modulus = 210e3
+poisson_ratio = 0.3
+[profile]
+kind = "hertz"
+radius = 1000.0
+[friction]
+coefficient = 0.5
+[load]
+kind = "polygon"
+initial_loading = [[90.0, 0.0]]
+cycle = [[90.0, 27.0], [90.0, -27.0]]
+"""
+BLOCK = '[bodies.lower]\nkind = "block"\nwidth = 20.0\nheight = 5.0\n'
+RECORD = ('"polygon"\ninitial_loading = [[90.0, 0.0]]\ncycle = [[90.0, 27.0], [90.0, -27.0]]', '"time_series"\nfile = "rec.csv"')
+FOOT = ('"hertz"\nradius = 1000.0', '"tabulated"\nfile = "foot.csv"')
+# Key of the scene that is spoilt, what it becomes, parts of the message.
+SPOILT = [
+    (("radius", "radus"), ["unknown key profile.radus = 1000.0; did you mean radius?"]),
+    (("cycle =", "wear_rate = 10.0\ncycle ="), ["wear is not modelled"]),
+    (("90.0, 27.0", "90.0, 47.0"), ["gross sliding from time ", "|Q| exceeds f P"]),
+    (("90.0, -27.0", "-5.0, 0.0"), ["separation from time ", "P is not positive there"]),
+    ((SCENE, SCENE + BLOCK.replace("20.0", "1.0")), ["the contact ", "reaches past the end of the narrower face"]),
+    ((SCENE, SCENE + BLOCK + 'base = "rollers"\n'), ["nothing holds the block against the tangential load"]),
+    (RECORD, ["rec.csv, line 4: P = 'x' is not a finite number"]),
+    (FOOT, ["foot.csv, line 4: h = 0.4 falls: the profile must rise"]),
+    (
+        ("210e3", "210"),
+        ["material.young_modulus = 210 MPa is as soft as a weak plastic; steel has 210000 MPa. Is E in GPa?"],
+    ),
+]
+# Parts of messages that take a whole run, and the file that prints them.
+OF_RUNS = {
+    "halfplane_fe/contact.py": ["nodes still change state after ", "iterations at time "],
+    "halfplane_fe/solve.py": ["the contact reached the end of the meshed side"],
+    "halfplane_fe/resolution.py": ["elements from its middle to its edge where it is smallest", "elements wide at most"],
+    "halfplane_fe/store.py": ["the store of condensed bodies (", "condensations read there ", "condensed again, and "],
+    "meshes/bodies.py": ["nodes on its contact, and the limit is "],
+    "reports/cli/application.py": ["there is not enough memory for this", "ask for a coarser mesh, fewer steps or fewer instants"],
+    "reports/cli/solving.py": [
+        "pictures can't be drawn here: ",
+        "--no-pictures leaves them out",
+        "this counts as outside: exit code ",
+    ],
+    "reports/folder.py": ["is there already and halfplane did not write it"],
+}
+
+
+@pytest.mark.parametrize(("edit", "parts"), SPOILT, ids=[parts[0][:30] for _, parts in SPOILT])
+def test_check_prints_what_the_page_quotes(edit: tuple[str, str], parts: list[str], tmp_path: Path) -> None:
+    (tmp_path / "rec.csv").write_text("time,P,Q\n0,0,0\n1,90,0\n2,x,3\n", encoding="utf-8")
+    (tmp_path / "foot.csv").write_text("x,h\n0,0\n1,0.5\n2,0.4\n", encoding="utf-8")
+    (tmp_path / "my.toml").write_text(SCENE.replace(*edit), encoding="utf-8")
+    done = halfplane(tmp_path, "check", "my.toml")
+    assert done.returncode == (0 if "Is E in GPa?" in parts[0] else 2)
+    assert not [part for part in parts if part not in " ".join((done.stdout + done.stderr).split()) or part not in TROUBLE]
+
+
+def test_messages_of_long_runs_are_in_the_code_and_on_the_page() -> None:
+    for file, parts in OF_RUNS.items():
+        source = (ROOT / file).read_text(encoding="utf-8")
+        assert not [part for part in parts if part not in source or part not in TROUBLE], file
+
+
+# ------------------------------------------------------------------------------------------------ plain words, and not too many
+# Phrase -> what to write.
+PHRASES = {
+    "is told": "is reported, is stated",
+    "are told": "are reported, are stated",
+    "way in": "initial loading",
+    "off by": "error of",
+    "the system refuses": "cannot read FILE: reason",
+    "has no use for": "unexpected argument",
+    "suffers from": "likely cause",
+    "goes on where": "resumes",
+    "deaf to": "ignores",
+    "anew": "again",
+}
+# Printed by benchmarks from stored results: words of the notes of that day.
+PRINTED = ("docs/stress.md", "docs/numbers.md", "docs/performance.md")
+PATTERN = re.compile("|".join(rf"\b{phrase.replace(' ', chr(92) + 's+')}\b" for phrase in PHRASES), re.I)
+COMMENT = re.compile(r"<!--.*?-->", re.S)
+
+
+def words_of(source: str) -> Iterator[str]:
+    """Strings and docstrings of Python code, and its comments as one text. Names are no words: `way in ways`, `way_in`."""
+    yield from (
+        node.value for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
+    found = tokenize.generate_tokens(io.StringIO(source).readline)
+    yield " ".join(token.string.lstrip("# ") for token in found if token.type == tokenize.COMMENT)
+
+
+def written() -> Iterator[tuple[str, str]]:
+    """(path, text) of every page, template and library scene; (path, a string or all comments) of the packages."""
+    yield "README.md", README
+    folders = {
+        "docs": {".md", ".ipynb"},
+        "reports/templates": {".html", ".js", ".css", ".typ", ".toml", ".json"},
+        "scenes/library": {".toml"},
+        **{package: {".py"} for package in PACKAGES},
+    }
+    for folder, kinds in folders.items():
+        for path in sorted((ROOT / folder).rglob("*")):
+            name = path.relative_to(ROOT).as_posix()
+            if path.suffix not in kinds or "_build" in name or "docs/published" in name or name in PRINTED:
+                continue
+            text = path.read_text(encoding="utf-8")
+            yield from ((name, words) for words in (words_of(text) if path.suffix == ".py" else [COMMENT.sub("", text)]))
+
+
+def faults(texts: Iterable[tuple[str, str]]) -> list[str]:
+    """Each phrase with its place and what to write instead."""
+    return [
+        f"{name}: ...{text[max(0, hit.start() - 40) : hit.end() + 20]}...: write {PHRASES[' '.join(hit[0].lower().split())]!r}"
+        for name, text in texts
+        for hit in PATTERN.finditer(text)
+    ]
+
+
+def test_no_page_template_string_docstring_or_comment_uses_them() -> None:
+    """Each phrase is seen through line breaks, and names are not."""
+    texts = list(written())
+    assert len(texts) > 2000
+    wanted = {"README.md", "docs/index.md", "reports/templates/scene.toml", "scenes/library/blocks.toml", "meshes/__init__.py"}
+    assert wanted <= {name for name, _ in texts}
+    assert not faults(texts)
+    assert all(len(faults([("page", f"It {phrase.replace(' ', chr(10))} x.")])) == 1 for phrase in PHRASES)
+    source = 'x = f"{x} is off "  "by {x}"\n# suffers\n# from it\nfor way in ways: way_in = "way_in"\n'
+    assert len(faults(("code", words) for words in words_of(source))) == 2
+
+
+# Pages that commands write as a whole: evidence, which has a limit of its own, and lists of what the library and the models hold.
+EVIDENCE = ("numbers", "verification", "scenes", "performance", "stress")
+LISTS = ("scene-keys", "gallery", "misprints", "licences", "changelog")
+NOT_BY_HAND = re.compile(r"<!-- ([\w ]+): written by `make pages` -->.*?<!-- end of \1 -->|^```.*?^```|<!--.*?-->", re.S | re.M)
+
+
+def count(text: str) -> int:
+    """Words of a page, outside code blocks, comments and tables that commands write; a bar of a table is no word."""
+    text = re.sub(r"^```\{glossary\}(.*?)^```", r"\1", text, flags=re.S | re.M)
+    return sum(bool(re.search(r"\w", word)) for word in NOT_BY_HAND.sub("", text).split())
+
+
+def test_the_manual_stays_short() -> None:
+    by_hand = [text for name, text in TEXTS.items() if name.removesuffix(".md") not in {*EVIDENCE, *LISTS}]
+    assert len(by_hand) > 30
+    # 19,600 words without measured data, fits, loops, stress at the edge and uncertainty, which take 2,800 more.
+    assert sum(map(count, by_hand)) <= 22_600
+    assert sum(len(TEXTS[f"{name}.md"].split()) for name in EVIDENCE) <= 15_000
+    assert len(README.split()) <= 900
+    table = "<!-- a table: written by `make pages` -->\n| one | two |\n<!-- end of a table -->"
+    assert count(f"a b | c <!-- n:x y -->1<!-- /n -->\n```sh\nd e\n```\n{table} f\n") == 5

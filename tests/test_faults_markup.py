@@ -3,149 +3,28 @@
 from __future__ import annotations
 
 import ast
-import csv
-import io
 import json
 import os
-import shutil
 import stat
-import subprocess
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import nullcontext
-from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-import reports
 from fuzzing import condensed_body
 from halfplane_fe.elasticity import condense
 from halfplane_fe.store import _write
-from reports.charts.table import harmless, table_text
-from reports.comparison import Report
 from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled
-from reports.page.notebook import scene_html, solution_html
 from reports.staging import replace_text
-from reports.sweep.page import write_page
-from reports.sweep.running import run
-from reports.sweep.store import Planned, Store
-from reports.sweep.study import expand, study_of
+from reports.sweep.store import Store
 from reports.third.dialects import _header
 from scenes import InputError, load_scene
-from test_reports_synthetic import cattaneo_mindlin
 
 ROOT = Path(__file__).parents[1]
-SCRIPT = "<script>document.title='run'</script>"
-EVIL = f"""{SCRIPT}</script><img src=x onerror="document.title='run'"> " onmouseover="x" $\\frac{{ {{{{ 7*7 }}}} &amp; ]]> <!--"""
-
-
-# ---------------------------------------------------------------------------------------------------------------- pages
-class Page(HTMLParser):
-    """Tags with what could run in them: scripts, frames, handlers, addresses that are code or lie elsewhere."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.scripts, self.dangers, self.words = 0, [], []
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.scripts += tag == "script"
-        for name, value in attrs:
-            address = str(value).strip().lower()
-            code = name.startswith("on") or address.startswith(("javascript:", "data:text/html"))
-            elsewhere = name in {"href", "src", "xlink:href", "action"} and address.startswith(("http", "//"))
-            if code or elsewhere or (tag == "img" and name == "src" and not address.startswith("data:image/")):
-                self.dangers.append((tag, name, value))
-        if tag in {"iframe", "object", "embed", "base", "form"}:
-            self.dangers.append((tag, "", ""))
-
-    def handle_data(self, data: str) -> None:
-        self.words.append(data)
-
-
-def evil_report() -> Report:
-    truth = cattaneo_mindlin(steps_per_leg=10, points=41)
-    scene = truth.scene.vary(**dict.fromkeys(("name", "title", "purpose", "source", "units"), EVIL))
-    record = replace(truth.record, notes=(EVIL,), message=EVIL)
-    changed = {"scene": scene, "record": record, "settings": {EVIL: EVIL}, "versions": {EVIL: EVIL}}
-    found = reports.compare(replace(truth, **changed), replace(truth, engine=EVIL, **changed), polygon_reference=truth)
-    return Report(replace(found, notes=(EVIL,)), guesses=(EVIL,))
-
-
-@pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A report and a sweep in which every word from outside is an attack."""
-    home = tmp_path_factory.mktemp("evil")
-    axis = {"name": "f", "label": EVIL, "unit": EVIL, "key": "friction.coefficient", "values": [1.0, 1.5]}
-    words = {"names": [EVIL, "g"], "keys": ["title", "cycles"], "pairs": [["=1+1", 1], [EVIL, 2], ["@x", 3]]}
-    content = {"scene": "hertz-paper", "title": EVIL, "purpose": EVIL, "engines": ["exact"], "figures": ["exact.dissipation"]}
-    study = study_of(content | {"axes": [axis, words]}, "evil")
-    store, points = Store(home / "sweep"), expand(study)
-    store.prepare()
-    store.write_plan(json.loads(study.model_dump_json()), [Planned(p.number, p.address, p.coordinates) for p in points])
-    run(study, store.folder, workers=1)
-    store.write({"address": points[0].address, "status": "failed", "values": {}, "figures": {}, "seconds": 1.0, "reason": EVIL})
-    report = reports.write(evil_report(), home / "report", command=EVIL, log=(EVIL,))
-    return {"report": report, "sweep": write_page(store)}
-
-
-def test_pages_show_hostile_words_and_run_none(pages: dict[str, Path], tmp_path: Path) -> None:
-    truth = cattaneo_mindlin(steps_per_leg=10, points=41)
-    plain = Page(reports.write(reports.compare(truth, truth), tmp_path / "out").read_text("utf-8"))
-    report, sweep = (Page(path.read_text(encoding="utf-8")) for path in pages.values())
-    assert report.dangers == plain.dangers == [("form", "", "")]  # that of the slider
-    assert report.scripts == plain.scripts
-    assert (sweep.dangers, sweep.scripts) == ([], 1)  # that of every page, and its policy names it
-    for page in (report, sweep):
-        assert any(SCRIPT in words for words in page.words)
-    assert "49" not in report.words
-    solution = evil_report().comparison.result
-    for text in (scene_html(solution.scene), solution_html(solution), evil_report()._repr_html_()):
-        assert (Page(text).scripts, Page(text).dangers) == (0, [])
-
-
-def test_the_searcher_finds_what_runs() -> None:
-    """The tester tested."""
-    assert Page(EVIL).scripts == 1
-    assert Page(EVIL).dangers
-    assert Page("<a href='javascript:x()'>").dangers
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("which", ["report", "sweep"])
-def test_a_browser_runs_nothing_of_them(which: str, pages: dict[str, Path]) -> None:
-    browser = shutil.which("chromium")
-    if browser is None:
-        pytest.skip("needs chromium")
-    command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=3000", "--dump-dom"]
-    done = subprocess.run([*command, pages[which].as_uri()], capture_output=True, text=True, timeout=120, check=True)
-    assert "<title>run</title>" not in done.stdout
-    assert "&lt;script&gt;" in done.stdout
-
-
-# -------------------------------------------------------------------------------------------- tables, decks, the terminal
-def cells(text: str) -> list[str]:
-    return [cell for row in csv.reader(io.StringIO(text)) for cell in row]
-
-
-@pytest.mark.parametrize("formula", ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", " =1"])
-def test_formulas_in_tables_are_text(formula: str) -> None:
-    assert harmless(formula).startswith("'")
-    written = cells(table_text({formula: [1.0], "words": [formula]}))
-    assert not [cell for cell in written if cell.lstrip().startswith(("=", "+", "@"))]
-
-
-def test_numbers_in_tables_stay_and_no_table_has_a_formula(pages: dict[str, Path]) -> None:
-    for number in ("-1", "+1e-3", "-inf", "0", "", "1.5"):
-        assert harmless(number) == number
-    found = [cell for page in pages.values() for path in page.parent.rglob("*.csv") for cell in cells(path.read_text("utf-8"))]
-    assert len(found) > 1000
-    assert [cell for cell in found if harmless(cell) != cell] == []
-    assert {"'=1+1", "'@x"} <= set(found)
 
 
 def test_a_name_can_not_bring_a_card_into_a_deck() -> None:

@@ -62,7 +62,11 @@ def test_no_module_of_the_benchmarks_has_the_name_of_one_of_the_tests() -> None:
 
 def imported(text: str, modules: set[str], types: bool = True) -> set[str]:
     """Modules that a file imports, wherever in it, for types alone too or not; of a package its `__init__`."""
-    parts = [part for part in ast.parse(text).body if types or not ast.unparse(part).startswith("if TYPE_CHECKING")]
+    parts = [
+        part
+        for part in ast.parse(text).body
+        if types or not (isinstance(part, ast.If) and ast.unparse(part.test) == "TYPE_CHECKING")
+    ]
     nodes = [node for part in parts for node in ast.walk(part) if isinstance(node, ast.ImportFrom)]
     names = {(node.module or "", f"{node.module}.{name.name}") for node in nodes for name in node.names}
     return {whole if whole in modules else part for part, whole in names if {part, whole} & modules}
@@ -85,6 +89,15 @@ def test_imports_go_round_in_no_circle(package: str) -> None:
     assert circle("a", {"a": "", "a.b": "from a import c", "a.c": "from a.d import x", "a.d": "def f():\n from a.b import y"}) == {
         *("a.b", "a.c", "a.d")
     }
+
+
+def test_charts_import_nothing_of_reports_but_charts_and_units() -> None:
+    for path in (ROOT / "reports" / "charts").glob("*.py"):
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        names = [node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)]
+        names += [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+        other = [n for n in names if n.split(".")[0] == "reports" and not n.startswith(("reports.charts", "reports.units"))]
+        assert not other, f"{path.name}: {other}"
 
 
 def test_nothing_in_the_project_reads_the_folder_beside_it() -> None:

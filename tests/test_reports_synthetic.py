@@ -6,12 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from reports.comparison import Comparison, compare
 from reports.comparison.cycles import last_cycle
 from reports.comparison.metrics import compliance, loop_work
 from scenes import ContactSolution, Record, Scene, SurfaceState, Work, freeze, load_scene
 
 LOAD_RATIO = 0.6
 HALF_WIDTH = 1.0
+SCRIPT = "<script>document.title='run'</script>"
+EVIL = f"""{SCRIPT}</script><img src=x onerror="document.title='run'"> " onmouseover="x" $\\frac{{ {{{{ 7*7 }}}} &amp; ]]> <!--"""
 
 
 def closed_form_dissipation(scene: Scene) -> float:
@@ -77,6 +80,17 @@ def cattaneo_mindlin(steps_per_leg: int = 40, points: int = 161, **changed: Any)
 def with_fields(solution: ContactSolution, **changed: Any) -> ContactSolution:
     """`solution` with fields replaced, arrays frozen."""
     return replace(solution, **{name: freeze(v, v.dtype) if isinstance(v, np.ndarray) else v for name, v in changed.items()})
+
+
+def evil() -> Comparison:
+    """A result that is wrong everywhere, and every word from outside is an attack."""
+    truth = cattaneo_mindlin(steps_per_leg=12, points=61)
+    words = dict.fromkeys(("name", "title", "purpose", "source"), EVIL)
+    record = replace(truth.record, notes=(EVIL,), message=EVIL)
+    own = {"record": record, "settings": {EVIL: EVIL}, "versions": {EVIL: EVIL}, "engine": EVIL}
+    truth = replace(truth, scene=truth.scene.vary(**words, units=f"{EVIL}, {EVIL}, MPa"), **own)
+    wrong = {"pressure": 1.01 * truth.pressure, "shear": 0.99 * truth.shear, "slip": truth.slip + 1e-4}
+    return replace(compare(truth, with_fields(truth, **wrong), polygon_reference=truth), notes=(EVIL,))
 
 
 def _hertz(x: np.ndarray, a: float, load: float, size: Any) -> np.ndarray:

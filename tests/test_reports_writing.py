@@ -1,8 +1,11 @@
-"""The folder of a report: whole or not at all, strict JSON, a page that needs no network; the PDF; what a notebook shows."""
+"""A report: strict JSON, a page that needs no network and runs no word from outside; PDF, notebook, charts."""
 
 import csv
 import importlib.util
+import io
 import json
+import shutil
+import subprocess
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -10,32 +13,32 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import semi_analytic
 from reports import Report, compare, write
+from reports.charts.marks import Arrow, Axis, Band, Bitmap, Block, Curve, Dot, Group, Note, Rule, Segments
+from reports.charts.plate import Cell, Key, Panel, Plate, arranged, stacks
+from reports.charts.publication import drawn, figure_of, write_plots
+from reports.charts.style import marked, style_of
+from reports.charts.table import harmless, table_text
 from reports.cli.solving import summary_rows
 from reports.comparison import Comparison
 from reports.comparison.words import value_of
-from reports.folder import MANIFEST, claim, filled
+from reports.folder import MANIFEST
 from reports.page import pdf
 from reports.page.writing import draw
+from reports.sweep.page import write_page
+from reports.sweep.running import run
+from reports.sweep.store import Planned, Store
+from reports.sweep.study import expand, study_of
 from scenes import ContactSolution, InputError, Scene, load_scene, scene_names
-from test_reports_synthetic import cattaneo_mindlin, with_fields
+from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fields
 
 TRUTH = cattaneo_mindlin(steps_per_leg=12, points=61)
 FIGURES = {
-    "bodies",
-    "cycle",
-    "slip_history",
-    "tractions",
-    "load_path",
-    "hysteresis",
-    "half_widths",
-    "state_map",
-    "dissipation_density",
-    "errors",
-    "certificates_reference",
-    "certificates_result",
+    *("bodies", "cycle", "slip_history", "tractions", "load_path", "hysteresis", "half_widths", "state_map", "dissipation_density"),
+    *("errors", "certificates_reference", "certificates_result"),
 }
 
 
@@ -161,29 +164,37 @@ def test_the_map_of_states_and_the_table_say_one_share() -> None:
     assert f" They differ over {value_of(found.metric('state'))} of the length in contact" in captions["state_map"]
 
 
-class Tags(HTMLParser):
-    """Every tag with its attributes, and the text."""
+class Page(HTMLParser):
+    """Tags with attributes, words, and what could run: scripts, frames, handlers, addresses that are code or lie elsewhere."""
 
-    def __init__(self) -> None:
+    def __init__(self, text: str) -> None:
         super().__init__()
         self.found: list[tuple[str, dict[str, str | None]]] = []
-        self.text: list[str] = []
+        self.scripts, self.dangers, self.words = 0, [], []
+        self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.found.append((tag, dict(attrs)))
+        self.scripts += tag == "script"
+        for name, value in attrs:
+            address = str(value).strip().lower()
+            code = name.startswith("on") or address.startswith(("javascript:", "data:text/html"))
+            elsewhere = name in {"href", "src", "xlink:href", "action"} and address.startswith(("http", "//"))
+            if code or elsewhere or (tag == "img" and name == "src" and not address.startswith("data:image/")):
+                self.dangers.append((tag, name, value))
+        if tag in {"iframe", "object", "embed", "base", "form"}:
+            self.dangers.append((tag, "", ""))
 
     def handle_data(self, data: str) -> None:
-        self.text.append(data)
+        self.words.append(data)
 
 
 @pytest.fixture(scope="module")
-def page(folder: Path) -> Tags:
-    tags = Tags()
-    tags.feed((folder / "report.html").read_text(encoding="utf-8"))
-    return tags
+def page(folder: Path) -> Page:
+    return Page((folder / "report.html").read_text(encoding="utf-8"))
 
 
-def test_page_needs_no_network(page: Tags, folder: Path) -> None:
+def test_page_needs_no_network(page: Page, folder: Path) -> None:
     """Figures are inside; every other address is a file of the folder or a place on the page."""
     places = {attributes["id"] for _, attributes in page.found if "id" in attributes}
     names = ("src", "href", "action", "data", "poster", "srcset")
@@ -192,20 +203,19 @@ def test_page_needs_no_network(page: Tags, folder: Path) -> None:
             assert address[1:] in places
         elif not address.startswith("data:image/png;base64,"):
             assert (folder / address).is_file(), address
-    assert not {tag for tag, _ in page.found} & {"link", "iframe", "object", "embed"}
-    assert len([tag for tag, _ in page.found if tag == "script"]) == 2  # the data and the page's own
+    assert "link" not in {tag for tag, _ in page.found}
     assert "@import" not in (folder / "report.html").read_text(encoding="utf-8")
     assert (folder / "report.html").stat().st_size < 8e6
 
 
-def test_page_says_what_it_is_and_is_not(page: Tags) -> None:
-    text = " ".join(" ".join(page.text).split())
+def test_page_says_what_it_is_and_is_not(page: Page) -> None:
+    text = " ".join(" ".join(page.words).split())
     sentences = ("two codes agreeing is not validation", "Not within tolerance.", "halfplane run 'my scene.toml'", "not assessed")
     for words in (*sentences, "Through the cycle", "Stick and slip", "Dissipation of a cycle", "Admissible", "Work"):
         assert words in text
 
 
-def test_page_has_every_figure_with_words_for_it(page: Tags) -> None:
+def test_page_has_every_figure_with_words_for_it(page: Page) -> None:
     figures = [attributes for tag, attributes in page.found if tag == "figure"]
     assert len(figures) == len(FIGURES)
     panels = [attributes for tag, attributes in page.found if tag == "svg" and attributes.get("role") == "img"]
@@ -213,59 +223,6 @@ def test_page_has_every_figure_with_words_for_it(page: Tags) -> None:
     assert all(attributes["aria-label"] for attributes in (*figures, *panels))
     identities = [attributes["id"] for _, attributes in page.found if "id" in attributes]
     assert len(identities) == len(set(identities))
-
-
-def fill(out: Path, text: str, *names: str, error: BaseException | None = None, fresh: tuple[str, ...] | None = None) -> None:
-    """Write a file under each name, then fail with `error`."""
-    with filled(out) if fresh is None else filled(out, fresh=fresh) as folder:
-        for name in names or ("report.html",):
-            (folder / name).parent.mkdir(exist_ok=True)
-            (folder / name).write_text(text)
-        if error:
-            raise error
-
-
-def names_in(folder: Path) -> set[str]:
-    return {path.name for path in folder.iterdir()}
-
-
-class TestFolder:
-    """Whole or not at all."""
-
-    def test_an_error_leaves_nothing_or_the_earlier_report(self, tmp_path: Path) -> None:
-        with pytest.raises(RuntimeError, match="half-way"):
-            fill(tmp_path / "out", "half", error=RuntimeError("half-way"))
-        assert names_in(tmp_path) == set()
-        fill(tmp_path / "out", "first")
-        with pytest.raises(KeyboardInterrupt):
-            fill(tmp_path / "out", "second", error=KeyboardInterrupt())
-        assert (tmp_path / "out" / "report.html").read_text() == "first"
-        assert names_in(tmp_path) == {"out"}
-
-    def test_own_files_are_replaced_and_stale_ones_removed_but_by_a_lesser_run(self, tmp_path: Path) -> None:
-        fill(tmp_path, "first", "report.html", "fields/old.vtu")
-        (tmp_path / "mine.txt").write_text("mine")
-        fill(tmp_path, "second")
-        assert (tmp_path / "report.html").read_text() == "second"
-        assert names_in(tmp_path) == {"report.html", "mine.txt", MANIFEST}
-        fill(tmp_path, "alone", "semi_analytic.nc", fresh=())
-        assert names_in(tmp_path) == {"report.html", "mine.txt", "semi_analytic.nc", MANIFEST}
-        fill(tmp_path, "third")
-        assert names_in(tmp_path) == {"report.html", "mine.txt", MANIFEST}
-
-    @pytest.mark.parametrize("name", ["report.html", "scene.json", "manifest.json"])
-    def test_files_of_others_are_never_replaced(self, tmp_path: Path, name: str) -> None:
-        (tmp_path / name).write_text("mine")
-        with pytest.raises(InputError, match=f"{name} is there already"):
-            claim(tmp_path)
-        assert names_in(tmp_path) == {name}
-
-    def test_a_name_that_only_the_writer_knows_is_not_replaced_either(self, tmp_path: Path) -> None:
-        (tmp_path / "odd.csv").write_text("mine")
-        with pytest.raises(InputError, match=r"odd\.csv is there already"):
-            fill(tmp_path, "ours", "report.html", "odd.csv")
-        assert (tmp_path / "odd.csv").read_text() == "mine"
-        assert names_in(tmp_path) == {"odd.csv"}
 
 
 class TestPdf:
@@ -318,10 +275,185 @@ class TestNotebook:
         assert len(shown.findall(".//tr")) == 1 + len(comparison.headlines)
 
     def test_words_from_outside_are_escaped(self) -> None:
-        nasty = "<script>alert(1)</script>\"'&"
-        scene, nothing = TRUTH.scene.vary(name=nasty, title=nasty, units=nasty), np.full(len(TRUTH.time), np.nan)
-        truth = with_fields(TRUTH, scene=scene, engine=nasty, tangential_displacement=nothing)
-        for shown in (scene, truth, compare(truth, truth)):
-            html = shown._repr_html_()
-            assert nasty in "".join(ET.fromstring(html).itertext())
-            assert "<script" not in html
+        found = evil()
+        nothing = with_fields(found.result, tangential_displacement=np.full(len(TRUTH.time), np.nan))
+        for shown in (found.scene, found.result, nothing, found, Report(found)):
+            words = shown._repr_html_()
+            assert EVIL in "".join(ET.fromstring(words).itertext())
+            assert (Page(words).scripts, Page(words).dangers) == (0, [])
+
+
+# ------------------------------------------------------------------------------------ words from outside on pages and in tables
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A report and a sweep in which every word from outside is an attack."""
+    home = tmp_path_factory.mktemp("evil")
+    axis = {"name": "f", "label": EVIL, "unit": EVIL, "key": "friction.coefficient", "values": [1.0, 1.5]}
+    words = {"names": [EVIL, "g"], "keys": ["title", "cycles"], "pairs": [["=1+1", 1], [EVIL, 2], ["@x", 3]]}
+    content = {"scene": "hertz-paper", "title": EVIL, "purpose": EVIL, "engines": ["exact"], "figures": ["exact.dissipation"]}
+    study = study_of(content | {"axes": [axis, words]}, "evil")
+    store, points = Store(home / "sweep"), expand(study)
+    store.prepare()
+    store.write_plan(json.loads(study.model_dump_json()), [Planned(p.number, p.address, p.coordinates) for p in points])
+    run(study, store.folder, workers=1)
+    store.write({"address": points[0].address, "status": "failed", "values": {}, "figures": {}, "seconds": 1.0, "reason": EVIL})
+    report = write(Report(evil(), guesses=(EVIL,)), home / "report", command=EVIL, log=(EVIL,))
+    return {"report": report, "sweep": write_page(store)}
+
+
+def test_pages_show_hostile_words_and_run_none(pages: dict[str, Path], page: Page) -> None:
+    report, sweep = (Page(path.read_text(encoding="utf-8")) for path in pages.values())
+    assert report.dangers == page.dangers == [("form", "", "")]  # that of the slider
+    assert report.scripts == page.scripts == 2  # the data and the page's own
+    assert (sweep.dangers, sweep.scripts) == ([], 1)  # that of every page, and its policy names it
+    for each in (report, sweep):
+        assert any(SCRIPT in words for words in each.words)
+    assert "49" not in report.words
+
+
+def test_the_searcher_finds_what_runs() -> None:
+    """The tester tested."""
+    assert Page(EVIL).scripts == 1
+    assert Page(EVIL).dangers
+    assert Page("<a href='javascript:x()'>").dangers
+
+
+@pytest.mark.slow
+def test_a_browser_runs_nothing_of_a_sweep(pages: dict[str, Path]) -> None:
+    """Of a report: test_reports_browser.py."""
+    browser = shutil.which("chromium")
+    if browser is None:
+        pytest.skip("needs chromium")
+    command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=3000", "--dump-dom"]
+    done = subprocess.run([*command, pages["sweep"].as_uri()], capture_output=True, text=True, timeout=120, check=True)
+    assert "<title>run</title>" not in done.stdout
+    assert "&lt;script&gt;" in done.stdout
+
+
+def cells(text: str) -> list[str]:
+    return [cell for row in csv.reader(io.StringIO(text)) for cell in row]
+
+
+@pytest.mark.parametrize("formula", ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", " =1"])
+def test_formulas_in_tables_are_text(formula: str) -> None:
+    assert harmless(formula).startswith("'")
+    written = cells(table_text({formula: [1.0], "words": [formula]}))
+    assert not [cell for cell in written if cell.lstrip().startswith(("=", "+", "@"))]
+
+
+def test_numbers_in_tables_stay_and_no_table_has_a_formula(pages: dict[str, Path]) -> None:
+    for number in ("-1", "+1e-3", "-inf", "0", "", "1.5"):
+        assert harmless(number) == number
+    found = [cell for page in pages.values() for path in page.parent.rglob("*.csv") for cell in cells(path.read_text("utf-8"))]
+    assert len(found) > 1000
+    assert [cell for cell in found if harmless(cell) != cell] == []
+    assert {"'=1+1", "'@x"} <= set(found)
+
+
+# ----------------------------------------------------- charts: marks that both engines draw alike, files of publication quality
+NASTY = "<b>$x_1$ & \\frac{1}{2}"
+
+
+def plate(name: str = "all") -> Plate:
+    """A figure with every kind of mark, words from outside and a subscript."""
+    x = np.linspace(0.0, 1.0, 5)
+    marks = [
+        Band(x, 0 * x, x, "pale-stick", "band"),
+        Block((0.2, 0.4), (0.1, 0.3), fill="#123456", hatched=True),
+        Segments(np.array([[[0.0, 0.0], [1.0, 1.0]]]), "curve faint"),
+        Rule(0.5, "zero"),
+        Curve(x, np.where(x == 0.5, np.nan, x**2), "c1 dash", NASTY),
+        Group((Dot(0.5, 0.5, "event"),), "strip", {"strip": 0}),
+        Arrow((0.1, 0.1), (0.3, 0.6)),
+        Note(0.5, 0.9, NASTY),
+    ]
+    plain = Panel("plain", Axis(0.0, 1.0, "x / a_ref"), Axis(0.0, 1.0, NASTY), marks, NASTY, notes=["rms 1 % of p_ref"])
+    log = Panel("log", Axis(0.1, 10.0, "x", log=True), Axis(1e-3, 1.0, "y", log=True), [Curve(x + 0.1, x + 1e-3, "c0")], "log")
+    bitmap = Bitmap(np.eye(3, dtype=np.uint8), ("#ff0000", "#00ff00"))
+    pixels = Panel("map", Axis(0.0, 1.0, "x"), Axis(0.0, 1.0, "y"), [bitmap], "map")
+    keys = Key("c1 dash", NASTY), Key("pale-stick", "band", True)
+    return Plate(name, NASTY, "", "", (plain, Cell((log, pixels), 3)), {"x": x}, keys)
+
+
+def test_subscripts_are_set_all_else_is_escaped_and_looks_are_those_of_the_style_sheet_on_a_light_page() -> None:
+    shown = {
+        "x / a_ref": "x / a<sub>ref</sub>",
+        "A f² P_ref²": "A f² P<sub>ref</sub>²",
+        "‖p_ref‖ <b>": "‖p<sub>ref</sub>‖ &lt;b&gt;",
+        "my_scene": "my_scene",
+        "": "",
+    }
+    assert {text: marked(text) for text in shown} == shown
+    wanted = {"stroke": "#a83400", "stroke-width": "1.3", "stroke-dasharray": "6 2.5", "fill": "none"}
+    assert wanted.items() <= dict(style_of("curve f q")).items()
+    assert style_of("body lower")["fill"] == "#cfe3f2"
+    assert style_of("title", text=True)["font-size"] == "13"  # not that of a phone
+
+
+def test_a_figure_alone_is_xml_with_its_words_and_its_colours() -> None:
+    text = plate().svg()
+    root = ET.fromstring(text)
+    words = ["".join(element.itertext()) for element in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert "x / aref" in words
+    assert words.count(NASTY) == 0  # its subscript is set
+    assert words.count(NASTY.replace("_", "")) == 3
+    assert "#123456" in text
+    assert not [word for word in ("class=", "var(", "data-key") if word in text]
+    assert text == plate().svg()
+
+
+def test_files_of_publication_quality_are_of_the_same_figure(tmp_path: Path) -> None:
+    names = write_plots([plate("one")], tmp_path / "plots", ("pdf", "svg", "png"))
+    assert names == ["one.pdf", "one.svg", "one.png"]
+    assert (tmp_path / "plots" / "one.pdf").read_bytes().startswith(b"%PDF-")
+    assert ET.parse(tmp_path / "plots" / "one.svg").getroot().tag.endswith("svg")
+    image = Image.open(tmp_path / "plots" / "one.png").convert("RGB")
+    paper = arranged(plate())
+    assert image.size == pytest.approx((paper.width / 96 * 200, paper.height / 96 * 200), abs=2)
+    colours = {colour for _, colour in image.getcolors(10**7) or []}
+    assert {(0x12, 0x34, 0x56), (255, 0, 0), (0, 255, 0), (0xD5, 0x5E, 0x00)} <= colours
+    assert drawn(plate("one"), ("svg",))["svg"] == (tmp_path / "plots" / "one.svg").read_bytes()
+
+
+def test_both_engines_put_the_axes_at_one_place() -> None:
+    figure, paper = figure_of(plate()), arranged(plate())
+    for axes, (panel, left, top) in zip(figure.axes, paper.panels, strict=True):
+        a, b, c, d = panel.frame.box
+        box = axes.get_position()
+        found = (box.x0 * paper.width, (1 - box.y1) * paper.height, box.x1 * paper.width, (1 - box.y0) * paper.height)
+        assert found == pytest.approx((left + a, top + b, left + c, top + d))
+        assert axes.get_xlim() == pytest.approx((panel.x.low, panel.x.high))
+
+
+def test_every_figure_of_a_report_can_be_published_and_stands_alone(tmp_path: Path) -> None:
+    """No variable of the page, no class of it, nothing of other figures, and XML that any reader takes."""
+    plates = draw(Report(compare(TRUTH, with_fields(TRUTH, shear=0.99 * TRUTH.shear))))
+    assert write_plots(plates, tmp_path, ("svg",)) == [f"{plate.name}.svg" for plate in plates]
+    for plate in plates:
+        assert (tmp_path / f"{plate.name}.svg").stat().st_size > 3000
+        alone = plate.svg()
+        assert ET.fromstring(alone).tag.endswith("svg")
+        assert not [word for word in ("var(", "<use", "class=", "data-", "{{") if word in alone.replace("data:image/png", "")]
+
+
+def test_every_plot_of_a_difference_carries_its_number() -> None:
+    """5 % more pressure: rms and the largest are those of p/p_ref, and the place is where p is largest."""
+    plates = {p.name: p for p in draw(Report(compare(TRUTH, with_fields(TRUTH, pressure=1.05 * TRUTH.pressure))))}
+    cell = plates["tractions"].panels[0]
+    assert isinstance(cell, Cell)
+    p, q = cell.panels[1].notes
+    # Hertz: the mean of p^2/p0^2 is 2/3, of 47 points 0.654.
+    assert p == "p: rms 4 %, largest 5 % at x = 0 a_ref"
+    assert q.startswith("q: rms 0 %, largest 0 % at")
+    noted = {name for name, plate in plates.items() for stack in stacks(plate) for panel in stack if panel.notes}
+    assert {"tractions", "cycle", "half_widths", "slip_history", "dissipation_density", "hysteresis"} <= noted
+    assert "they differ" in plates["state_map"].panels[2].title  # type: ignore[union-attr]
+
+
+def test_errors_of_real_bodies_without_a_tolerance_are_drawn_in_per_cent() -> None:
+    blocks = TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={})
+    found = compare(with_fields(TRUTH, scene=blocks), with_fields(TRUTH, scene=blocks, pressure=1.02 * TRUTH.pressure))
+    assert found.verdict is None
+    (plate,) = (one for one in draw(Report(found)) if one.name == "errors")
+    assert {"peak_pressure", "pressure", "contact_edge"} <= set(plate.table)
+    assert "Peak pressure, worst instant: 2 % at" in " ".join(key.text for key in plate.keys)
