@@ -9,8 +9,8 @@ import stat
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -21,19 +21,24 @@ from reports.console import say, show_table
 from reports.folder import claim, default_folder, filled
 from reports.staging import replace_text
 from reports.sweep.store import Store
-from reports.third.dialects import _header
+from reports.third.deck import Deck, DeckSettings, build_deck
+from reports.third.dialects import deck_text
 from scenes import InputError, load_scene
 
 ROOT = Path(__file__).parents[1]
 
 
 def test_a_name_can_not_bring_a_card_into_a_deck() -> None:
-    scene = load_scene("hertz-paper").vary(name="x\n*INCLUDE, INPUT=/etc/passwd", title="a\n*STEP")
-    body = SimpleNamespace(nodes=())
-    settings, scales = SimpleNamespace(edge_element_size=0.01, far_radius=10.0), SimpleNamespace(half_width=1.0, load=1.0)
-    deck = SimpleNamespace(lower=body, upper=body, reference=1, time=(0.0, 1.0), settings=settings, scales=scales, scene=scene)
-    lines = "\n".join(_header(deck, "calculix", "", {"halfplane": "1"})).splitlines()
-    assert [line for line in lines if line.startswith("*") and not line.startswith("**")] == ["*HEADING"]
+    evil = dict.fromkeys(("name", "title", "units"), "x\n*INCLUDE, INPUT=/etc/passwd\x85*STEP")
+    settings = DeckSettings(element_size=0.25, edge_element_size=0.25, far_radius=10.0, growth=0.9, steps_per_cycle=4, cycles=1)
+    deck = build_deck(load_scene("hertz-normal"), settings)
+    wrong = replace(deck, scene=deck.scene.vary(**evil))
+
+    def cards(deck: Deck, command: str) -> list[str]:
+        lines = deck_text(deck, "calculix", command, {"halfplane": command}).splitlines()
+        return [line for line in lines if line.startswith("*") and not line.startswith("**")]
+
+    assert cards(wrong, "a\n*STEP") == cards(deck, "")
 
 
 def test_the_terminal_is_not_steered(capsys: pytest.CaptureFixture[str]) -> None:
