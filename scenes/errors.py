@@ -51,6 +51,14 @@ class ProfileDataError(InputError):
     """Rows or a function that do not say what the profile is where the bodies touch: no engine has an answer to that."""
 
 
+class RowError(ValueError):
+    """A fault in one row of a table: `row` counts the rows of numbers from 0."""
+
+    def __init__(self, row: int, rule: str) -> None:
+        self.row, self.rule = row, rule
+        super().__init__(f"row {row + 1}: {rule}")
+
+
 _RULES = {
     "gross sliding": "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load control; "
     "lower the tangential load, raise the normal load or friction.coefficient",

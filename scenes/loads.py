@@ -14,8 +14,9 @@ from pydantic import Field, model_validator
 
 from scenes.bulk_stress import KEYS, BulkAndTilt, Column, Harmonic, Wave, WaveSum, column, growing, straight_pairs, wave_pair
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
+from scenes.errors import RowError
 from scenes.frozen import Frozen, Positive, PythonFunction
-from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, RowError, Table
+from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
 from scenes.reduction import Reduction, reduced
 from scenes.segments import (
     ChebyshevSegment,

@@ -24,8 +24,8 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
-from scenes.errors import InputError, shown
-from scenes.fitting import UnfitRowError, fitted_keys
+from scenes.errors import InputError, RowError, shown
+from scenes.fitting import fitted_keys
 from scenes.frozen import Frozen, Positive
 from scenes.text_tables import LARGEST, text_table
 from scenes.unit_words import Kind, unit_factor
@@ -79,14 +79,6 @@ class Table:
     @classmethod
     def __get_pydantic_json_schema__(cls, _schema: CoreSchema, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
         return {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
-
-
-class RowError(ValueError):
-    """A fault in one row of a table: `row` counts the rows of numbers from 0."""
-
-    def __init__(self, row: int, rule: str) -> None:
-        self.row, self.rule = row, rule
-        super().__init__(f"row {row + 1}: {rule}")
 
 
 def _rows_may_stand_in_a_file(schema: dict[str, Any], model: type[FromFile]) -> None:
@@ -373,13 +365,10 @@ class Tabulated(FromFile):
     _keys: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     def check_rows(self) -> None:
-        if self.fit is not None:
-            try:
-                self._keys = fitted_keys(*self.points.values.T, **dict(self.fit))
-            except UnfitRowError as fault:
-                raise RowError(fault.row, fault.rule) from fault
-            return
-        self._sides()
+        if self.fit is None:
+            self._sides()
+        else:
+            self._keys = fitted_keys(*self.points.values.T, **dict(self.fit))
 
     def _sides(self) -> tuple[tuple[Array, Array], ...]:
         """(x, h) from x = 0, h = 0 up: of both sides averaged, or of the left side, turned round, and of the right."""
