@@ -140,15 +140,15 @@ class TestStress:
         answer = answer_of("blocks")
         (snapshot,) = halfplane_fe.fields(answer, [answer.time[-1]])
         found, scales = peak(snapshot), scales_of([snapshot])
-        assert found.value == max(body.von_mises.max() for body in snapshot.bodies) == scales[0]
-        body = snapshot.bodies[found.body == "upper"]
-        assert body.von_mises[np.argmin(np.linalg.norm(body.points - found.place, axis=1))] == found.value
+        assert found["value"] == max(body.von_mises.max() for body in snapshot.bodies) == scales[0]
+        body = snapshot.bodies[found["body"] == "upper"]
+        assert body.von_mises[np.argmin(np.linalg.norm(body.points - (found["x"], found["y"]), axis=1))] == found["value"]
         xx, yy, xy, zz = snapshot.bodies[0].stress.T
         zero = np.zeros_like(xx)
         tensors = np.array([[xx, xy, zero], [xy, yy, zero], [zero, zero, zz]]).transpose(2, 0, 1)
         principal = np.linalg.eigvalsh(tensors)[:, 2]
-        np.testing.assert_allclose(tension(snapshot.bodies[0]), principal, atol=1e-12 * found.value)
-        assert peak(snapshot, tension).value == max(tension(body).max() for body in snapshot.bodies) > 0
+        np.testing.assert_allclose(tension(snapshot.bodies[0]), principal, atol=1e-12 * found["value"])
+        assert peak(snapshot, tension)["value"] == max(tension(body).max() for body in snapshot.bodies) > 0
         drawn = stress(answer, [snapshot], [Instant(2.0, "Q largest")], scales)
         assert NO_PEAK in drawn.caption
         assert "largest nodal value [MPa]" in drawn.csv().splitlines()[0]
@@ -162,9 +162,9 @@ class TestStress:
             (snapshot,) = halfplane_fe.fields(answer, [answer.time[step]])
             found, exact = edge_tension(snapshot), 2 * friction * p0 * np.sqrt(ratio)
             assert found is not None
-            assert abs(found.value - exact) <= found.uncertainty < 0.01 * exact
-            assert peak(snapshot, tension).value < found.value
-            assert abs(found.x) == pytest.approx(1.0, rel=1e-3)
+            assert abs(found["value"] - exact) <= found["uncertainty"] < 0.01 * exact
+            assert peak(snapshot, tension)["value"] < found["value"]
+            assert abs(found["x"]) == pytest.approx(1.0, rel=1e-3)
 
 
 TURN = 2 * np.pi * np.arange(73) / 72
@@ -234,19 +234,20 @@ class TestFatigue:
         scene = load_scene("cattaneo-mindlin")
         answer = fe_run(scene, MeshSettings(edge_element_size=0.025), FEW_STEPS)
         peak = semi_analytic.edge_tension(scene, 2.0)[0]
-        for one in fatigue.survey(answer, fatigue.Criteria((1.0, 400.0), 0.3)):
-            found = dict(one.largest())
-            assert len(found) == 8
-            for words, (theory, elements) in found.items():
-                assert elements[0] == pytest.approx(theory[0], rel=5e-3), words
-            assert found["largest principal stress"][0][0] == pytest.approx(peak, rel=1e-6)
-            material = getattr(scene.material, one.body)
-            wanted = peak**2 * (1 - material.poisson_ratio**2) / material.young_modulus
-            # At the least the edge is pressed by as much: the range is twice the tension.
-            assert found["Smith-Watson-Topper"][0][0] == pytest.approx(wanted, rel=1e-4)
-            assert abs(found["Smith-Watson-Topper"][0][1]) == pytest.approx(1.0, abs=1e-9)
-        point, average = (fatigue.survey(answer, fatigue.Criteria(critical_distance=d))[0] for d in (1e-6, 0.1))
-        largest = [dict(one.largest())["largest principal stress"][0][0] for one in (point, average)]
+        found = fatigue.largest(fatigue.survey(answer, fatigue.Criteria((1.0, 400.0), 0.3)))
+        assert len(found) == 16
+        for row in found:
+            assert row["finite_elements"]["value"] == pytest.approx(row["theory"]["value"], rel=5e-3), row["measure"]
+            material = getattr(scene.material, row["body"])
+            if row["measure"] == "largest principal stress":
+                assert row["theory"]["value"] == pytest.approx(peak, rel=1e-6)
+            if row["measure"] == "Smith-Watson-Topper":
+                # At the least the edge is pressed by as much: the range is twice the tension.
+                wanted = peak**2 * (1 - material.poisson_ratio**2) / material.young_modulus
+                assert row["theory"]["value"] == pytest.approx(wanted, rel=1e-4)
+                assert abs(row["theory"]["x"]) == pytest.approx(1.0, abs=1e-9)
+        tables = [fatigue.survey(answer, fatigue.Criteria(critical_distance=distance)) for distance in (1e-6, 0.1)]
+        largest = [fatigue.largest(table)[0]["theory"]["value"] for table in tables]
         assert largest[0] == pytest.approx(peak, rel=5e-3)
         assert 0.3 * peak < largest[1] < 0.8 * peak
 

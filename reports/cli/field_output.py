@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Generator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,8 +17,8 @@ from reports.console import Stages, say, show_table
 
 if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution, Snapshot
-    from reports.field_output.fatigue import Criteria, Survey
-    from reports.field_output.files import Instant, Written
+    from reports.field_output.fatigue import Criteria
+    from reports.field_output.files import Instant
     from scenes import Scene
 
 # Frames of a film without a series: five seconds at twelve a second.
@@ -75,7 +75,7 @@ _FIELDS = FieldsOptions()
 def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
     """Finite elements, and displacement, stress and tractions of both bodies on disk."""
     from reports.comparison.content import strict
-    from reports.field_output import files
+    from reports.field_output import fatigue, files
     from reports.folder import filled
     from scenes import InputError
 
@@ -95,14 +95,14 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
         named = files.instants_of(options.at, solution, "--at")
         series, notes = files.series_of(solution, options.every, options.frames) if options.series else ((), [])
         instants = sorted({one.time: one for one in (*series, *named)}.values(), key=lambda one: one.time)
-        done: list[Written] = []
+        rows: list[dict[str, Any]] = []
         stills: list[tuple[Instant, Snapshot]] = []
 
         def passing() -> Generator[Snapshot, None, None]:
             """Snapshots on their way to disk: what is stated of each is noted, those of named instants are kept for stills."""
             wanted = {one.time for one in named}
             for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
-                done.append(files.written(instant, snapshot))
+                rows.append(files.stated(instant, snapshot))
                 if instant.time in wanted:
                     stills.append((instant, snapshot))
                 yield snapshot
@@ -113,41 +113,42 @@ def fields(scene: SceneName, *, options: FieldsOptions = _FIELDS) -> int:
             written = [f"fields/{name}" for name in names]
             drawn = _draw(solution, stills, staging / "pictures", stages) if options.pictures and stills else []
             film = _animate(solution, series, staging / "animation", stages, notes) if options.animate else None
-            surveys = _fatigue(solution, criteria, staging / "fields", stages) if criteria is not None else ()
-            written += ["fields/fatigue.csv"] if surveys else []
-            command = options.command("fields", source, folder)
-            content = files.record(solution, done, written, drawn, command, stages.seconds, film, notes)
-            content |= {"fatigue": _fatigue_rows(surveys)} if surveys else {}
+            measured = {}
+            if criteria is not None:
+                with stages.stage("measures of fatigue"):
+                    places = fatigue.survey(solution, criteria)
+                places.to_csv(staging / "fields" / "fatigue.csv", index=False, float_format="%.9g")
+                written.append("fields/fatigue.csv")
+                measured = {"fatigue": fatigue.largest(places)}
+            content = files.record(
+                solution,
+                command=options.command("fields", source, folder),
+                instants=rows,
+                notes=notes,
+                files=written,
+                pictures=drawn,
+                animation=film,
+                seconds=dict(stages.seconds),
+                **measured,
+            )
             text = json.dumps(strict(content), allow_nan=False, indent=1)
             (staging / "fields" / "fields.json").write_text(text + "\n", encoding="utf-8")
         films = [f"animation/{name}" for name in film["files"]] if film else []
         whole, file = ["fields/fields.json", *written, *drawn, *films], str(folder / "fields" / "fields.pvd")
         if options.json:
-            rows = [
-                {
-                    "label": one.instant.label,
-                    "time": one.time,
-                    "normal_load": one.normal_load,
-                    "tangential_load": one.tangential_load,
-                    "largest_nodal_von_mises": asdict(one.von_mises),
-                    "largest_nodal_tension": asdict(one.tension),
-                    "tension_at_edge": None if one.at_edge is None else asdict(one.at_edge),
-                }
-                for one in done
-            ]
-            shown = {"passed": True, "instants": rows, "largest nodal stresses": files.NO_PEAK}
-            more: dict[str, Any] = {"notes": notes, "files": whole, "file": file, "seconds": stages.seconds}
-            more |= {"fatigue": _fatigue_rows(surveys)} if surveys else {}
+            shown = {key: content[key] for key in ("instants", "largest nodal stresses", "notes", *measured)}
+            more = {"passed": True, "files": whole, "file": file, "seconds": stages.seconds}
             return answer("fields", WITHIN, shown | more, scene.name)
-        _show(scene, done, whole, notes)
-        _show_fatigue(scene, surveys)
+        _show(scene, rows, whole, notes)
+        if measured:
+            _show_fatigue(scene, measured["fatigue"])
         say(file)
         return WITHIN
 
     return at_work("fields", source, options, work)
 
 
-def _show(scene: Scene, instants: Sequence[Written], files: Sequence[str], notes: Sequence[str]) -> None:
+def _show(scene: Scene, instants: Sequence[dict[str, Any]], files: Sequence[str], notes: Sequence[str]) -> None:
     """The instants with their largest nodal stress, the largest of all where they are many, and what was written."""
     from reports.comparison.words import with_uncertainty
     from reports.field_output.files import NO_PEAK
@@ -155,15 +156,12 @@ def _show(scene: Scene, instants: Sequence[Written], files: Sequence[str], notes
 
     _, length, stress = units(scene)
     load, many, rows = load_unit(scene), len(instants) > _ROWS, []
-    for one in [max(instants, key=lambda one: one.von_mises.value)] if many else instants:
-        place = ", ".join(number(float(f"{place:.3g}")) for place in one.von_mises.place)
-        nodal, edge = f"{number(one.von_mises.value)} at ({place}), {one.von_mises.body}", one.at_edge
-        at_edge = (
-            "–"
-            if edge is None
-            else f"{with_uncertainty(edge.value, edge.uncertainty)} at {number(float(f'{edge.x:.3g}'))}, {edge.body}"
-        )
-        rows.append((one.instant.label, *map(number, (one.time, one.normal_load, one.tangential_load)), nodal, at_edge))
+    for one in [max(instants, key=lambda one: one["largest_nodal_von_mises"]["value"])] if many else instants:
+        peak, edge = one["largest_nodal_von_mises"], one["tension_at_edge"]
+        nodal, at_edge = f"{number(peak['value'])} at {_place(peak)}, {peak['body']}", "–"
+        if edge is not None:
+            at_edge = f"{with_uncertainty(edge['value'], edge['uncertainty'])} at {_rounded(edge['x'])}, {edge['body']}"
+        rows.append((one["label"], *(number(one[key]) for key in ("time", "normal_load", "tangential_load")), nodal, at_edge))
     heads = ("instant", "time", f"P [{load}]", f"Q [{load}]", f"nodal von Mises [{stress}]", f"tension at the edge [{stress}]")
     show_table(scene.title or scene.name, heads, rows, right=(1, 2, 3))
     say(f"places x, y in {length}, on the undeformed bodies; tension: the largest stress along a face at an edge of contact")
@@ -178,55 +176,32 @@ def _show(scene: Scene, instants: Sequence[Written], files: Sequence[str], notes
     say(f"written: {counts['.vtu']} VTU files, {counts['.png']} pictures{film}, and what they are in fields/fields.json")
 
 
-def _fatigue(solution: FiniteElementSolution, criteria: Criteria, folder: Path, stages: Stages) -> tuple[Survey, ...]:
-    """Measures of fatigue in both bodies; all of them at every place in fatigue.csv."""
-    import pandas as pd
+def _show_fatigue(scene: Scene, found: Sequence[dict[str, Any]]) -> None:
+    """The largest value of each measure by both engines, in the body in which finite elements have it."""
+    from reports.units import minus, units
 
-    from reports.field_output.fatigue import survey
-
-    with stages.stage("measures of fatigue"):
-        surveys = survey(solution, criteria)
-    tables = []
-    for one in surveys:
-        columns = {"body": one.body, "x, theory": one.x[0], "x, finite elements": one.x[1], "y": one.y}
-        for words, (theory, elements) in one.measures.items():
-            columns |= {f"{words}, theory": theory, f"{words}, finite elements": elements}
-        tables.append(pd.DataFrame(columns))
-    pd.concat(tables).to_csv(folder / "fatigue.csv", index=False, float_format="%.9g")
-    return surveys
-
-
-def _fatigue_rows(surveys: Sequence[Survey]) -> list[dict[str, Any]]:
-    """The largest value of each measure in each body, by both engines."""
-    rows = []
-    for one in surveys:
-        for words, sides in one.largest():
-            found = {
-                name: dict(zip(("value", "x", "y"), side, strict=True))
-                for name, side in zip(("theory", "finite_elements"), sides, strict=True)
-            }
-            rows.append({"body": one.body, "measure": words, **found})
-    return rows
-
-
-def _show_fatigue(scene: Scene, surveys: Sequence[Survey]) -> None:
-    """The largest value of each measure by both engines."""
-    from reports.units import minus, number, units
-
-    if not surveys:
-        return
     _, length, stress = units(scene)
     rows = []
-    for pair in zip(*(one.largest() for one in surveys), strict=True):
-        body, (words, sides) = max(zip((one.body for one in surveys), pair, strict=True), key=lambda row: row[1][1][1][0])
-        (theory, *_), (elements, x, y) = sides
+    for words in dict.fromkeys(row["measure"] for row in found):
+        row = max((row for row in found if row["measure"] == words), key=lambda row: row["finite_elements"]["value"])
+        theory, elements = row["theory"]["value"], row["finite_elements"]["value"]
         unit = "–" if words == "Fatemi-Socie" else stress
         apart = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
-        place = ", ".join(number(float(f"{at:.3g}")) for at in (x, y))
-        rows.append((f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), f"({place}), {body}"))
+        place = f"{_place(row['finite_elements'])}, {row['body']}"
+        rows.append((f"{words} [{unit}]", f"{theory:.4g}", f"{elements:.4g}", minus(apart), place))
     heads = ("largest through the last cycle", "theory", "finite elements", "difference", f"at (x, y) [{length}]")
     show_table("Measures of fatigue", heads, rows, right=(1, 2, 3))
     say("linear elastic stress of the contact alone, on planes that contain the z axis; places beside the contact, in fatigue.csv")
+
+
+def _place(of: dict[str, Any]) -> str:
+    return f"({_rounded(of['x'])}, {_rounded(of['y'])})"
+
+
+def _rounded(place: float) -> str:
+    from reports.units import number
+
+    return number(float(f"{place:.3g}"))
 
 
 def _draw(solution: FiniteElementSolution, stills: Sequence[tuple[Instant, Snapshot]], folder: Path, stages: Stages) -> list[str]:

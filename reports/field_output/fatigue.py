@@ -8,9 +8,9 @@ a degree apart; strains are elastic. Every formula is for the history as it is, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,20 +18,21 @@ from numpy.typing import NDArray
 from scenes import InputError
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from halfplane_fe import FiniteElementSolution
 
 Array = NDArray[np.float64]
 
 # Angles of planes, half a turn in all, and steps towards the least sphere around a path, whose radius they leave 1e-3 too large.
 _PLANES, _STEPS = 180, 1000
-
-
 # Instants of the cycle, at most, beside those of the largest and least loads; places across the contact, over its half-width, and
 # depths below the face; Gauss' points of an average over depth.
 _INSTANTS = 40
 _ACROSS = np.arange(-80, 81) / 64
 _DEPTHS = np.array([0.0, 0.02, 0.1, 0.3, 0.8])
 _OVER_DEPTH = 8
+ENGINES = ("theory", "finite elements")
 
 
 @dataclass(frozen=True)
@@ -58,39 +59,20 @@ class Criteria:
                 raise InputError(f"{option} {value:g}: a number above 0 is needed")
 
 
-@dataclass(frozen=True, eq=False)
-class Survey:
-    """Measures through the last cycle at places beside the contact in one body.
+def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
+    """Measures through the last cycle at places beside the contact in both bodies, of theory and finite elements; a row a place.
 
-    Attributes
-    ----------
-    body : "lower" or "upper"
-    x : (2, n) places in theory and finite elements: the same over their own half-widths at the largest tension, so that the
-        edges, where stress has an infinite slope, are among them in both [length]
-    y : (n,) out of the lower body; 0 for averages over depth [length]
-    measures : words of a measure -> (theory, finite elements), (n,) each
-    """
-
-    body: str
-    x: Array
-    y: Array
-    measures: Mapping[str, tuple[Array, Array]]
-
-    def largest(self) -> Iterator[tuple[str, list[tuple[float, float, float]]]]:
-        """Of each measure its words, and the largest value with its place (value, x, y) in theory and in finite elements."""
-        for words, sides in self.measures.items():
-            found = [(x, side, int(side.argmax())) for x, side in zip(self.x, sides, strict=True)]
-            yield words, [(float(side[at]), float(x[at]), float(self.y[at]) + 0.0) for x, side, at in found]
-
-
-def survey(solution: FiniteElementSolution, criteria: Criteria) -> tuple[Survey, Survey]:
-    """Measures in the lower and the upper body, of theory and finite elements at the same places and instants.
+    Columns: body; x in theory and in finite elements, the same over their own half-widths at the largest tension, so that the
+    edges, where stress has an infinite slope, are among them in both [length]; y out of the lower body, 0 for averages over depth
+    [length]; each measure by both engines.
 
     Raises
     ------
     InputError
         For a body so thin, or a critical distance so long, that the stress beside the contact is not known.
     """
+    import pandas as pd
+
     import halfplane_fe
     import semi_analytic
 
@@ -125,9 +107,24 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> tuple[Survey,
             )
         sides = [measures(side, criteria, material.young_modulus, material.poisson_ratio) for side in (theory, elements)]
         places, heights = (_ACROSS, np.zeros(len(_ACROSS))) if averaged else (across, y)
-        both = {words: (sides[0][words], sides[1][words]) for words in sides[0]}
-        found.append(Survey(body, np.outer(edges, places), heights, both))
-    return found[0], found[1]
+        columns = {"body": body, **{f"x, {name}": edge * places for name, edge in zip(ENGINES, edges, strict=True)}, "y": heights}
+        pairs = {f"{words}, {name}": side[words] for words in sides[0] for name, side in zip(ENGINES, sides, strict=True)}
+        found.append(pd.DataFrame(columns | pairs))
+    return pd.concat(found, ignore_index=True)
+
+
+def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """The largest value of each measure of a survey in each body with its place, by both engines."""
+    rows = []
+    for body, part in table.groupby("body", sort=False):
+        for words in (name.removesuffix(f", {ENGINES[0]}") for name in table.columns[4::2]):
+            row: dict[str, Any] = {"body": body, "measure": words}
+            for name in ENGINES:
+                at = part[f"{words}, {name}"].idxmax()
+                value, x, y = (float(part[column][at]) for column in (f"{words}, {name}", f"x, {name}", "y"))
+                row[name.replace(" ", "_")] = {"value": value, "x": x, "y": y + 0.0}
+            rows.append(row)
+    return rows
 
 
 def measures(stress: Array, criteria: Criteria, young_modulus: float, poisson_ratio: float) -> dict[str, Array]:
@@ -184,30 +181,24 @@ def smith_watson_topper(stress: Array, young_modulus: float, poisson_ratio: floa
 
     Source: Smith, Watson and Topper (1970); on critical planes Socie (1987).
     """
-    found = np.zeros(stress.shape[1])
-    for normal, shear_strain, strain in _planes(stress, young_modulus, poisson_ratio):
-        del shear_strain
-        found = np.maximum(found, np.maximum(normal.max(axis=0), 0.0) * np.ptp(strain, axis=0) / 2)
-    return found
+    planes = _planes(stress, young_modulus, poisson_ratio)
+    return np.max([np.maximum(s.max(axis=0), 0.0) * np.ptp(strain, axis=0) / 2 for s, _, strain in planes], axis=0)
 
 
 def fatemi_socie(stress: Array, young_modulus: float, poisson_ratio: float, k: float, yield_stress: float) -> Array:
-    """Largest over the planes of (range of gamma)/2 (1 + k s_n,max/s_yield), (n_points,) [strain].
+    """Largest over the planes of (range of gamma)/2 (1 + k s_n,max/s_yield), at least 0, (n_points,) [strain].
 
     Compression across the plane reduces it. Source: Fatemi and Socie (1988).
     """
-    found = np.zeros(stress.shape[1])
-    for normal, gamma, _ in _planes(stress, young_modulus, poisson_ratio):
-        found = np.maximum(found, np.ptp(gamma, axis=0) / 2 * (1 + k * normal.max(axis=0) / yield_stress))
-    return found
+    planes = _planes(stress, young_modulus, poisson_ratio)
+    found = [np.ptp(gamma, axis=0) / 2 * (1 + k * s.max(axis=0) / yield_stress) for s, gamma, _ in planes]
+    return np.max(found, axis=0, initial=0.0)
 
 
 def findley(stress: Array, k: float) -> Array:
     """Largest over the planes of (range of tau)/2 + k s_n,max, (n_points,) [stress]. Source: Findley (1959)."""
-    found = np.full(stress.shape[1], -np.inf)
-    for normal, gamma, _ in _planes(stress, 2.0, 0.0):  # G = 1: gamma is tau
-        found = np.maximum(found, np.ptp(gamma, axis=0) / 2 + k * normal.max(axis=0))
-    return found
+    planes = _planes(stress, 2.0, 0.0)  # G = 1: gamma is tau
+    return np.max([np.ptp(gamma, axis=0) / 2 + k * s.max(axis=0) for s, gamma, _ in planes], axis=0)
 
 
 def crossland(stress: Array) -> tuple[Array, Array]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Generator, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -173,21 +173,16 @@ def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> In
     return np.asarray(nodes[np.argsort(skfem_mesh.p[0, nodes])], dtype=np.int64)
 
 
-@dataclass(frozen=True)
-class Peak:
-    """The largest nodal value of a stress in a snapshot [stress], its body and undeformed place [length]; see `NO_PEAK`."""
+def peak(snapshot: Snapshot, of: Callable[[BodyFields], Array] = lambda body: body.von_mises) -> dict[str, Any]:
+    """The largest nodal value of a stress [stress], its body and undeformed place [length]; see `NO_PEAK`.
 
-    value: float
-    body: str
-    place: tuple[float, float]
-
-
-def peak(snapshot: Snapshot, of: Callable[[BodyFields], Array] = lambda body: body.von_mises) -> Peak:
-    """Where `of` a body, a value at each of its nodes, is largest: von Mises' stress, or `tension`."""
-    values = [of(body) for body in snapshot.bodies]
-    which = int(np.argmax([value.max() for value in values]))
-    body, node = snapshot.bodies[which], int(np.argmax(values[which]))
-    return Peak(float(values[which][node]), body.name, (float(body.points[node, 0]), float(body.points[node, 1]) + 0.0))
+    `of` a body gives a value at each of its nodes: von Mises' stress, or `tension`.
+    """
+    body = max(snapshot.bodies, key=lambda one: float(of(one).max()))
+    values = of(body)
+    node = int(np.argmax(values))
+    x, y = float(body.points[node, 0]), float(body.points[node, 1]) + 0.0
+    return {"value": float(values[node]), "body": body.name, "x": x, "y": y, "place": [x, y]}
 
 
 def tension(body: BodyFields) -> Array:
@@ -195,89 +190,43 @@ def tension(body: BodyFields) -> Array:
     return np.asarray(principal(body.stress)[:, 0])
 
 
-@dataclass(frozen=True)
-class EdgeTension:
-    """The largest s_xx of the faces at the edges of contact with its uncertainty [stress], its body and place x [length]."""
+def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
+    """The largest s_xx of the faces at the edges of contact with its uncertainty [stress], its body and place x [length].
 
-    value: float
-    uncertainty: float
-    body: str
-    x: float
-
-
-def edge_tension(snapshot: Snapshot) -> EdgeTension | None:
-    """Where it is largest; None out of contact, and where it is not known of a body."""
-    found = [
-        EdgeTension(float(body.edge_tension[side]), float(body.edge_tension_uncertainty[side]), body.name, float(x))
-        for body in snapshot.bodies
-        for side, x in enumerate(body.edges)
-        if np.isfinite(x)
-    ]
-    known = all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies)
-    return max(found, key=lambda one: one.value, default=None) if known else None
-
-
-@dataclass(frozen=True)
-class Written:
-    """An instant that was written: what was requested, the stored time taken, its loads [force/length], its largest stresses.
-
-    `von_mises` and `tension` are the largest nodal values of von Mises' stress and of the principal stresses; `at_edge` is the
-    tension at the edges of contact.
+    None out of contact, and where it is not known of a body.
     """
-
-    instant: Instant
-    time: float
-    normal_load: float
-    tangential_load: float
-    von_mises: Peak
-    tension: Peak
-    at_edge: EdgeTension | None
-
-
-def written(instant: Instant, snapshot: Snapshot) -> Written:
-    """What is stated of a snapshot once it is on disk."""
-    loads = snapshot.normal_load, snapshot.tangential_load
-    return Written(instant, snapshot.time, *loads, peak(snapshot), peak(snapshot, tension), edge_tension(snapshot))
+    known = all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies)
+    found: list[dict[str, Any]] = [
+        {"value": float(value), "uncertainty": float(doubt), "body": body.name, "x": float(x)}
+        for body in snapshot.bodies
+        for value, doubt, x in zip(body.edge_tension, body.edge_tension_uncertainty, body.edges, strict=True)
+        if known and np.isfinite(x)
+    ]
+    return max(found, key=lambda one: one["value"], default=None)
 
 
-def record(
-    solution: FiniteElementSolution,
-    instants: Sequence[Written],
-    files: Sequence[str],
-    pictures: Sequence[str],
-    command: str,
-    seconds: Mapping[str, float],
-    animation: Mapping[str, Any] | None = None,
-    notes: Sequence[str] = (),
-) -> dict[str, Any]:
-    """What was written and from what, for fields.json."""
+def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
+    """What is stated of an instant that was written, here and on the command line: loads [force/length], largest stresses."""
+    return {
+        "asked": instant.time,
+        "label": instant.label,
+        "time": snapshot.time,
+        "normal_load": snapshot.normal_load,
+        "tangential_load": snapshot.tangential_load,
+        "largest_nodal_von_mises": peak(snapshot),
+        "largest_nodal_tension": peak(snapshot, tension),
+        "tension_at_edge": edge_tension(snapshot),
+    }
 
-    def placed(found: Peak) -> dict[str, float | str]:
-        return {"value": found.value, "body": found.body, "x": found.place[0], "y": found.place[1]}
 
+def record(solution: FiniteElementSolution, **found: Any) -> dict[str, Any]:
+    """What was written and from what, for fields.json: `found` by the command, and what is known of the solution."""
     scene = solution.scene
     return {
         "format": "halfplane fields 1",
-        "command": command,
         "units": scene.units,
-        "instants": [
-            {
-                "asked": one.instant.time,
-                "label": one.instant.label,
-                "time": one.time,
-                "normal_load": one.normal_load,
-                "tangential_load": one.tangential_load,
-                "largest_nodal_von_mises": placed(one.von_mises),
-                "largest_nodal_tension": placed(one.tension),
-                "tension_at_edge": None if one.at_edge is None else asdict(one.at_edge),
-            }
-            for one in instants
-        ],
         "largest nodal stresses": NO_PEAK,
-        "notes": list(notes),
-        "files": list(files),
-        "pictures": list(pictures),
-        "animation": animation,
+        **found,
         "point data": {
             "displacement": "of each body; the upper one's with its movement as a whole; on the contact line the lower one's",
             "stress": "xx, yy, zz, xy, yz, xz: beside the contact from the tractions, further away carried to each node from its "
@@ -298,6 +247,5 @@ def record(
         "record": {"converged": solution.record.converged, "message": solution.record.message, "notes": solution.record.notes},
         "settings": solution.settings,
         "versions": solution.versions,
-        "seconds": dict(seconds),
         "scene": scene.model_dump(mode="json"),
     }

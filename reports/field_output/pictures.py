@@ -228,10 +228,10 @@ def stress(
         {
             "instant": [instant.label for instant in instants],
             "time": [snapshot.time for snapshot in snapshots],
-            f"largest nodal value [{unit}]": [one.value for one in peaks],
-            "body": [one.body for one in peaks],
-            f"x [{length}]": [one.place[0] for one in peaks],
-            f"y [{length}]": [one.place[1] for one in peaks],
+            f"largest nodal value [{unit}]": [one["value"] for one in peaks],
+            "body": [one["body"] for one in peaks],
+            f"x [{length}]": [one["x"] for one in peaks],
+            f"y [{length}]": [one["y"] for one in peaks],
         },
         STATE_KEYS,
     )
@@ -277,7 +277,7 @@ def _at_the_contact(solution: FiniteElementSolution, snapshot: Snapshot, largest
     for body in snapshot.bodies:
         places = body.points + body.displacement + np.outer(gap_share(solution, body), (0.0, 1.0))
         skins.append(Skin(places, body.cells, body.von_mises, (0.0, largest), edges=0.22))
-    note = minus(f"largest nodal value {found.value:.4g} {unit}, {found.body} body")
+    note = minus(f"largest nodal value {found['value']:.4g} {unit}, {found['body']} body")
     window, title = (-half, half, -half, half), "at the contact, to true scale"
     panel = rendered(f"{name}-contact", window, skins, pixels, (), length, title, note)
     step = int(np.argmin(np.abs(solution.time - snapshot.time)))
