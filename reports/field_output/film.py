@@ -219,7 +219,7 @@ def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
     else:
         files.append(f"{name}.mp4")
         # H.264 in the form that every browser plays.
-        form = {"codec": "libx264", "quality": None, "pixelformat": "yuv420p", "macro_block_size": 2, "ffmpeg_log_level": "error"}
+        form = {"codec": "libx264", "quality": None, "pixelformat": "yuv420p", "macro_block_size": 2, "ffmpeg_log_level": "quiet"}
         shown = ["-crf", "20", "-movflags", "+faststart"]
         movie = imageio.get_writer(folder / files[1], format="FFMPEG", mode="I", fps=RATE, output_params=shown, **form)
     pictures: list[Image] = []
