@@ -29,7 +29,7 @@ import faulty_disk
 import halfplane_fe
 import reports
 import semi_analytic
-from command_line import COARSE, everything, interrupted, process, sentence
+from command_line import COARSE, everything, process, sentence, start
 from faulty_processes import JOBS, STUDY, finished, half_files, in_a_child, numbers, started, survive, undisturbed
 from halfplane_fe import store
 from meshes import MeshSettings
@@ -207,8 +207,13 @@ def test_a_file_of_a_killed_process_goes_too(writer: str, tmp_path: Path, monkey
     ],
 )
 def test_a_signal_to_end_keeps_what_was_solved_and_says_so(command: str, which: signal.Signals, code: int, tmp_path: Path) -> None:
-    found, said = interrupted(tmp_path, command, "hertz-paper", *COARSE[:-1], "4000", "--out", "out", which=which)
-    assert found == code, said
+    with start(tmp_path, command, "hertz-paper", *COARSE[:-1], "4000", "--out", "out") as running:
+        assert running.stderr is not None
+        while not re.search(r"[1-9]\d* steps", running.stderr.readline()):  # the first line may come before a step is done
+            continue
+        running.send_signal(which)
+        _, said = running.communicate(timeout=120)
+    assert running.returncode == code, said
     assert "Traceback" not in said
     assert "interrupted at time" in said
     assert "what was solved is kept in out/partial.nc" in said
