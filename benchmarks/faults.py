@@ -47,7 +47,7 @@ def doors(files: int) -> Iterator[Row]:
 
 def kills(number: int) -> Iterator[Row]:
     """SIGKILL at random moments of three jobs; after each every file is whole or absent, in the end the numbers are the same."""
-    from faulty_processes import JOBS, survive, undisturbed
+    from faulty import JOBS, survive, undisturbed
 
     held, tried = 0, 0
     with tempfile.TemporaryDirectory() as scratch:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-import re
 import resource
-import signal
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -104,17 +102,3 @@ def refused(folder: Path, *words: str) -> str:
     line = sentence(halfplane(folder, *words))
     assert everything(folder) == before
     return line
-
-
-def interrupted(folder: Path, *words: str, which: signal.Signals = signal.SIGINT) -> tuple[int, str]:
-    """Exit code and stderr of a command that gets Ctrl-C, or another signal, once it reports its steps."""
-    with start(folder, *words) as running:
-        assert running.stderr is not None
-        said = ""
-        for line in running.stderr:
-            said += line
-            if re.search(r"[1-9]\d* steps", line):  # on a busy machine the first line comes before the first step is done
-                break
-        running.send_signal(which)
-        _, rest = running.communicate(timeout=120)
-    return running.returncode, said + rest

@@ -16,8 +16,10 @@ import tomllib
 import unicodedata
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import nbclient
@@ -154,11 +156,10 @@ def test_python_blocks_of_the_readme_run(text: str, tmp_path: Path, monkeypatch:
 def test_the_names_in_the_readme_are_there(tmp_path: Path) -> None:
     """What Python blocks call, targets of make, commands, linked files; CI installs what it says and calls make test."""
     for text in blocks("python"):
-        tree = ast.parse(text)
-        imports = "\n".join(ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom))
+        nodes = list(ast.walk(ast.parse(text)))
         names: dict[str, Any] = {}
-        exec(imports, names)
-        calls = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)]
+        exec("\n".join(ast.unparse(node) for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)), names)
+        calls = [node for node in nodes if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)]
         assert not [node.attr for node in calls if node.value.id in PACKAGES and not hasattr(names[node.value.id], node.attr)]
     called = {word for text in blocks("sh") for word in re.findall(r"^make (\w+)", text, flags=re.MULTILINE)}
     targets = set(re.findall(r"^([a-z-]+):.*##", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
@@ -205,16 +206,8 @@ def made() -> dict[str, str]:
 
 
 MARKED = {name: text for name, text in {**TEXTS, "../README.md": README}.items() if "<!-- n:" in text}
-GENERATED = {
-    "verification.md",
-    "scenes.md",
-    "expected.csv",
-    "gallery.md",
-    "misprints.md",
-    "third.md",
-    "metrics.md",
-    "architecture.svg",
-}
+GENERATED = {*(f"{name}.md" for name in ("verification", "scenes", "gallery", "misprints", "third", "metrics")), "expected.csv"}
+GENERATED |= {"architecture.svg"}
 
 
 @pytest.mark.parametrize("name", sorted(MARKED.keys() | GENERATED))
@@ -302,15 +295,8 @@ TARGETS = sorted({target for row in TABLE for target in ROLE.findall(row[2])})
 
 def example(target: str) -> str | None:
     """The docstring that a dotted name leads to; None where there is no such thing."""
-    parts = target.split(".")
-    for cut in range(len(parts) - 1, 0, -1):
-        try:
-            value: Any = importlib.import_module(".".join(parts[:cut]))
-        except ModuleNotFoundError:
-            continue
-        for part in parts[cut:]:
-            value = getattr(value, part, None)
-        return None if value is None else str(value.__doc__)
+    with suppress(ImportError, AttributeError):
+        return str(resolve_name(target).__doc__)
     return None
 
 

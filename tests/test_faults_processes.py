@@ -25,12 +25,11 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
-import faulty_disk
 import halfplane_fe
 import reports
 import semi_analytic
-from command_line import COARSE, everything, interrupted, process, sentence
-from faulty_processes import JOBS, STUDY, finished, half_files, in_a_child, numbers, started, survive, undisturbed
+from command_line import COARSE, everything, process, sentence, start
+from faulty import JOBS, STUDY, Starved, finished, half_files, in_a_child, numbers, possible, started, starved, survive, undisturbed
 from halfplane_fe import store
 from meshes import MeshSettings
 from reports import folder as folders
@@ -207,8 +206,13 @@ def test_a_file_of_a_killed_process_goes_too(writer: str, tmp_path: Path, monkey
     ],
 )
 def test_a_signal_to_end_keeps_what_was_solved_and_says_so(command: str, which: signal.Signals, code: int, tmp_path: Path) -> None:
-    found, said = interrupted(tmp_path, command, "hertz-paper", *COARSE[:-1], "4000", "--out", "out", which=which)
-    assert found == code, said
+    with start(tmp_path, command, "hertz-paper", *COARSE[:-1], "4000", "--out", "out") as running:
+        assert running.stderr is not None
+        while not re.search(r"[1-9]\d* steps", running.stderr.readline()):  # the first line may come before a step is done
+            continue
+        running.send_signal(which)
+        _, said = running.communicate(timeout=120)
+    assert running.returncode == code, said
     assert "Traceback" not in said
     assert "interrupted at time" in said
     assert "what was solved is kept in out/partial.nc" in said
@@ -437,19 +441,19 @@ def test_a_file_that_may_not_grow_is_a_sentence_and_leaves_all_as_it_was(job: st
 @pytest.fixture(scope="module")
 def watched() -> None:
     """The calls of other processes can be answered here."""
-    if not faulty_disk.possible():
+    if not possible():
         pytest.skip("this machine lets nobody answer the calls of other processes")
 
 
 def each_write_fails(
     words: Sequence[str], disk: Path, prepare: Callable[[Path], object], for_ever: bool
-) -> Iterator[tuple[faulty_disk.Starved, str, dict[str, bytes | None]]]:
+) -> Iterator[tuple[Starved, str, dict[str, bytes | None]]]:
     """For each call of a command that writes: what became of the command, the call that failed, what lay there before."""
     for fails in range(1, _MOST):
         shutil.rmtree(disk, ignore_errors=True)
         prepare(disk)
         before = content(disk)
-        done = faulty_disk.starved(words, disk, fails, for_ever=for_ever)
+        done = starved(words, disk, fails, for_ever=for_ever)
         if len(done.calls) < fails:
             assert fails > 2
             assert done.code in (0, 1), done.errors
@@ -501,7 +505,7 @@ def test_whichever_write_of_a_sweep_fails_its_store_holds_whole_results_and_it_r
         assert (half_files(disk), store.damaged()) == ([], [])
         assert not [name for name in content(disk) if ".halfplane-" in name or name.startswith("x/claims/")]
         if len(store.addresses()) == 2:  # one is lost
-            assert faulty_disk.starved((*words, "--resume"), disk, 0).code == 0
+            assert starved((*words, "--resume"), disk, 0).code == 0
             assert len(store.addresses()) == 3
 
 

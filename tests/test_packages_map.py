@@ -49,11 +49,6 @@ def test_tab_completion_of_a_scene_and_a_solution_shows_keys_and_methods_only() 
     assert not [name for name in (*dir(scene), *dir(scene.load), *dir(solution)) if name.startswith("_") or name in hidden]
 
 
-def test_a_file_that_is_missing_or_named_twice_is_noticed() -> None:
-    assert named("one.py, two.py") != Counter({"one.py"})
-    assert named("one.py, one.py") != Counter({"one.py"})
-
-
 def test_no_module_of_the_benchmarks_has_the_name_of_one_of_the_tests() -> None:
     """Some of either import some of the other, all by plain names: whoever comes second would get the wrong one."""
     one, other = ({path.name for path in (ROOT / folder).glob("*.py")} for folder in ("benchmarks", "tests"))

@@ -349,7 +349,7 @@ def random_case(seed: int) -> tuple[Scene, MeshSettings]:
 
 
 @pytest.mark.parametrize(
-    "seed", [number if number in (0, 40, 120, 190, 290) else pytest.param(number, marks=pytest.mark.slow) for number in range(300)]
+    "seed", [number if number in (120, 190, 290) else pytest.param(number, marks=pytest.mark.slow) for number in range(300)]
 )
 def test_a_random_admissible_scene_converges_and_keeps_every_law(seed: int) -> None:
     scene, mesh = random_case(seed)

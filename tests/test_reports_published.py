@@ -1,9 +1,11 @@
-"""reports/published/: its numbers are what the code gives, its pages are what its numbers give; a wheel has the maps' tables."""
+"""Findings: `halfplane diff` of two runs; reports/published/: its numbers are what the code gives, its pages what they say."""
 
 from __future__ import annotations
 
 import json
+import shutil
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,8 +13,12 @@ from typing import Any
 import pytest
 from hatchling.builders.wheel import WheelBuilder
 
-from reports import publishing
-from reports.cli.findings import SAME, Findings, difference
+from command_line import halfplane, sentence
+from reports import Report, compare, publishing
+from reports.cli import findings as baseline
+from reports.cli.findings import DIFFERS, ONLY_A, ONLY_B, SAME, Difference, Findings, difference, tolerances_of
+from reports.cli.solving import write_solution
+from reports.comparison.content import as_json
 from reports.maps.atlas import PUBLISHED
 from reports.page.figures import published
 from reports.publishing import (
@@ -27,8 +33,204 @@ from reports.publishing import (
     published_by_others,
     stored_content,
 )
-from scenes import load_scene, scene_names
+from scenes import InputError, load_scene, scene_names
+from test_reports_synthetic import cattaneo_mindlin
 
+
+# --------------------------------------------------------------------------------------------------------------- halfplane diff
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folders `a` (a comparison), `alone` (one engine), `failed` (its first steps only); solution.nc."""
+    root = tmp_path_factory.mktemp("runs")
+    exact, rough = cattaneo_mindlin(), cattaneo_mindlin(dissipation=1.25e-3)
+    content = compare(replace(exact, engine="semi_analytic"), replace(rough, engine="halfplane_fe"))
+    (root / "a").mkdir()
+    (root / "a" / "comparison.json").write_text(as_json(Report(content)))
+    write_solution(exact, root / "alone")
+    write_solution(replace(exact, record=replace(exact.record, converged=False)), root / "failed", name="partial")
+    exact.save(root / "solution.nc")
+    return root
+
+
+@pytest.fixture
+def a(runs: Path) -> Findings:
+    return baseline.read_findings(runs / "a")
+
+
+def with_figures(findings: Findings, **values: float | None) -> Findings:
+    """With other values; __ stands for the point of a key, a value of `...` takes the key away."""
+    named = {key.replace("__", "."): value for key, value in values.items()}
+    assert named.keys() <= findings.figures.keys()
+    figures = {key: value for key, value in {**findings.figures, **named}.items() if value is not ...}
+    return replace(findings, source="b", figures=figures)
+
+
+def verdicts(found: Difference) -> dict[str, str]:
+    """Of the rows that are not the same."""
+    return {row.key: row.verdict for row in found.rows if row.verdict != SAME}
+
+
+def test_a_run_holds_the_metrics_and_the_values_of_both_engines(runs: Path, a: Findings) -> None:
+    exact = cattaneo_mindlin()
+    assert a.figures["semi_analytic.dissipation"] == exact.dissipation
+    assert a.figures["halfplane_fe.dissipation"] == 1.25e-3
+    assert a.figures["metric.dissipation"] == pytest.approx(1.25e-3 / exact.dissipation - 1, rel=1e-14)
+    assert a.figures["halfplane_fe.largest_half_width"] == 1.0
+    assert a.figures["halfplane_fe.largest_pressure"] == exact.pressure.max()
+    stored, folder = baseline.read_findings(runs / "solution.nc"), baseline.read_findings(runs / "alone")
+    assert (stored.figures, stored.scene, len(stored.figures) >= 5) == (folder.figures, folder.scene, True)
+
+
+def scaled(key: str, factor: float) -> Callable[[Findings], tuple[Findings, Findings]]:
+    return lambda a: (a, with_figures(a, **{key: a.figures[key.replace("__", ".")] * factor}))
+
+
+def placed(one: float, other: float) -> Callable[[Findings], tuple[Findings, Findings]]:
+    return lambda a: (with_figures(a, metric__pressure_peak_place=one), with_figures(a, metric__pressure_peak_place=other))
+
+
+W, STICK, PLACE = "semi_analytic__dissipation", "semi_analytic__permanent_stick_half_width", "metric.pressure_peak_place"
+# Pairs of findings, and the rows that differ.
+PAIRS: dict[str, tuple[Callable[[Findings], tuple[Findings, Findings]], dict[str, str]]] = {
+    "with itself": (lambda a: (a, a), {}),
+    "theory within 1e-9": (scaled(W, 1 + 0.9e-9), {}),
+    "theory beyond": (scaled(W, 1 + 1.1e-9), {"semi_analytic.dissipation": DIFFERS}),
+    "finite elements within 1e-6": (scaled("halfplane_fe__dissipation", 1 + 0.9e-6), {}),
+    "finite elements beyond": (scaled("halfplane_fe__dissipation", 1 + 1.1e-6), {"halfplane_fe.dissipation": DIFFERS}),
+    "half width within": (scaled("halfplane_fe__largest_half_width", 1 - 0.9e-6), {}),
+    "half width beyond": (scaled("halfplane_fe__largest_half_width", 1 - 1.1e-6), {"halfplane_fe.largest_half_width": DIFFERS}),
+    "metric within, absolute": (lambda a: (a, with_figures(a, metric__pressure=0.9e-6)), {}),
+    "metric beyond": (lambda a: (a, with_figures(a, metric__pressure=1.1e-6)), {"metric.pressure": DIFFERS}),
+    "none is no number": (lambda a: (a, with_figures(a, **{STICK: None})), {STICK.replace("__", "."): DIFFERS}),
+    "none in both": (lambda a: 2 * (with_figures(a, **{STICK: None}),), {}),
+    "mirrored peaks": (placed(-0.1, 0.1), {}),
+    "peaks apart": (placed(-0.1, 0.11), {PLACE: DIFFERS}),
+    # A f^2 P^2 of the scene is 0.0356: 1e-18 is round-off of it, a thousandth of a thousandth of it is not.
+    "round-off of no work": (lambda a: (with_figures(a, **{W: 1e-18}), with_figures(a, **{W: -2e-18})), {}),
+    "some work": (lambda a: (with_figures(a, **{W: 1e-18}), with_figures(a, **{W: 1e-15})), {"semi_analytic.dissipation": DIFFERS}),
+    "lost in B": (lambda a: (a, with_figures(a, metric__state=...)), {"metric.state": ONLY_A}),
+    "lost in A": (lambda a: (with_figures(a, metric__state=...), a), {"metric.state": ONLY_B}),
+    "another title": (lambda a: (a, replace(a, scene=a.scene.vary(title="another title", name="other"))), {}),
+}
+
+
+@pytest.mark.parametrize("case", PAIRS)
+def test_pairs_differ_where_they_must(case: str, a: Findings) -> None:
+    pair, rows = PAIRS[case]
+    found = difference(*pair(a))
+    assert (verdicts(found), found.same) == (rows, not rows)
+
+
+def test_a_value_that_is_no_number_is_not_one_that_is_none(runs: Path) -> None:
+    content = json.loads((runs / "a" / "comparison.json").read_text())
+    content["metrics"]["shear"].update(value=None)
+    none = baseline.of_content(content, "none")
+    content["metrics"]["shear"].update(finite=False)
+    nan = baseline.of_content(content, "nan")
+    assert verdicts(difference(none, nan)) == {"metric.shear.finite": ONLY_B}
+    assert difference(nan, nan).same
+
+
+def test_what_only_one_side_holds_at_all_is_said_and_not_compared(runs: Path, a: Findings) -> None:
+    """The answer of one engine against a whole run: its own values count, and any of these that the run lacks."""
+    alone = baseline.read_findings(runs / "solution.nc")
+    engine = {"semi_analytic" + key.removeprefix("closed_form"): value for key, value in alone.figures.items()}
+    found = difference(replace(alone, figures=engine), a)
+    assert found.same
+    assert {row.key.partition(".")[0] for row in found.rows} == {"semi_analytic"}
+    assert found.notes == ("not compared, for it is only in B: halfplane_fe.*", "not compared, for it is only in B: metric.*")
+    fewer = replace(alone, figures={key: value for key, value in engine.items() if not key.endswith("dissipation")})
+    assert verdicts(difference(fewer, a)) == {"semi_analytic.dissipation": ONLY_B}
+    engines = {**a.engines, "halfplane_fe": {"settings": {"mesh": {"order": 1}}, "versions": {}}}
+    found = difference(a, replace(a, engines=engines))
+    assert (found.same, found.notes) == (True, ("halfplane_fe: settings.mesh.order is absent in A and 1 in B",))
+
+
+def test_tolerances_of_the_command_line_come_first_then_those_kept(a: Findings) -> None:
+    other = with_figures(a, metric__shear=1e-3)
+    assert not difference(a, other).same
+    assert difference(a, other, {"metric.*": 2e-3}).same
+    kept = replace(other, tolerances={"metric.shear": 2e-3})
+    assert difference(a, kept).same
+    assert not difference(a, kept, {"metric.shear": 0.0}).same
+    for word in ("metric.shear", "=1", "metric.shear=", "metric.shear=-1", "metric.shear=nan", "metric.shear=x"):
+        with pytest.raises(InputError, match="KEY=VALUE"):
+            tolerances_of([word])
+    with pytest.raises(InputError, match=r"no figure is called so; there are metric\.largest_pressure, .*halfplane_fe\."):
+        difference(a, a, {"metric.sheer": 1.0})
+
+
+def test_different_questions_and_nothing_in_common_are_refused(a: Findings) -> None:
+    with pytest.raises(InputError, match=r"different scenes: friction\.coefficient is 0\.5 and 0\.4$"):
+        difference(a, replace(a, scene=a.scene.vary(friction=0.4)))
+    with pytest.raises(InputError, match="no figure in common"):
+        difference(a, replace(a, figures={"somebody.dissipation": 1.0}, engines={"somebody": {}}))
+
+
+def test_same_differs_and_accept(runs: Path, tmp_path: Path) -> None:
+    def diff(*words: str | Path) -> int:
+        return halfplane(tmp_path, "diff", *map(str, words)).returncode
+
+    run, other, kept = runs / "a", tmp_path / "b", tmp_path / "kept" / "baseline.json"
+    assert "--accept` writes it" in sentence(halfplane(tmp_path, "diff", str(run), str(kept)))
+    assert [diff(run, kept, "--accept"), diff(run, kept), diff(kept, run)] == [0, 0, 0]
+    assert [path.name for path in (tmp_path / "kept").iterdir()] == ["baseline.json"]
+    shutil.copytree(run, other)
+    content = json.loads((other / "comparison.json").read_text())
+    content["result"]["dissipation"] *= 1.001
+    (other / "comparison.json").write_text(json.dumps(content))
+    before = kept.read_text()
+    done = halfplane(tmp_path, "diff", "b", str(kept), "--json")
+    table = json.loads(done.stdout)["result"]
+    assert (done.returncode, table["same"]) == (1, False)
+    assert [row["key"] for row in table["rows"] if row["verdict"] != SAME] == ["halfplane_fe.dissipation"]
+    done = halfplane(tmp_path, "diff", "b", str(kept))
+    assert f"{len(table['rows']) - 1} values are the same to the last digit and not listed" in done.stdout
+    done = halfplane(tmp_path, "diff", "b", str(kept), "--quiet")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert diff(other, kept, "--tolerance", "halfplane_fe.dissipation=2e-3") == 0
+    assert kept.read_text() == before
+    assert [diff(other, kept, "--accept", "--tolerance", "metric.*=1e-3"), diff(other, kept)] == [0, 0]
+    assert baseline.read_findings(kept).tolerances == {"metric.*": 1e-3}
+
+
+def test_accept_never_writes_over_what_is_no_baseline_of_this_scene(runs: Path, tmp_path: Path, a: Findings) -> None:
+    kept = tmp_path / "kept.json"
+    baseline.write_baseline(replace(a, scene=load_scene("hertz-paper")), kept, {})
+    for content in (kept.read_text(), '{"format": "halfplane comparison 1"}', "# notes\n", ""):
+        kept.write_text(content)
+        assert halfplane(tmp_path, "diff", str(runs / "a"), "kept.json", "--accept").returncode == 2
+        assert kept.read_text() == content
+    assert halfplane(tmp_path, "diff", str(runs / "a"), str(runs / "alone"), "--accept").returncode == 2
+    with pytest.raises(InputError, match="not converged, so no baseline: halfplane_fe: stuck"):
+        baseline.write_baseline(replace(a, unfinished=("halfplane_fe: stuck",)), kept, {})
+    assert kept.read_text() == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("nothing", None, "no such file"),
+        (".", None, "no folder of a run"),
+        ("a.json", "{", "can't be read as JSON"),
+        ("a.json", "[]", "neither a run nor a baseline"),
+        ("a.json", '{"format": "halfplane baseline 0"}', "format is 'halfplane baseline 0'"),
+        ("a.json", '{"format": "halfplane baseline 1"}', "can't be read as one: 'scene'"),
+        ("a.json", '{"format": "halfplane baseline 3"}', "of a later version; update halfplane"),
+        ("a.json", '{"format": "halfplane comparison 1", "metrics": 3}', "can't be read as one"),
+        ("a.nc", "not a solution", "can't be read as a solution"),
+    ],
+)
+def test_what_is_neither_is_refused_in_a_sentence(name: str, content: str | None, says: str, runs: Path, tmp_path: Path) -> None:
+    if content is not None:
+        (tmp_path / name).write_text(content)
+    for pair in ((name, str(runs / "a")), (str(runs / "a"), name)):
+        assert says in sentence(halfplane(tmp_path, "diff", *pair))
+    line = sentence(halfplane(tmp_path, "diff", str(runs / "failed"), str(runs / "a")))
+    assert "only the steps before an engine failed" in line
+
+
+# ------------------------------------------------------------------------------------------------------------ reports/published
 ROOT = Path(__file__).parents[1]
 STORED: dict[str, Any] = json.loads((publishing.FOLDER / "values.json").read_text(encoding="utf-8"))["scenes"]
 RENEW = "run `make publish`, look at what moved, and say why in CHANGELOG.md"

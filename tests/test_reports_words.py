@@ -1,4 +1,6 @@
-"""Real bodies on the page and the terminal: in words, in the sketch to scale, in the mesh table; a miss is a finding."""
+"""What is said of two solutions and of real bodies: question, values with units, verdict, headline; sketch, page and terminal."""
+
+from __future__ import annotations
 
 import json
 import re
@@ -17,12 +19,29 @@ from problems import COARSE, FEW_STEPS
 from reports import Comparison, Report, compare, write
 from reports.charts.marks import Arrow, Curve, Note
 from reports.cli.solving import summary_rows
-from reports.comparison.metrics import normal_work
-from reports.comparison.words import beyond_theory, bodies_in_words, idealisation, lead, question, unlike_materials
+from reports.comparison.metrics import METRICS, Metric, normal_work
+from reports.comparison.words import (
+    beyond_theory,
+    bodies_in_words,
+    first_table,
+    headline,
+    idealisation,
+    lead,
+    question,
+    tolerance_of,
+    unit_of,
+    unlike_materials,
+    value_of,
+    verdict,
+    with_uncertainty,
+)
 from reports.page.bodies import outline, sketch
-from reports.units import minus
-from scenes import Block, Bodies, ContactSolution, Cylinder, Pad, Scene, load_scene
+from reports.units import minus, units
+from scenes import Block, Bodies, ContactSolution, Cylinder, InputError, Pad, Scene, load_scene, scene_names
 from scenes.scene import OWN_TOLERANCES
+from test_reports_synthetic import cattaneo_mindlin, with_fields
+
+TRUTH = cattaneo_mindlin(steps_per_leg=10, points=41)
 
 A_BLOCK = {"kind": "block", "width": 20.0, "height": 12.0}
 A_PAD = {"kind": "pad", "width": 10.0, "height": 8.0, "sides": "guided"}
@@ -41,6 +60,9 @@ def approach_work(solution: ContactSolution) -> float:
     return float(np.trapezoid(solution.normal_load[steps], solution.normal_approach[steps]))
 
 
+LINES = {"kind": "polygon", "initial_loading": [[2.0, 0.0]]}
+CYCLE = LINES | {"cycle": [[2.0, 1.0]]}
+SOFT_ABOVE = {part: {"young_modulus": e, "poisson_ratio": 0.3} for part, e in (("upper", 70e3), ("lower", 210e3))}
 HALF_PLANES = "Both bodies are half-planes, and the profile is the gap between their flat faces."
 # What is said of bodies, words that must be there, words that must not.
 WORDS = [
@@ -81,6 +103,25 @@ WORDS = [
     (unlike_materials, {"material": UNCOUPLED}, ["not coupled"], []),
     (question, {}, ["a parabolic profile"], []),
     (question, {"bodies": {"upper": A_PAD}}, ["a circular profile"], []),
+    (
+        question,
+        {"profile": {"kind": "wedge", "tip_radius": 10.0, "tip_half_length": 0.25}},
+        ["a wedge whose tip of half-length 0.25 mm"],
+        [],
+    ),
+    (question, {"load": CYCLE}, ["round the straight lines through (2, 0), (2, 1)"], []),
+    (question, {"load": CYCLE}, ["what does a cycle dissipate?"], []),
+    (question, {"load": LINES}, ["along the straight lines through (0, 0), (2, 0) N/mm"], []),
+    (question, {"load": LINES}, ["what does the path dissipate?"], []),
+    (
+        question,
+        {"load": {"kind": "time_series", "rows": [[0.0, 0.0, 0.0], [1.0, 2.0, 0.0]]}},
+        ["what does the path dissipate?"],
+        [],
+    ),
+    (question, {"units": "lbf, in, psi"}, ["E = 210000 psi"], []),
+    (question, {"units": "SI"}, ["force/length"], []),
+    (question, {"material": SOFT_ABOVE}, ["upper E = 70000 MPa, ν = 0.3; lower E = 210000 MPa, ν = 0.3"], []),
 ]
 
 
@@ -89,6 +130,106 @@ def test_words(of: Callable[[Scene], str], changed: dict[str, Any], there: list[
     words = of(scene(**changed))
     assert all(each in words for each in there)
     assert not any(each in words for each in absent)
+
+
+def test_the_question_of_every_scene_of_the_library() -> None:
+    for name in scene_names():
+        asked = question(load_scene(name))
+        assert not [words for words in ("friction coefficient", "MPa", "N/mm") if words not in asked]
+        assert asked.endswith("?")
+    assert units(scene(units="SI")) == ("force", "length", "stress")
+
+
+def test_values_have_sign_unit_elements_and_no_more_digits_than_are_known() -> None:
+    edges = TRUTH.stick_edges - np.array([0.0, 0.01])
+    found = compare(TRUTH, with_fields(TRUTH, stick_edges=edges, settings={"element_size": 0.02}))
+    edge, norm = found.metric("stick_edge"), found.metric("pressure")
+    assert (value_of(edge), unit_of(edge), tolerance_of(edge)) == ("−1 %", "of a_ref (−0.5 elements)", "2.5 %")
+    assert (value_of(norm), unit_of(norm)) == ("0 %", "of ‖p_ref‖")
+    metric = compare(with_fields(TRUTH, dissipation=0.0), with_fields(TRUTH, dissipation=0.01)).metric("dissipation")
+    assert "%" not in value_of(metric) + tolerance_of(metric)
+    assert unit_of(metric) == "A f² P_ref²"
+    for value, text in ((1.87e-16, "0 %"), (-9e-14, "0 %"), (-2e-13, "−2e−11 %"), (1e-5, "+0.001 %")):  # round-off is nothing
+        assert value_of(Metric(definition=METRICS["dissipation_step"], value=value)) == text
+        absolute = value_of(Metric(definition=METRICS["dissipation_step"], value=value, absolute=True))
+        assert (absolute == "0") == (text == "0 %")
+    known = {
+        (2.8512, 0.0614): "2.85 ± 0.06",
+        (0.5, 0.0113): "0.500 ± 0.011",
+        (12.0, 35.2): "12 ± 35",
+        (1e-9, 2e-9): "1e−09 ± 2e−09",
+    }
+    assert {pair: with_uncertainty(*pair) for pair in known} == known
+
+
+def test_verdict_says_what_failed_and_by_how_much() -> None:
+    good = verdict(Report(compare(TRUTH, TRUTH)))
+    assert "within all 8 tolerances" in good
+    assert "Both answers obey the laws of contact." in good
+    bad = verdict(Report(compare(TRUTH, with_fields(TRUTH, pressure=0.99 * TRUTH.pressure))))
+    assert "peak pressure (−1 % of the reference, tolerance 0.02 %)" in bad
+    assert "pressure, L2 (1 % of ‖p_ref‖, tolerance 0.25 %)" in bad
+    assert "A law of contact is violated: cone (fields) in closed form" in bad
+
+
+def bodies(work: float, pressure: float = 1.0, uncertainty: float | None = None, **tolerances: float) -> Report:
+    """Finite elements of two blocks against theory, W and p other by these factors, as if a budget had found `uncertainty`."""
+    blocks = TRUTH.scene.vary(bodies=load_scene("blocks").bodies, tolerances={})
+    theory = with_fields(TRUTH, scene=blocks, engine="semi_analytic")
+    changed = {"dissipation": work * TRUTH.dissipation, "pressure": pressure * TRUTH.pressure}
+    found = compare(theory, with_fields(theory, engine="halfplane_fe", **changed), tolerances=tolerances)
+    return Report(replace(found, metrics=tuple(replace(metric, uncertainty=uncertainty) for metric in found.metrics)))
+
+
+def test_the_headline_says_how_wrong_theory_is_and_how_far_both_agree() -> None:
+    """W of the finite elements 2 % low: theory is 1/0.98 - 1 = 2.04 % high; digits follow the uncertainty."""
+    assert headline(bodies(0.98, 1.005, 6e-4)) == (
+        "Half-plane theory overestimates the dissipation by 2.04 ± 0.06 % and underestimates the peak pressure by 0.50 ± 0.06 % "
+        "for these bodies (theory/finite elements − 1)."
+    )
+    assert "gives the dissipation to within its uncertainty (0.01 ± 0.06 %)" in headline(bodies(0.9999, 1.005, 6e-4))
+    assert "by 2.04 %" in headline(bodies(0.98))
+    assert "no uncertainty was measured" in headline(bodies(0.98))
+    theory = with_fields(TRUTH, engine="semi_analytic")
+    near = with_fields(theory, engine="halfplane_fe", dissipation=1.0004 * TRUTH.dissipation)
+    agree = "The two solutions agree to 0.04 % in the dissipation and 0 % in the peak pressure; no uncertainty was measured."
+    assert headline(Report(compare(theory, near))) == agree
+    known = with_fields(near, dissipation_uncertainty=5e-4 * near.dissipation)
+    assert headline(Report(compare(theory, known))).endswith(
+        "errors of the dissipation by their own estimates: finite elements 0.05 %."
+    )
+    other = with_fields(theory, engine="another code", dissipation=1.02 * TRUTH.dissipation)
+    said = headline(Report(compare(theory, other)))
+    assert said.startswith(
+        "another code, measured by half-plane theory, overestimates the dissipation by 2 % and agrees in the peak pressure"
+    )
+
+
+def test_bodies_without_a_tolerance_are_not_judged() -> None:
+    """Errors with uncertainties, no verdict, passed; a tolerance that is asked for judges them."""
+    free = bodies(0.98, 1.0, 6e-4)
+    assert (free.comparison.verdict, free.passed, lead(free)) == (None, True, "")
+    assert "nothing is judged" in verdict(free)
+    for tolerance, wanted in ((0.05, "within"), (0.01, "outside"), (0.02, "undecided")):
+        asked = bodies(0.98, 1.0, 6e-4, dissipation=tolerance)
+        assert (asked.comparison.verdict, asked.passed) == (wanted, wanted == "within")
+    with pytest.raises(InputError, match="tolerances: 'disipation' is no metric"):
+        bodies(0.98, disipation=0.01)
+
+
+def test_the_first_table_has_both_values_in_the_scene_s_units() -> None:
+    heads, rows = first_table(bodies(0.98, 1.005, 6e-4))
+    assert heads == ("", "theory", "finite elements", "difference", "verdict")
+    table = {row["key"]: row for row in rows}
+    work = table["dissipation"]
+    assert float(work["result"].replace("−", "-")) == pytest.approx(0.98 * TRUTH.dissipation, rel=1e-4)
+    assert (work["label"], work["difference"], work["verdict"]) == ("Dissipation [N·mm/mm]", "−2.00 ± 0.06 %", "–")
+    assert float(table["largest_pressure"]["reference"]) == pytest.approx(TRUTH.pressure.max(), rel=1e-4)
+    assert table["permanent_stick"]["difference"].endswith(" of a")
+    assert table["largest_slip"]["label"] == "Largest slip [µm]"
+    text = bodies(0.98, 1.005, 6e-4).summary()
+    assert text.startswith("Half-plane theory overestimates")
+    assert all(row["difference"] in text for row in rows)
 
 
 class TestSketch:
@@ -237,7 +378,7 @@ def test_the_docs_table_of_bodies_is_a_scene_s_and_names_every_key() -> None:
 def pressed() -> Comparison:
     loads = load_scene("hertz-paper").model_dump()
     unlike = Scene.model_validate(loads | {"material": UNLIKE, "expected": []})
-    fe = halfplane_fe.solve(unlike, mesh=COARSE, settings=halfplane_fe.SolverSettings(steps_per_cycle=192))
+    fe = halfplane_fe.solve(unlike, mesh=COARSE, settings=halfplane_fe.SolverSettings(steps_per_cycle=96))
     return compare(semi_analytic.solve(unlike, x=fe.x, time=fe.time), fe)
 
 
@@ -261,7 +402,10 @@ class TestWorkOfTheLoads:
         assert normal_work(found.result) is None
 
     def test_half_planes_have_one_route_in_q_alone(self, tmp_path: Path) -> None:
-        exact = semi_analytic.solve(load_scene("hertz-paper"), cycles="steady")
+        scene = load_scene("hertz-paper")
+        exact = semi_analytic.solve(
+            scene, x=np.linspace(-1.2, 1.2, 41), time=scene.load.path().cycle_start + np.linspace(0, 2 * np.pi, 41)
+        )
         page = write(compare(exact, replace(exact, engine="halfplane_fe")), tmp_path / "out").read_text(encoding="utf-8")
         assert "∮ Q dU [N·mm/mm]" in page
         assert "∮ P dV" not in page

@@ -1,8 +1,4 @@
-"""A disk on which the k-th write fails, for a whole process and its children: libraries in C, ffmpeg and workers included.
-
-The kernel asks us about every call that writes (seccomp's user notification: Linux 5.5 and later, no rights needed), so nothing
-is compiled or patched. Tests that need it are slow ones, for in CI nothing else may be skipped.
-"""
+"""The program killed, doubled, and on a disk whose k-th write fails: for the tests of faults and benchmarks/faults.py."""
 
 from __future__ import annotations
 
@@ -10,20 +6,161 @@ import ctypes
 import errno
 import fcntl
 import gc
+import json
 import os
 import platform
+import random
 import select
+import shutil
+import signal
 import socket
 import struct
+import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Sequence
+import time
+import traceback
+import zipfile
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
+from command_line import COARSE, ROOT, start
+from reports.sweep.store import Store
+from scenes import ContactSolution
+
+# -------------------------------------------------------------------------------------------------- killed, starved and doubled
+# What is timed, and what the store of bodies saved: all else of two runs must be the same to the last bit.
+TIMED = ("seconds", "command", "condensations", "sparse factorisations")
+PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
+STUDY = """scene = "hertz-paper"\nengines = ["exact"]\nfigures = ["exact.dissipation", "exact.peak_dissipation"]
+[[axes]]\nname = "f"\nkey = "friction.coefficient"\nlinear = {start = 1.0, stop = 2.0, count = 40}\n"""
+JOBS = {
+    "run": ("run", "hertz-paper", *COARSE, "--out", "out"),
+    "sweep": ("sweep", "study.toml", "--workers", "1", "--out", "out", "--resume"),
+    "cache": ("fe", "cattaneo-mindlin", *COARSE, "--out", "out"),
+}
+
+
+def in_a_child(act: Callable[[], object]) -> int:
+    """Exit code of a process that does `act`, minus the signal that killed it; 1 where something was raised."""
+    child = os.fork()
+    if not child:
+        try:
+            act()
+            os._exit(0)
+        finally:
+            traceback.print_exc()
+            os._exit(1)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def started(folder: Path, job: str) -> subprocess.Popen[str]:
+    """A job in a session of its own, so that its workers can be killed with it."""
+    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    own = {"HALFPLANE_CACHE": str(folder / "cache"), "PYTHONPATH": str(folder.parent / "code")}
+    return start(folder, *JOBS[job], "--quiet", session=True, **own)
+
+
+def finished(folder: Path, job: str) -> int:
+    with started(folder, job) as process:
+        _, errors = process.communicate(timeout=300)
+    assert "Traceback" not in errors, errors
+    return process.returncode
+
+
+def half_files(folder: Path) -> list[str]:
+    """Files under a name that a reader would open, and that are not whole; what is hidden or ends in .part has no such name."""
+    found = []
+    for path in sorted(folder.rglob("*")):
+        parts = path.relative_to(folder).parts
+        seen = path.is_file() and path.suffix != ".part" and not any(part.startswith(".") for part in parts)
+        if seen and not _whole(path):
+            found.append("/".join(parts))
+    store = Store(folder / "out")
+    return found + [address for address in store.addresses() if store.read(address) is None]
+
+
+def _whole(path: Path) -> bool:
+    try:
+        match path.suffix:
+            case ".json":
+                json.loads(path.read_text(encoding="utf-8"))
+            case ".nc":
+                ContactSolution.load(path)
+            case ".npz":
+                with zipfile.ZipFile(path) as archive:
+                    return archive.testzip() is None
+            case ".html":
+                return path.read_text(encoding="utf-8").rstrip().endswith("</html>")
+            case ".csv" | ".toml" | ".log":
+                return path.read_text(encoding="utf-8").endswith("\n")
+    except (ValueError, OSError, zipfile.BadZipFile):
+        return False
+    return True
+
+
+def numbers(folder: Path) -> dict[str, str]:
+    """Everything computed that lies in `folder`, by file; what is timed taken out."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder).as_posix()
+        if path.suffix == ".json" and path.name != "manifest.json":
+            content = json.loads(path.read_text(encoding="utf-8"))
+            found[name] = json.dumps(_untimed(content.get("result", content) if "sha256" in content else content), sort_keys=True)
+        elif path.suffix == ".csv" and path.name != "index.csv":
+            found[name] = path.read_text(encoding="utf-8")
+        elif path.suffix == ".nc":
+            data = ContactSolution.load(path).to_dataset()
+            found[name] = "".join(str(data[key].values.tobytes()) for key in sorted(map(str, data.variables)))
+    return found
+
+
+def _untimed(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _untimed(entry) for key, entry in value.items() if not any(word in key for word in TIMED)}
+    return [_untimed(entry) for entry in value] if isinstance(value, list) else value
+
+
+def survive(folder: Path, job: str, kills: int, seed: int, longest: float, truth: dict[str, str]) -> int:
+    """Kill the job and its workers `kills` times at random moments, then let it end; returns how often it held.
+
+    After each kill every file is whole or absent, and in the end the numbers are those of an undisturbed run bit for bit.
+    """
+    chance = random.Random(seed)
+    for _ in range(kills):
+        process = started(folder, job)
+        try:
+            process.communicate(timeout=chance.uniform(0.2, longest))
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+        assert half_files(folder) == []
+    assert finished(folder, job) in (0, 1)
+    assert half_files(folder) == []
+    assert numbers(folder / "out") == truth
+    return kills
+
+
+def undisturbed(folder: Path, job: str) -> tuple[dict[str, str], float]:
+    """The numbers of a run that nothing happened to, and how long it took."""
+    for package in PACKAGES:  # nobody edits these while jobs run
+        if not (folder.parent / "code" / package).exists():
+            left_out = shutil.ignore_patterns("published", "__pycache__")
+            shutil.copytree(ROOT / package, folder.parent / "code" / package, ignore=left_out)
+    folder.mkdir()
+    begun = time.monotonic()
+    assert finished(folder, job) in (0, 1)
+    return numbers(folder / "out"), time.monotonic() - begun
+
+
+# ----------------------------------------------------------------------------------------- a disk on which the k-th write fails
+# For a whole process and its children: libraries in C, ffmpeg and workers included. The kernel asks us about every call that
+# writes (seccomp's user notification: Linux 5.5 and later, no rights needed), so nothing is compiled or patched. Tests that need it
+# are slow ones, for in CI nothing else may be skipped.
 _O_CREAT = 0o100
 # Numbers of system calls; 0 where the machine has no such call.
 _MACHINES = {
