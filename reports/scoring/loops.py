@@ -20,10 +20,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -208,7 +207,7 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     >>> round(found.friction, 3), round(found.compliance, 7)
     (0.5, 1e-05)
     """
-    from scipy.optimize import minimize_scalar
+    from scipy.optimize import brentq, minimize_scalar
 
     if scene.load.path().period is None:
         raise InputError(f"{scene.name}: its loads do not repeat: a loop needs a cycle")
@@ -217,24 +216,18 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
             f"{scene.name}: no measured loop is scored with bulk stress, tilt or unequal sides: U hangs on where it is measured, "
             "and the loop's area is not the dissipation"
         )
-    scene, share, (scale, offset, period), said = _on_the_cycle(loop, scene)
-    tangential = _cycle_loads(scene)[2]
-    own = tangential * scale
+    scene, place, said = _on_the_cycle(loop, scene)
+    share, scale, tangential = place.share, place.scale, _cycle_loads(scene)[1]
+    own, fitted, known = tangential * scale, rig_compliance is None, rig_compliance or 0.0
     least = check_path(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
-    count = len(share)
-    fitted = rig_compliance is None
 
     def against_rows(shift: Array, share: Array = share, scale: float = scale) -> tuple[float, float, float]:
         """Sum of squares, C and U0 with this U (n_instants,) of theory."""
-        rest = loop.shift - scale * np.interp(share, _SHARES, shift)
         load = scale * np.interp(share, _SHARES, tangential)
-        if not fitted:
-            rest = rest - (rig_compliance or 0.0) * load
-            middle = float(rest.mean())
-            return float(np.sum((rest - middle) ** 2)), rig_compliance or 0.0, middle
-        columns = np.column_stack([load, np.ones(count)])
-        slope, middle = np.linalg.lstsq(columns, rest, rcond=None)[0].tolist()
-        return float(np.sum((rest - slope * load - middle) ** 2)), slope, middle
+        rest = loop.shift - scale * np.interp(share, _SHARES, shift) - known * load
+        columns = np.column_stack([load, np.ones(len(share))][not fitted :])
+        found = np.linalg.lstsq(columns, rest, rcond=None)[0]
+        return float(np.sum((rest - columns @ found) ** 2)), float(found[0]) if fitted else known, float(found[-1])
 
     def squares(log_friction: float, *where: Any) -> float:
         return against_rows(_theory(scene, math.exp(log_friction)), *where)[0]
@@ -247,34 +240,32 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
     def best_of(*where: Any) -> float:
         return float(minimize_scalar(squares, bounds=ends, args=where, method="bounded", options={"xatol": 1e-7}).x)
 
-    at = best_of()
-    at = at if squares(at) <= sums[best] else float(trials[best])
-    lowest = squares(at)
-    freedom = count - 3 - fitted
-    limit = lowest * (1 + _CHI / freedom)
-    low = _crossing(squares, at, float(trials[0]), limit, sums, trials)
-    high = _crossing(squares, at, float(trials[-1]), limit, sums, trials)
+    at = min(best_of(), float(trials[best]), key=squares)
+    (lowest, compliance, _), freedom = against_rows(_theory(scene, math.exp(at))), len(share) - 3 - fitted
+    noise, limit, friction = math.sqrt(lowest / freedom), lowest * (1 + _CHI / freedom), scale * math.exp(at)
+
+    def apart(beyond: Array) -> float:
+        """How far the f is at which the sum of squares passes the limit, on the way to the nearest trial where it has."""
+        if not len(beyond):
+            return math.inf
+        far = beyond[np.argmin(np.abs(beyond - at))]
+        return abs(scale * math.exp(brentq(lambda z: squares(z) - limit, at, far, xtol=1e-7)) - friction)
+
+    down, up = (apart(trials[(sums > limit) & side]) for side in (trials < at, trials > at))
     # Noise of Q leaves place and size of the load open. A loop that is shifted in time opens: f is found again with each.
     noise_of_load, place_error, scale_error = _noise_of_load(loop, share, scale, tangential)
-    friction = scale * math.exp(at)
-    moved = scale * math.exp(best_of(np.mod(share + 1.96 * place_error, 1.0), scale)) - friction
-    scaled = scale * (1 + 1.96 * scale_error)
-    sized = scaled * math.exp(best_of(share, scaled)) - friction
-    down, up = (math.inf if end is None else abs(scale * math.exp(end) - friction) for end in (low, high))
-    lower = friction - math.hypot(down, moved, sized)
-    upper = None if high is None else friction + math.hypot(up, moved, sized)
-    _, compliance, _ = against_rows(_theory(scene, math.exp(at)))
-    noise = math.sqrt(lowest / freedom)
+    others = (np.mod(share + 1.96 * place_error, 1.0), scale), (share, scale * (1 + 1.96 * scale_error))
+    moved = [other[1] * math.exp(best_of(*other)) - friction for other in others]
 
     rows, curves = [_measured_row(loop, share, own, noise, noise_of_load)], []
 
     def add(name: str, coefficient: float, shift: Array) -> None:
         _, slope, origin = against_rows(shift)
         whole = scale * shift + slope * own + origin
-        area = scale**2 * float(_area(shift, tangential))
-        _, apart = _means(share, loop.shift - np.interp(share, _SHARES, whole))
-        rows.append(LoopRow(name, coefficient, area, 0.0, _slope(whole, own), math.sqrt(float(np.mean(apart**2)))))
-        curves.append((name, whole, own + offset))
+        area = scale**2 * float(np.sum((tangential[1:] + tangential[:-1]) / 2 * np.diff(shift)))
+        _, rest = _means(share, loop.shift - np.interp(share, _SHARES, whole))
+        rows.append(LoopRow(name, coefficient, area, 0.0, _slope(whole, own), math.sqrt(float(np.mean(rest**2)))))
+        curves.append((name, whole, own + place.offset))
 
     cases = {"best f": math.exp(at), "the scene's f": scene.friction.coefficient / scale}
     for name, coefficient in cases.items():
@@ -288,12 +279,12 @@ def score_loop(loop: MeasuredLoop, scene: Scene, *, rig_compliance: float | None
         scene=scene,
         source=loop.source,
         friction=friction,
-        low=max(lower, scale * least),
-        high=upper,
+        low=max(friction - math.hypot(down, *moved), scale * least),
+        high=None if math.isinf(up) else friction + math.hypot(up, *moved),
         compliance=compliance,
         compliance_fitted=fitted,
         scale=scale,
-        cycles=float(loop.time[-1] / period),
+        cycles=float(loop.time[-1] / place.period),
         noise=noise,
         rows=tuple(rows),
         said=(*loop.said, *said),
@@ -315,11 +306,10 @@ def _times(scene: Scene) -> Array:
     return path.cycle_start + path.period * (max(scene.cycles, 2) - 1 + _SHARES)
 
 
-def _cycle_loads(scene: Scene) -> tuple[Array, Array, Array]:
-    """Times, P and Q of a cycle."""
-    times = _times(scene)
-    normal, tangential = scene.load.path().at(times)
-    return times, np.asarray(normal), np.asarray(tangential)
+def _cycle_loads(scene: Scene) -> tuple[Array, Array]:
+    """P and Q of a cycle."""
+    normal, tangential = scene.load.path().at(_times(scene))
+    return np.asarray(normal), np.asarray(tangential)
 
 
 def _theory(scene: Scene, friction: float) -> Array:
@@ -339,11 +329,6 @@ def _finite_elements(scene: Scene, friction: float) -> Array:
     share = (solution.time[cycle] - path.cycle_start) / path.period
     share -= round(float(share[0]))
     return np.interp(_SHARES, share, solution.tangential_displacement[cycle])
-
-
-def _area(shift: Array, load: Array) -> float:
-    """Closed integral of Q dU of a cycle whose last instant is its first."""
-    return float(np.sum((load[1:] + load[:-1]) / 2 * np.diff(shift)))
 
 
 def _slope(shift: Array, load: Array) -> float:
@@ -374,38 +359,47 @@ def _measured_row(loop: MeasuredLoop, share: Array, own: Array, noise: float, no
 
 
 # ------------------------------------------------------------------------------------------------- rows on the cycle
-def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> tuple[Scene, Array, tuple[float, float, float], list[str]]:
-    """The scene whose form of Q the rows follow, their place on its cycle, (r, Q0 of the file, period) and what was found.
+class _Place(NamedTuple):
+    """Where rows lie on the cycle (n,); r, Q0 of the file, the period in its time; misfit of Q over its amplitude."""
+
+    share: Array
+    scale: float
+    offset: float
+    period: float
+    misfit: float
+
+
+def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> tuple[Scene, _Place, list[str]]:
+    """The scene whose form of Q the rows follow, their place on its cycle, and what was found.
 
     Raises
     ------
     InputError
         For less than a cycle, and for rows that follow neither the scene's Q nor, at constant P, a sine or straight lines.
     """
-    trials, best = {"the scene's": scene, **_other_forms(scene)}, None
-    for name, trial in trials.items():
-        found = _aligned(loop, _cycle_loads(trial)[2])
-        if best is None or found[0] < 0.98 * best[0][0]:
-            best = found, name, trial
-    assert best is not None
-    (misfit, share, scale, offset, period), name, chosen = best
-    cycles = loop.time[-1] / period
-    if misfit > _FOLLOWS:
+    chosen, name, place = scene, "the scene's", _aligned(loop, _cycle_loads(scene)[1])
+    for form, trial in _other_forms(scene).items():
+        found = _aligned(loop, _cycle_loads(trial)[1])
+        if found.misfit < 0.98 * place.misfit:
+            chosen, name, place = trial, form, found
+    cycles = loop.time[-1] / place.period
+    if place.misfit > _FOLLOWS:
         raise InputError(
-            f"{loop.source}: its Q follows that of {scene.name} to {100 * misfit:.0f} % of its amplitude only (limit "
+            f"{loop.source}: its Q follows that of {scene.name} to {100 * place.misfit:.0f} % of its amplitude only (limit "
             f"{100 * _FOLLOWS:.0f} %): give a column time, whole cycles, and a scene with this form of Q"
         )
     if cycles < _LEAST_CYCLES:
         raise InputError(f"{loop.source}: its rows cover {cycles:.2g} of a cycle: a loop needs a whole one")
-    said = [f"The rows cover {cycles:.4g} cycles and follow {name} Q over time to {100 * misfit:.2g} % of its amplitude"]
-    if abs(scale - 1) > 1e-3:
-        said.append(f"Q of the file is {scale:.4g} times that of the scene: loads as in the file were taken, P as in the scene")
-    return chosen, share, (scale, offset, period), said
+    said = [f"The rows cover {cycles:.4g} cycles and follow {name} Q over time to {100 * place.misfit:.2g} % of its amplitude"]
+    if abs(place.scale - 1) > 1e-3:
+        words = "loads as in the file were taken, P as in the scene"
+        said.append(f"Q of the file is {place.scale:.4g} times that of the scene: {words}")
+    return chosen, place, said
 
 
 def _other_forms(scene: Scene) -> dict[str, Scene]:
     """At constant P: a sine and straight lines between the same extremes of Q."""
-    _, normal, tangential = _cycle_loads(scene)
+    normal, tangential = _cycle_loads(scene)
     turns = np.count_nonzero(np.diff(np.sign(np.diff(tangential)[np.abs(np.diff(tangential)) > 1e-9 * np.ptp(tangential)])))
     if np.ptp(normal) > 1e-9 * normal.max() or turns > 2:
         return {}
@@ -415,8 +409,8 @@ def _other_forms(scene: Scene) -> dict[str, Scene]:
     return {"a sine's": scene.vary(load=sine), "a triangle's": scene.vary(load=lines)}
 
 
-def _aligned(loop: MeasuredLoop, tangential: Array) -> tuple[float, Array, float, float, float]:
-    """(misfit over the amplitude, share of the cycle of each row, r, the file's Q where the scene's is 0, period in its time)."""
+def _aligned(loop: MeasuredLoop, tangential: Array) -> _Place:
+    """The place of the rows that fits this Q of a cycle best."""
     from scipy.optimize import minimize
 
     if not np.ptp(tangential) > 0:
@@ -447,7 +441,7 @@ def _aligned(loop: MeasuredLoop, tangential: Array) -> tuple[float, Array, float
         options={"initial_simplex": np.array(start) + step, "xatol": 1e-9 * first, "fatol": 1e-12 * amplitude, "maxiter": 800},
     )
     misfit, share, scale, offset = parts(*found.x)
-    return misfit / (abs(scale) * amplitude), share, scale, offset, float(1 / found.x[0])
+    return _Place(share, scale, offset, float(1 / found.x[0]), misfit / (abs(scale) * amplitude))
 
 
 def _noise_of_load(loop: MeasuredLoop, share: Array, scale: float, tangential: Array) -> tuple[float, float, float]:
@@ -458,19 +452,6 @@ def _noise_of_load(loop: MeasuredLoop, share: Array, scale: float, tangential: A
     noise = float(np.std(rest))
     rate = np.interp(share, (_SHARES[1:] + _SHARES[:-1]) / 2, scale * np.diff(tangential) * (_INSTANTS - 1), period=1.0)
     return noise, noise / math.sqrt(float(rate @ rate)), noise / math.sqrt(float(apart @ apart))
-
-
-def _crossing(squares: Callable[[float], float], best: float, end: float, limit: float, sums: Array, trials: Array) -> float | None:
-    """Where the sum of squares first passes `limit` on the way from the best trial to `end`; None where it does not."""
-    from scipy.optimize import brentq
-
-    side = np.sign(end - best) or 1.0
-    passed = (trials - best) * side > 0
-    beyond = [(abs(trial - best), trial) for trial in trials[passed & (sums > limit)].tolist()]
-    if not beyond:
-        return None
-    far = float(min(beyond)[1])
-    return float(brentq(lambda at: squares(at) - limit, best, far, xtol=1e-7))
 
 
 # ------------------------------------------------------------------------------------------------------------ page and JSON
