@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from scenes import Scene, Tolerances, scene_names, scene_text
-from scenes.bulk_stress import KEYS
+from scenes.loads import KEYS
 
 DOCS = Path(__file__).parents[1] / "docs"
 sys.path.append(str(DOCS))
