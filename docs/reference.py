@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from scenes import Scene
-from scenes.bulk_stress import KEYS
+from scenes.loads import KEYS
 
 BEGIN, END = "<!-- scene keys: written by `make pages` -->", "<!-- end of scene keys -->"
 # The unit as a description states it: "..., length units (library: mm)".

@@ -7,9 +7,8 @@ The question::
     profiles.py     h(x) by formulas and Python functions
     measured.py     tables of numbers, from files, in the scene's units; h(x) through the rows of one
     fitting.py      convex curves through noisy rows: parabola, flat and rounded, polynomial, smoothing spline
-    loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions
+    loads.py        load paths: ellipse, harmonics, polygon, measured rows, Python functions; bulk stress and tilt beside P and Q
     reduction.py    fewer rows for a long record: turning points above a hysteresis threshold, or a tolerance on P and Q
-    bulk_stress.py  bulk stresses, tilt, moment, line of action beside P and Q
     segments.py     load segments, of which paths consist: straight lines, harmonics, Chebyshev series
     chebyshev.py    piecewise Chebyshev series that stand for functions
     frozen.py       what every table of keys has in common: checked at every door, changed by `vary`, refused in one sentence
@@ -25,9 +24,8 @@ Its files and the answer::
 """
 
 from scenes.bodies import Block, Bodies, Cylinder, Elastic, HalfPlane, Materials, Pad, Shape
-from scenes.bulk_stress import LineOfAction, Wave, WaveSum
 from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, Interrupted, NotFoundError, ProfileDataError
-from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LoadPath, PolygonLoad, TimeSeriesLoad
+from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LineOfAction, PolygonLoad, TimeSeriesLoad, Wave, WaveSum
 from scenes.measured import Tabulated
 from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge, fit_profile
 from scenes.reading import load_scene, scene_companions, scene_names, scene_of, scene_schema, scene_text
@@ -40,6 +38,7 @@ from scenes.segments import (
     Ellipse,
     HarmonicSegment,
     LinearSegment,
+    LoadPath,
     LoadSegment,
     StraightSegment,
     ellipse_segment,

@@ -208,7 +208,7 @@ class _Rows:
         centre, half = float(z[0]) if self.centred else 0.0, float(z[-1]) if self.kind == "flat_rounded" else 0.0
         columns = self.columns(np.abs(self.x - centre), half)
         mean, (count, size) = columns.mean(axis=0), columns.shape
-        small = np.column_stack([columns - mean, self.h - self.h.mean()])
+        small = np.column_stack([columns - mean, self.h])
         small = np.asarray(np.linalg.qr(small, mode="r")) if count > size + 1 else small  # as many rows as columns are enough
         penalty = math.sqrt(weight) * np.diff(np.eye(size + 1)[:size], axis=0) if weight else np.zeros((0, size + 1))
         rows = np.vstack([small, penalty])

@@ -1,18 +1,21 @@
-"""Load histories P(t), Q(t) as load segments: the initial loading, then a cycle that repeats."""
+"""Load histories P(t), Q(t) as load segments, and what loads state beside them: bulk stresses in the bodies, tilt or moment.
+
+# notation: sigma_l, sigma_u bulk stresses of the lower and the upper body; alpha tilt; M moment of the pressure about x = 0
+"""
 
 from __future__ import annotations
 
+import abc
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import pairwise
-from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from scenes.bulk_stress import KEYS, BulkAndTilt, Column, Harmonic, Wave, WaveSum, column, growing, straight_pairs, wave_pair
 from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
 from scenes.errors import RowError
 from scenes.frozen import Frozen, Positive, PythonFunction
@@ -20,11 +23,15 @@ from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, Read
 from scenes.reduction import Reduction, reduced
 from scenes.segments import (
     ChebyshevSegment,
+    Combination,
     HarmonicSegment,
+    LinearSegment,
+    LoadPath,
     Loads,
     LoadSegment,
     Point,
     StraightSegment,
+    Waves,
     ellipse_segment,
     parabola_segment,
     straight_segments,
@@ -33,63 +40,6 @@ from scenes.unit_words import Kind
 
 # Of the loads: difference within which two are one.
 _ROUNDING = 1e-12
-
-
-@dataclass(frozen=True)
-class LoadPath:
-    """The initial loading from (0, 0), then a cycle that repeats for ever (or nothing more, where `cycle` is empty)."""
-
-    initial_loading: tuple[LoadSegment, ...]
-    cycle: tuple[LoadSegment, ...]
-    moment_given: bool = False
-    """Whether the segments' `turning` states the moment, from which the tilt follows, and not the tilt."""
-
-    @property
-    def has_bulk_or_tilt(self) -> bool:
-        """Whether segments carry bulk stresses, tilt or moment along with P and Q."""
-        return any(leg.bulk is not None or leg.turning is not None for leg in (*self.initial_loading, *self.cycle))
-
-    @property
-    def start(self) -> float:
-        """Time of the unloaded state."""
-        return self.initial_loading[0].start
-
-    @property
-    def cycle_start(self) -> float:
-        """Time at which the initial loading ends and the first cycle starts."""
-        return self.initial_loading[-1].end
-
-    @property
-    def period(self) -> float | None:
-        """Duration of a cycle; None for a path that is not periodic."""
-        return self.cycle[-1].end - self.cycle[0].start if self.cycle else None
-
-    def legs(self, cycles: int) -> Iterator[LoadSegment]:
-        """The initial loading, then `cycles` revolutions."""
-        yield from self.initial_loading
-        for number in range(cycles):
-            yield from self.cycle_legs(number)
-
-    def cycle_legs(self, number: int) -> tuple[LoadSegment, ...]:
-        """The legs of revolution `number`, counted from 0."""
-        return tuple(leg.shifted(number * (self.period or 0.0)) for leg in self.cycle)
-
-    def at(self, time: ArrayLike) -> Loads:
-        """(P, Q) at `time`, shape of `time`; ValueError outside the path."""
-        inside = np.atleast_1d(np.asarray(time, dtype=float))
-        if self.period is not None:
-            late = inside > self.cycle_start + self.period
-            inside = np.where(late, self.cycle_start + np.mod(inside - self.cycle_start, self.period), inside)
-        legs = (*self.initial_loading, *self.cycle)
-        if np.any(inside < legs[0].start) or np.any(inside > legs[-1].end):
-            raise ValueError(f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}")
-        ends = np.array([leg.end for leg in legs])
-        number = np.minimum(np.searchsorted(ends, inside, side="left"), len(legs) - 1)
-        found = np.empty((2, *inside.shape))
-        for k in np.unique(number):
-            found[:, number == k] = legs[k].loads(inside[number == k])
-        p, q = found.reshape(2, *np.shape(time))
-        return p, q
 
 
 InitialLoading = Literal["straight"] | tuple[Point, ...]
@@ -106,23 +56,169 @@ def straight_loading(initial_loading: InitialLoading, first: LoadSegment, durati
     return straight_segments([(start + k * duration, *point) for k, point in enumerate(points)])
 
 
+Harmonic = tuple[Annotated[float, Field(ge=0, description="amplitude")], Annotated[float, Field(description="lag, degrees")]]
+_INITIAL = "values at the points of the load's initial_loading; in proportion to P if left out"
+
+
+class Wave(Frozen):
+    """mean + amplitude cos(t - phase), t being the time of the ellipse."""
+
+    mean: float = Field(0.0, description="in the unit of the key")
+    amplitude: float = Field(0.0, ge=0, description="in the unit of the key")
+    phase_degrees: float = Field(0.0, ge=-180, le=180, description="lag behind P")
+    initial_loading: tuple[float, ...] = Field((), description=_INITIAL)
+
+    def waves(self) -> tuple[float, Waves]:
+        """(mean, ((amplitude, phase in radians),))."""
+        return self.mean, ((self.amplitude, math.radians(self.phase_degrees)),)
+
+
+class WaveSum(Frozen):
+    """mean + sum over k of amplitude_k cos(k t - phase_k), t being the time of the harmonics."""
+
+    mean: float = Field(0.0, description="in the unit of the key")
+    harmonics: tuple[Harmonic, ...] = Field((), description="[amplitude, phase in degrees] of k = 1, 2, ...")
+    initial_loading: tuple[float, ...] = Field((), description=_INITIAL)
+
+    def waves(self) -> tuple[float, Waves]:
+        """(mean, ((amplitude, phase in radians), ...))."""
+        return self.mean, tuple((amplitude, math.radians(phase)) for amplitude, phase in self.harmonics)
+
+
+class LineOfAction(Frozen):
+    """Where the load acts on the upper body: M = x P + height Q."""
+
+    x: float = Field(0.0, description="of the line along which P acts, length units (library: mm)")
+    height: float = Field(0.0, description="above the contact at which Q acts, length units (library: mm)")
+
+
+V = TypeVar("V")
+Pair = tuple[Any, Any]
+# A list of numbers; what has passed a function in Python is no JSON any more, where a list would be a tuple.
+Column = Annotated[tuple[float, ...], BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else value)]
+_PAIRS = {"bulk": ("bulk_stress_lower", "bulk_stress_upper"), "turning": ("tilt", "moment")}
+KEYS = (*_PAIRS["bulk"], *_PAIRS["turning"], "line_of_action")
+"""Keys of bulk stress and tilt, of every load."""
+
+
+class BulkAndTilt(Frozen, Generic[V]):
+    """Keys of bulk stress and tilt. During initial loading they grow in proportion to P, to their values at the cycle's start.
+
+    >>> from scenes import EllipseLoad
+    >>> load = EllipseLoad(
+    ...     mean_normal_load=3.0, tangential_amplitude=1.0, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 90}
+    ... )
+    >>> path = load.path()
+    >>> [round(float(one), 12) for one in path.cycle[0].bulk.loads(path.cycle_start)]
+    [-0.5, 0.0]
+    """
+
+    bulk_stress_lower: float | V | None = Field(
+        None, description="bulk stress along x in the lower body, tension positive, stress units (library: MPa)"
+    )
+    bulk_stress_upper: float | V | None = Field(None, description="likewise in the upper body (library: MPa)")
+    tilt: float | V | None = Field(None, description="turn of the upper body that opens the gap at x > 0 (library: rad)")
+    moment: float | V | None = Field(
+        None, description="moment of the pressure about x = 0 per unit thickness, in place of the tilt (library: N)"
+    )
+    line_of_action: LineOfAction | None = Field(None, description="where P and Q act on the upper body, in place of the moment")
+
+    @model_validator(mode="after")
+    def _one_way_to_turn(self) -> Self:
+        ways = [key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None]
+        if len(ways) > 1:
+            raise ValueError(f"{' and '.join(ways)} say the same thing: state one of them")
+        return self
+
+    @model_validator(mode="after")
+    def _can_be_followed(self) -> Self:
+        if self.has_bulk_or_tilt:
+            self.path()
+        return self
+
+    @property
+    def has_bulk_or_tilt(self) -> bool:
+        """Whether any of these keys is stated."""
+        return any(getattr(self, key) is not None for key in KEYS)
+
+    @property
+    def moment_given(self) -> bool:
+        """Whether the moment is stated, by itself or by a line of action, so that the tilt follows from it."""
+        return self.moment is not None or self.line_of_action is not None
+
+    def path(self) -> LoadPath:
+        """The loads over time, with the bulk stresses and the tilt or moment that are stated."""
+        path = self.path_of_loads()
+        if not self.has_bulk_or_tilt:
+            return path
+        legs: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
+        further: dict[str, Sequence[LoadSegment]] = {}
+        if (line := self.line_of_action) is not None:
+            rows = Combination(0.0, 0.0), Combination(line.x, line.height)
+            further["turning"] = [LinearSegment(leg.start, leg.end, leg, rows) for leg in legs]
+        for name, (one, other) in _PAIRS.items():
+            pair = getattr(self, one), getattr(self, other)
+            if pair != (None, None):
+                further[name] = self.pairs(path, pair)
+        found = [
+            replace(leg, **dict(zip(further, parts, strict=True))) for leg, *parts in zip(legs, *further.values(), strict=True)
+        ]
+        count = len(path.initial_loading)
+        return LoadPath(tuple(found[:count]), tuple(found[count:]), self.moment_given)
+
+    @abc.abstractmethod
+    def path_of_loads(self) -> LoadPath:
+        """P and Q alone."""
+
+    @abc.abstractmethod
+    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+        """Two keys over the time of every leg of `path`, the initial loading first."""
+
+
+def growing(legs: Sequence[LoadSegment], pair: Pair, last: Loads) -> list[LoadSegment]:
+    """Two keys over the initial loading, straight from (0, 0) to `last`: in proportion to P, or by points of their own.
+
+    Raises
+    ------
+    ValueError
+        For points of their own that are not as many as those of the initial loading.
+    """
+    if not legs:
+        return []
+    loads, columns = _normal_loads(legs), []
+    for value, end in zip(pair, last, strict=True):
+        own = getattr(value, "initial_loading", ())
+        if own and len(own) != len(legs) - 1:
+            raise ValueError(
+                f"initial_loading of a bulk stress or tilt has {len(own)} values for {len(legs) - 1} points of the load"
+            )
+        columns.append(np.array([0.0, *own, float(end)]) if own else float(end) * loads / loads[-1])
+    return _straight(legs, columns)
+
+
+def _normal_loads(legs: Sequence[LoadSegment]) -> NDArray[np.float64]:
+    """P at the ends of the legs (n,) from (0, 0) on, shape (n + 1,)."""
+    return np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in legs)])
+
+
+def _straight(legs: Sequence[LoadSegment], columns: Sequence[ArrayLike]) -> list[LoadSegment]:
+    """Straight segments over the times of the legs (n,) between two numbers at their ends, (n + 1,) each."""
+    corners = pairwise(zip(*np.array(columns, dtype=float).tolist(), strict=True))
+    return [StraightSegment(leg.start, leg.end, a, b) for leg, (a, b) in zip(legs, corners, strict=True)]
+
+
 W = TypeVar("W", bound=Wave | WaveSum)
 
 
 class CyclicLoad(BulkAndTilt[W], Generic[W]):
     """A load whose cycle has formulas of time, and its bulk stresses and tilts too."""
 
-    def _carrying(self, path: LoadPath) -> LoadPath:
-        """`path` with what these keys state; itself where they state nothing."""
-        if not self.has_bulk_or_tilt:
-            return path
-        pairs: dict[str, list[LoadSegment]] = {}
-        for name, two in self._stated().items():
-            cycle = [wave_pair(leg, two) for leg in path.cycle]
-            pairs[name] = [*growing(path.initial_loading, two, cycle[0].loads(path.cycle_start)), *cycle]
-        first = len(path.initial_loading)
-        legs = self._carried((*path.initial_loading, *path.cycle), pairs)
-        return LoadPath(legs[:first], legs[first:], self.moment_given)
+    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+        means, waves = zip(
+            *(value.waves() if isinstance(value, Wave | WaveSum) else (value or 0.0, ()) for value in pair), strict=True
+        )
+        cycle = [HarmonicSegment(leg.start, leg.end, means, *waves) for leg in path.cycle]
+        return [*growing(path.initial_loading, pair, cycle[0].loads(path.cycle_start)), *cycle]
 
 
 class EllipseLoad(CyclicLoad[Wave]):
@@ -153,7 +249,7 @@ class EllipseLoad(CyclicLoad[Wave]):
         """Phase in radians."""
         return math.radians(self.phase_degrees)
 
-    def path(self) -> LoadPath:
+    def path_of_loads(self) -> LoadPath:
         begin = self.phase + math.pi if self.phase >= 0 else self.phase + 2 * math.pi
         turn = ellipse_segment(
             begin,
@@ -164,25 +260,31 @@ class EllipseLoad(CyclicLoad[Wave]):
         )
         first: Point = tuple(float(load) for load in turn.loads(begin))  # type: ignore[assignment]
         if self.initial_loading == "parabola":
-            return self._carrying(LoadPath((parabola_segment(begin - math.pi, begin, first, 0.0),), (turn,)))
-        return self._carrying(LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,)))
+            return LoadPath((parabola_segment(begin - math.pi, begin, first, 0.0),), (turn,))
+        return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
 
 class StraightLoad(BulkAndTilt[Column]):
     """A load of straight lines, whose bulk stresses and tilts are straight between its corners too."""
 
-    def _carrying(self, path: LoadPath, places: Sequence[int], first: int, words: str) -> LoadPath:
-        """`path` with what these keys state: lists by `places` (see `column`), numbers that grow up to corner `first`."""
-        if not self.has_bulk_or_tilt:
-            return path
-        legs = (*path.initial_loading, *path.cycle)
-        loads = [0.0, *(float(leg.loads(leg.end)[0]) for leg in legs)]
-        pairs = {}
-        for name, pair in self._stated().items():
-            corners = [column(value, places, loads, first, words) for value in pair]
-            pairs[name] = straight_pairs(legs, np.stack(corners, axis=1))
-        count, legs = len(path.initial_loading), self._carried(legs, pairs)
-        return LoadPath(legs[:count], legs[count:], self.moment_given)
+    entries: ClassVar[str]
+    """What the entries of a list stand for."""
+
+    @abc.abstractmethod
+    def places(self, corners: int) -> tuple[Sequence[int], int]:
+        """Which entry of a list each corner of the path has, -1 for none; up to which corner a number grows with P."""
+
+    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+        legs, columns = (*path.initial_loading, *path.cycle), []
+        (places, first), loads = self.places(len(legs) + 1), _normal_loads(legs)
+        for value in pair:
+            if not isinstance(value, tuple):
+                columns.append((value or 0.0) * np.where(np.arange(len(loads)) < first, loads / (loads[first] or 1.0), 1.0))
+            elif len(value) != max(places) + 1:
+                raise ValueError(f"a bulk stress or tilt has {len(value)} values, and {max(places) + 1} are needed, {self.entries}")
+            else:
+                columns.append(np.array([value[k] if k >= 0 else 0.0 for k in places]))
+        return _straight(legs, columns)
 
 
 class PolygonLoad(StraightLoad):
@@ -202,33 +304,27 @@ class PolygonLoad(StraightLoad):
         (), description="[P, Q] points after the last one of the initial loading, force per unit thickness (library: N/mm)"
     )
 
-    @property
-    def _corners(self) -> list[Point]:
-        return [(0.0, 0.0), *self.initial_loading, *self.cycle, *(self.initial_loading[-1:] if self.cycle else ())]
+    entries = "one for each point of initial_loading and cycle"
 
-    @property
-    def _places(self) -> list[int]:
-        """Which entry of a list beside the points each corner has; -1 for none, at (0, 0)."""
-        again = [len(self.initial_loading) - 1] if self.cycle else []
-        return [*range(-1, len(self.initial_loading) + len(self.cycle)), *again]
+    def places(self, corners: int) -> tuple[Sequence[int], int]:
+        first = len(self.initial_loading)
+        return [*range(-1, first + len(self.cycle)), first - 1][:corners], first
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
-        lists = [value for key in KEYS if isinstance(value := getattr(self, key), tuple)]
-        corners = [
-            (*point, *(values[k] if 0 <= k < len(values) else 0.0 for values in lists))
-            for point, k in zip(self._corners, self._places, strict=True)
-        ]
-        for first, last in pairwise(corners):
-            if first == last:
+        path = self.path()
+        for leg in (*path.initial_loading, *path.cycle):
+            parts = [part for part in (leg, leg.bulk, leg.turning) if isinstance(part, StraightSegment)]
+            if all(part.first == part.last for part in parts):
+                lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
                 beside = " with the same bulk stress and tilt" if lists else ""
-                raise ValueError(f"the point {list(last[:2])} stands twice in a row{beside}: leave one out")
+                raise ValueError(f"the point {list(parts[0].last)} stands twice in a row{beside}: leave one out")
         return self
 
-    def path(self) -> LoadPath:
-        segments = straight_segments([(float(k), *point) for k, point in enumerate(self._corners)])
-        first, words = len(self.initial_loading), "one for each point of initial_loading and cycle"
-        return self._carrying(LoadPath(segments[:first], segments[first:]), self._places, first, words)
+    def path_of_loads(self) -> LoadPath:
+        corners = [(0.0, 0.0), *self.initial_loading, *self.cycle, *(self.initial_loading[-1:] if self.cycle else ())]
+        segments, first = straight_segments([(float(k), *point) for k, point in enumerate(corners)]), len(self.initial_loading)
+        return LoadPath(segments[:first], segments[first:])
 
 
 class HarmonicLoad(CyclicLoad[WaveSum]):
@@ -249,13 +345,13 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         "straight", description="from (0, 0) to the first point of the cycle: straight, or along [P, Q] points"
     )
 
-    def path(self) -> LoadPath:
+    def path_of_loads(self) -> LoadPath:
         waves = (
             tuple((amplitude, math.radians(phase)) for amplitude, phase in harmonics)
             for harmonics in (self.normal_harmonics, self.tangential_harmonics)
         )
         turn = HarmonicSegment(0.0, 2 * math.pi, (self.mean_normal_load, self.mean_tangential_load), *waves)
-        return self._carrying(LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,)))
+        return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
 
     def in_words(self, unit: str) -> str:
         return (
@@ -375,10 +471,14 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         duration = (rows[-1, 0] - rows[0, 0]) / (len(rows) - 1)
         return np.concatenate([[[rows[0, 0] - duration, 0.0, 0.0]], rows])
 
-    def path(self) -> LoadPath:
+    entries = "one for each row"
+
+    def places(self, corners: int) -> tuple[Sequence[int], int]:
+        return range(len(self.rows) - corners, len(self.rows)), 1
+
+    def path_of_loads(self) -> LoadPath:
         segments = straight_segments(self.series().tolist())
-        path = LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
-        return self._carrying(path, range(len(self.rows) - len(segments) - 1, len(self.rows)), 1, "one for each row")
+        return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
 
     def in_words(self, unit: str) -> str:
         low, high = np.min(self.rows.values, axis=0), np.max(self.rows.values, axis=0)
@@ -450,30 +550,23 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             found.append(_chebyshev_piece(low, high, pair, scale))
         return found
 
-    def path(self) -> LoadPath:
+    def path_of_loads(self) -> LoadPath:
         segments = tuple(self._segments())
         first, last = np.abs(segments[0].loads(0.0)), np.abs(segments[-1].loads(self.duration))
         initial_loading: tuple[LoadSegment, ...] = ()
         # Unless it is unloaded at first.
         if self.repeats or self.initial_loading != "straight" or np.max(first) > _ROUNDING * np.max(last):
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
-        legs: tuple[LoadSegment, ...] = (*initial_loading, *segments)
-        if self.has_bulk_or_tilt:
-            pairs = {}
-            for name, pair in self._stated().items():
-                functions = [values_of(one) if callable(one) else _constant(one) for one in pair]
-                pieces = [_chebyshev_piece(leg.start, leg.end, functions) for leg in segments]
-                pairs[name] = [*growing(initial_loading, pair, pieces[0].loads(0.0)), *pieces]
-            legs = self._carried(legs, pairs)
-        count = len(initial_loading) if self.repeats else len(legs)
-        return LoadPath(legs[:count], legs[count:], self.moment_given)
+        return LoadPath(initial_loading, segments) if self.repeats else LoadPath((*initial_loading, *segments), ())
+
+    def pairs(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+        functions = [values_of(one) if callable(one) else lambda time, one=one: np.full(np.shape(time), one or 0.0) for one in pair]
+        legs = (*path.initial_loading, *path.cycle)
+        pieces = [_chebyshev_piece(leg.start, leg.end, functions) for leg in legs if isinstance(leg, ChebyshevSegment)]
+        return [*growing(legs[: -len(pieces)], pair, pieces[0].loads(0.0)), *pieces]
 
     def in_words(self, unit: str) -> str:
         return f"the loads (in {unit}) are Python functions of time over {self.duration:.6g}{', repeated' if self.repeats else ''}"
-
-
-def _constant(value: float | None) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    return lambda time: np.full(np.shape(time), value or 0.0)
 
 
 def _chebyshev_piece(low: float, high: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0) -> ChebyshevSegment:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import abc
 import cmath
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -494,6 +494,63 @@ class LinearSegment(LoadSegment):
 
     def shifted(self, delay: float) -> Self:
         return replace(super().shifted(delay), of=self.of.shifted(delay))
+
+
+@dataclass(frozen=True)
+class LoadPath:
+    """The initial loading from (0, 0), then a cycle that repeats for ever (or nothing more, where `cycle` is empty)."""
+
+    initial_loading: tuple[LoadSegment, ...]
+    cycle: tuple[LoadSegment, ...]
+    moment_given: bool = False
+    """Whether the segments' `turning` states the moment, from which the tilt follows, and not the tilt."""
+
+    @property
+    def has_bulk_or_tilt(self) -> bool:
+        """Whether segments carry bulk stresses, tilt or moment along with P and Q."""
+        return any(leg.bulk is not None or leg.turning is not None for leg in (*self.initial_loading, *self.cycle))
+
+    @property
+    def start(self) -> float:
+        """Time of the unloaded state."""
+        return self.initial_loading[0].start
+
+    @property
+    def cycle_start(self) -> float:
+        """Time at which the initial loading ends and the first cycle starts."""
+        return self.initial_loading[-1].end
+
+    @property
+    def period(self) -> float | None:
+        """Duration of a cycle; None for a path that is not periodic."""
+        return self.cycle[-1].end - self.cycle[0].start if self.cycle else None
+
+    def legs(self, cycles: int) -> Iterator[LoadSegment]:
+        """The initial loading, then `cycles` revolutions."""
+        yield from self.initial_loading
+        for number in range(cycles):
+            yield from self.cycle_legs(number)
+
+    def cycle_legs(self, number: int) -> tuple[LoadSegment, ...]:
+        """The legs of revolution `number`, counted from 0."""
+        return tuple(leg.shifted(number * (self.period or 0.0)) for leg in self.cycle)
+
+    def at(self, time: ArrayLike) -> Loads:
+        """(P, Q) at `time`, shape of `time`; ValueError outside the path."""
+        inside = np.atleast_1d(np.asarray(time, dtype=float))
+        if self.period is not None:
+            late = inside > self.cycle_start + self.period
+            inside = np.where(late, self.cycle_start + np.mod(inside - self.cycle_start, self.period), inside)
+        legs = (*self.initial_loading, *self.cycle)
+        if np.any(inside < legs[0].start) or np.any(inside > legs[-1].end):
+            raise ValueError(f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}")
+        ends = np.array([leg.end for leg in legs])
+        number = np.minimum(np.searchsorted(ends, inside, side="left"), len(legs) - 1)
+        found = np.empty((2, *inside.shape))
+        for k in np.unique(number):
+            found[:, number == k] = legs[k].loads(inside[number == k])
+        p, q = found.reshape(2, *np.shape(time))
+        return p, q
 
 
 def _wave_sum(coefficients: NDArray[np.complex128], time: Array) -> Array:

@@ -164,12 +164,8 @@ def _text_table(
     """As `text_table`, of a file in a known encoding; OSError, UnicodeError."""
     longest = _LONGEST if columns else _LONGEST_OF_ALL
     with path.open(encoding=encoding) as stream:
-        lines: list[Line] = []
-        for line in islice(_lines(path, stream, longest), _LOOK):
-            lines.append(line)
-            if len(lines) > 2 and sum(len(text) for _, text in lines) > _CHARACTERS:
-                break
-        layout = _layout(path, lines, columns, stated, known)
+        start = _lines(path, stream, longest)
+        layout = _layout(path, [*_chunk(start, 3), *_chunk(start, _LOOK)], columns, stated, known)
         stream.seek(0)
         comma = layout.separator != "," and _has_decimal_comma(path, stream, layout)
     with path.open(encoding=encoding) as stream:
@@ -289,63 +285,48 @@ def _plain_layout(
 ) -> _Layout:
     """Where no line of headings was recognised: rows alone, or headings that are taken as they stand; else what is wrong."""
     (number, text), rest = bare[0], bare[1:]
-    listed = ", ".join(columns)
     rows = [mark for mark in SEPARATORS if len(_cells(text, mark)) > 1 and _numeric(text, mark)]
     if not columns:
         if rows or _numeric(text, None):
             raise InputError(
                 f"{path}, line {number}: the first line must name the columns, such as time,x,pressure,shear; it has numbers only"
             )
-        mark = next(
-            (mark for mark in SEPARATORS if rest and 1 < len(_cells(text, mark)) == len(_cells(rest[0][1], mark))),
-            next((mark for mark in SEPARATORS if mark is not None and mark in text), None),
-        )
-        names = _headings(text, mark)[0] if rest and len(_headings(text, mark)[0]) == len(_cells(rest[0][1], mark)) else None
-        names = names or _cells(text, mark)
-        units = [unit_in(name)[1] for name in names]
-        return _Layout(mark, tuple(names), tuple(units), tuple(range(len(names))), number, rest[0][0] if rest else number + 1, 0)
-    mark = next((mark for mark in rows if len(_cells(text, mark)) == len(columns)), rows[0] if rows else None)
-    cells = _cells(text, mark)
-    if rows and (by_number or (len(cells) == len(columns) and not any(isinstance(own, str) for own in stated.values()))):
-        used = tuple(int(stated[name]) - 1 for name in columns) if by_number else tuple(range(len(columns)))
+        below = rest[0][1] if rest else ""
+        even = (mark for mark in SEPARATORS if 1 < len(_cells(text, mark)) == len(_cells(below, mark)))
+        mark = next(even, next((mark for mark in SEPARATORS if mark is not None and mark in text), None))
+        names = next((way for way in _headings(text, mark) if len(way) == len(_cells(below, mark))), _cells(text, mark))
+        units = tuple(unit_in(name)[1] for name in names)
+        return _Layout(mark, tuple(names), units, tuple(range(len(names))), number, rest[0][0] if rest else number + 1, 0)
+    listed, count = ", ".join(columns), len(columns)
+
+    def fitting(row: str) -> list[str | None]:
+        return [mark for mark in SEPARATORS if len(_cells(row, mark)) >= count and _numeric(row, mark)]
+
+    # The first row of numbers and its separators; that with a cell for each column before others.
+    start, wide = next(((k, marks) for k, (_, row) in enumerate(bare) if (marks := fitting(row))), (0, []))
+    mark = min(wide, key=lambda mark: len(_cells(bare[start][1], mark)) > count, default=None)
+    cells = _cells(bare[start][1], mark)
+    exact = start == 0 and len(cells) == count and not any(isinstance(own, str) for own in stated.values())
+    if wide and (by_number or exact):
+        used = tuple(int(stated[name]) - 1 for name in columns) if by_number else tuple(range(count))
         if max(used) >= len(cells):
-            raise InputError(f"{path}, line {number}: there is no column {max(used) + 1}: the line has {len(cells)}")
-        return _Layout(mark, _numbered(len(cells), used, columns), ("",) * len(cells), used, 0, number, 0)
+            raise InputError(f"{path}, line {bare[start][0]}: there is no column {max(used) + 1}: the line has {len(cells)}")
+        own = dict(zip(used, columns, strict=True))
+        names = [own.get(k, f"column {k + 1}") for k in range(len(cells))]
+        return _Layout(mark, tuple(names), ("",) * len(cells), used, 0, bare[start][0], start)
     if rows:
-        cure = "; semicolons between the columns where commas stand in the numbers" if len(cells) == 2 * len(columns) else ""
+        cure = "; semicolons between the columns where commas stand in the numbers" if len(cells) == 2 * count else ""
         raise InputError(
-            f"{path}, line {number}: {len(columns)} numbers ({listed}) are needed, not {shown(text)}{cure}; or say which by "
+            f"{path}, line {number}: {count} numbers ({listed}) are needed, not {shown(text)}{cure}; or say which by "
             f"columns = {{{', '.join(f'{name} = {k}' for k, name in enumerate(columns, 1))}}}"
         )
-    below = next(
-        (
-            (k, mark)
-            for k, (_, row) in enumerate(rest)
-            for mark in SEPARATORS
-            if len(_cells(row, mark)) >= len(columns) and _numeric(row, mark)
-        ),
-        None,
-    )
-    if by_number and below is not None:
-        start, mark = below
-        count = len(_cells(rest[start][1], mark))
-        used = tuple(int(stated[name]) - 1 for name in columns)
-        if max(used) >= count:
-            raise InputError(f"{path}, line {rest[start][0]}: there is no column {max(used) + 1}: the line has {count}")
-        return _Layout(mark, _numbered(count, used, columns), ("",) * count, used, 0, rest[start][0], start + 1)
-    number, text = bare[below[0]] if below is not None else bare[0]  # the line above the first row of numbers, else the first
+    number, text = bare[max(start - 1, 0)]  # the line above the first row of numbers, else the first
     names = max((way for mark in SEPARATORS for way in _headings(text, mark)), key=len)
     lacking = [name for name in columns if _used(path, number, names, (name,), stated) is None]
-    own = [shown(stated[name]) for name in lacking if name in stated]
-    which = f"no heading is {' or '.join(own)}" if own else f"none is {' or '.join(lacking or columns)}"
+    own_words = [shown(stated[name]) for name in lacking if name in stated]
+    which = f"no heading is {' or '.join(own_words)}" if own_words else f"none is {' or '.join(lacking or columns)}"
     cure = f"{which}; say which by columns = {{{(lacking or columns)[0]} = ...}}, by its heading or its number from 1 on"
     raise InputError(f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {cure}")
-
-
-def _numbered(count: int, used: Sequence[int], columns: Sequence[str]) -> tuple[str, ...]:
-    """Names of columns without headings."""
-    own = dict(zip(used, columns, strict=True))
-    return tuple(own.get(k, f"column {k + 1}") for k in range(count))
 
 
 def _has_decimal_comma(path: Path, stream: TextIO, layout: _Layout) -> bool:
@@ -367,29 +348,31 @@ def _stream(
     """The numbers of the columns that are read and the line of each row, some ten thousand rows at a time."""
     values: list[Array] = []
     places: list[NDArray[np.int64]] = []
-    chunk: list[Line] = []
-    count = characters = 0
-    for number, text in lines:
-        if number < layout.first or text.startswith(_REMARKS):
-            continue
-        if remarks_in_rows and "#" in text:
-            text = text.split("#", 1)[0].rstrip()  # noqa: PLW2901 (the row without its remark)
-        chunk.append((number, text))
-        count, characters = count + 1, characters + len(text)
-        if count > MOST_ROWS:
+    rows = ((number, text) for number, text in lines if number >= layout.first and not text.startswith(_REMARKS))
+    if remarks_in_rows:
+        rows = ((number, text.split("#", 1)[0].rstrip()) for number, text in rows)
+    while chunk := _chunk(rows):
+        places.append(np.array([number for number, _ in chunk]))
+        if sum(map(len, places)) > MOST_ROWS:
             what, _, cure = too_many.partition("; ")
             raise InputError(f"{path}: {what} has more than {MOST_ROWS:,} rows, the most that are read; {cure}")
-        if len(chunk) == _CHUNK or characters > _CHARACTERS:
-            values.append(_values(path, chunk, layout, comma))
-            places.append(np.array([place for place, _ in chunk]))
-            chunk, characters = [], 0
-    if chunk:
         values.append(_values(path, chunk, layout, comma))
-        places.append(np.array([place for place, _ in chunk]))
-    if not count:
+    if not values:
         names = ", ".join(layout.names[k] for k in layout.used)
         raise InputError(f"{path}: no row of numbers below the names {names}")
     return np.concatenate(values), np.concatenate(places)
+
+
+def _chunk(rows: Iterator[Line], most: int = _CHUNK) -> list[Line]:
+    """The next rows, some MB of text at most."""
+    found: list[Line] = []
+    characters = 0
+    for row in islice(rows, most):
+        found.append(row)
+        characters += len(row[1])
+        if characters > _CHARACTERS:
+            break
+    return found
 
 
 def _values(path: Path, chunk: list[Line], layout: _Layout, comma: bool) -> Array:

@@ -30,7 +30,7 @@ import pytest
 from command_line import COARSE, halfplane
 from reports.cli.application import app
 from scenes import Scene, Tolerances, scene_names, scene_text
-from scenes.bulk_stress import KEYS
+from scenes.loads import KEYS
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

@@ -606,6 +606,7 @@ TREES = st.recursive(SIMPLE, lambda inner: st.lists(inner, max_size=3) | st.dict
 KEYS = st.sampled_from(["material", "profile", "friction", "load", "kind", "cycle", "initial_loading", "coefficient"])
 
 
+@pytest.mark.filterwarnings("ignore:.* is now called:DeprecationWarning")  # a key may be an old name by chance
 @settings(max_examples=50)
 @given(place=st.lists(KEYS, max_size=2), value=TREES)
 def test_whatever_stands_in_a_file_is_a_scene_or_a_sentence(
