@@ -26,8 +26,7 @@ from meshes import MeshSettings
 from reports import Comparison, compare, score
 from reports.comparison.metrics import scales
 from reports.field_output.files import instants_of, write_fields
-from reports.scoring.diagnosis import diagnose
-from reports.scoring.hypotheses import stiffer, with_friction
+from reports.scoring.diagnosis import diagnose, stiffer, with_friction
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import UNTOLD, friction_work, zones

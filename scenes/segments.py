@@ -535,6 +535,11 @@ class LoadPath:
         """The legs of revolution `number`, counted from 0."""
         return tuple(leg.shifted(number * (self.period or 0.0)) for leg in self.cycle)
 
+    def companion(self, name: str) -> LoadPath | None:
+        """What all segments carry as `bulk` or `turning`, as a path of its own; None where one of them carries nothing."""
+        loading, cycle = ([getattr(leg, name) for leg in legs] for legs in (self.initial_loading, self.cycle))
+        return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
+
     def at(self, time: ArrayLike) -> Loads:
         """(P, Q) at `time`, shape of `time`; ValueError outside the path."""
         inside = np.atleast_1d(np.asarray(time, dtype=float))

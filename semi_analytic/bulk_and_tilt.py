@@ -169,7 +169,7 @@ def one_curve(scene: Scene) -> OneCurve | None:
         bare[first:] = driven[first:]  # type: ignore[assignment]
     loading = len(path.initial_loading)
     only = LoadPath(tuple(bare[:loading]), tuple(bare[loading:]))
-    return OneCurve(contact, only, _companions(path, "bulk"), _companions(path, "turning"), path.moment_given)
+    return OneCurve(contact, only, path.companion("bulk"), path.companion("turning"), path.moment_given)
 
 
 def _driven(leg: LoadSegment, strain: tuple[float, float], begin: float, slope: float) -> LoadSegment | None:
@@ -283,9 +283,3 @@ def _slope_of(load: Array, what: Array) -> float:
     away = load - np.mean(load) if len(load) else load
     square = float(away @ away)
     return float(away @ what) / square if square > 0 and np.ptp(load) > _ROUNDING * np.max(np.abs(load)) else 0.0
-
-
-def _companions(path: LoadPath, name: str) -> LoadPath | None:
-    """What all segments carry under this name, as a path."""
-    loading, cycle = ([getattr(leg, name) for leg in legs] for legs in (path.initial_loading, path.cycle))
-    return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))

@@ -17,9 +17,20 @@ from meshes import MeshSettings
 from reports import compare
 from reports.comparison import Comparison
 from reports.scoring.against import score, score_surface
-from reports.scoring.diagnosis import FAULTS, NOISE, UNKNOWN, Diagnosis, diagnose, scatter, sentence_of
-from reports.scoring.flaws import Flaws, Model, NotSettledError
-from reports.scoring.hypotheses import Hypothesis, discrepancy, stiffer, with_friction
+from reports.scoring.diagnosis import (
+    FAULTS,
+    NOISE,
+    UNKNOWN,
+    Diagnosis,
+    Hypothesis,
+    diagnose,
+    discrepancy,
+    scatter,
+    sentence_of,
+    stiffer,
+    with_friction,
+)
+from reports.scoring.flaws import Model, NotSettledError
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import surface_result
 from scenes import Materials, Scene, load_scene
@@ -133,8 +144,8 @@ def test_flaws_of_the_model_are_looked_for_where_theory_leaves_something_and_tho
 ) -> None:
     asked = []
 
-    def march(*given: object) -> None:
-        asked.append(given)
+    def march(*_given: object, **flaws: float) -> None:
+        asked.append(flaws)
         raise NotSettledError
 
     monkeypatch.setattr(Model, "march", march)
@@ -281,14 +292,14 @@ def test_the_scenes_own_coupling_is_no_fault_of_the_result(table: ModuleType) ->
 
 def test_the_model_without_a_flaw_is_hertz_and_cattaneo() -> None:
     """E* = f = 1 and R = 1: P = pi/4 for a = 1, p = sqrt(1 - x^2)/2; c = sqrt(1 - Q/(f P)), q = p(x; a) - p(x; c)."""
-    on = Model.__new__(Model)
-    on._on_elements(np.linspace(0, 1.4, 121), 1.0, 1.0, lambda x: np.square(x) / 2)
-    (p,), (q,) = on.march(Flaws(), np.pi / 4 * np.array([[1.0, 0.64]]))
+    ends = np.linspace(0, 1.4, 121), 1.0, 1.0, lambda x: np.square(x) / 2
+    on = Model(*ends, np.pi / 4 * np.array([[1.0, 0.64]]))
+    (p,), (q,) = on.march()
     exact = np.sqrt(np.maximum(1 - on.x**2, 0)) / 2
     assert np.abs(p - exact).max() < 0.02  # 0.011, at the edge
     assert np.abs(q - (exact - np.sqrt(np.maximum(0.36 - on.x**2, 0)) / 2)).max() < 0.02
     with pytest.raises(NotSettledError, match="slides"):
-        on.march(Flaws(), np.array([[1.0, 1.5]]))
+        Model(*ends, np.array([[1.0, 1.5]])).march()
 
 
 def scattered() -> tuple[Scene, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -108,7 +108,7 @@ def _columns(path: Path, blocks: Sequence[_Block], mapping: Mapping, notes: list
         table = pd.DataFrame({quantity: block.column(name) for quantity, name in found.items() if name is not None})
         table.index = pd.Index(np.arange(float(len(block.values))) if label is None else block.column(label))
         tables.append(table.assign(frame=float(frames.index((block.step, block.frame)))))
-    whole = pd.concat(tables)
+    whole = pd.concat(tables)  # every value is finite: NaN is what a table lacks
     if "x" not in whole:
         raise InputError(f"{path}: the nodes of {blocks[0].region} have no places: report COORD with COORD1 beside CPRESS")
     # Places may stand in tables of their own, and once for all frames.

@@ -222,42 +222,39 @@ class _Lines(Iterator[bytes]):
     def table(self, records: list[bytes], label: int, columns: int, start: int) -> tuple[Integers, Array]:
         """Node numbers (n,) and values (n, columns) of ` -1` records and their ` -2` continuations, six numbers a line.
 
-        All lines at once; number by number where one is not as Python writes it. `start`: number of the first line in the file.
+        `start`: number of the first line in the file.
         """
         per_record = max(1, -(-columns // 6))
         if len(records) % per_record:
             raise self.refusal(f"{per_record} lines a record, found {len(records)} lines in the block")
-        parts = []
-        for k in range(per_record):
+        nodes, words, first = list[int](), list[bytes](), 3 + label
+        for place, record in enumerate(records, start=start):
+            k = (place - start) % per_record
             share, key = min(6, columns - 6 * k), b" -2" if k else b" -1"
-            width = 3 + label + WIDTH * share
-            trimmed = [line if len(line) == width else line.rstrip() for line in records[k::per_record]]
-            places = range(start + k, start + len(records), per_record)
-            for line, place in zip(trimmed, places, strict=True):
-                if len(line) != width or line[:3] != key:
-                    raise self.refusal(
-                        f"{key.decode().strip()} and {share} numbers of {WIDTH} characters, {width} in all, "
-                        f"found {len(line)}: {_shown(line)}",
-                        place,
-                    )
-            letters = np.frombuffer(b"".join(trimmed), "S1").reshape(len(trimmed), width)[:, 3 + label :]
-            words = np.ascontiguousarray(letters).view(f"S{WIDTH}") if share and trimmed else np.empty((len(trimmed), share), "S1")
-            try:
-                parts.append(words.astype(float))
-            except ValueError:
-                rows = zip(words.tolist(), places, strict=True)
-                parts.append(np.array([[self.float(word, "a number", place) for word in row] for row, place in rows]))
-        heads = enumerate(records[::per_record])
-        nodes = [self.integer(line[3 : 3 + label], "a node's number", start + per_record * at) for at, line in heads]
-        return np.array(nodes, np.int64), np.concatenate(parts, axis=1)
+            width = first + WIDTH * share
+            line = record if len(record) == width else record.rstrip()
+            if len(line) != width or line[:3] != key:
+                raise self.refusal(
+                    f"{key.decode().strip()} and {share} numbers of {WIDTH} characters, {width} in all, "
+                    f"found {len(line)}: {_shown(line)}",
+                    place,
+                )
+            if not k:
+                nodes.append(self.integer(line[3:first], "a node's number", place))
+            words += [line[at : at + WIDTH] for at in range(first, width, WIDTH)]
+        try:
+            values = np.array(words, f"S{WIDTH}").astype(float)
+        except ValueError:  # one of them is not as Python writes it
+            lines = (start + k // columns * per_record + k % columns // 6 for k in range(len(words)))
+            values = np.array([self.float(word, "a number", line) for word, line in zip(words, lines, strict=True)])
+        return np.array(nodes, np.int64), values.reshape(len(nodes), columns)
 
     def float(self, text: bytes, what: str, number: int = 0) -> float:
         """The number that the text states, also as Fortran writes it."""
-        bare = text.strip()
         try:
-            return float(bare)
+            return float(text)
         except ValueError:
-            found = _NUMBER.fullmatch(bare)
+            found = _NUMBER.fullmatch(text.strip())
         if found is None:
             raise self.refusal(f"{what}, found {_shown(text)}", number)
         return float(found[1] + b"e" + (found[2] or found[3] or b"0"))

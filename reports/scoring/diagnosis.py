@@ -1,29 +1,46 @@
 """Likely causes of the difference between a result and its reference, from the pattern of the difference.
 
-Each fault of a closed set is a hypothesis that predicts tractions (`hypotheses` says how they are weighed against each other). The
-one that leaves least unexplained is named first; it is then mended, and the rest looked at again, so that two faults at once are
-both found.
+Each fault of a closed set is a hypothesis: "the result is the reference, but for this". It predicts tractions p*, q* on the
+result's points and instants, its free figure fitted by least squares, and explains the share
+
+    e = 1 - |found - predicted|^2 / |found - expected|^2
+
+of the discrepancy. The norm is that of p/p_ref and q/(f p_ref) over x and time, so that errors of pressure and shear that are
+the same share of their scales count alike. A prediction is taken rather than a linear mode, since large faults are not linear:
+a sign, a factor of a thousand, a contact half as wide. The one that leaves least unexplained is named first; it is then mended, and
+the rest looked at again, so that two faults at once are both found.
+
+Faults of the file (a sign, two columns swapped, a factor) act on the reference's arrays. Faults of the question (wrong modulus or
+friction, no memory, not yet steady, other instants) have the exact answer of a neighbouring scene. A mesh too coarse at the edges
+and bodies that are not alike are recognised by where the discrepancy lies. Soft penalties and bodies that end too near are those of
+the model of `flaws`: what moves the edges of contact moves square roots, of which a grid knows little. So where a flaw does that,
+half-plane theory with another E*/R takes the part that such a change can take, exactly, and the grid adds the rest:
+
+    predicted = theory(m) + model(flaw) - model(m)
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+import semi_analytic
 from reports.comparison import Comparison
+from reports.comparison.metrics import Verdict, compliance, norm, over, shares, verdict_on
 from reports.measured import noise_of
-from reports.scoring.flaws import model_faults
-from reports.scoring.hypotheses import (
-    Discrepancy,
-    Hypothesis,
-    coarse_edge,
-    discrepancy,
-    file_faults,
-    question_faults,
-    unlike_bodies,
-)
+from reports.scoring.flaws import SAME_LOAD, Model, NotSettledError
+from scenes import InputError, LineOfAction, Materials, PolygonLoad, Scene, Wave, WaveSum
+from semi_analytic.profiles import contact_of
+
+Array = NDArray[np.float64]
+Tractions = tuple[Array, Array]
+"""Pressure and shear, (k, n) each [stress]."""
 
 # A hypothesis that explains less is no pattern: a fault of the set, fitted, leaves far less behind.
 LEAST_EXPLAINED = 0.5
@@ -38,6 +55,45 @@ REST = 2.0
 UNKNOWN, NOISE = "unknown", "noise"
 # Standard deviations of the noise by which a point may exceed the Coulomb limit and the contact law still be kept.
 BY_NOISE = 5.0
+# A steady cycle has some ten features (turning points, ends of full stick); three instants to each are enough to tell faults apart.
+MOST_INSTANTS = 32
+# A fitted factor counts as the round one that it is near: a mesh does not move a resultant by more. A factor of a hundred or more
+# is one of units even farther off: what is left of it is another fault.
+NEAR, NEAR_OF_UNITS = 0.02, 0.25
+# Below this a factor is no fault of a file: modulus, radius or loads explain it better. A factor of p alone has no rival: no
+# elastic contact has another pressure and the same width and shear.
+LEAST_FACTOR, LEAST_OF_PRESSURE = 0.01, 1e-3
+# Of the discrepancy, where a prediction has no solution: finite, for the parabolas of a search.
+NOTHING = 1e30
+# Logarithms of the factors of E*/R or of the loads that are looked at first, and of f; those of f at which next to nothing slips: a
+# mesh keeps the infinite shear of bonded faces finite, as a large f does.
+FACTORS = tuple(np.log([0.2, 0.5, 0.75, 0.9, 0.97, 1.0, 1.03, 1.1, 1.33, 2.0, 5.0]))
+OF_FRICTION, NO_SLIP = tuple(np.log([0.4, 0.7, 0.9, 1.0, 1.1, 1.4, 2.0, 4.0])), tuple(np.log([15.0, 50.0, 300.0]))
+# Longest cycle, in steps, whose steps may be too long as a solver takes them whose law holds at their ends.
+MOST_STEPS = 64
+# Spacings to each side of an edge that a mesh can get wrong: the element with the edge in it, and its neighbour.
+REACH = 2.0
+# A traction that leaves the edge as a root has an error of about sqrt(2 h/a) of its peak over the element with the edge: shear, at
+# stick edges, up to 1.2 of that on meshes of a/5 to a/24, pressure up to 0.36, its edge being found to a part of an element. A soft
+# layer or a short body moves the pressure's edge by 0.7 to 1.5 of that.
+MOST = (0.4, 1.0)
+# Half-length of the grid over the largest half-width of the reference: soft layers widen a contact.
+ROOM = 1.35
+# Elements over the largest half-width, where nothing travels and where edges do; for what an edge leaves within one
+# thin layer, FINEST. A layer thinner than THIN of the FINE elements is not seen by them.
+COARSE, FINE, FINEST, THIN = 20, 80, 320, 2.0
+# Increments of a cycle that the model takes; and of a smooth path, for thin layers, whose trace lies where an edge stopped: at
+# k = 240 E*/a on hertz-paper 32 explain 0.70 of the discrepancy, 128 0.76, 256 0.77.
+INCREMENTS, SMOOTH = 32, 256
+# A body that ends sends back P and Q alike, both by the order of 1/L^2 of its size: neither bend is many times the other.
+ALIKE = 4.0
+# Sizes looked for: logarithms of layers over a/E*, bends over 1/(E* a^2). Beyond, nothing is left of the scene's contact.
+LAYERS = tuple(np.log([1e-3, 1e-2, 0.1, 1.0, 3.0]))
+SHEAR_LAYERS = tuple(np.log([1e-3, 1e-2, 0.1, 1.0, 10.0, 30.0]))
+BENDS = (-0.4, -0.1, 0.0, 0.1, 0.4)
+# Of the range of sizes: a fit as close as this is close enough to tell patterns apart.
+CLOSE = 0.004
+
 MODEL = {"coarse_edge", "coupling", "small_body", "soft_normal", "elastic_slip", "steps"}
 # What a hypothesis must explain more than a plainer one, for each figure fitted: of two that explain all, the plainer is named.
 # Flaws that move edges of contact lean on a fitted stiffness; a coarse edge and an odd part take what they find, point by point.
@@ -105,6 +161,457 @@ LIKELY = (
 )
 
 
+@dataclass(frozen=True, eq=False)
+class Discrepancy:
+    """What is to be explained: some instants of the last cycle, all points."""
+
+    comparison: Comparison
+    rows: NDArray[np.intp]  # (k,), the instants taken, of the last cycle's
+    expected: Tractions  # of the reference
+    found: Tractions  # of the result; where it has no number, the reference's
+    weight: Array  # (k, n) of the squares, 0 where the result has no number
+    missing: float  # share of the result's tractions that are no numbers
+    scene: Scene  # the question that `expected` answers: the comparison's, or with a fault in it that was found before
+    exact: bool  # whether `expected` is half-plane theory of `scene`
+    sheared: bool = True  # whether the shear counts
+
+    @property
+    def x(self) -> Array:
+        """(n,) [length]."""
+        return self.comparison.found.x
+
+    @property
+    def time(self) -> Array:
+        """(k,) of the load path."""
+        return self.comparison.found.time[self.rows]
+
+    @property
+    def fraction(self) -> Array:
+        """(k,) of the cycle."""
+        return self.comparison.found.fraction[self.rows]
+
+    @property
+    def unsymmetric(self) -> bool:
+        """Whether bulk stress, tilt or unequal sides make tractions that are not even in x."""
+        return self.comparison.pulled or self.comparison.turned
+
+    @property
+    def of_pressure(self) -> Discrepancy:
+        """That of the pressure alone: between like bodies it knows nothing of friction, and tells the rest apart."""
+        return replace(self, sheared=False)
+
+    @cached_property
+    def beyond_theory(self) -> Tractions:
+        """What is expected less half-plane theory of the scene; 0 where it is that."""
+        if self.exact:
+            return np.zeros((1, len(self.x))), np.zeros((1, len(self.x)))
+        found = semi_analytic.solve(self.scene, x=self.x, time=self.time, fields=("pressure", "shear"))
+        return self.expected[0] - found.pressure, self.expected[1] - found.shear
+
+    def product(self, one: Tractions, other: Tractions) -> float:
+        """Weighted scalar product of two pairs of tractions over their scales."""
+        scales = self.comparison.scales
+        products = one[0] * other[0] / scales.pressure**2 + self.sheared * (one[1] * other[1] / scales.shear**2)
+        return float(np.sum(self.weight * products))
+
+    def apart(self, predicted: Tractions) -> float:
+        """Weighted square of found less predicted; infinite where the prediction holds a NaN."""
+        off = self.found[0] - predicted[0], self.found[1] - predicted[1]
+        value = self.product(off, off)
+        return value if np.isfinite(value) else float("inf")
+
+    def explained(self, predicted: Tractions) -> float:
+        """Share of the discrepancy that `predicted` explains: 1 is all, 0 none, below 0 makes it worse."""
+        whole = self.apart(self.expected)
+        return 1 - self.apart(predicted) / whole if whole > 0 else 0.0
+
+    def errors(self) -> tuple[float, float]:
+        """||p - p_ref||/||p_ref|| and ||q - q_ref||/(f ||p_ref||) at the worst of the instants."""
+        size = norm(self.x, self.expected[0])
+        p, q = (norm(self.x, found - expected) for found, expected in zip(self.found, self.expected, strict=True))
+        sizes = (size, self.comparison.scales.friction * size)
+        worst = [float(np.nanmax(over(off, unit), initial=0.0)) for off, unit in zip((p, q), sizes, strict=True)]
+        return worst[0], worst[1]
+
+    def within(self, times: float = 1.0) -> bool:
+        """Whether both errors are within so many tolerances of the scene."""
+        limits = [times * (self.comparison.scene.tolerances.limit(key) or 0.0) for key in ("pressure", "shear")]
+        return all(verdict_on(*pair) is Verdict.WITHIN for pair in zip(self.errors(), limits, strict=True))
+
+
+def discrepancy(comparison: Comparison) -> Discrepancy | None:
+    """The discrepancy of `comparison`; None where the result has no instant with a contact or not one number."""
+    usable = np.flatnonzero(comparison.judged if comparison.judged.any() else comparison.touching)
+    if not len(usable):
+        return None
+    rows = usable[np.unique(np.linspace(0, len(usable) - 1, min(len(usable), MOST_INSTANTS)).round().astype(int))]
+    expected, found = ((side.pressure[rows], side.shear[rows]) for side in (comparison.expected, comparison.found))
+    sheared = not np.isnan(found[1]).all()
+    if not sheared:  # a file without shear: it counts for nothing
+        found = found[0], np.nan_to_num(expected[1])
+    known = np.all([np.isfinite(field) for field in (*expected, *found)], axis=0)
+    if not known.any():
+        return None
+    weight = known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
+    expected = np.nan_to_num(expected[0]), np.nan_to_num(expected[1])
+    filled = np.where(known, found[0], expected[0]), np.where(known, found[1], expected[1])
+    exact = comparison.reference.engine == "semi_analytic"
+    left_out = float(1 - known.mean())
+    return Discrepancy(comparison, rows, expected, filled, weight / weight.sum(), left_out, comparison.scene, exact, sheared)
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """One fault, fitted."""
+
+    fault: str  # its key, of `FAULTS`
+    predicted: Tractions  # of a result that has just this fault
+    figures: Mapping[str, float] = field(default_factory=dict)  # what was fitted or measured, by name
+    # Takes the fault out of the tractions found; None where the next fault is looked for beyond what this one predicts.
+    mend: Callable[[Tractions], Tractions] | None = None
+    scene: Scene | None = None  # the question that `predicted` is the exact answer of; None where there is no such scene
+
+    def mended(self, what: Discrepancy) -> Discrepancy:
+        """What is left to explain without this fault."""
+        if self.mend is not None:
+            mended = [np.where(what.weight > 0, *pair) for pair in zip(self.mend(what.found), what.expected, strict=True)]
+            return replace(what, found=(mended[0], mended[1]))
+        if self.scene is None or not what.exact:
+            return replace(what, expected=self.predicted, exact=False)
+        return replace(what, expected=self.predicted, scene=self.scene)
+
+
+def fitted(
+    what: Discrepancy, predict: Callable[[float], Tractions], tries: tuple[float, ...], close: float = 1e-6
+) -> tuple[float, Tractions] | None:
+    """The figure that leaves least of the discrepancy, to `close` of the range of the tries (ascending), and its prediction.
+
+    Brent's search between the neighbours of the best of the tries; None where no try has a solution.
+    """
+    from scipy.optimize import minimize_scalar
+
+    seen: dict[float, tuple[float, Tractions]] = {}
+
+    def left(figure: float) -> float:
+        try:
+            tractions = predict(figure)
+        except (InputError, NotSettledError):  # gross sliding, separation
+            return NOTHING
+        seen[figure] = what.apart(tractions), tractions
+        return min(seen[figure][0], NOTHING)
+
+    best = int(np.argmin([left(figure) for figure in tries]))
+    if not seen:
+        return None
+    bounds = tries[max(best - 1, 0)], tries[min(best + 1, len(tries) - 1)]
+    minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": close * (tries[-1] - tries[0])})
+    figure = min(seen, key=lambda figure: seen[figure][0])
+    return figure, seen[figure][1]
+
+
+def theory(
+    what: Discrepancy, scene: Scene, time: Array | None = None, *, offset: float = 0.0, steps: Array | None = None
+) -> Tractions:
+    """p and q of half-plane theory for another scene, at other times (in any order), with its centre at x = offset.
+
+    `steps` are the ends of increments that go straight, (n,) ascending, among them the times. Where what is expected is not
+    half-plane theory of the present scene, what the two differ by is added: the fault is then what the change of the scene changes.
+    """
+    wanted = what.time if time is None else time
+    times = np.unique(wanted) if steps is None else steps
+    found = semi_analytic.solve(
+        scene, x=what.x - offset, time=times, fields=("pressure", "shear"), straight_steps=steps is not None
+    )
+    at = np.abs(times[:, None] - wanted).argmin(axis=0)
+    p0, q0 = what.beyond_theory
+    return found.pressure[at] + p0, found.shear[at] + q0
+
+
+# --------------------------------------------------------------------------------------------------------- faults of the file
+def file_faults(what: Discrepancy) -> Iterator[Hypothesis]:
+    """A sign, two columns swapped, a factor of both or of the pressure alone: k = <found, expected>/<expected, expected>.
+
+    Widths set a factor apart from loads k times too large: no elastic contact carries k times the load on the same width.
+    """
+    p, q = what.expected
+    sheared = bool(np.any(q))
+    yield Hypothesis("pressure_sign", (-p, q), mend=lambda found: (-found[0], found[1]))
+    if sheared:
+        yield Hypothesis("shear_sign", (p, -q), mend=lambda found: (found[0], -found[1]))
+        yield Hypothesis("swapped", (q, p), mend=lambda found: (found[1], found[0]))
+        yield Hypothesis("frictionless", (p, np.zeros_like(q)))
+    k, of_p = (
+        one.product(what.found, what.expected) / one.product(what.expected, what.expected) for one in (what, what.of_pressure)
+    )
+    if k > 0 and abs(k - 1) >= LEAST_FACTOR:
+        order = round(np.log10(k))
+        off = abs(k / 10.0**order - 1)
+        unit = order != 0 and off < (NEAR_OF_UNITS if abs(order) >= 2 else NEAR)
+        factor = 10.0**order if unit and off >= NEAR else k
+        yield Hypothesis(
+            "units" if unit else "traction_factor",
+            (factor * p, factor * q),
+            {"factor": 10.0**order if unit else k},
+            mend=lambda found: (found[0] / factor, found[1] / factor),
+        )
+    if sheared and of_p > 0 and abs(of_p - 1) > LEAST_OF_PRESSURE:
+        yield Hypothesis("pressure_factor", (of_p * p, q), {"factor": of_p}, mend=lambda found: (found[0] / of_p, found[1]))
+
+
+# ----------------------------------------------------------------------------------------------------- faults of the question
+def stiffer(scene: Scene, factor: float) -> Scene:
+    """E* times `factor`."""
+    upper, lower = (body.vary(young_modulus=factor * body.young_modulus) for body in (scene.material.upper, scene.material.lower))
+    return scene.vary(material=Materials(upper=upper, lower=lower))
+
+
+def with_friction(scene: Scene, coefficient: float) -> Scene:
+    """The scene with another f."""
+    return scene.vary(friction=coefficient)
+
+
+def question_faults(what: Discrepancy) -> Iterator[Hypothesis]:
+    """Every fault of the question that the discrepancy may have."""
+    scene, path, half_width = what.scene, what.scene.load.path(), what.comparison.scales.half_width
+
+    # E*/R times m: tractions know no more, since the gap scales with 1/R and the displacements with 1/E*. Loads k times too large
+    # are the same with m = 1/k and every traction times k, by linearity: their resultants are k times too large.
+    def loaded(log_factor: float) -> Tractions:
+        p, q = theory(what, stiffer(scene, np.exp(-log_factor)))
+        return np.exp(log_factor) * p, np.exp(log_factor) * q
+
+    if fit := fitted(what.of_pressure, lambda m: theory(what, stiffer(scene, np.exp(m))), FACTORS):
+        m = float(np.exp(fit[0]))
+        yield Hypothesis("stiffness", fit[1], {"factor": m}, scene=stiffer(scene, m))
+    if fit := fitted(what.of_pressure, loaded, FACTORS):
+        k = float(np.exp(fit[0]))
+        yield Hypothesis("half_model" if min(abs(k / 2 - 1), abs(2 * k - 1)) < 0.03 else "loads", fit[1], {"factor": k})
+    # p(x - d), q(x - d); d is looked for around what the centroid of the pressure has moved by.
+    sums = [[float(np.sum(what.weight * p * by)) for by in (1.0, what.x)] for p in (what.found[0], what.expected[0])]
+    centres = [moment / total if total > 0 else 0.0 for total, moment in sums]
+    centre = float(np.clip(centres[0] - centres[1], -2 * half_width, 2 * half_width))
+    places = tuple(centre + half_width * step for step in (-0.1, -0.02, 0.0, 0.02, 0.1))
+    fit = fitted(what.of_pressure, lambda d: theory(what, scene, offset=d), places)
+    if fit and abs(fit[0]) > 1e-4 * half_width:
+        yield Hypothesis("offset", fit[1], {"distance": fit[0] / half_width})
+    # Bulk stress, or tilt, of the other sign; left out.
+    for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("tilt", ("tilt", "moment", "line_of_action"))):
+        stated = {key: value for key in keys if (value := getattr(scene.load, key)) is not None}
+        wrong = {"sign": {key: turned(value) for key, value in stated.items()}, "left_out": dict.fromkeys(stated)}
+        for how, changes in wrong.items() if stated else ():
+            with contextlib.suppress(InputError):
+                other = scene.vary(load=changes)
+                yield Hypothesis(f"{name}_{how}", theory(what, other), scene=other)
+    if scene.friction.coefficient and np.any(what.expected[1]):
+        yield from _history_faults(what)
+    if path.period is not None and len(what.rows) >= 4:  # so much of a period late
+        start, period = path.cycle_start + 2 * path.period, path.period
+
+        def late(delay: float) -> Tractions:
+            return theory(what, scene, start + np.mod(what.fraction - delay, 1.0) * period)
+
+        fit = fitted(what, late, tuple(np.linspace(-0.5, 0.5, 21)))
+        if fit and abs(fit[0]) > 1e-3:
+            yield Hypothesis("other_times", fit[1], {"delay": fit[0]})
+
+
+def turned(value: Any) -> Any:
+    """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
+
+    >>> turned(0.5), turned((0.0, 2.0)), turned(LineOfAction(x=1.0, height=3.0))
+    (-0.5, (-0.0, -2.0), LineOfAction(x=-1.0, height=-3.0))
+    """
+    match value:
+        case Wave():
+            phase = value.phase_degrees + (180 if value.phase_degrees <= 0 else -180)
+            return value.vary(mean=-value.mean, phase_degrees=phase, initial_loading=turned(value.initial_loading))
+        case WaveSum():
+            waves = tuple((amplitude, phase + 180) for amplitude, phase in value.harmonics)
+            return value.vary(mean=-value.mean, harmonics=waves, initial_loading=turned(value.initial_loading))
+        case LineOfAction():
+            return value.vary(x=-value.x, height=-value.height)
+        case tuple():
+            return tuple(-one for one in value)
+        case _ if callable(value):
+            return lambda time: -value(time)
+    return -value
+
+
+def _history_faults(what: Discrepancy) -> Iterator[Hypothesis]:
+    """Another f; nothing slips; no memory; not yet steady; steps too long."""
+    scene, path, f = what.scene, what.scene.load.path(), what.scene.friction.coefficient
+
+    def of_friction(log_factor: float) -> Tractions:
+        return theory(what, with_friction(scene, f * np.exp(log_factor)))
+
+    if fit := fitted(what, of_friction, OF_FRICTION, 1e-4):
+        factor = float(np.exp(fit[0]))
+        yield Hypothesis("friction", fit[1], {"factor": factor}, scene=with_friction(scene, f * factor))
+    if fit := fitted(what, of_friction, NO_SLIP, 1e-2):
+        yield Hypothesis("full_stick", fit[1])
+    # Cattaneo's first loading at every instant: q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
+    normal, tangential = (np.asarray(load)[:, None] for load in path.at(what.time))
+    stuck = normal - np.abs(tangential) / f
+    if np.all(stuck > 0) and not what.unsymmetric:
+        contact = contact_of(scene.profile, scene.material)
+        shear = np.sign(tangential) * f * (contact.pressure(what.x, normal) - contact.pressure(what.x, stuck))
+        yield Hypothesis("memoryless", (what.expected[0], shear))
+    if path.period is not None:
+        time = path.cycle_start + np.minimum(what.fraction, 1 - 1e-12) * path.period
+        yield Hypothesis("not_steady", theory(what, scene, time))
+        with contextlib.suppress(InputError):  # straight lines, which not every bulk stress and tilt has
+            yield from _long_steps(what, path.period)
+
+
+def _long_steps(what: Discrepancy, period: float) -> Iterator[Hypothesis]:
+    """The result's increments in place of the path: straight lines, and as a solver takes them whose law holds at their ends.
+
+    While P rises such an increment is that of P first and then that of Q at the new pressure; while P falls it is a straight line.
+    Finite elements in steps that end on no event follow it to 0.983 of the discrepancy at 48 steps a cycle, to 0.9999 at 4.
+    """
+    path, own, whole = what.scene.load.path(), what.comparison.found, what.comparison.result.time
+    times, wanted, steps = whole[whole <= own.time[-1]], what.time, {"steps": float(len(own.time) - 1)}
+    if whole[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
+        cycles = [path.cycle_start + (turn + own.fraction) * period for turn in (0, 1)]
+        times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *cycles])
+        wanted = path.cycle_start + (1 + what.fraction) * period
+    times = np.unique(times[times > path.start])
+    yield Hypothesis("steps", theory(what, what.scene, wanted, steps=times), steps)
+    if what.unsymmetric or len(own.time) - 1 > MOST_STEPS:
+        return
+    points, ends, least = [(0.0, 0.0)], [], SAME_LOAD * float(np.max(path.at(times)[0]))
+    for normal, tangential in np.transpose(path.at(times)).tolist():
+        rises = normal > points[-1][0]
+        for point in ((normal, points[-1][1]), (normal, tangential)) if rises else ((normal, tangential),):
+            if max(abs(point[0] - points[-1][0]), abs(point[1] - points[-1][1])) > least:
+                points.append(point)
+        ends.append(float(len(points) - 1))  # a polygon takes one unit of time a leg
+    scene = what.scene.vary(load=PolygonLoad(initial_loading=tuple(points[1:])))
+    yield Hypothesis("steps", theory(what, scene, np.array(ends)[np.abs(times[:, None] - wanted).argmin(axis=0)]), steps)
+
+
+# ----------------------------------------------------------------------------------------- faults told by where they lie
+def unlike_bodies(what: Discrepancy) -> Iterator[Hypothesis]:
+    """The odd part of the discrepancy in x: of p and q of like, symmetric bodies there is none, whatever else is wrong.
+
+    It is 0.73 to 0.99 of what unlike materials change, and 0 of every other fault of a model (measured on the planted faults).
+    """
+    if what.scene.friction.coefficient and np.any(what.found[1]) and not what.unsymmetric:
+        off = [found - expected for found, expected in zip(what.found, what.expected, strict=True)]
+        p, q = ((one - np.array([np.interp(-what.x, what.x, row) for row in one])) / 2 for one in off)
+        yield Hypothesis("coupling", (what.expected[0] + p, what.expected[1] + q))
+
+
+def coarse_edge(what: Discrepancy) -> Hypothesis:
+    """The part of the discrepancy within two spacings of an edge, as far as the spacing can account for its size.
+
+    An elastic traction leaves the edge of contact as (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of
+    length h its error is of the order of p_ref sqrt(2 h/a) over the element with the edge. What goes beyond that is not the mesh's.
+    The edges are those of the instant, and those of the smallest stick zone: what a mesh gets wrong there stays locked in.
+    """
+    x, scales, cycle = what.x, what.comparison.scales, what.comparison.expected
+    steps = np.diff(x)
+    spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
+    places = [edge for edges in (cycle.contact_edges, cycle.stick_edges) for edge in edges[what.rows].T[:, :, None]]
+    if np.isfinite(cycle.stick_edges).any():
+        least = np.nanmin(np.abs(cycle.stick_edges))
+        inner = np.nanmax(cycle.stick_edges[:, 0]), np.nanmin(cycle.stick_edges[:, 1])
+        places += inner if what.unsymmetric else (-least, least)
+    with np.errstate(invalid="ignore"):
+        near = np.any([np.broadcast_to(np.abs(x - edge) <= REACH * spacing, what.expected[0].shape) for edge in places], axis=0)
+    root, parts = np.sqrt(2 * spacing / scales.half_width), []
+    for found, expected, unit, most in zip(what.found, what.expected, (scales.pressure, scales.shear), MOST, strict=True):
+        off = np.clip(found - expected, -most * root * unit, most * root * unit)
+        parts.append(expected + np.where(near, off, 0.0))
+    edge = float(np.median(spacing[near.any(axis=0)])) / scales.half_width if near.any() else float("nan")
+    return Hypothesis("coarse_edge", (parts[0], parts[1]), {"spacing": edge})
+
+
+# ----------------------------------------------------------------------------------------------------- faults of the model
+def on_grid(what: Discrepancy, increments: int, fine: int = FINE) -> Callable[..., Tractions]:
+    """p and q of the model with the flaws given, at the points and instants of the discrepancy.
+
+    It takes so many increments a cycle for two revolutions, turns of the path and the instants included.
+    """
+    scene, cycle, path = what.scene, what.comparison.expected, what.scene.load.path()
+    # Fine elements where the edges of contact and stick travel.
+    largest = float(np.nanmax(np.abs(cycle.contact_edges)))
+    least = 0.8 * float(np.nanmin(np.abs(np.concatenate([cycle.contact_edges, cycle.stick_edges]))))
+    inner = np.linspace(0, least, max(2, int(np.ceil(least / largest * COARSE))))
+    middle = np.linspace(least, 1.1 * largest, max(2, int(np.ceil((1.1 - least / largest) * fine))))
+    ends = np.unique(np.concatenate([inner, middle, np.linspace(1.1 * largest, ROOM * largest, 7)]))
+    if path.period is None:
+        wanted, last = what.time, what.comparison.found.time[-1]
+        turns = [leg.end for leg in path.initial_loading if leg.end <= last]
+        every = [np.linspace(path.start, last, 2 * increments + 1), wanted, np.array(turns)]
+    else:
+        begin, turns = path.cycle_start, [leg.end for leg in path.legs(2)]
+        wanted = begin + (1 + what.fraction) * path.period
+        more = np.linspace(begin, begin + 2 * path.period, 2 * increments + 1)
+        every = [np.linspace(path.start, begin, max(9, increments // 4)), more, wanted, np.array(turns)]
+    shifted = np.concatenate(every) - path.start
+    times = np.unique(np.round(shifted[shifted > 0] / shifted.max(), 9)) * shifted.max() + path.start
+    loads, rows = np.transpose(path.at(times)), np.abs(times[:, None] - wanted).argmin(axis=0)
+    model = Model(ends, 2 / compliance(scene.material), scene.friction.coefficient, scene.profile.height, loads)
+
+    @cache
+    def answer(**flaws: float) -> Tractions:
+        pressure, shear = (
+            np.array([np.interp(np.abs(what.x), model.x, row) for row in values[rows]]) for values in model.march(**flaws)
+        )
+        return pressure, shear
+
+    return answer
+
+
+def model_faults(what: Discrepancy, stiffness: Hypothesis | None, untried: set[str]) -> Iterator[Hypothesis]:
+    """Every fault of the model that the discrepancy may have; `stiffness`: the E*/R that fits best.
+
+    `untried` gets those faults whose model does not settle.
+    """
+    model, half_width, modulus = on_grid(what, INCREMENTS), what.comparison.scales.half_width, 2 / compliance(what.scene.material)
+    compliant, bent = half_width / modulus, 1 / (half_width**2 * modulus)
+    exact, base = what.expected, dict[str, float]()
+    if stiffness is not None:
+        exact, base = stiffness.predicted, {"steepness": stiffness.figures["factor"]}
+
+    def added(**flaws: float) -> Tractions:
+        """Theory, and what the flaws add to the model without them."""
+        (p, q), (p0, q0) = model(**flaws), model(**base)
+        return exact[0] + p - p0, exact[1] + q - q0
+
+    try:
+        model(**base)
+    except NotSettledError:
+        untried |= {"soft_normal", "small_body", "elastic_slip"}
+        return
+    if fit := fitted(what, lambda s: added(normal_layer=np.exp(s) * compliant), LAYERS, CLOSE):
+        yield Hypothesis("soft_normal", fit[1], {"stiffness": float(np.exp(-fit[0]))})
+    bend = fitted(what.of_pressure, lambda b: added(normal_bend=b * bent), BENDS, CLOSE)
+    if bend and bend[0]:
+        known = {"normal_bend": bend[0] * bent}
+        ratios = tuple(sorted(bend[0] * ratio for ratio in (1 / ALIKE, 0.5, 1.0, 2.0, ALIKE)))
+        fit = fitted(what, lambda b: added(**known, shear_bend=b * bent), ratios, CLOSE)
+        if fit and 1 / ALIKE < fit[0] / bend[0] < ALIKE:
+            yield Hypothesis("small_body", fit[1], {"normal": 2 * bend[0], "shear": 2 * fit[0]})
+    if not what.scene.friction.coefficient or not np.any(what.expected[1]):
+        return
+    exact, base = what.expected, {}  # from here on: creep does not move the pressure
+
+    def creeping(log_layer: float) -> Tractions:
+        return added(shear_layer=np.exp(log_layer) * compliant)
+
+    fit = fitted(what, creeping, SHEAR_LAYERS, CLOSE)
+    if fit and np.exp(fit[0]) * FINE < THIN:  # its effect stays within elements of the edges, where they are at each increment
+        model = on_grid(what, SMOOTH, FINEST)
+        fit = fitted(what, creeping, (fit[0] - 1, fit[0], fit[0] + 1), 50 * CLOSE)
+    if fit is None:
+        untried.add("elastic_slip")
+    else:
+        yield Hypothesis("elastic_slip", fit[1], {"stiffness": float(np.exp(-fit[0]))})
+
+
+# ------------------------------------------------------------------------------------------------------------ which it is
 @dataclass(frozen=True)
 class Diagnosis:
     """One fault that a result may suffer from."""
@@ -193,12 +700,12 @@ def _ranked(what: Discrepancy, taken: set[str], untried: set[str]) -> list[tuple
     if max(what.explained(one.predicted) for one in tried) < CLEAR and not what.unsymmetric:
         stiffness = next((one for one in tried if one.fault == "stiffness"), None)
         tried += model_faults(what, stiffness, untried)
+    rated = [(what.explained(one.predicted) - COST * FITTED.get(one.fault, 0), one) for one in tried]
+    rated.sort(key=lambda pair: -pair[0])
     best: dict[str, tuple[float, Hypothesis]] = {}
-    for one in tried:
-        explained = what.explained(one.predicted) - COST * FITTED.get(one.fault, 0)
-        if one.fault not in best or explained > best[one.fault][0]:
-            best[one.fault] = explained, one
-    return sorted(best.values(), key=lambda pair: -pair[0])
+    for pair in rated:
+        best.setdefault(pair[1].fault, pair)
+    return list(best.values())
 
 
 def sentence_of(one: Hypothesis, what: Discrepancy) -> str:

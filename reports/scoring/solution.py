@@ -19,7 +19,7 @@ from reports.comparison.metrics import WHOLE_CYCLE, missing
 from reports.scoring.history import matched, resultants
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import TOUCHES, SurfaceResult
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, InputError, LoadPath, Record, Scene, Work, freeze
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, InputError, Record, Scene, Work, freeze
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -135,9 +135,8 @@ def _of_bulk(scene: Scene, time: Array, result: SurfaceResult, stick: Array) -> 
         found["shear_moment"] = freeze(np.trapezoid(result.x * result.shear, result.x, axis=1))
         found["permanent_stick_edges"] = freeze(_permanent_edges(stick))
     for name, keys in (("bulk", ("bulk_stress_lower", "bulk_stress_upper")), ("turning", ("tilt",))):
-        legs = [[getattr(leg, name) for leg in part] for part in (path.initial_loading, path.cycle)]
-        there = all(leg is not None for part in legs for leg in part)
-        values = LoadPath(tuple(legs[0]), tuple(legs[1])).at(np.maximum(time, path.start)) if there else np.zeros((2, len(time)))
+        own = path.companion(name)
+        values = np.zeros((2, len(time))) if own is None else own.at(np.maximum(time, path.start))
         if name == "bulk" or not path.moment_given:
             found |= {key: freeze(value) for key, value in zip(keys, values, strict=False)}
     return found

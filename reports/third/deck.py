@@ -16,7 +16,7 @@ from halfplane_fe.path import has_bulk_stress, stretches
 from halfplane_fe.scales import Scales, find_scales, sheared
 from halfplane_fe.solve import surface_grading
 from meshes import BodyMesh, MeshSettings
-from scenes import Block, Cylinder, HalfPlane, InputError, LoadPath, Profile, Scene, Shape, freeze
+from scenes import Block, Cylinder, HalfPlane, InputError, Profile, Scene, Shape, freeze
 from scenes.frozen import validated
 
 Array = NDArray[np.float64]
@@ -227,22 +227,14 @@ def build_deck(scene: Scene, settings: DeckSettings | None = None, scales: Scale
     upper = _body("UPPER", meshes[1], _upper_places(meshes[1], profile), len(lower.nodes) + 1, len(lower.elements) + 1)
     time = _instants(scene, settings)
     normal, tangential = path.at(time)
-    bulk, turning = (_companion(path, name, time) for name in ("bulk", "turning"))
-    more: dict[str, Any] = {} if bulk is None else {"bulk_stress": (bulk[0], bulk[1])}
-    if turning is not None:
-        more |= {"moment": turning[1]} if path.moment_given else {"tilt": turning[0]}
+    more: dict[str, Any] = {}
+    if (bulk := path.companion("bulk")) is not None:
+        more["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
+    if (turning := path.companion("turning")) is not None:
+        more["moment" if path.moment_given else "tilt"] = freeze(turning.at(time)[path.moment_given])
     approach = _approach(scene, settings, scales, _TOUCH * float(normal[1]))
     touch = float(_TOUCH * (time[1] - time[0]))
     return Deck(scene, settings, scales, lower, upper, freeze(time), freeze(normal), freeze(tangential), touch, approach, **more)
-
-
-def _companion(path: LoadPath, name: str, time: Array) -> tuple[Array, Array] | None:
-    """The two columns at instants (n + 1,) of what all legs of a path carry under this name; None where they carry nothing."""
-    parts = [[getattr(leg, name) for leg in legs] for legs in (path.initial_loading, path.cycle)]
-    if any(leg is None for legs in parts for leg in legs):
-        return None
-    first, second = LoadPath(tuple(parts[0]), tuple(parts[1])).at(time)
-    return freeze(first), freeze(second)
 
 
 def _instants(scene: Scene, settings: DeckSettings) -> Array:
