@@ -2,7 +2,7 @@
 
 The question::
 
-    scene.py        all of it: friction, tolerances, units, tags, expected numbers
+    scene.py        all of it: friction, tolerances, units, tags, expected numbers; read from files and the library
     bodies.py       materials, shapes, faces as they are made
     profiles.py     h(x) by formulas and Python functions
     measured.py     tables of numbers, from files, in the scene's units; h(x) through the rows of one
@@ -15,7 +15,6 @@ The question::
 
 Its files and the answer::
 
-    reading.py      scene files and the library to scenes
     text_tables.py  text tables of any program to columns of numbers: separators, headings, the line of a fault
     unit_words.py   words for units, their sizes, whether they are one set
     files.py        files up to a stated size, whole or not at all: text, keys, NetCDF, source files
@@ -28,8 +27,19 @@ from scenes.errors import ConvergenceError, InadmissibleLoadError, InputError, I
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, LineOfAction, PolygonLoad, TimeSeriesLoad, Wave, WaveSum
 from scenes.measured import Tabulated
 from scenes.profiles import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, PowerLaw, Profile, Wedge, fit_profile
-from scenes.reading import load_scene, scene_companions, scene_names, scene_of, scene_schema, scene_text
-from scenes.scene import Expected, Friction, Scene, Tolerances, tags
+from scenes.scene import (
+    Expected,
+    Friction,
+    Scene,
+    Tolerances,
+    load_scene,
+    scene_companions,
+    scene_names,
+    scene_of,
+    scene_schema,
+    scene_text,
+    tags,
+)
 from scenes.segments import (
     NORMAL_LOAD,
     TANGENTIAL_LOAD,
@@ -37,7 +47,6 @@ from scenes.segments import (
     Combination,
     Ellipse,
     HarmonicSegment,
-    LinearSegment,
     LoadPath,
     LoadSegment,
     StraightSegment,
@@ -79,7 +88,6 @@ __all__ = [
     "InputError",
     "Interrupted",
     "LineOfAction",
-    "LinearSegment",
     "LoadSegment",
     "LoadPath",
     "Materials",

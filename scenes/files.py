@@ -354,18 +354,19 @@ def _is_table(value: Any) -> bool:
     return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
 
 
-def source_files(*names: str) -> tuple[Path, ...]:
-    """Source files of modules, and of packages with all that is in them.
+@cache
+def source_digest(*names: str) -> str:
+    """SHA-256 of the source of modules, and of packages with all that is in them, as this process found it when it first asked.
 
     Raises
     ------
     InputError
         Where a module is missing, or is there without its source.
 
-    >>> [path.name for path in source_files("scenes.files")]
-    ['files.py']
+    >>> len(source_digest("scenes.files"))
+    64
     """
-    found: list[Path] = []
+    digest = hashlib.sha256()
     for name in names:
         try:
             spec = find_spec(name)
@@ -376,15 +377,7 @@ def source_files(*names: str) -> tuple[Path, ...]:
             files = sorted(Path(folder).rglob("*.py"))
         if not files or any(file.suffix != ".py" or not file.is_file() for file in files):
             raise InputError(f"{name}: this installation lacks the module's source file; install halfplane again")
-        found += files
-    return tuple(found)
-
-
-@cache
-def source_digest(*names: str) -> str:
-    """SHA-256 of these files, names and contents, as this process found them when it first asked."""
-    digest = hashlib.sha256()
-    for path in source_files(*names):
-        content = path.read_bytes()
-        digest.update(f"{path.name}\0{len(content)}\0".encode() + content)
+        for path in files:
+            content = path.read_bytes()
+            digest.update(f"{path.name}\0{len(content)}\0".encode() + content)
     return digest.hexdigest()

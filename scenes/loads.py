@@ -25,7 +25,6 @@ from scenes.segments import (
     ChebyshevSegment,
     Combination,
     HarmonicSegment,
-    LinearSegment,
     LoadPath,
     Loads,
     LoadSegment,
@@ -154,8 +153,7 @@ class BulkAndTilt(Frozen, Generic[V]):
         legs: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
         further: dict[str, Sequence[LoadSegment]] = {}
         if (line := self.line_of_action) is not None:
-            rows = Combination(0.0, 0.0), Combination(line.x, line.height)
-            further["turning"] = [LinearSegment(leg.start, leg.end, leg, rows) for leg in legs]
+            further["turning"] = [leg.beside(Combination(line.x, line.height)) for leg in legs]
         for name, (one, other) in _PAIRS.items():
             pair = getattr(self, one), getattr(self, other)
             if pair != (None, None):

@@ -45,6 +45,14 @@ class Gap(Frozen):
         """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
 
 
+def two_curvatures(x: ArrayLike, inner: float, middle: float, outer: float) -> Array:
+    """h with the curvature `inner` up to |x| = `middle` and `outer` beyond [1/length]."""
+    distance = np.abs(np.asarray(x, dtype=float))
+    inside = np.minimum(distance, middle)
+    beyond = distance - inside
+    return np.asarray(inside * (inside / 2 + beyond) * inner + np.square(beyond) / 2 * outer)
+
+
 class MayBeFitted(Gap):
     """A profile whose numbers may be fitted to measured rows."""
 
@@ -96,8 +104,7 @@ class FlatRounded(MayBeFitted):
         return self.radius
 
     def height(self, x: ArrayLike) -> Array:
-        beyond = np.maximum(np.abs(np.asarray(x, dtype=float)) - self.flat_half_length, 0.0)
-        return np.square(beyond) / (2 * self.radius)
+        return two_curvatures(x, 0.0, self.flat_half_length, 1 / self.radius)
 
 
 class PowerLaw(Gap):
@@ -150,10 +157,7 @@ class Compound(Gap):
         )
 
     def height(self, x: ArrayLike) -> Array:
-        distance = np.abs(np.asarray(x, dtype=float))
-        inside = np.minimum(distance, self.inner_half_length)
-        beyond = distance - inside
-        return inside * (inside / 2 + beyond) / self.inner_radius + np.square(beyond) / (2 * self.outer_radius)
+        return two_curvatures(x, 1 / self.inner_radius, self.inner_half_length, 1 / self.outer_radius)
 
 
 class Wedge(Gap):
@@ -182,9 +186,7 @@ class Wedge(Gap):
         )
 
     def height(self, x: ArrayLike) -> Array:
-        distance = np.abs(np.asarray(x, dtype=float))
-        inside = np.minimum(distance, self.tip_half_length)
-        return inside * (distance - inside / 2) / self.tip_radius
+        return two_curvatures(x, 1 / self.tip_radius, self.tip_half_length, 0.0)
 
 
 def first_fall(coefficients: Array) -> float | None:

@@ -128,6 +128,10 @@ class LoadSegment(abc.ABC):
         """
 
     @abc.abstractmethod
+    def beside(self, what: Combination) -> LoadSegment:
+        """A segment over the same time with 0 in place of P and a combination in place of Q."""
+
+    @abc.abstractmethod
     def turning_points(self, what: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending."""
 
@@ -218,6 +222,10 @@ class StraightSegment(LoadSegment):
         part = duration / (self.end - self.start)
         return what[0] * ((self.last[0] - self.first[0]) * part) + what[1] * ((self.last[1] - self.first[1]) * part)
 
+    def beside(self, what: Combination) -> StraightSegment:
+        first, last = ((0.0, what[0] * p + what[1] * q) for p, q in (self.first, self.last))
+        return StraightSegment(self.start, self.end, first, last)
+
     def turning_points(self, what: Combination) -> list[float]:  # noqa: ARG002 whatever the combination is
         return []
 
@@ -307,6 +315,10 @@ class HarmonicSegment(LoadSegment):
         for coefficient in reversed(others):
             quotient, value = quotient * z + value, value * z_0 + coefficient
         return np.reshape((quotient * centre * (2j * side.imag)).real, middle.shape)
+
+    def beside(self, what: Combination) -> HarmonicSegment:
+        waves = tuple((abs(one), -cmath.phase(one)) for one in (np.array(what) @ self._coefficients)[1:].tolist())
+        return HarmonicSegment(self.start, self.end, (0.0, what[0] * self.mean[0] + what[1] * self.mean[1]), (), waves)
 
     def turning_points(self, what: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending.
@@ -421,6 +433,9 @@ class ChebyshevSegment(LoadSegment):
         step = 2 * (t - t0) / (self.end - self.start)
         return difference(np.array(what) @ self._series, self._unit(t), self._unit(t0)) * step
 
+    def beside(self, what: Combination) -> ChebyshevSegment:
+        return ChebyshevSegment(self.start, self.end, (0.0,), tuple((np.array(what) @ self._series).tolist()))
+
     def turning_points(self, what: Combination) -> list[float]:
         """Times inside the segment at which a combination stops growing or falling, ascending: roots of the rate.
 
@@ -452,48 +467,6 @@ class ChebyshevSegment(LoadSegment):
             return None
         second = higher[0] if higher else 0.0
         return (first + 4 * second * float(self._unit(time))) / rise, 2 * second / rise**2
-
-
-@dataclass(frozen=True)
-class LinearSegment(LoadSegment):
-    """Two linear combinations of the P and Q of another segment: `rows` has (c_P, c_Q) of each.
-
-    >>> line = StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0))
-    >>> [float(one) for one in LinearSegment(0.0, 1.0, line, (Combination(0.0, 0.0), Combination(2.0, 5.0))).loads(1.0)]
-    [0.0, 11.0]
-    """
-
-    of: LoadSegment
-    rows: tuple[Combination, Combination]
-
-    def _of(self, what: Combination) -> Combination:
-        return Combination(*(what[0] * one + what[1] * other for one, other in zip(*self.rows, strict=True)))
-
-    @property
-    def is_straight(self) -> bool:
-        return self.of.is_straight
-
-    @property
-    def most_turns(self) -> int:
-        return self.of.most_turns
-
-    def loads(self, time: ArrayLike) -> Loads:
-        p, q = self.of.loads(time)
-        first, second = (row.normal * p + row.tangential * q for row in self.rows)
-        return first, second
-
-    def rate_of(self, what: Combination, time: ArrayLike) -> Array:
-        return self.of.rate_of(self._of(what), time)
-
-    def change_of(self, what: Combination, time: ArrayLike, since: ArrayLike) -> Array:
-        return self.of.change_of(self._of(what), time, since)
-
-    def turning_points(self, what: Combination) -> list[float]:
-        combined = self._of(what)
-        return self.of.turning_points(combined) if any(combined) else []
-
-    def shifted(self, delay: float) -> Self:
-        return replace(super().shifted(delay), of=self.of.shifted(delay))
 
 
 @dataclass(frozen=True)

@@ -174,8 +174,15 @@ class ContactSolution:
         """Everything but the meshes as an xarray.Dataset over time and x, with units; the inverse is `from_dataset`."""
         import xarray as xr
 
-        form = _FORM | {name: dims for name, dims in _WITH_BULK.items() if getattr(self, name) is not None}
-        arrays = {name: (dims, getattr(self, name)) for name, dims in form.items() if name not in ("time", "x", "iterations")}
+        force, length, stress = self.scene.unit_words
+        units = {"length": length, "stress": stress, "load": f"{force}/{length}", "force": force, "": "1"}
+        units["energy"] = f"{force}·{length}/{length}"
+        arrays = {name: getattr(self.record if name == "iterations" else self, name) for name in _STORED}
+        variables = {
+            name: (dims, arrays[name], {"long_name": words, "units": units[unit]})
+            for name, (dims, words, unit) in _STORED.items()
+            if arrays[name] is not None
+        }
         record = {name: getattr(self.record, name) for name in ("converged", "termination", "message", "notes")}
         kinds = {"certificate": self.record.certificates, "energy": self.record.energy}
         each = {f"{kind}_{name}": values for kind, these in kinds.items() for name, values in these.items()}
@@ -187,25 +194,12 @@ class ContactSolution:
             "versions": json.dumps(dict(self.versions)),
         }
         data = xr.Dataset(
-            arrays | {name: ("time", values) for name, values in [("iterations", self.record.iterations), *each.items()]},
-            coords={"time": ("time", self.time), "x": ("x", self.x), "side": ["left", "right"]},
+            variables | {name: ("time", values) for name, values in each.items()},
+            coords={"side": ["left", "right"]},
             attrs={name: getattr(self, name) for name in ("engine", *_NUMBERS)}
             | {"format": FORMAT, "steady_from": -1 if self.steady_from is None else self.steady_from}
             | texts,
         )
-        force, length, stress = self.scene.unit_words
-        units = {
-            "length": length,
-            "stress": stress,
-            "load": f"{force}/{length}",
-            "force": force,
-            "energy": f"{force}·{length}/{length}",
-            "": "1",
-        }
-        for name, (words, kind) in _MEANING.items():
-            if name not in form:
-                continue
-            data[name].attrs |= {"long_name": words, "units": units[kind]}
         if self.scene.load.kind == "ellipse":
             data["time"].attrs["units"] = "rad"
         return data
@@ -221,7 +215,7 @@ class ContactSolution:
         def starting_with(prefix: str) -> dict[str, Array]:
             return {str(k).removeprefix(prefix): freeze(v.values) for k, v in data.items() if str(k).startswith(prefix)}
 
-        present = [name for name in (*_FORM, *_WITH_BULK) if name != "iterations" and (name in _FORM or name in data)]
+        present = [name for name in _STORED if name != "iterations" and (name in _FORM or name in data)]
         values: dict[str, Any] = {name: freeze(data[name].values, data[name].dtype) for name in present}
         for name in _NUMBERS:  # the uncertainty is not in files of earlier versions
             values[name] = float(stored.get(name, "nan") if name == "dissipation_uncertainty" else stored[name])
@@ -300,43 +294,33 @@ class ContactSolution:
 
 FORMAT = "halfplane solution 2"
 """Of a stored answer. The first had no such word, and `step` and `point` for dimensions; it is read too."""
-# What every array of a stored answer is: its name in words, and of which unit; its dimensions; the numbers beside them.
-_MEANING = {
-    "time": ("time of the load path", ""),
-    "x": ("position along the surface of the lower body", "length"),
-    "normal_load": ("normal load P per unit thickness", "load"),
-    "tangential_load": ("tangential load Q per unit thickness", "load"),
-    "pressure": ("contact pressure p", "stress"),
-    "shear": ("shear traction q on the lower body", "stress"),
-    "slip": ("slip of the upper body over the lower", "length"),
-    "state": ("0 open, 1 stick, 2 forward slip, 3 reverse slip", ""),
-    "contact_edges": ("edges of the contact", "length"),
-    "stick_edges": ("edges of the stick zone", "length"),
-    "contact_half_width": ("contact half-width a", "length"),
-    "stick_half_width": ("stick half-width c", "length"),
-    "tangential_displacement": ("relative tangential displacement U", "length"),
-    "normal_approach": ("normal approach", "length"),
-    "dissipation_density": ("friction work per unit area of the last cycle", "load"),
-    "cycle_dissipation": ("friction work of each cycle per unit thickness", "energy"),
-    "iterations": ("contact iterations", ""),
-    "bulk_stress_lower": ("bulk stress of the lower body", "stress"),
-    "bulk_stress_upper": ("bulk stress of the upper body", "stress"),
-    "tilt": ("tilt of the upper body", ""),
-    "moment": ("moment of the pressure about x = 0 per unit thickness", "force"),
-    "shear_moment": ("integral of x times shear traction per unit thickness", "force"),
-    "permanent_stick_edges": ("edges of what sticks through the whole cycle", "length"),
-}
-_FORM: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(("time", "normal_load", "tangential_load", "contact_half_width", "stick_half_width"), ("time",)),
-    **dict.fromkeys(("tangential_displacement", "normal_approach", "iterations"), ("time",)),
-    **dict.fromkeys(("contact_edges", "stick_edges"), ("time", "side")),
-    **dict.fromkeys(("pressure", "shear", "slip", "state"), ("time", "x")),
-    **dict.fromkeys(("x", "dissipation_density"), ("x",)),
-    "cycle_dissipation": ("cycle",),
+# What every array of a stored answer is: its dimensions, its name in words, of which unit; the numbers beside them.
+_STORED: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "time": (("time",), "time of the load path", ""),
+    "x": (("x",), "position along the surface of the lower body", "length"),
+    "normal_load": (("time",), "normal load P per unit thickness", "load"),
+    "tangential_load": (("time",), "tangential load Q per unit thickness", "load"),
+    "pressure": (("time", "x"), "contact pressure p", "stress"),
+    "shear": (("time", "x"), "shear traction q on the lower body", "stress"),
+    "slip": (("time", "x"), "slip of the upper body over the lower", "length"),
+    "state": (("time", "x"), "0 open, 1 stick, 2 forward slip, 3 reverse slip", ""),
+    "contact_edges": (("time", "side"), "edges of the contact", "length"),
+    "stick_edges": (("time", "side"), "edges of the stick zone", "length"),
+    "contact_half_width": (("time",), "contact half-width a", "length"),
+    "stick_half_width": (("time",), "stick half-width c", "length"),
+    "tangential_displacement": (("time",), "relative tangential displacement U", "length"),
+    "normal_approach": (("time",), "normal approach", "length"),
+    "dissipation_density": (("x",), "friction work per unit area of the last cycle", "load"),
+    "cycle_dissipation": (("cycle",), "friction work of each cycle per unit thickness", "energy"),
+    "iterations": (("time",), "contact iterations", ""),
+    "bulk_stress_lower": (("time",), "bulk stress of the lower body", "stress"),
+    "bulk_stress_upper": (("time",), "bulk stress of the upper body", "stress"),
+    "tilt": (("time",), "tilt of the upper body", ""),
+    "moment": (("time",), "moment of the pressure about x = 0 per unit thickness", "force"),
+    "shear_moment": (("time",), "integral of x times shear traction per unit thickness", "force"),
+    "permanent_stick_edges": (("side",), "edges of what sticks through the whole cycle", "length"),
 }
 # Only of scenes with bulk stress, tilt or an unsymmetric profile.
-_WITH_BULK: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment"), ("time",)),
-    "permanent_stick_edges": ("side",),
-}
+_WITH_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment", "permanent_stick_edges")
+_FORM = {name: dimensions for name, (dimensions, _, _) in _STORED.items() if name not in _WITH_BULK}
 _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")

@@ -299,15 +299,11 @@ def _plain_layout(
         return _Layout(mark, tuple(names), units, tuple(range(len(names))), number, rest[0][0] if rest else number + 1, 0)
     listed, count = ", ".join(columns), len(columns)
 
-    def fitting(row: str) -> list[str | None]:
-        return [mark for mark in SEPARATORS if len(_cells(row, mark)) >= count and _numeric(row, mark)]
-
-    # The first row of numbers and its separators; that with a cell for each column before others.
-    start, wide = next(((k, marks) for k, (_, row) in enumerate(bare) if (marks := fitting(row))), (0, []))
-    mark = min(wide, key=lambda mark: len(_cells(bare[start][1], mark)) > count, default=None)
-    cells = _cells(bare[start][1], mark)
+    # The first row of numbers, its separator and cells.
+    ways = ((k, mark, _cells(row, mark)) for k, (_, row) in enumerate(bare) for mark in SEPARATORS if _numeric(row, mark))
+    start, mark, cells = next((way for way in ways if len(way[2]) >= count), (0, None, []))
     exact = start == 0 and len(cells) == count and not any(isinstance(own, str) for own in stated.values())
-    if wide and (by_number or exact):
+    if cells and (by_number or exact):
         used = tuple(int(stated[name]) - 1 for name in columns) if by_number else tuple(range(count))
         if max(used) >= len(cells):
             raise InputError(f"{path}, line {bare[start][0]}: there is no column {max(used) + 1}: the line has {len(cells)}")

@@ -15,7 +15,7 @@ from reports.checking import largest_contact
 from reports.page.bodies import fit_residuals
 from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, lean
 from scenes import EvenPolynomial, FlatRounded, Hertz, InputError, Scene, Tabulated, fit_profile, load_scene
-from scenes.fitting import resampled
+from scenes.fitting import fitted_keys, resampled
 
 KINDS = ("hertz", "flat_rounded", "even_polynomial", "smoothing_spline")
 TRUTHS = {
@@ -184,6 +184,20 @@ def test_rows_that_can_not_be_fitted_are_one_sentence(change, sentence):
     rows = change(rows_of(TRUTHS["hertz"]))
     with pytest.raises(InputError, match=sentence):
         fit_profile(rows, "hertz", centre=0.0)
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
+    """The weight of least expected error follows the noise, and the curve is nearer to the truth than one stiff or limp by far."""
+    truth, s, weights = EvenPolynomial(length=1.0, rises=(5e-4, 1e-4)), np.linspace(0, 1.2, 50), []
+    for noise in (1e-8, 2e-5):
+        rows = rows_of(truth, 301, noise)
+        given = {"kind": "smoothing_spline", "noise": noise if stated else None}
+        found = [fitted_keys(*rows.T, **given, weight=weight) for weight in (None, 1e-9, 1e3)]
+        off = [np.std(Tabulated(points=keys["points"]).height(s) - truth.height(s)) for keys in found]
+        assert off[0] <= 1.02 * min(off[1:])
+        weights.append(found[0]["fitted"]["weight"])
+    assert 100 * weights[0] <= weights[1]
 
 
 def test_extreme_numbers_are_fitted_or_one_sentence():

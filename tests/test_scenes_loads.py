@@ -117,6 +117,10 @@ def test_changes_and_rates_are_those_of_the_loads_in_any_shape_and_later_too(seg
     assert {part.shape for part in (*segment.loads(times), *segment.rates(times), segment.change_of(what, times, t[0]))} == {(2, 3)}
     for delay in (-50.0, 0.3, 7 * TURN):
         np.testing.assert_allclose(segment.shifted(delay).loads(t + delay), segment.loads(t), atol=2e-12)
+    for what in COMBINATIONS:  # such as the moment of a line of action
+        moment = segment.beside(what)
+        np.testing.assert_allclose(moment.loads(t), (0 * p, what.normal * p + what.tangential * q), rtol=0, atol=2e-14)
+        assert (moment.start, moment.end) == (segment.start, segment.end)
     if form := segment.slope_and_bend(segment.end):  # the parabola of a segment is its path
         since = [segment.change_of(one, t, segment.end) for one in (NORMAL_LOAD, TANGENTIAL_LOAD)]
         np.testing.assert_allclose(since[1], (form[0] + form[1] * since[0]) * since[0], atol=1e-14)

@@ -265,6 +265,7 @@ def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_i
 
 # -------------------------------------------------------------------------------------------------- tables beside a scene
 SERIES, TRACE = (POLYGON, 'kind = "time_series"\nfile = "table.csv"'), (HERTZ, 'kind = "tabulated"\nfile = "table.csv"')
+NUMBERED = SERIES[0], SERIES[1] + "\ncolumns = {time = 1, P = 4, Q = 5}"
 DECIMAL, THOUSANDS = "the decimal sign of this file is a", "write no marks between thousands"
 TABLES = [
     (SERIES, "time,P,Q\n0,1,0\n1,nan,0\n", ", line 3: P = 'nan' is not a finite number"),
@@ -279,6 +280,9 @@ TABLES = [
         ", line 1: 3 numbers (time, P, Q) are needed, not '0,1,2,3'; or say which by columns = {time = 1,",
     ),
     (SERIES, "time,FN,fn,Q\n0,1,1,2\n1,2,2,3\n", ", line 1: 'FN', 'fn' could each be P; say which by columns = {P = ...}"),
+    (SERIES, "Rig 7\na,b,c\n0,1,2\n1,2,3\n", ", line 2: the columns are time, P, Q, not 'a,b,c': none is time or P or Q"),
+    (NUMBERED, "0,1,2,3\n1,2,3,4\n", ", line 1: there is no column 5: the line has 4"),
+    (NUMBERED, "Rig 7\n0,1,2,3\n1,2,3,4\n", ", line 2: there is no column 5: the line has 4"),
     (SERIES, "time,P,Q\n0,1,0\n", ", line 2: one row is no history"),
     (SERIES, "time,P,Q\n0,1,inf\n1,1,0\n", ", line 2: Q = 'inf' is not a finite number"),
     (SERIES, "time,P,Q\n0,0,1,5,-0,3\n", "commas between the columns leave points for the numbers"),
