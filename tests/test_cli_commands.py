@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -853,8 +854,10 @@ def test_a_long_run_of_real_bodies_measures_no_uncertainty_unless_asked_and_says
 ) -> None:
     """Before the work on the terminal, after it in the notes; never where the budget was asked for or left out by the user."""
     halfplane(tmp_path, "init", "pad.toml", "--bodies", "--quiet")
-    solved = semi_analytic.solve(tmp_path / "pad.toml")
-    monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: solved)
+    start = load_scene(tmp_path / "pad.toml").load.path().cycle_start
+    solved = semi_analytic.solve(tmp_path / "pad.toml", x=np.linspace(-1.2, 1.2, 41), time=start + np.linspace(0, 2 * np.pi, 25))
+    for engine in ("halfplane_fe", "semi_analytic"):
+        monkeypatch.setattr(f"{engine}.solve", lambda *_, **__: solved)
     monkeypatch.setattr("reports.comparison.budget.climb", lambda *_: pytest.fail("a budget was measured"))
     asked = ("run", "pad.toml", "--out", "out", "--json")
     for seconds, words, told in ((0.0, ["--no-budget"], False), (0.0, [], True)):

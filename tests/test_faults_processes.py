@@ -240,7 +240,6 @@ def test_an_interrupt_between_two_lists_leaves_them_of_one_length(monkeypatch: p
     with pytest.raises(Interrupted, match=r"after \d+ steps") as stop:
         halfplane_fe.solve(scene, MESH, scales=whole.scales)
     kept = stop.value.partial
-    assert kept is not None
     assert len(kept.time) == 60
     np.testing.assert_array_equal(kept.shear, whole.shear[:60])
 
@@ -668,7 +667,6 @@ def test_a_folder_that_was_replaced_is_locked_again(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(fcntl, "flock", flock)
     assert lock(out) is None
     handle = lock(out)
-    assert handle is not None
     assert os.path.samestat(os.fstat(handle), out.stat())
     os.close(handle)
 

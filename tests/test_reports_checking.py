@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
 import shutil
 import tracemalloc
 from pathlib import Path
+from runpy import run_path
+from types import SimpleNamespace
 from typing import Any
 
 import jsonschema
@@ -265,7 +266,6 @@ def test_check_states_the_eccentricity_and_whether_bulk_is_moderate(
     soft = {"young_modulus": 2.0, "poisson_ratio": 0.0}
     asked = Scene.model_validate({"material": soft, "profile": {"kind": "hertz", "radius": 1.0}, "friction": 1.0, "load": load})
     found = bulk_and_tilt(asked)
-    assert found is not None
     assert found.eccentricity == (None if eccentricity is None else pytest.approx(eccentricity, rel=1e-9))
     assert found.share_of_moderate == (None if moderate is None else pytest.approx(moderate, rel=1e-9))
     assert found.centre == pytest.approx(centre, rel=1e-9)
@@ -275,7 +275,6 @@ def test_check_states_the_eccentricity_and_whether_bulk_is_moderate(
     assert bulk_and_tilt(load_scene("cattaneo-mindlin")) is None
     still = asked.vary(load={"initial_loading": [(3.0, 0.0)], "cycle": [(2.0, 0.0)], "bulk_stress_lower": (0.0, 0.4), **NONE})
     without = bulk_and_tilt(still)
-    assert without is not None
     assert "a Q that does not move" in bulk_in_words(without)
 
 
@@ -468,7 +467,6 @@ def test_the_work_of_a_closed_cycle_is_that_of_the_cycle_alone() -> None:
     """At constant P: the memory of the outer swing does not change what a swing within it dissipates (Masing)."""
     rows = [[0, 90, 0], [1, 90, 30], [2, 90, -25], [3, 90, 20], [4, 90, -5], [5, 90, 25], [6, 90, -25]]
     found = load_cycles(semi_analytic.solve(of_rows(rows)))
-    assert found is not None
     (inner,) = [cycle for cycle in found.cycles if cycle.count == 1 and cycle.range == 25]
     alone = RIG.vary(load=PolygonLoad(initial_loading=[(90, 0), (90, 30), (90, 20)], cycle=[(90, -5)]))
     assert inner.dissipation == pytest.approx(semi_analytic.solve(alone).dissipation, rel=1e-9)
@@ -479,7 +477,6 @@ def test_the_work_of_a_closed_cycle_is_that_of_the_cycle_alone() -> None:
 def test_the_work_of_all_cycles_adds_up(name: str) -> None:
     solution = semi_analytic.solve(load_scene(name))
     found = load_cycles(solution)
-    assert found is not None
     assert sum(cycle.dissipation for cycle in found.cycles) == pytest.approx(solution.dissipation, rel=1e-12)
     assert min(cycle.dissipation for cycle in found.cycles) >= 0
     assert found.per_cycle * found.counted == pytest.approx(solution.dissipation, rel=1e-12)
@@ -490,7 +487,6 @@ def test_a_record_that_repeats_has_the_cycles_of_its_last_round() -> None:
     rows = [[0, 90, 0], [1, 90, 30], [2, 90, 10], [3, 90, 20], [4, 90, -30], [5, 90, 0]]
     solution = semi_analytic.solve(of_rows(rows, repeats=True))
     found = load_cycles(solution)
-    assert found is not None
     assert found.cumulative[-1] == pytest.approx(solution.dissipation, rel=1e-12)
     assert sorted((cycle.range, cycle.count) for cycle in found.cycles)[0] == (10, 1)
     assert load_cycles(semi_analytic.solve("hertz-paper")) is None
@@ -511,7 +507,6 @@ def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned
 
     scene = of_rows(noisy(size))
     found, true = check_record(scene), work(noisy(size)) / work(noisy(0.0)) - 1
-    assert found is not None
     if size:
         assert found.noise == (pytest.approx(size, rel=0.1), pytest.approx(size, rel=0.1))
         assert found.by_noise == pytest.approx(true, rel=0.25, abs=2e-3)
@@ -520,8 +515,6 @@ def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned
     assert any(warning for _, warning in record_in_words(scene, found)) is warned
     if warned:
         mended = check_record(scene.vary(load={"average": found.average}))
-        assert mended is not None
-        assert mended.dissipation is not None
         assert mended.dissipation == pytest.approx(work(noisy(0.0)), rel=0.02)
         assert not any(warning for _, warning in record_in_words(scene.vary(load={"average": found.average}), mended))
 
@@ -541,7 +534,6 @@ def test_coarse_or_clean_rows_are_not_taken_for_noise() -> None:
 def test_a_threshold_that_changes_the_work_is_warned_of() -> None:
     scene = of_rows(noisy(0.0), reduce="tolerance", threshold={"P": 3, "Q": 3})
     found = check_record(scene)
-    assert found is not None
     said = dict(record_in_words(scene, found))
     (first, second) = said
     assert f"The path goes through {found.kept:,} of 4,000 rows: by half-plane theory W = " in first
@@ -549,17 +541,12 @@ def test_a_threshold_that_changes_the_work_is_warned_of() -> None:
     assert list(said.values()) == [True, True]
     fine = of_rows(noisy(0.0), reduce="tolerance", threshold={"P": 0.01, "Q": 0.01})
     record = check_record(fine)
-    assert record is not None
     assert not any(warning for _, warning in record_in_words(fine, record))
 
 
 def examples() -> Any:
-    spec = importlib.util.spec_from_file_location("make_measured", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    """What the script that made the example files holds."""
+    return SimpleNamespace(**run_path(str(SCRIPT)))
 
 
 def test_every_example_file_is_read_as_the_record_that_it_holds(tmp_path: Path) -> None:

@@ -239,8 +239,7 @@ class TestSketch:
         np.testing.assert_allclose([np.ptp(lower, axis=0), np.ptp(upper, axis=0)], [[20, 12], [10, 8]])
         assert lower[:, 1].max() == upper[:, 1].min() == 0
         face = upper[:181]
-        radius = getattr(both.profile, "radius", None)
-        assert radius is not None
+        radius = both.profile.radius
         np.testing.assert_allclose(face[:, 0] ** 2 + (face[:, 1] - radius) ** 2, radius**2, rtol=1e-12)
 
     def test_half_planes_are_as_wide_as_what_they_face_needs(self) -> None:
