@@ -13,7 +13,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -23,9 +22,6 @@ from scipy.stats import t as student
 from reports.charts.table import table_text
 from reports.maps.atlas import Chart
 from scenes import InputError
-
-if TYPE_CHECKING:
-    from reports.sweep.store import Table
 
 Array = NDArray[np.float64]
 FEWEST = 5  # points of a fit: three unknowns and two degrees of freedom
@@ -76,13 +72,10 @@ def parts(table: pd.DataFrame, columns: Sequence[str]) -> Iterator[tuple[dict[st
         yield dict(zip(named, key, strict=True)), part
 
 
-def as_csv(table: Table) -> str:
+def as_csv(table: pd.DataFrame) -> str:
     """The index of a sweep as it is published: without addresses, seven digits."""
-
-    def cell(value: Any) -> str:
-        return "" if value is None else f"{value:.7g}" if isinstance(value, float) else str(value)
-
-    return table_text({name: [cell(row[name]) for row in table.rows] for name in table.columns if name not in _LEFT_OUT})
+    shown = table.drop(columns=list(_LEFT_OUT)).map(lambda value: f"{value:.7g}" if isinstance(value, float) else str(value))
+    return table_text({name: shown[name].replace("nan", "").tolist() for name in shown})
 
 
 # ------------------------------------------------------------------------------------------------------------------- laws

@@ -11,11 +11,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
+from reports.charts.marks import Axis, Curve, Dot, Mark, Note
+from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
+from reports.charts.scale import labels
 from reports.charts.table import markdown_table
 from reports.comparison.metrics import compliance
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
-from reports.maps.atlas import MAPS, PAGE_WORDS, WORDS, Chart, Map, place
+from reports.maps.atlas import AXES, MAPS, PAGE_WORDS, WORDS, Chart, Map, place
 from reports.maps.corrections import added_curvatures, correction
 from reports.maps.laws import (
     Line,
@@ -27,18 +31,25 @@ from reports.maps.laws import (
     leading_constant,
     lines,
     numbers,
+    parts,
     read,
 )
-from reports.maps.pictures import heat, slopes
 from reports.maps.theory import Curvatures, curvature_sum, dissipation_error, ellipse_path, work_constant
 from reports.staging import replace_text
+from reports.sweep.page import bars, cell_borders, heat_map
 from scenes import Block, Bodies, Cylinder, Elastic, Hertz, InputError, Materials, PolygonLoad, Scene, load_scene
 
+Array = NDArray[np.float64]
 _DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
 _TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")
 _LEVELS = (0.01, 0.05, 0.1)
 _PROBE = 0.02  # curvature at which the sensitivity of dissipation is taken
 _SMALL = 0.05  # a/h at which derived constants are taken
+_LOOKS = 8
+_LOOK_OF_LEVEL = {1.0: "white fine", 5.0: "white", 10.0: "white bold"}
+_LEAST, _MOST = 0.02, 80.0  # per cent, the colours' ends
+_BAR = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+_MARKED = tuple(digit * 10.0**power for power in range(-4, 1) for digit in (1, 2, 5))
 _PAPER = (1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)  # the paper's loop: P1, Q0 and Q1 over P0, phase
 
 
@@ -275,6 +286,103 @@ def straight_exponent(line: Line) -> float:
     used = line.known & (np.abs(line.error) > line.uncertainty)
     s, error, doubt = (column[used] for column in (line.s, np.abs(line.error), line.uncertainty))
     return float(np.polyfit(np.log(s), np.log(error), 1, w=error / doubt)[0]) if len(s) > 1 else float("nan")
+
+
+# --------------------------------------------------------------------------------------------------------------- drawings
+def heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
+    """A row for each error, a column for each panel; |error| in per cent, hatched where it is not resolved."""
+    columns = list(parts(table, (chart.panels,)))
+    every = 100 * np.abs(np.concatenate([errors(table, figure)[0] for figure in shown]))
+    low, high = max(_LEAST, float(np.nanmin(every))), min(_MOST, float(np.nanmax(every)))
+    bar = colour_scale("heat-colours", low, high, "|error of half-plane theory|, %", log=True, own=_BAR, width=340.0)
+    panels = []
+    for number, figure in enumerate(shown):
+        for k, (at, part) in enumerate(columns):
+            where = ", ".join(f"{AXES.get(name, name)} = {value}" for name, value in at.items())
+            title = f"{WORDS[figure]}{'; ' + where if where else ''}"
+            panel = _cells(chart, part, figure, f"heat-{number}-{k}", title, (low, high))
+            panels.append(Cell((panel, bar) if number == len(shown) - 1 and k == 0 else (panel,), None))
+    return Plate("map", "", "", "Errors over both axes of a map", tuple(panels), {}, (), len(columns))
+
+
+def _cells(chart: Chart, part: pd.DataFrame, figure: str, name: str, title: str, ends: tuple[float, float]) -> Panel:
+    """Colours are of cells, lines of the values at their middles; both axes go by factors but for angles and what may be 0."""
+    error, doubt = errors(part, figure)
+    size, hidden = 100 * np.abs(error), ~(np.abs(error) > doubt)
+    axes, places, steps = list[Axis](), list[Array](), list[Array]()
+    for column in (chart.across, chart.up):
+        place = numbers(part, column)
+        values, log = np.unique(place), column != "phase" and bool(place.min() > 0)
+        borders = cell_borders(values, log=log)
+        ticks = tuple((value, f"{float(f'{value:.3g}'):g}") for value in values[:: 1 if len(values) <= 6 else 2].tolist())
+        axes.append(Axis(float(borders[0]), float(borders[-1]), AXES.get(column, column), log, ticks=ticks))
+        places.append(place)
+        steps.append(values)
+    names = [f"{value:.3g} %" + (", not resolved" if dim else "") for value, dim in zip(size, hidden, strict=True)]
+    share = np.log(np.clip(size, *ends) / ends[0]) / np.log(ends[1] / ends[0])
+    marks = heat_map((axes[0], axes[1]), (places[0], places[1]), share, names, hidden)
+    if min(map(len, steps)) > 1:
+        grid = np.full((len(steps[1]), len(steps[0])), np.nan)
+        grid[np.searchsorted(steps[1], places[1]), np.searchsorted(steps[0], places[0])] = size
+        marks += _level_lines(axes, steps, grid)
+    return Panel(name, axes[0], axes[1], marks, title, 340.0, 270.0, title)
+
+
+def _level_lines(axes: Sequence[Axis], steps: Sequence[Array], size: Array) -> Iterator[Mark]:
+    """Lines at 1, 5 and 10 %, between points by the logarithm, as errors go by powers; none near a point without a value."""
+    from matplotlib.figure import Figure
+
+    def scaled(points: Array) -> list[Array]:
+        """x and y of points (n, 2) between which lines are straight."""
+        return [np.exp(column) if axis.log else column for axis, column in zip(axes, points.T, strict=True)]
+
+    height = np.ma.masked_invalid(np.log10(np.maximum(size, 1e-4)))
+    across, up = (np.log(values) if axis.log else values for axis, values in zip(axes, steps, strict=True))
+    for level, css in _LOOK_OF_LEVEL.items():
+        if height.min() < np.log10(level) < height.max():
+            pieces = Figure().subplots().contour(across, up, height, levels=[np.log10(level)]).allsegs[0]
+            for points in pieces:
+                x, y = scaled(points)
+                yield Curve(x, y, css)
+            longest = max(pieces, key=len)
+            x, y = scaled(longest[len(longest) // 2 - 1 :][:2].mean(axis=0)[None])
+            yield Note(float(x[0]), float(y[0]), f"{level:g} %", "tick over", "middle", (0.0, -3.0))
+
+
+def slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
+    """A panel for each error; |error| over the small parameter, hollow where unresolved, laws, the predicted slope."""
+    panels, keys = [], dict[str, Key]()
+    for number, figure in enumerate(shown):
+        chosen = [line for line in found if line.figure == figure]
+        marks = [mark for k, line in enumerate(chosen) for mark in _points(line, k)]
+        keys |= {place(line.at, "points"): Key(f"c{k % _LOOKS}", place(line.at, "points")) for k, line in enumerate(chosen)}
+        s, size = (
+            np.concatenate([column(line) for line in chosen]) for column in (lambda one: one.s, lambda one: np.abs(one.error))
+        )
+        known = size[np.isfinite(size) & (size > 0)]
+        if (order := chart.order(figure)) is not None:
+            ends = np.array([s.min(), s.max()])
+            others = "".join(f"; {WORDS[name]}: {power:g}" for name, power in chart.others.items())
+            label = f"slope {chart.expected:g}, predicted{others}"
+            marks.append(Curve(ends, 60 * float(known.max()) * (ends / ends[1]) ** order, "slope order-2", label))
+            keys[label] = Key("slope order-2", label)
+        wanted = [mark for mark in _MARKED if s.min() * 0.9 <= mark <= s.max() * 1.1]
+        ticks = tuple(zip(wanted, labels(wanted), strict=True))
+        across = Axis(0.9 * float(s.min()), 1.1 * float(s.max()), chart.small, log=True, ticks=ticks)
+        up = Axis(max(50 * float(known.min()), 1e-4), 150 * float(known.max()), "|error|, %", log=True)
+        panels.append(Panel(f"slopes-{number}", across, up, marks, WORDS[figure], 460.0, 340.0, WORDS[figure]))
+    return Plate("law", "", "", "Errors over the small parameter", tuple(panels), {}, tuple(keys.values()), min(2, len(shown)))
+
+
+def _points(line: Line, number: int) -> Iterator[Mark]:
+    look, size, doubt = f"c{number % _LOOKS}", 100 * np.abs(line.error), np.nan_to_num(100 * line.uncertainty)
+    yield bars(line.s, np.maximum(size - doubt, 1e-3 * size), size + doubt, look)
+    for s, value, hidden in zip(line.s, size, size <= doubt, strict=True):
+        if np.isfinite(value):
+            yield Dot(float(s), float(value), f"{look} hollow" if hidden else f"p{number % _LOOKS}", 2.8)
+    if line.law is not None:
+        s = np.geomspace(line.law.smallest, line.law.largest, 40)
+        yield Curve(s, [100 * abs(line.law.value(float(here))) for here in s], f"{look} fine", place(line.at, "points"))
 
 
 # --------------------------------------------------------------------------------------- theory and corrections on trial

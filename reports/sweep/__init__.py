@@ -10,7 +10,7 @@
 from reports import sweep
 
 table = sweep.run("study.toml", "out/study")  # starts, or resumes
-heights = table.numbers("height")
+heights = table["height"]
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from reports.sweep.running import run
-    from reports.sweep.store import Table, read_index
+    from reports.sweep.store import read_index
     from reports.sweep.study import Study, load_study
 
-__all__ = ["Study", "Table", "load_study", "read_index", "run"]
-_HOME = {"Study": "study", "load_study": "study", "Table": "store", "read_index": "store", "run": "running"}
+__all__ = ["Study", "load_study", "read_index", "run"]
+_HOME = {"Study": "study", "load_study": "study", "read_index": "store", "run": "running"}
 
 
 def __getattr__(name: str) -> Any:

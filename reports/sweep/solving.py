@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
@@ -9,9 +10,9 @@ import platform
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from threadpoolctl import threadpool_limits
 
 from reports.sweep.figures import fields_needed, is_metric, stated_by_edges, take
-from scenes import ContactSolution, ConvergenceError, EllipseLoad, Friction, InputError, PolygonLoad, Scene
+from scenes import ContactSolution, ConvergenceError, Friction, InputError, PolygonLoad, Scene
 from scenes.files import source_digest
 from scenes.scene import WORDS
 
@@ -48,18 +49,31 @@ def code_versions() -> dict[str, str]:
     return {"code": code, "python": python} | {name: version(name) for name in _LIBRARIES}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Question:
-    """One point: what is asked of it, the scene, and how it is cut and iterated."""
+    """What is asked at a point: the scene, how it is cut and iterated, and what is kept of it; see `study.Study`."""
 
-    engines: list[str]
-    figures: list[str]
-    uncertainty: str
-    share: bool
-    address: str
     scene: Scene
     mesh: MeshSettings
     solver: SolverSettings
+    engines: Sequence[str]
+    figures: Sequence[str]
+    uncertainty: str
+    share_condensations: bool
+
+    def as_json(self) -> dict[str, Any]:
+        """As it travels to a worker, and as it is stored."""
+        plain = {name: getattr(self, name) for name in ("engines", "figures", "uncertainty", "share_condensations")}
+        return {"scene": self.scene.model_dump(mode="json"), "mesh": asdict(self.mesh), "solver": asdict(self.solver)} | plain
+
+    @property
+    def address(self) -> str:
+        """Of its result: sha256 of what numbers depend on and of the code; questions that differ in words alone have one."""
+        asked = self.as_json() | {"engines": sorted(self.engines), "figures": sorted(self.figures), "versions": code_versions()}
+        asked["scene"] = {key: value for key, value in asked["scene"].items() if key not in WORDS}
+        if "fe" not in self.engines:
+            asked = {name: asked[name] for name in ("scene", "engines", "figures", "versions")}
+        return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
 
 def solve_task(text: str) -> str:
@@ -67,7 +81,7 @@ def solve_task(text: str) -> str:
 
     Parameters
     ----------
-    text : JSON of {"versions", "engines", "figures", "uncertainty", "share", "points": [{"address", "scene", "mesh", "solver"}]}
+    text : JSON of {"versions": those of the code, "points": `Question.as_json` of each}
 
     Returns
     -------
@@ -77,19 +91,18 @@ def solve_task(text: str) -> str:
     from meshes import MeshSettings
 
     task = json.loads(text)
-    here, there, jobs = task.pop("versions"), code_versions(), task.pop("points")
+    here, there = task["versions"], code_versions()
     names = [name for name in sorted(here.keys() | there.keys()) if here.get(name) != there.get(name)]
     if names:
         words = [f"{name} is {here.get(name, 'missing')} here and {there.get(name, 'missing')} there" for name in names]
         return json.dumps({"mismatch": f"worker {platform.node()} (process {os.getpid()}): {', '.join(words)}", "answers": []})
     points = []
-    for job in jobs:
-        scene = Scene.model_validate_json(json.dumps(job["scene"]))
-        mesh, solver = MeshSettings(**job["mesh"]), SolverSettings(**job["solver"])
-        points.append(Question(**task, address=job["address"], scene=scene, mesh=mesh, solver=solver))
-    with threadpool_limits(limits=1), _shared_store(task["share"] and len(points) > 1):
-        batch = in_one_call(points)
-        answers = [batch.get(point.address) or _answer(point) for point in points]
+    for asked in task["points"]:
+        scene = Scene.model_validate_json(json.dumps(asked.pop("scene")))
+        mesh, solver = MeshSettings(**asked.pop("mesh")), SolverSettings(**asked.pop("solver"))
+        points.append(Question(scene, mesh, solver, **asked))
+    with threadpool_limits(limits=1), _shared_store(len(points) > 1 and points[0].share_condensations):
+        answers = [_answer(point) for point in points]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
 
 
@@ -110,44 +123,6 @@ def _shared_store(wanted: bool) -> Generator[None, None, None]:
             os.environ.pop("HALFPLANE_CACHE") if before is None else os.environ.update(HALFPLANE_CACHE=before)
 
 
-def in_one_call(points: list[Question]) -> dict[str, dict[str, Any]]:
-    """Address -> answer of points that ask theory for W of an ellipse alone, in one call for each profile and material.
-
-    That takes a hundredth of the time of `solve`, and a third with the checks of the points. What has no value there is left to
-    `solve`, which states why.
-    """
-    import semi_analytic
-
-    begun = time.perf_counter()
-    kinds: dict[str, dict[str, tuple[Scene, EllipseLoad]]] = {}
-    for point in points if (points[0].engines, points[0].figures) == (["exact"], ["exact.dissipation"]) else ():
-        load, plain = point.scene.load, not point.scene.unsymmetric
-        if isinstance(load, EllipseLoad) and point.scene.friction.coefficient > 0 and plain:
-            kind = point.scene.profile.model_dump_json() + point.scene.material.model_dump_json()
-            kinds.setdefault(kind, {})[point.address] = point.scene, load
-    found: dict[str, dict[str, Any]] = {}
-    for members in kinds.values():
-        scenes, loads = zip(*members.values(), strict=True)
-        names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
-        batch = semi_analytic.dissipation(
-            profile=scenes[0].profile,
-            material=scenes[0].material,
-            friction_coefficient=[scene.friction.coefficient for scene in scenes],
-            **{name: [getattr(load, name) for load in loads] for name in names},
-        )
-        record = {"message": "a member of a batch", "notes": batch.notes}
-        for address, value in zip(members, batch.value.tolist(), strict=True):
-            if math.isfinite(value):
-                found[address] = {"figures": {"exact.dissipation": value}, "record": record}
-    seconds = (time.perf_counter() - begun) / max(1, len(found))
-    return {address: _blank(address, seconds) | answer for address, answer in found.items()}
-
-
-def _blank(address: str, seconds: float) -> dict[str, Any]:
-    answer = {"address": address, "status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
-    return answer | {"seconds": seconds, "host": platform.node()}
-
-
 def _answer(point: Question) -> dict[str, Any]:
     """One point: its figures, or the reason why it has none."""
     begun = time.perf_counter()
@@ -160,7 +135,8 @@ def _answer(point: Question) -> dict[str, Any]:
     except (ArithmeticError, ValueError, RuntimeError, MemoryError, LookupError) as failure:
         # One point must not end a sweep of thousands; what went wrong stands in its row, and nothing is taken for an answer.
         found = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
-    return _blank(point.address, time.perf_counter() - begun) | found
+    blank: dict[str, Any] = {"status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
+    return blank | found | {"seconds": time.perf_counter() - begun, "host": platform.node()}
 
 
 def _solve(point: Question) -> dict[str, Any]:
@@ -217,9 +193,9 @@ def finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, s
     import halfplane_fe
 
     why, load = {}, point.scene.load
-    if point.share and (load.tilt is not None or load.moment_given):
+    if point.share_condensations and (load.tilt is not None or load.moment_given):
         why = {"": "the contact moves with the tilt; solved on bodies of its own"}
-    elif point.share:
+    elif point.share_condensations:
         try:
             return halfplane_fe.solve(point.scene, point.mesh, point.solver, scales=_shared_scales(point.scene)), {}
         except ConvergenceError as failure:
