@@ -13,7 +13,7 @@ from hatchling.builders.wheel import WheelBuilder
 
 from reports import publishing
 from reports.cli.findings import SAME, Findings, difference
-from reports.maps.atlas import PUBLISHED
+from reports.maps.laws import PUBLISHED
 from reports.page.figures import published
 from reports.publishing import (
     External,

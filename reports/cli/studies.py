@@ -175,8 +175,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
     InputError
         Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
     """
-    from reports.maps.atlas import MAPS, PUBLISHED, STUDIES, map_named
-    from reports.maps.laws import as_csv
+    from reports.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
     from reports.maps.pages import present, write
     from reports.staging import replace_text
     from reports.sweep import read_index

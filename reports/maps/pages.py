@@ -19,10 +19,23 @@ from reports.charts.scale import labels
 from reports.charts.table import markdown_table
 from reports.comparison.metrics import compliance
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
-from reports.maps.atlas import AXES, MAPS, PAGE_WORDS, WORDS, Chart, Map, place
-from reports.maps.corrections import added_curvatures, correction
+from reports.maps.corrections import (
+    Curvatures,
+    added_curvatures,
+    correction,
+    curvature_sum,
+    dissipation_error,
+    ellipse_path,
+    work_constant,
+)
 from reports.maps.laws import (
+    AXES,
+    MAPS,
+    PAGE_WORDS,
+    WORDS,
+    Chart,
     Line,
+    Map,
     along,
     bound,
     bound_in_words,
@@ -32,9 +45,9 @@ from reports.maps.laws import (
     lines,
     numbers,
     parts,
+    place,
     read,
 )
-from reports.maps.theory import Curvatures, curvature_sum, dissipation_error, ellipse_path, work_constant
 from reports.staging import replace_text
 from reports.sweep.page import bars, cell_borders, heat_map
 from scenes import Block, Bodies, Cylinder, Elastic, Hertz, InputError, Materials, PolygonLoad, Scene, load_scene
@@ -401,12 +414,6 @@ def _work(row: Mapping[str, str]) -> tuple[float, float]:
     return float(row["error.dissipation"]), float(row["error.dissipation.uncertainty"])
 
 
-def _removed(pairs: Sequence[tuple[float, float]]) -> dict[str, float]:
-    """What corrections remove of errors, in per cent, from (error, what is left)."""
-    shares = [100 * (1 - abs(rest) / abs(error)) for error, rest in pairs]
-    return {"least": min(shares), "most": max(shares), "median": float(np.median(shares))}
-
-
 def _known(folder: Path, study: str, *named: str) -> list[dict[str, Any]]:
     """The stored laws of a study, of some errors."""
     laws = json.loads((folder / "laws.json").read_text(encoding="utf-8"))["laws"]
@@ -438,22 +445,6 @@ def derived_blocks(folder: Path) -> list[str]:
     return _section("derived_blocks", rows)
 
 
-def corrected_blocks(folder: Path) -> list[str]:
-    """What the correction leaves on held-out blocks."""
-    rows, pairs, scene = [], [], load_scene("blocks")
-    for row in read(folder, "block-held-out").to_dict("records"):
-        error, doubt = _work(row)
-        cells = [row["base"], row["aspect"], row["height"], *_percent(error), f"{100 * doubt:.2f}"]
-        try:
-            rest = left(error, correction(blocks(scene, row["base"], float(row["height"]), float(row["aspect"]))).dissipation)
-        except InputError as refused:
-            rows.append([*cells, "refused", str(refused)])
-            continue
-        pairs.append((error, rest))
-        rows.append([*cells, *_percent(rest), "resolved" if abs(rest) > doubt else "not resolved"])
-    return _section("corrected_blocks", rows, **_removed(pairs))
-
-
 def derived_pads(folder: Path) -> list[str]:
     """The first-order constant of dissipation by the contour's law beside the fitted one."""
     rows = []
@@ -462,19 +453,6 @@ def derived_pads(folder: Path) -> list[str]:
         fit, doubt = leading_constant(line.s, line.error, line.uncertainty, line.order)
         rows.append([line.at["flat"], f"{fit:.3f} ± {doubt:.3f}", f"{known:.4f}", _beside(fit, doubt, known)])
     return _section("derived_pads", rows)
-
-
-def corrected_pads(folder: Path) -> list[str]:
-    """What the correction leaves on pads, curvatures and loads that no law was made from."""
-    rows, pairs = [], []
-    for row in read(folder, "pad-held-out").to_dict("records"):
-        error, doubt = _work(row)
-        predicted = work_constant(float(row["flat"]), float(row["ratio"])) * float(row["curvature"])
-        rest = left(error, predicted)
-        pairs.append((error, rest))
-        cells = [row["flat"], row["curvature"], row["ratio"], *_percent(error), f"{100 * doubt:.2f}", *_percent(predicted, rest)]
-        rows.append([*cells, "resolved" if abs(rest) > doubt else "not resolved"])
-    return _section("corrected_pads", rows, **_removed(pairs))
 
 
 def odd_part(folder: Path) -> list[str]:
@@ -511,21 +489,28 @@ def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
     return blocks(base.vary(load=load, friction=0.5), "fixed", 8.0, 2.0)
 
 
-def corrected_loops(folder: Path) -> list[str]:
-    """The correction of blocks, fitted under the paper's loop alone, under all the others."""
-    table = read(folder, "loop")
-    rows, before, after = [], [], []
+def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: Callable[..., float]) -> list[str]:
+    """A correction of dissipation on points that nothing was fitted to: the error of theory, that predicted, and what is left."""
+    table, rows, sizes = read(folder, study), [], []
     for row, error, doubt in zip(table.to_dict("records"), *errors(table, "error.dissipation"), strict=True):
-        cells = [row["amplitude"], row["margin"], row["phase"]]
+        cells = [row[column] for column in columns]
         if np.isnan(error):
-            rows.append([*cells, "sticks throughout", "", "", ""])
+            rows.append([*cells, "sticks throughout", "", "", "", ""])
             continue
-        predicted = correction(loop_scene(float(row["amplitude"]), float(row["margin"]), float(row["phase"]))).dissipation
-        before.append(100 * abs(error))
-        after.append(100 * abs(left(error, predicted)))
-        rows.append([*cells, *_percent(error), f"{100 * doubt:.2f}", *_percent(predicted, left(error, predicted))])
-    medians = {"median before": float(np.median(before)), "median after": float(np.median(after))}
-    return _section("corrected_loops", rows, before=max(before), after=max(after), **medians)
+        cells += [*_percent(error), f"{100 * doubt:.2f}"]
+        try:
+            predicted = predict(*(float(row[column]) if column != "base" else row[column] for column in columns))
+        except InputError as refused:
+            rows.append([*cells, "", "refused", str(refused)])
+            continue
+        rest = left(error, predicted)
+        sizes.append((abs(error), abs(rest)))
+        rows.append([*cells, *_percent(predicted, rest), "resolved" if abs(rest) > doubt else "not resolved"])
+    before, after = 100 * np.array(sizes).T
+    removed = 100 * (1 - after / before)
+    spans = {"least": removed.min(), "most": removed.max(), "before": before.max(), "after": after.max()}
+    medians = {"median": np.median(removed), "median before": np.median(before), "median after": np.median(after)}
+    return _section(name, rows, **spans, **medians)
 
 
 def growth(folder: Path) -> list[str]:
@@ -553,11 +538,30 @@ def other_sign(folder: Path) -> list[str]:
     return _section("other_sign", rows)
 
 
+def _of_blocks(base: str, aspect: float, height: float) -> float:
+    return correction(blocks(load_scene("blocks"), base, height, aspect)).dissipation
+
+
+def _of_pads(flat: float, curvature: float, ratio: float) -> float:
+    return work_constant(flat, ratio) * curvature
+
+
+def _of_loops(amplitude: float, margin: float, phase: float) -> float:
+    """By the correction that was fitted under the paper's loop alone."""
+    return correction(loop_scene(amplitude, margin, phase)).dissipation
+
+
 # Map -> its tables after the laws, and whether they need the study of held-out points.
 _TRIALS: dict[str, dict[Callable[[Path], list[str]], bool]] = {
-    "block": {derived_blocks: True, corrected_blocks: True},
-    "curvature": {derived_pads: True, corrected_pads: True},
+    "block": {
+        derived_blocks: True,
+        lambda folder: tried(folder, "corrected_blocks", "block-held-out", ("base", "aspect", "height"), _of_blocks): True,
+    },
+    "curvature": {
+        derived_pads: True,
+        lambda folder: tried(folder, "corrected_pads", "pad-held-out", ("flat", "curvature", "ratio"), _of_pads): True,
+    },
     "one-block": {odd_part: False},
-    "loop": {corrected_loops: False},
+    "loop": {lambda folder: tried(folder, "corrected_loops", "loop", ("amplitude", "margin", "phase"), _of_loops): False},
     "unlike": {growth: False, other_sign: True},
 }
