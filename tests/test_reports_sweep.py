@@ -494,24 +494,32 @@ def test_a_result_that_can_not_be_read_is_a_sentence_and_stays(tmp_path: Path) -
     assert path.is_dir()
 
 
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EFBIG], ids=errno.errorcode.get)
 def test_a_full_disk_is_a_sentence_and_loses_nothing(
-    tmp_path: Path, truth: dict[float, float], sweep: Sweep, monkeypatch: pytest.MonkeyPatch
+    number: int,
+    tmp_path: Path,
+    truth: dict[float, float],
+    sweep: Sweep,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    real, room = os.fsync, iter(range(4))  # the plan, then three results
+    real, room, out = os.fsync, iter(range(4)), tmp_path / "out"  # the plan, then three results
+    (tmp_path / "study.json").write_text(json.dumps(PAPER | SEVEN), encoding="utf-8")
 
     def fsync(handle: int) -> None:
         if next(room, None) is None:
-            raise OSError(errno.ENOSPC, "No space left on device")
+            raise OSError(number, os.strerror(number))
         real(handle)
 
     monkeypatch.setattr(os, "fsync", fsync)
-    with pytest.raises(StoreError, match=r"no room left on the disk.*stays"):
-        sweep()
+    assert main(["sweep", str(tmp_path / "study.json"), "--out", str(out), "--quiet"]) == 2
+    words = capsys.readouterr().err
+    assert re.search(r"no room left on the disk.*stays; 3 of 7 points are stored; .* resume with: halfplane sweep", words)
     monkeypatch.setattr(os, "fsync", real)
-    assert len(values(tmp_path / "out")) == 3
-    assert not list((tmp_path / "out").rglob(".halfplane-*"))
+    assert len(values(out)) == 3
+    assert not list(out.rglob(".halfplane-*"))
     sweep()
-    assert values(tmp_path / "out") == truth
+    assert values(out) == truth
 
 
 # ------------------------------------------------------------------------------------------------------------------ claims

@@ -4,7 +4,6 @@ import importlib.util
 import json
 import os
 import random
-import resource
 import shutil
 import signal
 import socket
@@ -148,35 +147,6 @@ def test_a_worker_killed_in_mid_point_loses_nothing(home: Path) -> None:
     os.kill(children(client.pid)[0], signal.SIGKILL)
     assert "the worker died" in finish(client)[1]
     same(home, "worker", "blocks")
-
-
-@pytest.fixture
-def disk_size() -> str:
-    """About a megabyte, where each file takes four kilobytes."""
-    return "1200k"
-
-
-def test_a_full_disk_is_a_sentence_and_what_was_stored_stays(home: Path, small_disk: Path) -> None:
-    _, err = finish(start(home, "light.toml", "--out", str(small_disk / "out"), "--workers", "1"), code=2)
-    assert "there is no room left on the disk" in err
-    assert "resume with" in err
-    store = Store(small_disk / "out")
-    kept = len(store.addresses())
-    assert 0 < kept < 300
-    assert all(store.read(address) is not None for address in store.addresses())
-    shutil.copytree(small_disk / "out", home / "moved")  # to where there is room
-    assert f"{kept} points have results already" in finish(start(home, "light.toml", "--out", "moved"))[0]
-    same(home, "moved", "light")
-
-
-def test_a_file_that_may_not_grow_is_a_sentence_too(home: Path) -> None:
-    def small_files() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-
-    _, err = finish(start(home, "light.toml", "--out", "limited", "--workers", "1", preexec_fn=small_files), code=2)
-    assert "there is no room left on the disk" in err
-    assert results(home / "limited") == 0
 
 
 class Cluster:
