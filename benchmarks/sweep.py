@@ -16,8 +16,8 @@ from typing import Any
 import pandas as pd
 from claim import Row
 
-from reports.sweep.figures import QUANTITIES
 from reports.sweep.running import prepare, work
+from reports.sweep.solving import QUANTITIES
 from reports.sweep.store import done
 from reports.sweep.study import study_of
 

@@ -1,8 +1,7 @@
 """Sweeps: a scene, axes over its keys, and the figures of every point in a store that outlives whoever fills it.
 
     study.py     the study file, its axes and arithmetic, its points with the addresses of their results
-    figures.py   what can be kept of a point
-    solving.py   what a worker does with a point; how uncertain its figures are
+    solving.py   what can be kept of a point; what a worker does with it; how uncertain its figures are
     running.py   processes or a dask cluster, and the loop that hands out points and loses none
     store.py     one file for each result, the table, claims of sweeps that run at once
     page.py      how far a sweep is; its page, with a figure of each quantity

@@ -22,7 +22,7 @@ from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels, limits
 from reports.charts.style import shades
 from reports.charts.templating import script, template
-from reports.sweep.figures import axis_label, is_error, unit_of
+from reports.sweep.solving import axis_label, is_error, unit_of
 from reports.sweep.store import STATUS, Store, done
 from reports.sweep.study import Axis, study_of
 from reports.units import number

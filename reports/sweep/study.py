@@ -16,8 +16,7 @@ import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from reports.checking import require_admissible
-from reports.sweep.figures import check_figures
-from reports.sweep.solving import Question
+from reports.sweep.solving import Question, check_figures
 from reports.sweep.store import Planned
 from scenes import InputError, Scene, load_scene
 from scenes.errors import present_name
