@@ -320,11 +320,16 @@ def test_other_code_is_noticed_before_anything_is_solved() -> None:
 
 
 class Bench(Processes):
-    """A crew that works at once, in this process; `fault` sees the frictions of a task and may let its worker die."""
+    """A crew that works at once, in this process; `fault` sees the frictions of a task and may let its worker die.
 
-    def __init__(self, fault: Callable[[list[float]], BaseException | None] = lambda _frictions: None) -> None:
+    With `at_once` the pool is found broken as a task is handed out.
+    """
+
+    def __init__(
+        self, fault: Callable[[list[float]], BaseException | None] = lambda _frictions: None, *, at_once: bool = False
+    ) -> None:
         super().__init__(2)
-        self.fault, self.started, self.handed = fault, 0, list[list[float]]()
+        self.fault, self.started, self.handed, self.at_once = fault, 0, list[list[float]](), at_once
         self.executor = self  # type: ignore[assignment]
 
     def start(self) -> None:
@@ -340,6 +345,8 @@ class Bench(Processes):
         fault = self.fault(frictions)
         if fault is None:
             future.set_result(solve_task(text))
+        elif self.at_once:
+            raise fault
         else:
             future.set_exception(fault)
         return future
@@ -378,16 +385,29 @@ def truth(tmp_path: Path, sweep: Sweep) -> dict[float, float]:
     return found
 
 
-def dying(at: float, times: int, fault: type[BaseException] = BrokenExecutor) -> Bench:
+def test_each_result_is_that_of_its_point(tmp_path: Path, sweep: Sweep) -> None:
+    """Tasks of three points."""
+    crew = Bench()
+    sweep(crew, axes=[F | {"linear": {"start": 1, "stop": 2, "count": 17}}])
+    assert {len(frictions) for frictions in crew.handed} == {3, 2}
+    for friction, work in values(tmp_path / "out").items():
+        assert work == semi_analytic.solve(load_scene("hertz-paper").vary(friction=friction), cycles="steady").dissipation
+
+
+def dying(at: float, times: int, fault: type[BaseException] = BrokenExecutor, *, at_once: bool = False) -> Bench:
     deaths = iter([True] * times)
-    return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None)
+    return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None, at_once=at_once)
 
 
-@pytest.mark.parametrize(("fault", "times"), [(BrokenExecutor, 1), (CancelledError, 2)], ids=["worker", "scheduler"])
+@pytest.mark.parametrize(
+    ("fault", "times", "at_once"),
+    [(BrokenExecutor, 1, False), (BrokenExecutor, 1, True), (CancelledError, 2, False)],
+    ids=["worker", "pool", "scheduler"],
+)
 def test_what_dies_costs_nothing(
-    fault: type[BaseException], times: int, tmp_path: Path, truth: dict[float, float], sweep: Sweep
+    fault: type[BaseException], times: int, at_once: bool, tmp_path: Path, truth: dict[float, float], sweep: Sweep
 ) -> None:
-    crew = dying(1.5, times, fault)
+    crew = dying(1.5, times, fault, at_once=at_once)
     sweep(crew)
     assert values(tmp_path / "out") == truth
     assert crew.started == 1 + times
