@@ -13,11 +13,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from claim import Row
 
-from reports.sweep import Table
-from reports.sweep.figures import QUANTITIES
 from reports.sweep.running import prepare, work
+from reports.sweep.solving import QUANTITIES
+from reports.sweep.store import done
 from reports.sweep.study import study_of
 
 F = {"name": "f", "key": "friction.coefficient"}
@@ -43,28 +44,27 @@ KNOWN = [*(f"error.{name}" for name in QUANTITIES), "pressure", "shear", "stick_
 FRICTIONS, PRESETS = [0.9, 1.0, 1.2, 1.5, 2.0], ("default", "coarse")
 
 
-def timed(asked: dict[str, Any], workers: int = 1) -> tuple[Table, float, float]:
+def timed(asked: dict[str, Any], workers: int = 1) -> tuple[pd.DataFrame, float, float]:
     """The table, wall seconds of checking and of the work, processes' starting included."""
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
         prepared = prepare(study_of(asked, "benchmark"), Path(folder) / "out")
         checked = time.perf_counter()
-        found = work(prepared, workers=workers).done()
+        found = done(work(prepared, workers=workers))
         return found, checked - begun, time.perf_counter() - checked
 
 
 def rows() -> Iterator[Row]:
     """Of half-plane theory all but the solving, over the points; 200 FE points on two processes against one."""
-    for what, figures in (("solved one by one", EXACT["figures"]), ("in one call", ["exact.dissipation"])):
-        found, checking, working = timed(EXACT | {"figures": figures})
-        count, solving = len(found.rows), float(found.numbers("seconds").sum())
-        how = f"{count} points {what}: checking {checking:.1f} s, work {working:.1f} s, of it solving {solving:.1f} s; {load()}"
-        yield Row(f"theory alone, {what}: overhead a point", 1e3 * (checking + working - solving) / count, 20.0, how, "ms")
+    found, checking, working = timed(EXACT)
+    count, solving = len(found), float(found["seconds"].sum())
+    how = f"{count} points: checking {checking:.1f} s, work {working:.1f} s, of it solving {solving:.1f} s; {load()}"
+    yield Row("theory alone: overhead a point", 1e3 * (checking + working - solving) / count, 20.0, how, "ms")
     seconds, at_once = {}, {}
     for workers in (1, 2):
         found, _, seconds[workers] = timed(FE, workers)
-        assert len(found.rows) == 200
-        at_once[workers] = float(found.numbers("seconds").sum()) / seconds[workers]
+        assert len(found) == 200
+        at_once[workers] = float(found["seconds"].sum()) / seconds[workers]
     how = f"200 points of blocks, {seconds[1]:.0f} s and {seconds[2]:.0f} s, starting of processes included; {load()}"
     # As a loss, so that the limit is one that is not to be exceeded: at least 1.8 times is at most 1/1.8 of the time.
     yield Row("FE sweep on 2 processes: share of the time on 1", seconds[2] / seconds[1], 1 / 1.8, how)
@@ -89,9 +89,9 @@ def coverage() -> Iterator[Row]:
             "preset": preset,
             "axes": [F | {"values": FRICTIONS}],
         }
-        done = timed(asked)[0]
+        finished = timed(asked)[0]
         for name in KNOWN:
-            columns = (done.numbers(key).tolist() for key in ("f", name, f"{name}.uncertainty"))
+            columns = (finished[key].tolist() for key in ("f", name, f"{name}.uncertainty"))
             known += [
                 (f"{name} at f = {f:g}, {preset}", abs(e) / u) for f, e, u in zip(*columns, strict=True) if math.isfinite(e + u)
             ]

@@ -22,21 +22,22 @@ from reports.cli import main
 from reports.cli.process import BAD_INPUT, OUTSIDE, WITHIN
 from reports.maps import Law, fit_law, pages
 from reports.maps.advice import FIGURES, Part, between, parts_of, total, work_lines
-from reports.maps.atlas import MAPS, PUBLISHED, STUDIES
-from reports.maps.corrections import corrected_dissipation, correction, pad_correction
-from reports.maps.laws import Line, bound, errors, figures, lines, read
-from reports.maps.theory import (
+from reports.maps.corrections import (
     Curvatures,
+    corrected_dissipation,
+    correction,
     curvature_sum,
     dissipation,
     dissipation_error,
     ellipse_path,
     kernel,
+    pad_correction,
     potential,
     response,
     share_of,
     work_constant,
 )
+from reports.maps.laws import MAPS, PUBLISHED, STUDIES, Line, bound, errors, figures, lines, read
 from reports.sweep import load_study
 from scenes import Block, Elastic, EllipseLoad, FlatRounded, InputError, Materials, Pad, PolygonLoad, Scene, load_scene
 from semi_analytic.profiles import contact_of

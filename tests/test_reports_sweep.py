@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from markupsafe import escape
 
@@ -32,7 +33,7 @@ from reports.sweep import running, solving
 from reports.sweep.page import draw, state_of, write_page
 from reports.sweep.running import SCHEDULER_GONE, Processes, crew_of, prepare, run
 from reports.sweep.solving import code_versions, solve_task
-from reports.sweep.store import STATUS, Claims, Planned, Store, StoreError, Table, at_work, read_index
+from reports.sweep.store import Claims, Planned, Store, StoreError, at_work, done, read_index
 from reports.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
 from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest
@@ -146,7 +147,7 @@ def test_the_study_of_the_docs_is_one() -> None:
     [text] = re.findall(r"^```toml\n(.*?)^```", page, flags=re.DOTALL | re.MULTILINE)
     points = expand(study_of(tomllib.loads(text), "docs/sweeps.md"))
     assert len(points) == 8
-    assert math.isclose(points[-1].scene.load.model_dump()["tangential_amplitude"], 25 + 16 / 10)
+    assert math.isclose(points[-1].question.scene.load.model_dump()["tangential_amplitude"], 25 + 16 / 10)
 
 
 def test_axes_set_and_derived_reach_the_scene_and_the_settings() -> None:
@@ -154,10 +155,10 @@ def test_axes_set_and_derived_reach_the_scene_and_the_settings() -> None:
     derived = {"k": "1000/r", "profile.radius": "r", "load.mean_normal_load": "90*k"}
     given = {"mesh.element_size": 0.1, "load.initial_loading": "straight"}
     [point] = expand(study(**BLOCKS_FE | {"scene": "hertz-paper"}, axes=axes, set=given, derived=derived, preset="coarse"))
-    assert point.scene.profile == load_scene("hertz-paper").profile.vary(radius=500.0)
-    load = point.scene.load.model_dump()
+    assert point.question.scene.profile == load_scene("hertz-paper").profile.vary(radius=500.0)
+    load = point.question.scene.load.model_dump()
     assert (load["mean_normal_load"], load["initial_loading"]) == (180.0, "straight")
-    assert (point.mesh.element_size, point.mesh.growth, point.solver.steps_per_cycle) == (0.1, 0.5, 48)
+    assert (point.question.mesh.element_size, point.question.mesh.growth, point.question.solver.steps_per_cycle) == (0.1, 0.5, 48)
 
 
 def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -169,7 +170,7 @@ def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch
     assert plain == address(set={"mesh.element_size": 0.1})  # theory alone has no mesh
     others = [address(figures=["exact.peak_pressure"]), address(set={"load.mean_tangential_load": 1.0}), both()]
     others += [both(set={"mesh.element_size": 0.1}), both(share_condensations=False)]
-    monkeypatch.setattr("reports.sweep.study.code_versions", lambda: {"code": "other"})
+    monkeypatch.setattr("reports.sweep.solving.code_versions", lambda: {"code": "other"})
     assert len({plain, *others, address()}) == 7
 
 
@@ -180,7 +181,7 @@ def test_any_other_line_that_numbers_depend_on_is_another_address(monkeypatch: p
     found = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True, cwd=ROOT).stdout
     engines = ("scenes", "semi_analytic", "meshes", "halfplane_fe")
     counted = [*(path for name in engines for path in sorted((ROOT / name).rglob("*.py"))), *map(Path, found.split())]
-    assert {"metrics.py", "cycles.py", "budget.py", "laws.py", "solving.py", "figures.py"} <= {path.name for path in counted}
+    assert {"metrics.py", "cycles.py", "budget.py", "laws.py", "solving.py"} <= {path.name for path in counted}
     read, edited = Path.read_bytes, Path()
     texts = {path: read(path) for path in (ROOT / "reports").rglob("*.py")} | {path: read(path) for path in counted}
     monkeypatch.setattr(Path, "read_bytes", lambda path: texts[path] + (b"# one line more" if path == edited else b""))
@@ -204,10 +205,8 @@ def test_a_module_that_is_missing_has_no_digest(name: str) -> None:
 
 
 def task(asked: Study, **changes: Any) -> str:
-    names = ("engines", "figures", "uncertainty")
-    points = [point.job() for point in expand(asked)]
-    content = {name: getattr(asked, name) for name in names} | {"share": asked.share_condensations, "points": points}
-    return json.dumps(content | {"versions": code_versions()} | changes)
+    points = [point.question.as_json() for point in expand(asked)]
+    return json.dumps({"versions": code_versions(), "points": points} | changes)
 
 
 def answers(asked: Study) -> list[dict[str, Any]]:
@@ -238,11 +237,13 @@ def test_the_figures_are_those_of_the_engines() -> None:
 def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone() -> None:
     asked = partial(blocks, figures=["fe.dissipation", "error.permanent_stick_half_width"])
     solving._scales_of.cache_clear()
-    together = answers(asked(axes=[F | {"values": [0.9, 1.5, 3.0]}]))
+    three, one = (asked(axes=[F | {"values": frictions}]) for frictions in ([0.9, 1.5, 3.0], [1.5]))
+    together = answers(three)
     assert solving._scales_of.cache_info().misses == 1  # and one coarse run for all
     assert [answer["record"]["counts"]["condensations"] for answer in together] == [1, 0, 0]
-    [alone] = answers(asked(axes=[F | {"values": [1.5]}]))
-    assert (together[1]["figures"], together[1]["address"]) == (alone["figures"], alone["address"])
+    [alone] = answers(one)
+    assert together[1]["figures"] == alone["figures"]
+    assert expand(three)[1].address == expand(one)[0].address
     [own] = answers(asked(axes=[F | {"values": [1.5]}], share_condensations=False))
     # The coarse run of the group dissipates nothing: what a point states of its W must not come from it.
     assert any("no uncertainty estimate: its bodies are shared" in note for note in alone["record"]["notes"])
@@ -283,23 +284,10 @@ CONSTANT = PULLED | {"load": {"kind": "polygon", "initial_loading": [[3.0, 0.0],
     ids=["amplitude", "tilt of an ellipse", "tilt of a polygon"],
 )
 def test_a_sweep_goes_over_bulk_stress_and_tilt(scene: dict[str, Any], key: str, values: list[float], works: list[float]) -> None:
-    """None of these points is one of a batch, which knows P and Q alone."""
     data = {"scene": scene, "axes": [{"name": "s", "key": key, "values": values}], "engines": ["exact"]}
     found = answers(study_of(data | {"figures": ["exact.dissipation"]}, "here"))
     assert {answer["reason"] for answer in found} == {""}
     assert [answer["figures"]["exact.dissipation"] for answer in found] == pytest.approx(works, rel=1e-9)
-
-
-def test_one_call_gives_what_solving_one_by_one_gives() -> None:
-    axes = [
-        F | {"linear": {"start": 0.9, "stop": 2, "count": 3}},
-        {"name": "phase", "key": "load.phase_degrees", "values": [-120.0, 45.0]},
-    ]
-    at_once = answers(study(axes=axes, set=STRAIGHT))
-    singly = answers(study(axes=axes, set=STRAIGHT, figures=["exact.dissipation", "exact.loop_work"]))
-    assert {answer["record"]["message"] for answer in at_once} == {"a member of a batch"}
-    for one, other in zip(at_once, singly, strict=True):
-        assert one["figures"]["exact.dissipation"] == pytest.approx(other["figures"]["exact.dissipation"], rel=1e-9)
 
 
 def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -332,11 +320,16 @@ def test_other_code_is_noticed_before_anything_is_solved() -> None:
 
 
 class Bench(Processes):
-    """A crew that works at once, in this process; `fault` sees the frictions of a task and may let its worker die."""
+    """A crew that works at once, in this process; `fault` sees the frictions of a task and may let its worker die.
 
-    def __init__(self, fault: Callable[[list[float]], BaseException | None] = lambda _frictions: None) -> None:
+    With `at_once` the pool is found broken as a task is handed out.
+    """
+
+    def __init__(
+        self, fault: Callable[[list[float]], BaseException | None] = lambda _frictions: None, *, at_once: bool = False
+    ) -> None:
         super().__init__(2)
-        self.fault, self.started, self.handed = fault, 0, list[list[float]]()
+        self.fault, self.started, self.handed, self.at_once = fault, 0, list[list[float]](), at_once
         self.executor = self  # type: ignore[assignment]
 
     def start(self) -> None:
@@ -352,6 +345,8 @@ class Bench(Processes):
         fault = self.fault(frictions)
         if fault is None:
             future.set_result(solve_task(text))
+        elif self.at_once:
+            raise fault
         else:
             future.set_exception(fault)
         return future
@@ -360,14 +355,14 @@ class Bench(Processes):
         return SCHEDULER_GONE if isinstance(fault, CancelledError) else super().blame(fault)
 
 
-Sweep = Callable[..., Table]
+Sweep = Callable[..., pd.DataFrame]
 
 
 @pytest.fixture
 def sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
     """Runs seven points into `out`, by a crew."""
 
-    def go(crew: Bench | None = None, folder: str = "out", **changes: Any) -> Table:
+    def go(crew: Bench | None = None, folder: str = "out", **changes: Any) -> pd.DataFrame:
         monkeypatch.setattr(running, "crew_of", lambda **_: crew or Bench())
         return run(study(**SEVEN | changes), tmp_path / folder)
 
@@ -376,9 +371,9 @@ def sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
 
 def values(folder: Path) -> dict[float, float]:
     """Friction -> dissipation of every row; a point that is there twice fails."""
-    table = read_index(folder).done()
-    assert len({row["address"] for row in table.rows}) == len(table.rows)
-    return dict(zip(table.numbers("f").tolist(), table.numbers("exact.dissipation").tolist(), strict=True))
+    table = done(read_index(folder))
+    assert table["address"].is_unique
+    return dict(zip(table["f"].tolist(), table["exact.dissipation"].tolist(), strict=True))
 
 
 @pytest.fixture
@@ -390,16 +385,29 @@ def truth(tmp_path: Path, sweep: Sweep) -> dict[float, float]:
     return found
 
 
-def dying(at: float, times: int, fault: type[BaseException] = BrokenExecutor) -> Bench:
+def test_each_result_is_that_of_its_point(tmp_path: Path, sweep: Sweep) -> None:
+    """Tasks of three points."""
+    crew = Bench()
+    sweep(crew, axes=[F | {"linear": {"start": 1, "stop": 2, "count": 17}}])
+    assert {len(frictions) for frictions in crew.handed} == {3, 2}
+    for friction, work in values(tmp_path / "out").items():
+        assert work == semi_analytic.solve(load_scene("hertz-paper").vary(friction=friction), cycles="steady").dissipation
+
+
+def dying(at: float, times: int, fault: type[BaseException] = BrokenExecutor, *, at_once: bool = False) -> Bench:
     deaths = iter([True] * times)
-    return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None)
+    return Bench(lambda frictions: fault() if at in frictions and next(deaths, False) else None, at_once=at_once)
 
 
-@pytest.mark.parametrize(("fault", "times"), [(BrokenExecutor, 1), (CancelledError, 2)], ids=["worker", "scheduler"])
+@pytest.mark.parametrize(
+    ("fault", "times", "at_once"),
+    [(BrokenExecutor, 1, False), (BrokenExecutor, 1, True), (CancelledError, 2, False)],
+    ids=["worker", "pool", "scheduler"],
+)
 def test_what_dies_costs_nothing(
-    fault: type[BaseException], times: int, tmp_path: Path, truth: dict[float, float], sweep: Sweep
+    fault: type[BaseException], times: int, at_once: bool, tmp_path: Path, truth: dict[float, float], sweep: Sweep
 ) -> None:
-    crew = dying(1.5, times, fault)
+    crew = dying(1.5, times, fault, at_once=at_once)
     sweep(crew)
     assert values(tmp_path / "out") == truth
     assert crew.started == 1 + times
@@ -410,8 +418,9 @@ def test_a_point_that_kills_its_worker_fails_alone(tmp_path: Path, truth: dict[f
     crew = dying(1.5, 99)
     table = sweep(crew)
     assert values(tmp_path / "out") == {f: w for f, w in truth.items() if f != 1.5}
-    [failed] = [row for row in table.rows if row["status"] == "failed"]
-    assert (failed["f"], failed["exact.dissipation"]) == (1.5, None)
+    [failed] = table[table["status"] == "failed"].to_dict("records")
+    assert failed["f"] == 1.5
+    assert math.isnan(failed["exact.dissipation"])
     assert "died twice" in failed["reason"]
     assert [1.5] in crew.handed  # the second time alone
     sweep()  # and the next sweep tries it again
@@ -455,10 +464,9 @@ def test_a_failed_point_is_a_row_with_its_reason(sweep: Sweep, monkeypatch: pyte
         return original(point)
 
     monkeypatch.setattr(solving, "exact_alone", solve)
-    monkeypatch.setattr(solving, "in_one_call", lambda *_: {})
     table = sweep()
-    assert [row["reason"] for row in table.rows if row["status"] == "failed"] == ["ArithmeticError: no root"]
-    assert len(table.done().rows) == 6
+    assert table["reason"][table["status"] == "failed"].tolist() == ["ArithmeticError: no root"]
+    assert len(done(table)) == 6
 
 
 def test_points_that_differ_in_friction_alone_share_their_bodies_and_tasks_hold_each_point_once(tmp_path: Path) -> None:
@@ -506,24 +514,32 @@ def test_a_result_that_can_not_be_read_is_a_sentence_and_stays(tmp_path: Path) -
     assert path.is_dir()
 
 
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EFBIG], ids=errno.errorcode.get)
 def test_a_full_disk_is_a_sentence_and_loses_nothing(
-    tmp_path: Path, truth: dict[float, float], sweep: Sweep, monkeypatch: pytest.MonkeyPatch
+    number: int,
+    tmp_path: Path,
+    truth: dict[float, float],
+    sweep: Sweep,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    real, room = os.fsync, iter(range(4))  # the plan, then three results
+    real, room, out = os.fsync, iter(range(4)), tmp_path / "out"  # the plan, then three results
+    (tmp_path / "study.json").write_text(json.dumps(PAPER | SEVEN), encoding="utf-8")
 
     def fsync(handle: int) -> None:
         if next(room, None) is None:
-            raise OSError(errno.ENOSPC, "No space left on device")
+            raise OSError(number, os.strerror(number))
         real(handle)
 
     monkeypatch.setattr(os, "fsync", fsync)
-    with pytest.raises(StoreError, match=r"no room left on the disk.*stays"):
-        sweep()
+    assert main(["sweep", str(tmp_path / "study.json"), "--out", str(out), "--quiet"]) == 2
+    words = capsys.readouterr().err
+    assert re.search(r"no room left on the disk.*stays; 3 of 7 points are stored; .* resume with: halfplane sweep", words)
     monkeypatch.setattr(os, "fsync", real)
-    assert len(values(tmp_path / "out")) == 3
-    assert not list((tmp_path / "out").rglob(".halfplane-*"))
+    assert len(values(out)) == 3
+    assert not list(out.rglob(".halfplane-*"))
     sweep()
-    assert values(tmp_path / "out") == truth
+    assert values(out) == truth
 
 
 # ------------------------------------------------------------------------------------------------------------------ claims
@@ -653,18 +669,17 @@ def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(tmp_pat
 # ------------------------------------------------------------------------------------------------- pages, pictures, notes
 
 
-@pytest.mark.parametrize("figures", [["exact.dissipation"], ["exact.dissipation", "exact.p0"]], ids=["in one call", "one by one"])
 def test_neglected_coupling_is_noted_in_store_table_and_page(
-    figures: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(running, "crew_of", lambda **_: Bench())
     axes = [F | {"key": "material.lower.young_modulus", "values": [7e4, 210e3]}]
-    (tmp_path / "study.json").write_text(json.dumps(PAPER | {"axes": axes, "figures": figures}), encoding="utf-8")
+    (tmp_path / "study.json").write_text(json.dumps(PAPER | {"axes": axes}), encoding="utf-8")
     note = "Dundurs' beta = -0.142857: the bodies are unlike, and the coupling of normal and shear tractions is neglected"
     out = str(tmp_path / "out")
     assert main(["sweep", str(tmp_path / "study.json"), "--out", out, "--quiet"]) == 0
     assert f"note on 1 of 2 points: {note}" in " ".join(capsys.readouterr().out.split())
-    assert [row["notes"] for row in read_index(out).rows] == [note, ""]
+    assert read_index(out)["notes"].tolist() == [note, ""]
     assert f'"{note}"' in (tmp_path / "out" / "index.csv").read_text(encoding="utf-8")
     assert str(escape(note)) in write_page(Store(Path(out))).read_text(encoding="utf-8")
     assert main(["sweep", "status", out, "--json"]) == 0
@@ -675,9 +690,8 @@ def picture(x: Sequence[float], y: Sequence[float] = (), **keys: Any) -> str:
     """The SVG of the first panel of a figure over `x`, or over the product of `x` and `y`."""
     names = ("x", "y")[: 1 + bool(y)]
     points = [dict(zip(names, (a, b), strict=False)) for a in x for b in y or [0.0]]
-    rows = tuple({"number": n, "error.p0": 1.0 + n, "status": "done"} | point for n, point in enumerate(points))
-    table = Table(("number", *names, "error.p0", *STATUS), names, ("error.p0",), rows)
-    axes = [axis(name="x", **keys or {"values": list(x)}), axis(name="y", values=[1.0])]
+    table = pd.DataFrame([{"number": n, **point, "error.p0": 1.0 + n, "status": "done"} for n, point in enumerate(points)])
+    axes = [axis(name="x", **keys or {"values": list(x)}), axis(name="y", values=[1.0])][: len(names)]
     [drawn] = draw(table, axes, load_scene("hertz-paper"))
     return stacks(drawn)[0][0].__html__()
 

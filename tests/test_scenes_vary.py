@@ -244,7 +244,7 @@ def test_friction_as_a_number_stands_for_its_table_everywhere(tmp_path: Path) ->
     assert load_scene(tmp_path / "mine.json") == PAPER.vary(friction=0.6)
     study = study_of(STUDY | {"axes": [{"name": "f", "key": "friction", "values": [0.8, 0.9]}]}, "here")
     wanted = [semi_analytic.solve(PAPER.vary(friction=f)).dissipation for f in (0.8, 0.9)]
-    np.testing.assert_allclose(run(study, tmp_path / "out", workers=1).numbers("exact.dissipation"), wanted, rtol=1e-12)
+    np.testing.assert_allclose(run(study, tmp_path / "out", workers=1)["exact.dissipation"], wanted, rtol=1e-12)
 
 
 # ----------------------------------------------------------------------------------------------------------------- saved

@@ -313,7 +313,7 @@ def _advice_content(advice: Advice) -> dict[str, Any]:
 
 def _show_advice(advice: Advice, source: str) -> None:
     from reports.maps.advice import FIGURES, cell, cells, total
-    from reports.maps.atlas import WORDS
+    from reports.maps.laws import WORDS
     from reports.units import units
 
     rows = [(part.what, *cells(part), part.how) for part in advice.parts]

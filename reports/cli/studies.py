@@ -79,19 +79,18 @@ def _swept(source: str, options: SweepOptions, *, tell: bool) -> tuple[int, dict
         return INTERRUPTED, None
     except StoreError as fault:
         raise StoreError(f"{fault}; {stored()}; once there is room resume with: {again}") from fault
-    failed = [row for row in table.rows if row["status"] != "done"]
-    code, state, index = NOT_CONVERGED if failed else WITHIN, _content(prepared.store), prepared.store.folder / "index.csv"
+    failed = table[table["status"] != "done"]
+    code, state, index = NOT_CONVERGED if len(failed) else WITHIN, _content(prepared.store), prepared.store.folder / "index.csv"
     if tell and options.json:
         answer("sweep", code, state | {"file": str(index)}, prepared.study.scene.name)
     elif tell:
-        if failed:
-            rows = [
-                (str(row["number"]), described({name: row[name] for name in table.axes}), row["reason"]) for row in failed[:_SHOWN]
-            ]
-            show_table(f"{len(failed)} of {len(table.rows)} points failed", ("point", "at", "reason"), rows)
-        say(f"{len(table.rows) - len(failed)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws them")
+        if len(failed):
+            at = [described(prepared.points[number].coordinates) for number in failed["number"][:_SHOWN]]
+            rows = list(zip(map(str, failed["number"]), at, failed["reason"], strict=False))
+            show_table(f"{len(failed)} of {len(table)} points failed", ("point", "at", "reason"), rows)
+        say(f"{len(table) - len(failed)} points done, {len(failed)} failed; `halfplane sweep report {folder}` draws them")
         for one in state["notes"][:_NOTES]:
-            say(f"note on {one['points']} of {len(table.rows)} points: {one['note']}")
+            say(f"note on {one['points']} of {len(table)} points: {one['note']}")
         if (more := len(state["notes"]) - _NOTES) > 0:
             say(f"... and {more} other notes; see index.csv")
         say(str(index))
@@ -176,8 +175,7 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
     InputError
         Where `out` is left out in an installed copy, whose tables `halfplane advise` reads.
     """
-    from reports.maps.atlas import MAPS, PUBLISHED, STUDIES, map_named
-    from reports.maps.laws import as_csv
+    from reports.maps.laws import MAPS, PUBLISHED, STUDIES, as_csv, map_named
     from reports.maps.pages import present, write
     from reports.staging import replace_text
     from reports.sweep import read_index

@@ -18,7 +18,6 @@ from reports.charts.marks import Axis, Curve, Dot, Mark, Rule, Segments
 from reports.charts.plate import STATE_KEYS, Cell, Key, Panel, Plate, colour_scale
 from reports.charts.publication import pixels_of
 from reports.charts.scale import limits
-from reports.charts.style import DIFFERENCE, QUIET, REFERENCE, RESULT, STATE_COLOURS, shades
 from reports.field_output.files import contact_line
 from reports.field_output.pictures import Skin, gap_share, outermost, rendered, round_down, state_blocks
 from reports.units import load_unit, minus, number, units
@@ -90,8 +89,6 @@ def views_of(solution: FiniteElementSolution, snapshots: Iterable[Snapshot]) -> 
     for snapshot in snapshots:
         steps.append(int(np.argmin(np.abs(solution.time - snapshot.time))))
         bodies.append(tuple(_close(solution, k, body, 1.25 * half) for k, body in enumerate(snapshot.bodies)))
-    if not steps:
-        raise ValueError("an animation needs an instant at least")
     everything = [body for pair in bodies for body in pair]
     lower = bodies[0][0]
     middle = lower.face[np.argmin(np.abs(lower.points[lower.face, 0]))]
@@ -208,6 +205,9 @@ def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
 
     A GIF above `LARGEST_GIF` bytes is written once more at three quarters of the size, and so on; a sentence says so.
     """
+    from PIL.Image import Dither, Quantize
+    from PIL.Image import fromarray as picture_of
+
     files, notes, movie = [f"{name}.gif"], [], None
     try:
         import imageio
@@ -225,7 +225,9 @@ def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
     pictures: list[Image] = []
     try:
         for frame in frames:
-            pictures.append(_indexed(frame))
+            if not pictures:  # the first frame has every colour: those of both scales and of the legend stand in each
+                palette = picture_of(frame).quantize(255, Quantize.MAXCOVERAGE)
+            pictures.append(picture_of(frame).quantize(palette=palette, dither=Dither.NONE))  # so that what stays costs nothing
             if movie is not None:
                 with _ffmpeg(files[1]):
                     movie.append_data(frame)
@@ -239,31 +241,11 @@ def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
         if gif.stat().st_size <= LARGEST_GIF:
             break
         width, height = (max(round(0.75**power * side), 1) for side in size)
-        scaled = [_indexed(np.asarray(picture.convert("RGB").resize((width, height)))) for picture in pictures]
+        smaller = (picture.convert("RGB").resize((width, height)) for picture in pictures)
+        scaled = [picture.quantize(palette=palette, dither=Dither.NONE) for picture in smaller]
     else:
         raise InputError(f"{files[0]}: {len(pictures)} frames take more than 8 MB at every size; --frames: ask for fewer")
     if scaled[0].size != size:
         now, full = (f"{across} x {down}" for across, down in (scaled[0].size, size))
         notes.append(f"{files[0]}: {now} pixels instead of {full}, to stay below 8 MB")
     return Film(files, scaled[0].size, notes)
-
-
-def _indexed(frame: Frame) -> Image:
-    """A frame in the colours of all frames: without dithering, so that what does not change costs nothing."""
-    from PIL import Image
-
-    # Both maps, greys, and the lines' colours in steps towards white; one of 256 is left to Pillow for "as in the frame before".
-    maps = [shades(np.linspace(0, 1, 96), name) for name in ("viridis", "RdBu_r")]
-    lines = [DIFFERENCE, QUIET, REFERENCE, RESULT, *STATE_COLOURS.values()]
-    known = np.array([[int(code[k : k + 2], 16) for k in (1, 3, 5)] for code in (*maps[0], *maps[1], *lines)])
-    tints = np.vstack([255 - share * (255 - known[192:]) for share in (0.75, 0.5, 0.25)])
-    greys = np.outer(np.linspace(0, 255, 24), np.ones(3))
-    colours = np.unique(np.round(np.vstack([known, tints, greys])).astype(np.uint8), axis=0)
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(colours.ravel().tolist())
-    places = np.array(Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE))
-    # Pillow takes the nearest colour of a coarse box: white became grey.
-    places[(frame == 255).all(axis=2)] = np.flatnonzero((colours == 255).all(axis=1))[0]
-    picture = Image.fromarray(places)
-    picture.putpalette(palette.getpalette() or [])
-    return picture

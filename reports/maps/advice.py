@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from reports.comparison.metrics import Verdict, verdict_on
-from reports.maps.atlas import MAPS, PUBLISHED, Chart
-from reports.maps.corrections import correction, smaller_than_the_maps, to_and_fro
-from reports.maps.laws import Line, along, lines, read
-from reports.maps.theory import share_of, work_constant
-from reports.sweep.figures import QUANTITIES
+from reports.maps.corrections import correction, share_of, smaller_than_the_maps, to_and_fro, work_constant
+from reports.maps.laws import MAPS, PUBLISHED, Chart, Line, along, lines, read
+from reports.sweep.solving import QUANTITIES
 from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Scene
 from scenes.frozen import validated
 

@@ -1,4 +1,4 @@
-"""Tables of the maps and their laws: errors read, fitted over the small parameter, read off between points, and bounded.
+"""The maps (maps.toml), their tables and laws: errors read, fitted over the small parameter, read off between points, and bounded.
 
     |e| = C s^n,    s -> 0
 
@@ -10,10 +10,11 @@ the largest s are left out until what is left shows no more curvature in the log
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,11 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import t as student
 
 from reports.charts.table import table_text
-from reports.maps.atlas import Chart
 from scenes import InputError
-
-if TYPE_CHECKING:
-    from reports.sweep.store import Table
 
 Array = NDArray[np.float64]
 FEWEST = 5  # points of a fit: three unknowns and two degrees of freedom
@@ -33,6 +30,98 @@ _BEND = 2.0  # standard deviations of curvature before a range counts as not asy
 _SHARE = 0.1  # of an error, its uncertainty where none was asked for
 _SURE = 0.5  # half the interval of an exponent up to which its law is extrapolated
 _LEFT_OUT = ("address", "notes", "number", "reason")
+
+
+# ------------------------------------------------------------------------------------------------------------------- maps
+STUDIES = Path(__file__).with_name("studies")
+PUBLISHED = Path(__file__).parents[1] / "published" / "maps"
+
+WORDS = {
+    "error.dissipation": "dissipation",
+    "error.peak_dissipation": "peak dissipation",
+    "error.p0": "peak pressure p0",
+    "error.contact_half_width": "contact half-width a",
+    "error.permanent_stick_half_width": "permanent stick half-width",
+    "error.stick_half_width": "stick half-width c",
+}
+AXES = {
+    "height": "height / a",
+    "aspect": "width / height",
+    "curvature": "a / R",
+    "flat": "b / a",
+    "beta": "Dundurs' β",
+    "f": "friction f",
+    "phase": "phase, degrees",
+    "margin": "distance from sliding",
+    "amplitude": "P1/P0",
+    "base": "base",
+    "width": "width / a",
+    "stress": "σ / (f p0)",
+}
+
+
+def place(at: Mapping[str, str], everywhere: str = "all") -> str:
+    """The coordinates of a line in words; `everywhere` where it has none.
+
+    >>> place({"aspect": "2", "base": "fixed"}), place({})
+    ('width / height 2, base fixed', 'all')
+    """
+    return ", ".join(f"{AXES.get(name, name)} {value}" for name, value in at.items()) or everywhere
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One study as it is drawn and fitted; maps.toml describes each."""
+
+    study: str
+    across: str
+    up: str = ""
+    panels: str = ""
+    small: str = ""
+    inverse: bool = False
+    expected: float | None = None
+    prediction: str = ""
+    within: str = ""
+    step: float = 2.0
+    others: Mapping[str, float] = field(default_factory=dict)
+    sample: Mapping[str, Any] = field(default_factory=dict)
+
+    def order(self, figure: str) -> float | None:
+        """Exponent of s that theory predicts of an error; None where no law is sought."""
+        return self.others.get(figure, self.expected)
+
+
+@dataclass(frozen=True)
+class Map:
+    """A page: its charts, and studies of points that no law was fitted to."""
+
+    name: str
+    title: str
+    question: str
+    charts: tuple[Chart, ...]
+    held_out: tuple[str, ...] = ()
+
+    @property
+    def studies(self) -> tuple[str, ...]:
+        """Every study of the page."""
+        return (*(chart.study for chart in self.charts), *self.held_out)
+
+
+_CONTENT = tomllib.loads(Path(__file__).with_name("maps.toml").read_text(encoding="utf-8"))
+PAGE_WORDS: dict[str, Any] = _CONTENT["words"]
+MAPS = {
+    row["name"]: Map(
+        row["name"], row["title"], row["question"], tuple(Chart(**chart) for chart in row["charts"]), tuple(row.get("held_out", ()))
+    )
+    for row in _CONTENT["map"]
+}
+
+
+def map_named(name: str) -> Map:
+    """A map by name; InputError names those that there are."""
+    if name not in MAPS:
+        raise InputError(f"map {name!r}: there is none; known: {', '.join(MAPS)}, or all")
+    return MAPS[name]
 
 
 # ----------------------------------------------------------------------------------------------------------------- tables
@@ -76,13 +165,10 @@ def parts(table: pd.DataFrame, columns: Sequence[str]) -> Iterator[tuple[dict[st
         yield dict(zip(named, key, strict=True)), part
 
 
-def as_csv(table: Table) -> str:
+def as_csv(table: pd.DataFrame) -> str:
     """The index of a sweep as it is published: without addresses, seven digits."""
-
-    def cell(value: Any) -> str:
-        return "" if value is None else f"{value:.7g}" if isinstance(value, float) else str(value)
-
-    return table_text({name: [cell(row[name]) for row in table.rows] for name in table.columns if name not in _LEFT_OUT})
+    shown = table.drop(columns=list(_LEFT_OUT)).map(lambda value: f"{value:.7g}" if isinstance(value, float) else str(value))
+    return table_text({name: shown[name].replace("nan", "").tolist() for name in shown})
 
 
 # ------------------------------------------------------------------------------------------------------------------- laws

@@ -11,14 +11,31 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
+from reports.charts.marks import Axis, Curve, Dot, Mark, Note
+from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
+from reports.charts.scale import labels
 from reports.charts.table import markdown_table
 from reports.comparison.metrics import compliance
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
-from reports.maps.atlas import MAPS, PAGE_WORDS, WORDS, Chart, Map, place
-from reports.maps.corrections import added_curvatures, correction
+from reports.maps.corrections import (
+    Curvatures,
+    added_curvatures,
+    correction,
+    curvature_sum,
+    dissipation_error,
+    ellipse_path,
+    work_constant,
+)
 from reports.maps.laws import (
+    AXES,
+    MAPS,
+    PAGE_WORDS,
+    WORDS,
+    Chart,
     Line,
+    Map,
     along,
     bound,
     bound_in_words,
@@ -27,18 +44,25 @@ from reports.maps.laws import (
     leading_constant,
     lines,
     numbers,
+    parts,
+    place,
     read,
 )
-from reports.maps.pictures import heat, slopes
-from reports.maps.theory import Curvatures, curvature_sum, dissipation_error, ellipse_path, work_constant
 from reports.staging import replace_text
+from reports.sweep.page import bars, cell_borders, heat_map
 from scenes import Block, Bodies, Cylinder, Elastic, Hertz, InputError, Materials, PolygonLoad, Scene, load_scene
 
+Array = NDArray[np.float64]
 _DRAWN = ("error.dissipation", "error.peak_dissipation", "error.p0", "error.contact_half_width")
 _TABLED = (*_DRAWN, "error.permanent_stick_half_width", "error.stick_half_width")
 _LEVELS = (0.01, 0.05, 0.1)
 _PROBE = 0.02  # curvature at which the sensitivity of dissipation is taken
 _SMALL = 0.05  # a/h at which derived constants are taken
+_LOOKS = 8
+_LOOK_OF_LEVEL = {1.0: "white fine", 5.0: "white", 10.0: "white bold"}
+_LEAST, _MOST = 0.02, 80.0  # per cent, the colours' ends
+_BAR = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+_MARKED = tuple(digit * 10.0**power for power in range(-4, 1) for digit in (1, 2, 5))
 _PAPER = (1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)  # the paper's loop: P1, Q0 and Q1 over P0, phase
 
 
@@ -277,6 +301,103 @@ def straight_exponent(line: Line) -> float:
     return float(np.polyfit(np.log(s), np.log(error), 1, w=error / doubt)[0]) if len(s) > 1 else float("nan")
 
 
+# --------------------------------------------------------------------------------------------------------------- drawings
+def heat(chart: Chart, table: pd.DataFrame, shown: Sequence[str]) -> Plate:
+    """A row for each error, a column for each panel; |error| in per cent, hatched where it is not resolved."""
+    columns = list(parts(table, (chart.panels,)))
+    every = 100 * np.abs(np.concatenate([errors(table, figure)[0] for figure in shown]))
+    low, high = max(_LEAST, float(np.nanmin(every))), min(_MOST, float(np.nanmax(every)))
+    bar = colour_scale("heat-colours", low, high, "|error of half-plane theory|, %", log=True, own=_BAR, width=340.0)
+    panels = []
+    for number, figure in enumerate(shown):
+        for k, (at, part) in enumerate(columns):
+            where = ", ".join(f"{AXES.get(name, name)} = {value}" for name, value in at.items())
+            title = f"{WORDS[figure]}{'; ' + where if where else ''}"
+            panel = _cells(chart, part, figure, f"heat-{number}-{k}", title, (low, high))
+            panels.append(Cell((panel, bar) if number == len(shown) - 1 and k == 0 else (panel,), None))
+    return Plate("map", "", "", "Errors over both axes of a map", tuple(panels), {}, (), len(columns))
+
+
+def _cells(chart: Chart, part: pd.DataFrame, figure: str, name: str, title: str, ends: tuple[float, float]) -> Panel:
+    """Colours are of cells, lines of the values at their middles; both axes go by factors but for angles and what may be 0."""
+    error, doubt = errors(part, figure)
+    size, hidden = 100 * np.abs(error), ~(np.abs(error) > doubt)
+    axes, places, steps = list[Axis](), list[Array](), list[Array]()
+    for column in (chart.across, chart.up):
+        place = numbers(part, column)
+        values, log = np.unique(place), column != "phase" and bool(place.min() > 0)
+        borders = cell_borders(values, log=log)
+        ticks = tuple((value, f"{float(f'{value:.3g}'):g}") for value in values[:: 1 if len(values) <= 6 else 2].tolist())
+        axes.append(Axis(float(borders[0]), float(borders[-1]), AXES.get(column, column), log, ticks=ticks))
+        places.append(place)
+        steps.append(values)
+    names = [f"{value:.3g} %" + (", not resolved" if dim else "") for value, dim in zip(size, hidden, strict=True)]
+    share = np.log(np.clip(size, *ends) / ends[0]) / np.log(ends[1] / ends[0])
+    marks = heat_map((axes[0], axes[1]), (places[0], places[1]), share, names, hidden)
+    if min(map(len, steps)) > 1:
+        grid = np.full((len(steps[1]), len(steps[0])), np.nan)
+        grid[np.searchsorted(steps[1], places[1]), np.searchsorted(steps[0], places[0])] = size
+        marks += _level_lines(axes, steps, grid)
+    return Panel(name, axes[0], axes[1], marks, title, 340.0, 270.0, title)
+
+
+def _level_lines(axes: Sequence[Axis], steps: Sequence[Array], size: Array) -> Iterator[Mark]:
+    """Lines at 1, 5 and 10 %, between points by the logarithm, as errors go by powers; none near a point without a value."""
+    from matplotlib.figure import Figure
+
+    def scaled(points: Array) -> list[Array]:
+        """x and y of points (n, 2) between which lines are straight."""
+        return [np.exp(column) if axis.log else column for axis, column in zip(axes, points.T, strict=True)]
+
+    height = np.ma.masked_invalid(np.log10(np.maximum(size, 1e-4)))
+    across, up = (np.log(values) if axis.log else values for axis, values in zip(axes, steps, strict=True))
+    for level, css in _LOOK_OF_LEVEL.items():
+        if height.min() < np.log10(level) < height.max():
+            pieces = Figure().subplots().contour(across, up, height, levels=[np.log10(level)]).allsegs[0]
+            for points in pieces:
+                x, y = scaled(points)
+                yield Curve(x, y, css)
+            longest = max(pieces, key=len)
+            x, y = scaled(longest[len(longest) // 2 - 1 :][:2].mean(axis=0)[None])
+            yield Note(float(x[0]), float(y[0]), f"{level:g} %", "tick over", "middle", (0.0, -3.0))
+
+
+def slopes(chart: Chart, found: Sequence[Line], shown: Sequence[str]) -> Plate:
+    """A panel for each error; |error| over the small parameter, hollow where unresolved, laws, the predicted slope."""
+    panels, keys = [], dict[str, Key]()
+    for number, figure in enumerate(shown):
+        chosen = [line for line in found if line.figure == figure]
+        marks = [mark for k, line in enumerate(chosen) for mark in _points(line, k)]
+        keys |= {place(line.at, "points"): Key(f"c{k % _LOOKS}", place(line.at, "points")) for k, line in enumerate(chosen)}
+        s, size = (
+            np.concatenate([column(line) for line in chosen]) for column in (lambda one: one.s, lambda one: np.abs(one.error))
+        )
+        known = size[np.isfinite(size) & (size > 0)]
+        if (order := chart.order(figure)) is not None:
+            ends = np.array([s.min(), s.max()])
+            others = "".join(f"; {WORDS[name]}: {power:g}" for name, power in chart.others.items())
+            label = f"slope {chart.expected:g}, predicted{others}"
+            marks.append(Curve(ends, 60 * float(known.max()) * (ends / ends[1]) ** order, "slope order-2", label))
+            keys[label] = Key("slope order-2", label)
+        wanted = [mark for mark in _MARKED if s.min() * 0.9 <= mark <= s.max() * 1.1]
+        ticks = tuple(zip(wanted, labels(wanted), strict=True))
+        across = Axis(0.9 * float(s.min()), 1.1 * float(s.max()), chart.small, log=True, ticks=ticks)
+        up = Axis(max(50 * float(known.min()), 1e-4), 150 * float(known.max()), "|error|, %", log=True)
+        panels.append(Panel(f"slopes-{number}", across, up, marks, WORDS[figure], 460.0, 340.0, WORDS[figure]))
+    return Plate("law", "", "", "Errors over the small parameter", tuple(panels), {}, tuple(keys.values()), min(2, len(shown)))
+
+
+def _points(line: Line, number: int) -> Iterator[Mark]:
+    look, size, doubt = f"c{number % _LOOKS}", 100 * np.abs(line.error), np.nan_to_num(100 * line.uncertainty)
+    yield bars(line.s, np.maximum(size - doubt, 1e-3 * size), size + doubt, look)
+    for s, value, hidden in zip(line.s, size, size <= doubt, strict=True):
+        if np.isfinite(value):
+            yield Dot(float(s), float(value), f"{look} hollow" if hidden else f"p{number % _LOOKS}", 2.8)
+    if line.law is not None:
+        s = np.geomspace(line.law.smallest, line.law.largest, 40)
+        yield Curve(s, [100 * abs(line.law.value(float(here))) for here in s], f"{look} fine", place(line.at, "points"))
+
+
 # --------------------------------------------------------------------------------------- theory and corrections on trial
 def left(error: float, predicted: float) -> float:
     """Error of a corrected value: finite elements over corrected theory, less 1."""
@@ -291,12 +412,6 @@ def _percent(*values: float) -> list[str]:
 def _work(row: Mapping[str, str]) -> tuple[float, float]:
     """Error of dissipation and its uncertainty in a row of a table."""
     return float(row["error.dissipation"]), float(row["error.dissipation.uncertainty"])
-
-
-def _removed(pairs: Sequence[tuple[float, float]]) -> dict[str, float]:
-    """What corrections remove of errors, in per cent, from (error, what is left)."""
-    shares = [100 * (1 - abs(rest) / abs(error)) for error, rest in pairs]
-    return {"least": min(shares), "most": max(shares), "median": float(np.median(shares))}
 
 
 def _known(folder: Path, study: str, *named: str) -> list[dict[str, Any]]:
@@ -330,22 +445,6 @@ def derived_blocks(folder: Path) -> list[str]:
     return _section("derived_blocks", rows)
 
 
-def corrected_blocks(folder: Path) -> list[str]:
-    """What the correction leaves on held-out blocks."""
-    rows, pairs, scene = [], [], load_scene("blocks")
-    for row in read(folder, "block-held-out").to_dict("records"):
-        error, doubt = _work(row)
-        cells = [row["base"], row["aspect"], row["height"], *_percent(error), f"{100 * doubt:.2f}"]
-        try:
-            rest = left(error, correction(blocks(scene, row["base"], float(row["height"]), float(row["aspect"]))).dissipation)
-        except InputError as refused:
-            rows.append([*cells, "refused", str(refused)])
-            continue
-        pairs.append((error, rest))
-        rows.append([*cells, *_percent(rest), "resolved" if abs(rest) > doubt else "not resolved"])
-    return _section("corrected_blocks", rows, **_removed(pairs))
-
-
 def derived_pads(folder: Path) -> list[str]:
     """The first-order constant of dissipation by the contour's law beside the fitted one."""
     rows = []
@@ -354,19 +453,6 @@ def derived_pads(folder: Path) -> list[str]:
         fit, doubt = leading_constant(line.s, line.error, line.uncertainty, line.order)
         rows.append([line.at["flat"], f"{fit:.3f} ± {doubt:.3f}", f"{known:.4f}", _beside(fit, doubt, known)])
     return _section("derived_pads", rows)
-
-
-def corrected_pads(folder: Path) -> list[str]:
-    """What the correction leaves on pads, curvatures and loads that no law was made from."""
-    rows, pairs = [], []
-    for row in read(folder, "pad-held-out").to_dict("records"):
-        error, doubt = _work(row)
-        predicted = work_constant(float(row["flat"]), float(row["ratio"])) * float(row["curvature"])
-        rest = left(error, predicted)
-        pairs.append((error, rest))
-        cells = [row["flat"], row["curvature"], row["ratio"], *_percent(error), f"{100 * doubt:.2f}", *_percent(predicted, rest)]
-        rows.append([*cells, "resolved" if abs(rest) > doubt else "not resolved"])
-    return _section("corrected_pads", rows, **_removed(pairs))
 
 
 def odd_part(folder: Path) -> list[str]:
@@ -403,21 +489,28 @@ def loop_scene(amplitude: float, margin: float, phase: float) -> Scene:
     return blocks(base.vary(load=load, friction=0.5), "fixed", 8.0, 2.0)
 
 
-def corrected_loops(folder: Path) -> list[str]:
-    """The correction of blocks, fitted under the paper's loop alone, under all the others."""
-    table = read(folder, "loop")
-    rows, before, after = [], [], []
+def tried(folder: Path, name: str, study: str, columns: Sequence[str], predict: Callable[..., float]) -> list[str]:
+    """A correction of dissipation on points that nothing was fitted to: the error of theory, that predicted, and what is left."""
+    table, rows, sizes = read(folder, study), [], []
     for row, error, doubt in zip(table.to_dict("records"), *errors(table, "error.dissipation"), strict=True):
-        cells = [row["amplitude"], row["margin"], row["phase"]]
+        cells = [row[column] for column in columns]
         if np.isnan(error):
-            rows.append([*cells, "sticks throughout", "", "", ""])
+            rows.append([*cells, "sticks throughout", "", "", "", ""])
             continue
-        predicted = correction(loop_scene(float(row["amplitude"]), float(row["margin"]), float(row["phase"]))).dissipation
-        before.append(100 * abs(error))
-        after.append(100 * abs(left(error, predicted)))
-        rows.append([*cells, *_percent(error), f"{100 * doubt:.2f}", *_percent(predicted, left(error, predicted))])
-    medians = {"median before": float(np.median(before)), "median after": float(np.median(after))}
-    return _section("corrected_loops", rows, before=max(before), after=max(after), **medians)
+        cells += [*_percent(error), f"{100 * doubt:.2f}"]
+        try:
+            predicted = predict(*(float(row[column]) if column != "base" else row[column] for column in columns))
+        except InputError as refused:
+            rows.append([*cells, "", "refused", str(refused)])
+            continue
+        rest = left(error, predicted)
+        sizes.append((abs(error), abs(rest)))
+        rows.append([*cells, *_percent(predicted, rest), "resolved" if abs(rest) > doubt else "not resolved"])
+    before, after = 100 * np.array(sizes).T
+    removed = 100 * (1 - after / before)
+    spans = {"least": removed.min(), "most": removed.max(), "before": before.max(), "after": after.max()}
+    medians = {"median": np.median(removed), "median before": np.median(before), "median after": np.median(after)}
+    return _section(name, rows, **spans, **medians)
 
 
 def growth(folder: Path) -> list[str]:
@@ -445,11 +538,30 @@ def other_sign(folder: Path) -> list[str]:
     return _section("other_sign", rows)
 
 
+def _of_blocks(base: str, aspect: float, height: float) -> float:
+    return correction(blocks(load_scene("blocks"), base, height, aspect)).dissipation
+
+
+def _of_pads(flat: float, curvature: float, ratio: float) -> float:
+    return work_constant(flat, ratio) * curvature
+
+
+def _of_loops(amplitude: float, margin: float, phase: float) -> float:
+    """By the correction that was fitted under the paper's loop alone."""
+    return correction(loop_scene(amplitude, margin, phase)).dissipation
+
+
 # Map -> its tables after the laws, and whether they need the study of held-out points.
 _TRIALS: dict[str, dict[Callable[[Path], list[str]], bool]] = {
-    "block": {derived_blocks: True, corrected_blocks: True},
-    "curvature": {derived_pads: True, corrected_pads: True},
+    "block": {
+        derived_blocks: True,
+        lambda folder: tried(folder, "corrected_blocks", "block-held-out", ("base", "aspect", "height"), _of_blocks): True,
+    },
+    "curvature": {
+        derived_pads: True,
+        lambda folder: tried(folder, "corrected_pads", "pad-held-out", ("flat", "curvature", "ratio"), _of_pads): True,
+    },
     "one-block": {odd_part: False},
-    "loop": {corrected_loops: False},
+    "loop": {lambda folder: tried(folder, "corrected_loops", "loop", ("amplitude", "margin", "phase"), _of_loops): False},
     "unlike": {growth: False, other_sign: True},
 }

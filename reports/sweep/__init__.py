@@ -1,8 +1,7 @@
 """Sweeps: a scene, axes over its keys, and the figures of every point in a store that outlives whoever fills it.
 
     study.py     the study file, its axes and arithmetic, its points with the addresses of their results
-    figures.py   what can be kept of a point
-    solving.py   what a worker does with a point; how uncertain its figures are
+    solving.py   what can be kept of a point; what a worker does with it; how uncertain its figures are
     running.py   processes or a dask cluster, and the loop that hands out points and loses none
     store.py     one file for each result, the table, claims of sweeps that run at once
     page.py      how far a sweep is; its page, with a figure of each quantity
@@ -10,7 +9,7 @@
 from reports import sweep
 
 table = sweep.run("study.toml", "out/study")  # starts, or resumes
-heights = table.numbers("height")
+heights = table["height"]
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from reports.sweep.running import run
-    from reports.sweep.store import Table, read_index
+    from reports.sweep.store import read_index
     from reports.sweep.study import Study, load_study
 
-__all__ = ["Study", "Table", "load_study", "read_index", "run"]
-_HOME = {"Study": "study", "load_study": "study", "Table": "store", "read_index": "store", "run": "running"}
+__all__ = ["Study", "load_study", "read_index", "run"]
+_HOME = {"Study": "study", "load_study": "study", "read_index": "store", "run": "running"}
 
 
 def __getattr__(name: str) -> Any:

@@ -5,6 +5,7 @@ A figure is a line with uncertainty over one axis, a map over two, points where 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from reports.charts import marks
@@ -20,8 +22,8 @@ from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels, limits
 from reports.charts.style import shades
 from reports.charts.templating import script, template
-from reports.sweep.figures import axis_label, is_error, unit_of
-from reports.sweep.store import Store, Table
+from reports.sweep.solving import axis_label, is_error, unit_of
+from reports.sweep.store import STATUS, Store, done
 from reports.sweep.study import Axis, study_of
 from reports.units import number
 from scenes import Scene
@@ -48,8 +50,8 @@ def state_of(store: Store) -> Mapping[str, Any]:
     """
     study, points = store.read_plan()
     table = store.table(points)
-    failures = [{"point": row["number"], "reason": row["reason"]} for row in table.rows if row["status"] != "done"]
-    addresses = {row["address"] for row in table.rows}
+    failures = [{"point": row.number, "reason": row.reason} for row in table.itertuples() if row.status != "done"]
+    addresses, waiting = set(table["address"]), len(points) - len(table)
     running = len(store.running() & {point.address for point in points} - addresses)
     times = []
     for address in addresses:
@@ -57,14 +59,14 @@ def state_of(store: Store) -> Mapping[str, Any]:
             times.append(store.path(address).stat().st_mtime)
     times = sorted(times)[-_LATEST:]
     rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else None
-    counts = {"done": len(table.rows) - len(failures), "failed": len(failures), "running": running}
+    counts = {"done": len(table) - len(failures), "failed": len(failures), "running": running}
     return {
         "title": study.get("title", ""),
-        "points": counts | {"waiting": table.waiting - running, "total": len(points)},
-        "seconds_left": table.waiting / rate if running and rate else None,
+        "points": counts | {"waiting": waiting - running, "total": len(points)},
+        "seconds_left": waiting / rate if running and rate else None,
         "damaged": store.damaged(),
         "failures": failures,
-        "notes": [{"note": note, "points": count} for note, count in table.notes()],
+        "notes": [{"note": note, "points": count} for note, count in Counter(filter(None, table["notes"])).most_common()],
         "table": table,
     }
 
@@ -85,13 +87,13 @@ def write_page(store: Store) -> Path:
         engines=" and ".join(_ENGINES[engine] for engine in study.engines),
         uncertainty=_UNCERTAINTY[study.uncertainty] if "fe" in study.engines else exact,
         state=state,
-        words=[(plain(figure), unit_of(figure)) for figure in plain_figures(table)],
+        words=[(plain(figure), unit_of(figure)) for figure in plain_figures(table, study.axes)],
         pictures=draw(table, study.axes, study.scene),
         script=program,
         script_hash=digest,
         columns=columns,
-        rows=[[_cell(row[column]) for column in columns] for row in table.rows[:_ROWS]],
-        more=max(0, len(table.rows) - _ROWS),
+        rows=[[_cell(value) for value in row] for row in table[columns][:_ROWS].itertuples(index=False)],
+        more=max(0, len(table) - _ROWS),
     )
     store.write_table(table)
     store.write_text(store.folder / "sweep.html", page)
@@ -99,7 +101,7 @@ def write_page(store: Store) -> Path:
 
 
 def _cell(value: Any) -> str:
-    return "none" if value is None else number(value) if isinstance(value, float) else str(value)
+    return str(value) if not isinstance(value, float) else number(value) if value == value else "none"  # noqa: PLR0124 -- NaN
 
 
 # ---------------------------------------------------------------------------------------------------------------- figures
@@ -108,22 +110,21 @@ def plain(name: str) -> str:
     return name.replace("_", " ")
 
 
-def plain_figures(table: Table) -> list[str]:
+def plain_figures(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
     """The figures without what is stated about them."""
-    return [name for name in table.figures if not name.endswith((".uncertainty", ".idealisation"))]
+    others = {"number", *STATUS, *(column for axis in axes for column in axis.columns)}
+    return [name for name in table.columns if name not in others and not name.endswith((".uncertainty", ".idealisation"))]
 
 
-def draw(table: Table, axes: Sequence[Axis], scene: Scene) -> list[Plate]:
+def draw(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> list[Plate]:
     """A figure of each quantity that has values, in the units of the `scene` that the sweep varies."""
-    found, plates = table.done(), []
-    named = {column: axis for axis in axes for column in axis.columns}
-    for name in plain_figures(found):
-        shown = f"{name}.idealisation" if f"{name}.idealisation" in found.figures else name
-        known = f"{name}.uncertainty" in found.figures
-        uncertainty = found.numbers(f"{name}.uncertainty") if known else np.full(len(found.rows), np.nan)
-        sheet = Sheet(name, found.numbers(shown), uncertainty, found, named, plain(axis_label(name, scene)))
-        if np.isfinite(sheet.value).any():
-            plates.append(_plate(sheet, shown))
+    found, plates = done(table), []
+    for name in plain_figures(found, axes):
+        shown = f"{name}.idealisation" if f"{name}.idealisation" in found else name
+        value, uncertainty = (found.get(key, found[name] * np.nan).to_numpy(float) for key in (shown, f"{name}.uncertainty"))
+        if np.isfinite(value).any():
+            named = {column: axis for axis in axes for column in axis.columns}
+            plates.append(_plate(Sheet(name, value, uncertainty, found, named, plain(axis_label(name, scene))), shown))
     return plates
 
 
@@ -134,9 +135,13 @@ class Sheet:
     name: str
     value: Array
     uncertainty: Array
-    table: Table
+    table: pd.DataFrame
     axes: dict[str, Axis]
     words: str
+
+    def numbers(self, column: str) -> Array:
+        """A coordinate (n,)."""
+        return self.table[column].to_numpy(float)
 
     @property
     def unresolved(self) -> Mask:
@@ -165,35 +170,34 @@ class Sheet:
         With `cells` it goes half a step beyond the outer values: a cell of a map is one value.
         """
         log = column in self.axes and self.axes[column].by_factors
-        values = np.unique(self.table.numbers(column))
+        values = np.unique(self.numbers(column))
         at = np.log(values) if log else values
         apart = (log or cells) and len(values) <= 8 and np.all(np.diff(at) > 0.04 * np.ptp(at))
-        ends = borders_of(at)[[0, -1]] if cells else np.array(limits(at, margin=0.05))
-        low, high = (np.exp(ends) if log else ends).tolist()
+        ends = np.array(limits(at, margin=0.05))
+        low, high = (cell_borders(values, log=log)[[0, -1]] if cells else np.exp(ends) if log else ends).tolist()
         own = tuple(zip(values.tolist(), labels([float(f"{value:.3g}") for value in values]), strict=True)) if apart else ()
         return marks.Axis(low, high, self.label(column), log, ticks=own)
 
 
 def _plate(sheet: Sheet, shown: str) -> Plate:
-    rows, axes = sheet.table.rows, sheet.table.axes
-    words = [name for name in axes if any(isinstance(row[name], str | bool) for row in rows)]
-    moves = [name for name in axes if len({row[name] for row in rows}) > 1]
-    moving, sorts = [name for name in moves if name not in words], [name for name in moves if name in words]
+    moves = [name for name in sheet.axes if sheet.table[name].nunique() > 1]
+    sorts = [name for name in moves if any(isinstance(value, str | bool) for value in sheet.table[name].tolist())]
+    moving = [name for name in moves if name not in sorts]
     stem, title = shown.replace(".", "-"), plain(shown)
-    csv = {**{column: sheet.table.numbers(column) for column in moving}, shown: sheet.value, "uncertainty": sheet.uncertainty}
+    csv = {**{column: sheet.numbers(column) for column in moving}, shown: sheet.value, "uncertainty": sheet.uncertainty}
     if not moving:
         text = f"{number(float(sheet.value[0]))}: the sweep has one point on every axis of numbers"
         return Plate(stem, title, text, text, (), csv)
-    keys = np.array([", ".join(f"{name} = {row[name]}" for name in sorts) for row in rows])
+    keys = np.array([", ".join(f"{name} = {row[name]}" for name in sorts) for row in sheet.table[sorts].to_dict("records")])
     parts = np.unique(keys).tolist()
     masks = [(part, keys == part) for part in parts[:_PANELS]]
     legend: tuple[Key, ...] = ()
     panels: list[Panel | Cell]
-    places = {tuple(row[name] for name in moving) for row in rows}
+    places, every = len(sheet.table[moving].drop_duplicates()), np.prod([sheet.table[name].nunique() for name in moving])
     if len(moving) == 1:
         panels, how = [_line(sheet, stem, masks, moving[0])], "bars are its uncertainty; hollow: not resolved"
         legend = tuple(Key(f"line-{k}", plain(part)) for k, (part, _) in enumerate(masks) if part)
-    elif len(moving) == 2 and len(places) > 0.3 * np.prod([len({row[name] for row in rows}) for name in moving]):
+    elif len(moving) == 2 and places > 0.3 * every:
         how = "hatched: unresolved, the error is less than its uncertainty; grey: no result"
         panels = [_map(sheet, f"{stem}-{k}", here, moving, part) for k, (part, here) in enumerate(masks)]
     else:
@@ -213,7 +217,7 @@ def bars(x: Array, low: Array, high: Array, look: str) -> Curve:
 
 def _line(sheet: Sheet, name: str, masks: Sequence[tuple[str, Mask]], moving: str) -> Panel:
     drawn: list[Mark] = [Rule(0.0, "zero")] if is_error(sheet.name) else []
-    places = sheet.table.numbers(moving)
+    places = sheet.numbers(moving)
     low, high = sheet.bounds()
     for k, (part, here) in enumerate(masks):
         rows, look = np.flatnonzero(here)[np.argsort(places[here])], f"line-{k % _LOOKS}"
@@ -232,25 +236,39 @@ def _line(sheet: Sheet, name: str, masks: Sequence[tuple[str, Mask]], moving: st
 
 
 def _map(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> Cell:
-    horizontal, vertical = axes = [sheet.axis(column, cells=True) for column in moving]
-    cells = []  # of each axis: (n, 2) borders of the cell of each row
-    for column, axis in zip(moving, axes, strict=True):
-        steps, place = np.unique(sheet.table.numbers(column), return_inverse=True)
-        borders = np.exp(borders_of(np.log(steps))) if axis.log else borders_of(steps)
-        cells.append(np.column_stack([borders[:-1], borders[1:]])[place].tolist())
+    axes = sheet.axis(moving[0], cells=True), sheet.axis(moving[1], cells=True)
     least, most = float(np.nanmin(sheet.value)), float(np.nanmax(np.abs(sheet.value)))
     low, high, colours = (-most, most, "RdBu_r") if least < 0 else (least, float(np.nanmax(sheet.value)), "viridis")
-    share = (sheet.value - low) / ((high - low) or 1.0)
-    drawn: list[Mark] = [Block((horizontal.low, horizontal.high), (vertical.low, vertical.high), "no-value")]
-    for row in np.flatnonzero(here & np.isfinite(sheet.value)).tolist():
-        fill = shades([share[row]], colours)[0]
-        drawn.append(Block(tuple(cells[0][row]), tuple(cells[1][row]), "", sheet.title(row), fill, bool(sheet.unresolved[row])))
-    panel = Panel(name, horizontal, vertical, drawn, f"Map of {plain(sheet.name)}, {part}", 480.0, 360.0, plain(part))
+    share = np.where(here, (sheet.value - low) / ((high - low) or 1.0), np.nan)
+    names = [sheet.title(row) for row in range(len(share))]
+    drawn = heat_map(axes, (sheet.numbers(moving[0]), sheet.numbers(moving[1])), share, names, sheet.unresolved, colours)
+    panel = Panel(name, *axes, drawn, f"Map of {plain(sheet.name)}, {part}", 480.0, 360.0, plain(part))
     return Cell((panel, colour_scale(f"{name}-colours", low, high, sheet.words, colours)), None)
 
 
+def heat_map(
+    axes: tuple[marks.Axis, marks.Axis],
+    places: tuple[Array, Array],
+    share: Array,
+    names: Sequence[str],
+    unresolved: Mask,
+    colours: str = "viridis",
+) -> list[Mark]:
+    """Cells around places (n,) on both axes, coloured by `share` (n,) of the scale; hatched where unresolved, grey where NaN."""
+    drawn: list[Mark] = [Block((axes[0].low, axes[0].high), (axes[1].low, axes[1].high), "no-value")]
+    ends = []
+    for axis, place in zip(axes, places, strict=True):
+        steps, at = np.unique(place, return_inverse=True)
+        borders = cell_borders(steps, log=axis.log)
+        ends.append(list(zip(borders[at].tolist(), borders[at + 1].tolist(), strict=True)))
+    for row in np.flatnonzero(np.isfinite(share)).tolist():
+        fill = shades([share[row]], colours)[0]
+        drawn.append(Block(ends[0][row], ends[1][row], "", names[row], fill, bool(unresolved[row])))
+    return drawn
+
+
 def _cloud(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) -> Cell:
-    x, second = (sheet.table.numbers(column) for column in moving[:2])
+    x, second = (sheet.numbers(column) for column in moving[:2])
     across, other = (sheet.axis(column) for column in moving[:2])
     ends = np.array([other.low, other.high])
     share = np.interp(np.log(second), np.log(ends), [0.0, 1.0]) if other.log else np.interp(second, ends, [0.0, 1.0])
@@ -265,13 +283,14 @@ def _cloud(sheet: Sheet, name: str, here: Mask, moving: list[str], part: str) ->
     return Cell((panel, colour_scale(f"{name}-colours", other.low, other.high, other.words, log=other.log)), None)
 
 
-def borders_of(middles: Array) -> Array:
-    """Borders half-way between the middles (n,) of cells, and as far beyond the outer ones: (n + 1,).
+def cell_borders(middles: Array, *, log: bool = False) -> Array:
+    """Borders half-way (by factors with `log`) between the middles (n,) of cells, and as far beyond the outer ones: (n + 1,).
 
-    >>> borders_of(np.array([1.0, 2.0, 4.0])).tolist()
+    >>> cell_borders(np.array([1.0, 2.0, 4.0])).tolist()
     [0.5, 1.5, 3.0, 5.0]
     """
-    if len(middles) == 1:
-        return np.array([middles[0] - 0.5, middles[0] + 0.5])
-    inner = (middles[1:] + middles[:-1]) / 2
-    return np.concatenate([[2 * middles[0] - inner[0]], inner, [2 * middles[-1] - inner[-1]]])
+    at = np.log(middles) if log else middles
+    inner = (at[1:] + at[:-1]) / 2
+    first, last = (inner[0], inner[-1]) if len(inner) else (at[0] + 0.5, at[0] - 0.5)  # of one cell: a width of 1
+    borders = np.concatenate([[2 * at[0] - first], inner, [2 * at[-1] - last]])
+    return np.exp(borders) if log else borders

@@ -22,10 +22,12 @@ from multiprocessing import get_context, resource_tracker
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from meshes.interrupts import interrupts_wait
 from reports.console import complain
 from reports.sweep.solving import code_versions, solve_task
-from reports.sweep.store import Claims, Store, Table
+from reports.sweep.store import Claims, Store
 from reports.sweep.study import Point, Study, expand, load_study
 from scenes import InputError
 from scenes.frozen import validated
@@ -42,12 +44,11 @@ _LOSSES = 5  # of a scheduler, before the sweep ends
 class Processes:
     """Processes of this machine, behind an executor that can be started again once it broke.
 
-    Of these and of `Dask`: `blame` is what an exception means for worker or scheduler, "" where it is the task's own; one dead
-    worker takes every task with it that was handed out where they share a fate; tasks of a crew that is `gone` never come back.
+    Of these and of `Dask`: `blame` is what an exception means for worker or scheduler, "" where it is the task's own; tasks of a
+    crew that is `gone` never come back.
     """
 
     executor: Executor
-    shared_fate = True
 
     def __init__(self, width: int) -> None:
         self.width = width
@@ -84,7 +85,6 @@ class Dask:
 
     executor: Executor
     width: int
-    shared_fate = False
 
     def __init__(self, address: str, width: int | None, tls: dict[str, str]) -> None:
         self._address, self._asked, self._tls = address, width, tls
@@ -247,7 +247,7 @@ def _final(store: Store, point: Point) -> dict[str, Any] | None:
     return None if result is None or result.get("again", False) else result
 
 
-def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: None, **workers: Any) -> Table:
+def work(prepared: Prepared, *, report: Report = lambda _done, _total, _words: None, **workers: Any) -> pd.DataFrame:
     """Solve every point that has no result; returns the table of all. `report` gets (done, total, words) of those.
 
     InputError where no workers can be had, their code differs from ours, or results can't be stored.
@@ -284,7 +284,7 @@ def run(
     *,
     report: Report = lambda _done, _total, _words: None,
     **workers: Any,
-) -> Table:
+) -> pd.DataFrame:
     """Run a study into a folder, or resume an earlier run of it; returns the table.
 
     Called from a script, it stands under `if __name__ == "__main__":`, for the workers are processes that read the script again.
@@ -318,26 +318,20 @@ class _Sweep:
         """Work until every point has a result, or a signal asks to end."""
         while (self.pending or self.suspects or self.elsewhere or self.flying) and not self.signals:
             self._hand_out()
-            if self.flying:
-                finished = wait(self.flying, timeout=_ROUND, return_when=FIRST_COMPLETED).done
-            else:
-                finished = set()
+            if not self.flying:
                 time.sleep(_ROUND if self.elsewhere else 0.0)
-            lost, why = [], ""
+            finished, faults = wait(self.flying, timeout=_ROUND, return_when=FIRST_COMPLETED).done, list[BaseException]()
             for future in finished:
-                points = self.flying.pop(future)
                 fault = CancelledError() if future.cancelled() else future.exception()
                 if fault is None:
-                    self._keep(json.loads(future.result()), points)
-                    continue
-                why = self.crew.blame(fault)
-                if not why:
-                    raise fault
-                lost.append(points)
+                    self._keep(json.loads(future.result()), self.flying.pop(future))
+                else:
+                    faults.append(fault)
+            whys = [self._blamed(fault) for fault in faults]
             if self.flying and self.crew.gone():
-                why = SCHEDULER_GONE
-            if why:
-                self._again(lost, why)
+                whys.append(SCHEDULER_GONE)
+            if whys:
+                self._again(whys[-1])
             others = f", {sum(map(len, self.elsewhere))} done by another sweep" if self.elsewhere else ""
             flying = sum(map(len, self.flying.values()))
             self.report(self.done + self.failed, self.prepared.waiting, f"{self.failed} failed, {flying} handed out{others}")
@@ -360,8 +354,7 @@ class _Sweep:
             if not self.claims.take(point.address):
                 others.append(point)
             elif (found := _final(self.store, point)) is not None:
-                self.claims.drop(point.address)
-                self._count(found)
+                self._count(point, found)
             else:
                 mine.append(point)
         if others:
@@ -369,17 +362,15 @@ class _Sweep:
         return mine
 
     def _submit(self, points: list[Point]) -> None:
-        study = self.prepared.study
         if not points:
             return
-        asked: dict[str, Any] = {"engines": study.engines, "figures": study.figures, "uncertainty": study.uncertainty}
-        asked |= {"share": study.share_condensations, "versions": code_versions(), "points": [point.job() for point in points]}
+        task = json.dumps({"versions": code_versions(), "points": [point.question.as_json() for point in points]})
         try:
-            self.flying[self.crew.executor.submit(solve_task, json.dumps(asked))] = points
+            future = self.crew.executor.submit(solve_task, task)
         except (RuntimeError, OSError) as fault:  # a pool that broke, or a client that closed, between two tasks
-            if not (why := self.crew.blame(fault)):
-                raise
-            self._again([points], why)
+            future = Future()
+            future.set_exception(fault)
+        self.flying[future] = points
 
     def _keep(self, answer: dict[str, Any], points: list[Point]) -> None:
         """Store the results of a task, with the question of each."""
@@ -388,25 +379,28 @@ class _Sweep:
                 f"{answer['mismatch']}: results of different code are not to be mixed; install the same on all workers"
             )
         self.alone = False
-        jobs = {point.address: point.job() for point in points}
-        for result in answer["answers"]:
-            job = jobs[result["address"]]
-            settings = {"mesh": job["mesh"], "solver": job["solver"]}
-            self.store.write(result | {"scene": job["scene"], "settings": settings, "versions": code_versions()})
-            self.claims.drop(result["address"])
-            self._count(result)
+        for point, result in zip(points, answer["answers"], strict=True):
+            asked = point.question.as_json()
+            settings = {"mesh": asked["mesh"], "solver": asked["solver"]}
+            about = {"address": point.address, "scene": asked["scene"], "settings": settings, "versions": code_versions()}
+            self.store.write(result | about)
+            self._count(point, result)
 
-    def _count(self, result: dict[str, Any]) -> None:
+    def _count(self, point: Point, result: dict[str, Any]) -> None:
+        self.claims.drop(point.address)
         self.done += result["status"] == "done"
         self.failed += result["status"] != "done"
 
-    def _again(self, lost: list[list[Point]], why: str) -> None:
-        """Workers in place of those that are lost; their tasks go out again, those of a dead worker point by point and alone."""
-        alone, self.alone = self.alone, False
-        everybody = why == SCHEDULER_GONE or self.crew.shared_fate
-        if everybody:  # they are lost too, also those whose futures don't show it yet
-            lost = [*lost, *self.flying.values()]
-            self.flying.clear()
+    def _blamed(self, fault: BaseException) -> str:
+        """Who is to blame for a task that did not come back; a fault of its own is raised."""
+        if why := self.crew.blame(fault):
+            return why
+        raise fault
+
+    def _again(self, why: str) -> None:
+        """A new crew; what was handed out goes out again: after a worker's death point by point, each with nothing beside it."""
+        lost = [*self.flying.values()]
+        self.flying.clear()
         points = [point for task in lost for point in task]
         complain(f"sweep: {why}: {len(points)} points go out again")
         if why == SCHEDULER_GONE:
@@ -414,14 +408,14 @@ class _Sweep:
             if self.losses > _LOSSES:
                 raise InputError(f"the scheduler was lost {self.losses} times; see to it, then start the sweep again")
             self.pending.extendleft(lost)
-        elif alone:
+        elif self.alone:
             reason = "the worker that solved it died twice (killed, or out of memory): see its memory, then start the sweep again"
-            failed = {"address": points[0].address, "status": "failed", "reason": reason, "figures": {}, "notes": {}, "record": {}}
-            self._keep({"mismatch": "", "answers": [failed | {"seconds": 0.0, "host": "", "again": True}]}, points)
+            failed = {"status": "failed", "reason": reason, "figures": {}, "notes": {}, "record": {}, "seconds": 0.0, "host": ""}
+            self._keep({"mismatch": "", "answers": [failed | {"again": True}]}, points)
         else:
             self.suspects.extend(points)
-        if everybody:
-            self._renew()
+        self.alone = False
+        self._renew()
 
     def _renew(self) -> None:
         """Workers in place of the broken ones; a scheduler is waited for, until a signal asks to end."""

@@ -1,7 +1,15 @@
-"""What a worker does: points in as JSON, figures out as JSON. A point that fails is an answer too, with its reason and record."""
+"""What a sweep can keep of a point, and what a worker does: points in as JSON, figures out as JSON.
+
+A figure is a metric's key ("stick_edge"), or "fe.", "exact." or "error." before a quantity ("fe.peak_pressure"); "error." is
+that of the finite elements over that of half-plane theory, minus 1. Quantities are those of the last cycle. Where both engines
+run, theory is evaluated on the points and instants of the finite elements, so that sampling is the same in both.
+
+A point that fails is an answer too, with its reason and record.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
@@ -9,16 +17,18 @@ import platform
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
-from reports.sweep.figures import fields_needed, is_metric, stated_by_edges, take
+from reports.comparison.metrics import METRICS
+from reports.units import energy_unit, units
 from scenes import ContactSolution, ConvergenceError, EllipseLoad, Friction, InputError, PolygonLoad, Scene
 from scenes.files import source_digest
 from scenes.scene import WORDS
@@ -40,26 +50,206 @@ _MESH = 1.64
 _FAR = 2.0
 
 
+# ---------------------------------------------------------------------------------------------------------------- figures
+@dataclass(frozen=True)
+class Quantity:
+    """A figure of one solution: how it is taken, its words, and the fields of the half-plane engine that it needs.
+
+    `edges` names the field of a finite-element solution that states how far its edges may be from the true ones.
+    """
+
+    value: Callable[[ContactSolution], float]
+    words: str
+    fields: tuple[str, ...] = ()
+    edges: str = ""
+
+
+def _at_mean_load(solution: ContactSolution, series: np.ndarray) -> float:
+    """A figure of the instants, at P0 of an ellipse, else at the largest load: linear between the loads of the last cycle."""
+    steps, load = solution.last_cycle, solution.scene.load
+    loads = solution.normal_load[steps]
+    order = np.argsort(loads, kind="stable")
+    wanted = load.mean_normal_load if isinstance(load, EllipseLoad) else float(np.max(loads))
+    return float(np.interp(wanted, loads[order], series[steps][order]))
+
+
+def _at_largest_shear(solution: ContactSolution) -> float:
+    steps = solution.last_cycle
+    return float(solution.stick_half_width[steps[int(np.argmax(np.abs(solution.tangential_load[steps])))]])
+
+
+_CONTACT, _STICK = "contact_edge_uncertainty", "stick_edge_uncertainty"
+QUANTITIES: dict[str, Quantity] = {
+    "dissipation": Quantity(lambda s: s.dissipation, "dissipation of the last cycle [energy / thickness]", ("dissipation",)),
+    "peak_dissipation": Quantity(
+        lambda s: np.max(s.dissipation_density), "largest pointwise dissipation [energy / area]", ("dissipation_density",)
+    ),
+    "peak_pressure": Quantity(lambda s: np.max(s.pressure[s.last_cycle]), "largest pressure [stress]", ("pressure",)),
+    "p0": Quantity(
+        lambda s: _at_mean_load(s, s.pressure.max(axis=1)),
+        "peak pressure at the mean load, linear between instants [stress]",
+        ("pressure",),
+    ),
+    "peak_shear": Quantity(lambda s: np.max(np.abs(s.shear[s.last_cycle])), "largest |q| [stress]", ("shear",)),
+    "contact_half_width": Quantity(
+        lambda s: _at_mean_load(s, s.contact_half_width),
+        "contact half-width at the mean load, linear between instants [length]",
+        edges=_CONTACT,
+    ),
+    "largest_half_width": Quantity(
+        lambda s: np.max(s.contact_half_width[s.last_cycle]), "largest contact half-width [length]", edges=_CONTACT
+    ),
+    "stick_half_width": Quantity(_at_largest_shear, "stick half-width where |Q| is largest [length]", edges=_STICK),
+    "permanent_stick_half_width": Quantity(
+        lambda s: s.permanent_stick_half_width, "half-width that sticks through the cycle [length]", edges=_STICK
+    ),
+    "permanent_stick_centre": Quantity(
+        lambda s: float("nan") if s.permanent_stick_edges is None else float(np.mean(s.permanent_stick_edges)),
+        "middle of what sticks through the cycle, with bulk stress or tilt [length]",
+    ),
+    "stroke": Quantity(
+        lambda s: np.ptp(s.tangential_displacement[s.last_cycle]),
+        "range of the tangential displacement [length]",
+        ("tangential_displacement",),
+    ),
+    "loop_work": Quantity(
+        lambda s: s.loop_work, "closed integral of Q dU, with its bulk term [energy / thickness]", ("dissipation",)
+    ),
+}
+_ENGINES = {"fe": "the finite elements", "exact": "half-plane theory"}
+
+
+def is_metric(name: str) -> bool:
+    """Whether a figure needs the whole comparison."""
+    return name in METRICS
+
+
+def is_error(name: str) -> bool:
+    """Whether a figure states how far the engines are apart: it is 0 where they agree."""
+    return is_metric(name) or name.startswith("error.")
+
+
+def unit_of(name: str) -> str:
+    """What a figure is, with its unit or what it is a share of.
+
+    >>> unit_of("error.dissipation"), unit_of("stick_edge")
+    ('dissipation of the last cycle: finite elements over half-plane theory, minus 1', 'Stick edge: of a_ref')
+    """
+    if is_metric(name):
+        return f"{METRICS[name].label}: {METRICS[name].unit}"
+    prefix, _, quantity = name.partition(".")
+    words = QUANTITIES[quantity].words
+    return f"{words.rpartition(' [')[0]}: finite elements over half-plane theory, minus 1" if prefix == "error" else words
+
+
+def axis_label(name: str, scene: Scene) -> str:
+    """A figure on the axis of a drawing, with its unit in the scene's, or what it is a share of.
+
+    >>> from scenes import load_scene
+    >>> [axis_label(name, load_scene("hertz-paper")) for name in ("fe.p0", "exact.dissipation", "error.p0", "stick_edge")]
+    ['fe.p0  [MPa]', 'exact.dissipation  [N·mm/mm]', "error.p0  [share of theory's]", 'stick_edge  [share of a_ref]']
+    """
+    if is_metric(name):
+        return f"{name}  [share {METRICS[name].unit}]"
+    prefix, _, quantity = name.partition(".")
+    if prefix == "error":
+        return f"{name}  [share of theory's]"
+    _, length, stress = units(scene)
+    own = {"stress": stress, "length": length, "energy / thickness": energy_unit(scene), "energy / area": f"{energy_unit(scene)}²"}
+    return f"{name}  [{own[QUANTITIES[quantity].words.rpartition(' [')[2].removesuffix(']')]}]"
+
+
+def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
+    """ValueError for a name that is none, is there twice, or needs what isn't run."""
+    for name in figures:
+        prefix, _, quantity = name.partition(".")
+        if not is_metric(name) and (prefix not in (*_ENGINES, "error") or quantity not in QUANTITIES):
+            raise ValueError(
+                f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe., exact. or error. before one of "
+                f"{', '.join(QUANTITIES)}"
+            )
+        if missing := ({*_ENGINES} if is_error(name) else {prefix}) - set(engines):
+            raise ValueError(f"figures: {name!r} needs engines = [..., {min(missing)!r}]")
+        if uncertainty == "budget" and not is_metric(name):
+            raise ValueError(f"figures: {name!r} is no metric, and an error budget is of metrics; take uncertainty = 'cheap'")
+    if len(set(figures)) < len(figures):
+        raise ValueError("figures: one stands there twice")
+    if uncertainty != "none" and "fe" not in engines:
+        raise ValueError("uncertainty: half-plane theory is exact to rounding; with it alone take uncertainty = 'none'")
+    if uncertainty == "budget" and "exact" not in engines:
+        raise ValueError("uncertainty: an error budget needs both engines")
+
+
+def fields_needed(figures: Sequence[str]) -> tuple[str, ...]:
+    """The fields of the half-plane engine that the quantities among `figures` need."""
+    return tuple(sorted({field for name in figures if not is_metric(name) for field in QUANTITIES[name.partition(".")[2]].fields}))
+
+
+def take(name: str, fe: ContactSolution | None, exact: ContactSolution | None) -> tuple[float | None, str]:
+    """A quantity of either engine or its error: the value, or None and why there is none."""
+    prefix, _, quantity = name.partition(".")
+    found = {}
+    for engine, solution in (("fe", fe), ("exact", exact)):
+        if solution is not None and prefix in (engine, "error"):
+            found[engine] = float(QUANTITIES[quantity].value(solution))
+            if not math.isfinite(found[engine]):
+                return None, f"there is none in {_ENGINES[engine]}"
+    if prefix != "error":
+        return found[prefix], ""
+    if not found["exact"]:
+        return None, "it is 0 in half-plane theory, so nothing is relative to it"
+    return found["fe"] / found["exact"] - 1, ""
+
+
+def stated_by_edges(name: str, fe: ContactSolution, exact: ContactSolution | None) -> float:
+    """What the finite elements themselves state for a half-width, 0 where they state nothing.
+
+    The larger of both edges' uncertainties, the median over the last cycle; of an error, over the half-width of theory.
+    """
+    prefix, _, quantity = name.partition(".")
+    if prefix == "exact" or not QUANTITIES[quantity].edges:
+        return 0.0
+    stated = np.asarray(getattr(fe, QUANTITIES[quantity].edges))[fe.last_cycle]
+    known = stated.max(axis=1)[np.isfinite(stated).all(axis=1)]
+    scale = QUANTITIES[quantity].value(exact) if prefix == "error" and exact is not None else 1.0
+    found = float(np.median(known)) / scale if len(known) and scale else math.nan
+    return found if math.isfinite(found) else 0.0
+
+
+# ---------------------------------------------------------------------------------------------------------------- a worker
 @cache
 def code_versions() -> dict[str, str]:
     """Which code and packages compute a result, as this process found them when it first asked; part of a result's address."""
-    code = source_digest(*_CODE, "reports.sweep.figures", __name__)[:16]
+    code = source_digest(*_CODE, __name__)[:16]
     python = ".".join(platform.python_version_tuple()[:2])
     return {"code": code, "python": python} | {name: version(name) for name in _LIBRARIES}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Question:
-    """One point: what is asked of it, the scene, and how it is cut and iterated."""
+    """What is asked at a point: the scene, how it is cut and iterated, and what is kept of it; see `study.Study`."""
 
-    engines: list[str]
-    figures: list[str]
-    uncertainty: str
-    share: bool
-    address: str
     scene: Scene
     mesh: MeshSettings
     solver: SolverSettings
+    engines: Sequence[str]
+    figures: Sequence[str]
+    uncertainty: str
+    share_condensations: bool
+
+    def as_json(self) -> dict[str, Any]:
+        """As it travels to a worker, and as it is stored."""
+        plain = {name: getattr(self, name) for name in ("engines", "figures", "uncertainty", "share_condensations")}
+        return {"scene": self.scene.model_dump(mode="json"), "mesh": asdict(self.mesh), "solver": asdict(self.solver)} | plain
+
+    @property
+    def address(self) -> str:
+        """Of its result: sha256 of what numbers depend on and of the code; questions that differ in words alone have one."""
+        asked = self.as_json() | {"engines": sorted(self.engines), "figures": sorted(self.figures), "versions": code_versions()}
+        asked["scene"] = {key: value for key, value in asked["scene"].items() if key not in WORDS}
+        if "fe" not in self.engines:
+            asked = {name: asked[name] for name in ("scene", "engines", "figures", "versions")}
+        return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
 
 def solve_task(text: str) -> str:
@@ -67,7 +257,7 @@ def solve_task(text: str) -> str:
 
     Parameters
     ----------
-    text : JSON of {"versions", "engines", "figures", "uncertainty", "share", "points": [{"address", "scene", "mesh", "solver"}]}
+    text : JSON of {"versions": those of the code, "points": `Question.as_json` of each}
 
     Returns
     -------
@@ -77,19 +267,18 @@ def solve_task(text: str) -> str:
     from meshes import MeshSettings
 
     task = json.loads(text)
-    here, there, jobs = task.pop("versions"), code_versions(), task.pop("points")
+    here, there = task["versions"], code_versions()
     names = [name for name in sorted(here.keys() | there.keys()) if here.get(name) != there.get(name)]
     if names:
         words = [f"{name} is {here.get(name, 'missing')} here and {there.get(name, 'missing')} there" for name in names]
         return json.dumps({"mismatch": f"worker {platform.node()} (process {os.getpid()}): {', '.join(words)}", "answers": []})
     points = []
-    for job in jobs:
-        scene = Scene.model_validate_json(json.dumps(job["scene"]))
-        mesh, solver = MeshSettings(**job["mesh"]), SolverSettings(**job["solver"])
-        points.append(Question(**task, address=job["address"], scene=scene, mesh=mesh, solver=solver))
-    with threadpool_limits(limits=1), _shared_store(task["share"] and len(points) > 1):
-        batch = in_one_call(points)
-        answers = [batch.get(point.address) or _answer(point) for point in points]
+    for asked in task["points"]:
+        scene = Scene.model_validate_json(json.dumps(asked.pop("scene")))
+        mesh, solver = MeshSettings(**asked.pop("mesh")), SolverSettings(**asked.pop("solver"))
+        points.append(Question(scene, mesh, solver, **asked))
+    with threadpool_limits(limits=1), _shared_store(len(points) > 1 and points[0].share_condensations):
+        answers = [_answer(point) for point in points]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
 
 
@@ -110,44 +299,6 @@ def _shared_store(wanted: bool) -> Generator[None, None, None]:
             os.environ.pop("HALFPLANE_CACHE") if before is None else os.environ.update(HALFPLANE_CACHE=before)
 
 
-def in_one_call(points: list[Question]) -> dict[str, dict[str, Any]]:
-    """Address -> answer of points that ask theory for W of an ellipse alone, in one call for each profile and material.
-
-    That takes a hundredth of the time of `solve`, and a third with the checks of the points. What has no value there is left to
-    `solve`, which states why.
-    """
-    import semi_analytic
-
-    begun = time.perf_counter()
-    kinds: dict[str, dict[str, tuple[Scene, EllipseLoad]]] = {}
-    for point in points if (points[0].engines, points[0].figures) == (["exact"], ["exact.dissipation"]) else ():
-        load, plain = point.scene.load, not point.scene.unsymmetric
-        if isinstance(load, EllipseLoad) and point.scene.friction.coefficient > 0 and plain:
-            kind = point.scene.profile.model_dump_json() + point.scene.material.model_dump_json()
-            kinds.setdefault(kind, {})[point.address] = point.scene, load
-    found: dict[str, dict[str, Any]] = {}
-    for members in kinds.values():
-        scenes, loads = zip(*members.values(), strict=True)
-        names = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase")
-        batch = semi_analytic.dissipation(
-            profile=scenes[0].profile,
-            material=scenes[0].material,
-            friction_coefficient=[scene.friction.coefficient for scene in scenes],
-            **{name: [getattr(load, name) for load in loads] for name in names},
-        )
-        record = {"message": "a member of a batch", "notes": batch.notes}
-        for address, value in zip(members, batch.value.tolist(), strict=True):
-            if math.isfinite(value):
-                found[address] = {"figures": {"exact.dissipation": value}, "record": record}
-    seconds = (time.perf_counter() - begun) / max(1, len(found))
-    return {address: _blank(address, seconds) | answer for address, answer in found.items()}
-
-
-def _blank(address: str, seconds: float) -> dict[str, Any]:
-    answer = {"address": address, "status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
-    return answer | {"seconds": seconds, "host": platform.node()}
-
-
 def _answer(point: Question) -> dict[str, Any]:
     """One point: its figures, or the reason why it has none."""
     begun = time.perf_counter()
@@ -160,7 +311,8 @@ def _answer(point: Question) -> dict[str, Any]:
     except (ArithmeticError, ValueError, RuntimeError, MemoryError, LookupError) as failure:
         # One point must not end a sweep of thousands; what went wrong stands in its row, and nothing is taken for an answer.
         found = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
-    return _blank(point.address, time.perf_counter() - begun) | found
+    blank: dict[str, Any] = {"status": "done", "reason": "", "figures": {}, "notes": {}, "record": {}}
+    return blank | found | {"seconds": time.perf_counter() - begun, "host": platform.node()}
 
 
 def _solve(point: Question) -> dict[str, Any]:
@@ -217,9 +369,9 @@ def finite_elements(point: Question) -> tuple[FiniteElementSolution, dict[str, s
     import halfplane_fe
 
     why, load = {}, point.scene.load
-    if point.share and (load.tilt is not None or load.moment_given):
+    if point.share_condensations and (load.tilt is not None or load.moment_given):
         why = {"": "the contact moves with the tilt; solved on bodies of its own"}
-    elif point.share:
+    elif point.share_condensations:
         try:
             return halfplane_fe.solve(point.scene, point.mesh, point.solver, scales=_shared_scales(point.scene)), {}
         except ConvergenceError as failure:

@@ -13,20 +13,17 @@ from __future__ import annotations
 
 import errno
 import hashlib
-import io
 import json
-import math
 import os
 import re
-from collections import Counter
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+import pandas as pd
 
 from reports.charts.table import table_text
 from reports.staging import CannotLock, hidden_folder, lock, remove, remove_left_behind, replace_file
@@ -50,40 +47,6 @@ class Planned:
     number: int
     address: str
     coordinates: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Table:
-    """The results as rows.
-
-    Attributes
-    ----------
-    columns : names: number, the axes, the figures and their uncertainties, then status, seconds, reason, notes, address
-    axes : names of the columns that are coordinates
-    figures : names of the columns that are figures
-    rows : one mapping for each point with a result, in the order of the study; None where there is no value
-    waiting : points without a result
-    """
-
-    columns: tuple[str, ...]
-    axes: tuple[str, ...]
-    figures: tuple[str, ...]
-    rows: tuple[Mapping[str, Any], ...]
-    waiting: int = 0
-
-    def done(self) -> Table:
-        """The rows with figures alone."""
-        return replace(self, rows=tuple(row for row in self.rows if row["status"] == "done"))
-
-    def notes(self) -> list[tuple[str, int]]:
-        """What is noted on points, and on how many of them; the most frequent first."""
-        return Counter(row["notes"] for row in self.rows if row["notes"]).most_common()
-
-    def numbers(self, column: str) -> NDArray[np.float64]:
-        """A column (n_rows,), NaN where there is no value; KeyError for an unknown one, ValueError for one of words."""
-        if column not in self.columns:
-            raise KeyError(f"{column!r} is none of {', '.join(self.columns)}")
-        return np.array([np.nan if row[column] is None else float(row[column]) for row in self.rows])
 
 
 @dataclass(frozen=True)
@@ -195,46 +158,38 @@ class Store:
         except (OSError, ValueError, KeyError, TypeError) as reason:
             raise InputError(f"{path}: can't be read ({reason}); start the sweep again: results are kept") from reason
 
-    def table(self, points: Sequence[Planned]) -> Table:
-        """The table of `points`, made from their results."""
-        read = [(point, self.read(point.address)) for point in points]
-        found = [(point, result) for point, result in read if result is not None]
+    def table(self, points: Sequence[Planned]) -> pd.DataFrame:
+        """A row for each of `points` with a result, in the order of the study; NaN where there is no value.
+
+        Columns: number, the axes, the figures and their uncertainties, then those of `STATUS`.
+        """
+        found = [(point, result) for point in points if (result := self.read(point.address)) is not None]
         figures = tuple(dict.fromkeys(name for _, result in found for name in result["figures"]))
+        rows = []
+        for point, result in found:
+            record, notes = result.get("record", {}), result.get("notes", {})  # the first stores have neither
+            on_figures = [f"{name}: {note}" if name else note for name, note in notes.items()]  # without a name on all of them
+            status = {name: result[name] for name in STATUS[:3]} | {"notes": "; ".join([*record.get("notes", ()), *on_figures])}
+            rows.append({"number": point.number, **point.coordinates, **result["figures"], **status, "address": point.address})
         axes = tuple(points[0].coordinates) if points else ()
-        rows = tuple(_row(point, result, figures) for point, result in found)
-        return Table(("number", *axes, *figures, *STATUS), axes, figures, rows, len(points) - len(rows))
+        columns = list(dict.fromkeys(("number", *axes, *figures, *STATUS)))
+        return pd.DataFrame(rows, columns=columns).astype(dict.fromkeys(figures, float))
 
-    def write_table(self, table: Table) -> None:
+    def write_table(self, table: pd.DataFrame) -> None:
         """index.csv, and index.parquet where pyarrow is installed, each in one go."""
-        columns = {name: [row[name] for row in table.rows] for name in table.columns}
-        blanks = {name: [math.nan if value is None else value for value in column] for name, column in columns.items()}
-        self.write_text(self.folder / "index.csv", table_text(blanks))
-        try:
-            import pyarrow
-            from pyarrow import parquet
-        except ImportError:
-            return
-        content = io.BytesIO()
-        parquet.write_table(pyarrow.table(columns), content)
-        with self._writing():
-            replace_file(self.folder / "index.parquet", content.getvalue())
+        self.write_text(self.folder / "index.csv", table_text({name: table[name].tolist() for name in table.columns}))
+        if find_spec("pyarrow"):
+            with self._writing():
+                replace_file(self.folder / "index.parquet", table.to_parquet(index=False))
 
 
-def _row(point: Planned, result: Mapping[str, Any], figures: tuple[str, ...]) -> dict[str, Any]:
-    record, notes = result.get("record", {}), result.get("notes", {})  # the first stores have neither
-    on_figures = [f"{name}: {note}" if name else note for name, note in notes.items()]  # without a name on all of them
-    return {
-        "number": point.number,
-        **point.coordinates,
-        **{name: result["figures"].get(name) for name in figures},
-        **{name: result[name] for name in ("status", "seconds", "reason")},
-        "notes": "; ".join([*record.get("notes", ()), *on_figures]),
-        "address": point.address,
-    }
+def done(table: pd.DataFrame) -> pd.DataFrame:
+    """The rows with figures alone."""
+    return table[table["status"] == "done"]
 
 
-def read_index(folder: str | Path) -> Table:
-    """The table of the sweep stored in `folder`, made from its results: right whether index.csv is there or not.
+def read_index(folder: str | Path) -> pd.DataFrame:
+    """The table (`Store.table`) of the sweep stored in `folder`, made from its results: right whether index.csv is there or not.
 
     Raises
     ------

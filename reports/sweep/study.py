@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import hashlib
 import itertools
 import json
 import math
@@ -17,14 +16,12 @@ import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from reports.checking import require_admissible
-from reports.sweep.figures import check_figures
-from reports.sweep.solving import code_versions
+from reports.sweep.solving import Question, check_figures
 from reports.sweep.store import Planned
 from scenes import InputError, Scene, load_scene
 from scenes.errors import present_name
 from scenes.files import keys_of
 from scenes.frozen import Frozen, neglected, refusal
-from scenes.scene import WORDS
 
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
@@ -287,27 +284,18 @@ def study_of(data: dict[str, Any], where: str, folder: Path = Path()) -> Study:
 
 @dataclass(frozen=True, eq=False)
 class Point(Planned):
-    """A point of a study: number (from 0, the last axis first), address, coordinates, and what is solved there.
+    """A point of a study: number (from 0, the last axis first), address of its result, coordinates, and what is asked there."""
 
-    The address is of its result: sha256 of the question, the settings, the figures asked for, and the code.
-    """
-
-    scene: Scene
-    mesh: MeshSettings
-    solver: SolverSettings
-
-    def job(self) -> dict[str, Any]:
-        """The point as it travels to a worker: JSON, and nothing else."""
-        settings = {"mesh": asdict(self.mesh), "solver": asdict(self.solver)}
-        return {"address": self.address, "scene": self.scene.model_dump(mode="json"), **settings}
+    question: Question
 
     @property
     def shared_bodies(self) -> str:
         """Everything that condensed bodies depend on that are cut for all points of a group; the same for all of them."""
         from halfplane_fe.scales import largest_load
 
-        parts = {name: getattr(self.scene, name).model_dump(mode="json") for name in ("bodies", "material", "profile")}
-        return json.dumps(parts | {"mesh": asdict(self.mesh), "load": largest_load(self.scene)}, sort_keys=True)
+        scene = self.question.scene
+        parts = {name: getattr(scene, name).model_dump(mode="json") for name in ("bodies", "material", "profile")}
+        return json.dumps(parts | {"mesh": asdict(self.question.mesh), "load": largest_load(scene)}, sort_keys=True)
 
 
 def expand(study: Study, report: Callable[[int], None] = lambda _count: None) -> tuple[Point, ...]:
@@ -330,9 +318,10 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
         where = f"point {number} ({described(coordinates)})"
         try:
             point = _point(study, json.loads(raw), number, coordinates)
-            require_admissible(point.scene, where)
+            scene = point.question.scene
+            require_admissible(scene, where)
             if "fe" in study.engines:
-                check_supports(point.scene, sheared(point.scene))
+                check_supports(scene, sheared(scene))
         except InputError as fault:
             raise InputError(str(fault) if str(fault).startswith(where) else f"{where}: {fault}") from fault
         if point.address in seen:
@@ -372,19 +361,9 @@ def _point(study: Study, data: dict[str, Any], number: int, coordinates: Coordin
         scene = Scene.model_validate_json(json.dumps(data), strict=True)
     except ValidationError as faults:
         raise InputError(refusal(faults, data, Scene)) from faults
-    mesh, solver = _settings(study.preset, settings)
-    # Points that differ in words alone have one result.
-    question: dict[str, Any] = {
-        "scene": {key: value for key, value in scene.model_dump(mode="json").items() if key not in WORDS},
-        "engines": sorted(study.engines),
-        "figures": sorted(study.figures),
-        "versions": code_versions(),
-    }
-    if "fe" in study.engines:
-        question |= {"mesh": asdict(mesh), "solver": asdict(solver)}
-        question |= {"uncertainty": study.uncertainty, "share_condensations": study.share_condensations}
-    address = hashlib.sha256(json.dumps(question, sort_keys=True).encode()).hexdigest()
-    return Point(number, address, coordinates, scene, mesh, solver)
+    cut = _settings(study.preset, settings)
+    question = Question(scene, *cut, study.engines, study.figures, study.uncertainty, study.share_condensations)
+    return Point(number, question.address, coordinates, question)
 
 
 def _place(data: dict[str, Any], key: str, value: Value) -> None:
