@@ -29,7 +29,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -1055,27 +1055,26 @@ class PathLoads:
         legs = (*self.path.initial_loading, *self.path.cycle)
         return next((leg for leg in legs if time - late <= leg.end), legs[-1]), late
 
+    def _parts(self, time: Array, name: Literal["loads", "rates"]) -> tuple[Array, ...]:
+        """P, Q, eps, tilt and moment at times within one leg, or their rates: (n,) each."""
+        leg, late = self._place(float(np.mean(time)))
+        nothing = (0.0 * time, 0.0 * time)
+        pairs = [getattr(part, name)(time - late) if part is not None else nothing for part in (leg, leg.bulk, leg.turning)]
+        (p, q), (lower, upper), (tilt, moment) = pairs
+        return tuple(np.broadcast_arrays(p, q, self.strain[0] * lower + self.strain[1] * upper, tilt, moment))
+
     def values(self, time: Array) -> Array:
         """(4, n)."""
-        leg, late = self._place(float(np.mean(time)))
-        (p, q), eps, (tilt, moment) = leg.loads(time - late), self._eps(leg.bulk, time - late), self._turning(leg, time - late)
-        return np.stack(np.broadcast_arrays(p, q, eps, -moment / (self.radius * p) if self.path.moment_given else tilt))
+        p, q, eps, tilt, moment = self._parts(time, "loads")
+        return np.stack([p, q, eps, -moment / (self.radius * p) if self.path.moment_given else tilt])
 
     def rates(self, time: Array) -> Array:
         """(4, n)."""
-        leg, late = self._place(float(np.mean(time)))
-        inside = time - late
-        (p, q), eps = leg.rates(inside), 0.0 * time
-        if leg.bulk is not None:
-            lower, upper = leg.bulk.rates(inside)
-            eps = self.strain[0] * lower + self.strain[1] * upper
-        tilt = moment = 0.0 * time
-        if leg.turning is not None:
-            tilt, moment = leg.turning.rates(inside)
+        p, q, eps, tilt, moment = self._parts(time, "rates")
         if self.path.moment_given:
-            load, given = leg.loads(inside)[0], self._turning(leg, inside)[1]
+            load, _, _, _, given = self._parts(time, "loads")
             tilt = -(moment * load - given * p) / (self.radius * load**2)
-        return np.stack(np.broadcast_arrays(p, q, eps, tilt))
+        return np.stack([p, q, eps, tilt])
 
     def stresses(self, time: Array) -> Array:
         """Bulk stress of the lower and of the upper body, (2, n), for any times."""
@@ -1085,18 +1084,6 @@ class PathLoads:
             if leg.bulk is not None:
                 found[:, k] = leg.bulk.loads(float(each) - late)
         return found
-
-    def _eps(self, bulk: LoadSegment | None, time: Array) -> Array:
-        if bulk is None:
-            return 0.0 * time
-        lower, upper = bulk.loads(time)
-        return np.asarray(self.strain[0] * lower + self.strain[1] * upper)
-
-    def _turning(self, leg: LoadSegment, time: Array) -> tuple[Array, Array]:
-        if leg.turning is None:
-            return 0.0 * time, 0.0 * time
-        tilt, moment = leg.turning.loads(time)
-        return np.asarray(tilt), np.asarray(moment)
 
     def corners(self, cycles: int) -> Array:
         """Times at which a leg ends or a load turns round: an edge that turns there has no solution on the way it went."""
