@@ -601,7 +601,9 @@ class Follower:
         """int p/[sqrt((xi - b1) (xi - b2)) (x - xi)] d xi over the slip zone of a side, at x (n, m)."""
         a1, a2, b1, b2 = edges
         xi, weight = _zone(a1, b1) if side < 0 else _zone(b2, a2)
-        root = np.sqrt((xi - b1[:, None]) * (xi - b2[:, None]))
+        # A zone has no width yet where it begins: nothing is in it.
+        least = np.square(1e-10 * (b2 - b1))[:, None]
+        root = np.sqrt(np.maximum((xi - b1[:, None]) * (xi - b2[:, None]), least))
         p = weight * self.contact.pressure(xi, a1[:, None], a2[:, None]) / root
         return np.sum(p[:, None, :] / (x[:, :, None] - xi[:, None, :]), axis=2)
 
