@@ -29,7 +29,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -456,7 +456,6 @@ class Step:
     b2: Array
     frozen: Frozen
     grown: tuple[tuple[int, Array], ...] = ()
-    passed: bool = False
     work: float = 0.0
     wrong: float = 0.0
     where: float = 0.0
@@ -607,7 +606,9 @@ class Follower:
         """int p/[sqrt((xi - b1) (xi - b2)) (x - xi)] d xi over the slip zone of a side, at x (n, m)."""
         a1, a2, b1, b2 = edges
         xi, weight = _zone(a1, b1) if side < 0 else _zone(b2, a2)
-        root = np.sqrt((xi - b1[:, None]) * (xi - b2[:, None]))
+        # A zone has no width yet where it begins: nothing is in it.
+        least = np.square(1e-10 * (b2 - b1))[:, None]
+        root = np.sqrt(np.maximum((xi - b1[:, None]) * (xi - b2[:, None]), least))
         p = weight * self.contact.pressure(xi, a1[:, None], a2[:, None]) / root
         return np.sum(p[:, None, :] / (x[:, :, None] - xi[:, None, :]), axis=2)
 
@@ -785,7 +786,7 @@ class Follower:
                 continue
             value = side * float((new.b2 if side > 0 else new.b1)[-1] - mark) - aim
             if abs(value) < 0.9 * aim:
-                return replace(new, passed=True)
+                return new
             low, high = (guess, high) if value > 0 else (low, guess)
             known = [known[-1], (guess, value)]
             (before, was), (now, value) = known
@@ -1061,29 +1062,28 @@ class PathLoads:
         legs = (*self.path.initial_loading, *self.path.cycle)
         return next((leg for leg in legs if time - late <= leg.end), legs[-1]), late
 
+    def _parts(self, time: Array, name: Literal["loads", "rates"]) -> tuple[Array, ...]:
+        """P, Q, eps, tilt and moment at times within one leg, or their rates: (n,) each."""
+        leg, late = self._place(float(np.mean(time)))
+        nothing = (0.0 * time, 0.0 * time)
+        pairs = [getattr(part, name)(time - late) if part is not None else nothing for part in (leg, leg.bulk, leg.turning)]
+        (p, q), (lower, upper), (tilt, moment) = pairs
+        return tuple(np.broadcast_arrays(p, q, self.strain[0] * lower + self.strain[1] * upper, tilt, moment))
+
     def values(self, time: Array) -> Array:
         """(4, n)."""
-        leg, late = self._place(float(np.mean(time)))
-        (p, q), eps, (tilt, moment) = leg.loads(time - late), self._eps(leg.bulk, time - late), self._turning(leg, time - late)
+        p, q, eps, tilt, moment = self._parts(time, "loads")
         if self.path.moment_given:
             tilt = -moment / (self.radius * np.where(p > 0, p, np.inf))
-        return np.stack(np.broadcast_arrays(p, q, eps, tilt))
+        return np.stack([p, q, eps, tilt])
 
     def rates(self, time: Array) -> Array:
         """(4, n)."""
-        leg, late = self._place(float(np.mean(time)))
-        inside = time - late
-        (p, q), eps = leg.rates(inside), 0.0 * time
-        if leg.bulk is not None:
-            lower, upper = leg.bulk.rates(inside)
-            eps = self.strain[0] * lower + self.strain[1] * upper
-        tilt = moment = 0.0 * time
-        if leg.turning is not None:
-            tilt, moment = leg.turning.rates(inside)
+        p, q, eps, tilt, moment = self._parts(time, "rates")
         if self.path.moment_given:
-            load, given = leg.loads(inside)[0], self._turning(leg, inside)[1]
+            load, _, _, _, given = self._parts(time, "loads")
             tilt = -(moment * load - given * p) / (self.radius * load**2)
-        return np.stack(np.broadcast_arrays(p, q, eps, tilt))
+        return np.stack([p, q, eps, tilt])
 
     def stresses(self, time: Array) -> Array:
         """Bulk stress of the lower and of the upper body, (2, n), for any times."""
@@ -1093,18 +1093,6 @@ class PathLoads:
             if leg.bulk is not None:
                 found[:, k] = leg.bulk.loads(float(each) - late)
         return found
-
-    def _eps(self, bulk: LoadSegment | None, time: Array) -> Array:
-        if bulk is None:
-            return 0.0 * time
-        lower, upper = bulk.loads(time)
-        return np.asarray(self.strain[0] * lower + self.strain[1] * upper)
-
-    def _turning(self, leg: LoadSegment, time: Array) -> tuple[Array, Array]:
-        if leg.turning is None:
-            return 0.0 * time, 0.0 * time
-        tilt, moment = leg.turning.loads(time)
-        return np.asarray(tilt), np.asarray(moment)
 
     def corners(self, cycles: int) -> Array:
         """Times at which a leg ends or a load turns round: an edge that turns there has no solution on the way it went."""
@@ -1212,9 +1200,7 @@ def follow(
     x: Array,
     time: Array | None = None,
     *,
-    cycles: int = 1,
     most: int = 12,
-    order: int = ORDER,
 ) -> Followed:
     """Follow a load path with bulk stress and tilt from first touch, cycle by cycle until it is steady.
 
@@ -1226,9 +1212,7 @@ def follow(
     strain : what the bulk stress of the lower and of the upper body adds to eps, 1/E' and -1/E' with E' = E/(1 - nu^2)
     x : (k,) points
     time : (n,) instants in any order; those of the steps if None
-    cycles : least number of cycles; more are followed until one repeats the one before to 1e-8 of its work
-    most : largest number of cycles
-    order : degree in time of a step
+    most : largest number of cycles; they are followed until one repeats the one before to 1e-8 of its work
 
     Raises
     ------
@@ -1242,11 +1226,11 @@ def follow(
     loads = PathLoads(path, strain, contact.radius)
     first, period = path.initial_loading[0], path.period
     latest = float(np.max(time)) if time is not None and len(time) else path.cycle_start
-    needed = cycles if period is None else max(cycles, math.ceil((latest - path.cycle_start) / period - 1e-9))
+    needed = 1 if period is None else max(1, math.ceil((latest - path.cycle_start) / period - 1e-9))
     most = max(most, needed)
     longest = (period if period is not None else path.cycle_start - path.start) / 16
     state = _touched(loads, contact, first.start + 1e-4 * (first.end - first.start))
-    follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest, order)
+    follower = Follower(contact, friction, Loads(loads.values, loads.rates, loads.corners(most)), longest)
     steps, state = follower.run(state, path.cycle_start)
     last, works = steps, [math.fsum(step.work for step in steps)] if period is None else []
     while period is not None and len(works) < most:
@@ -1387,45 +1371,29 @@ def _fields(follower: Follower, step: Step, loads: Array, edges: tuple[Array, Ar
 def _density_of(follower: Follower, step: Step, x: Array) -> Array:
     """Friction work at points (k,) over a step: f p |ds/dt| over the time that each is in a slip zone."""
     found, fine = np.zeros(len(x)), np.linspace(-1, 1, 65)
-    duration = step.time[-1] - step.time[0]
-    series = [_fit(each) for each in (step.a1, step.a2, step.b1, step.b2)]
+    duration, series = step.time[-1] - step.time[0], [_fit(each) for each in step.edges]
     for side, d in ((-1, step.slips[0]), (1, step.slips[1])):
         if not d:
             continue
-        outer, inner = (side * _value(fine, series[i]) for i in ((1, 3) if side > 0 else (0, 2)))
-        for k in np.flatnonzero((side * x > np.min(inner)) & (side * x < np.max(outer))):
-            inside = np.minimum(side * x[k] - inner, outer - side * x[k])
-            marks = [-1.0, *(_crossing(series, side, float(x[k]), a, b) for a, b in _changes(fine, inside)), 1.0]
+        outer, inner = (series[1], series[3]) if side > 0 else (series[0], series[2])
+
+        def depth(phi: Array, at: Array, side: int = side, outer: Array = outer, inner: Array = inner) -> Array:
+            """Distance from the nearer end of the slip zone, positive within it."""
+            return np.minimum(side * (at - _value(phi, inner)), side * (_value(phi, outer) - at))
+
+        inside = depth(fine[:, None], x)
+        for k in np.flatnonzero(np.max(inside, axis=0) > 0):
+            turns = np.flatnonzero((inside[1:, k] > 0) != (inside[:-1, k] > 0))
+            marks = [-1.0, *(float(brentq(depth, fine[j], fine[j + 1], args=(x[k],), xtol=1e-14)) for j in turns), 1.0]
             for begin, end in pairwise(marks):
                 angle = begin + (end - begin) * np.sin(_ANGLE / 2) ** 2
-                weight = (end - begin) / 2 * np.sin(_ANGLE) * _ANGLE_WEIGHT
-                a1, a2, b1, b2 = edges = _four(angle, series)
-                if min(np.min(side * (x[k] - (b2 if side > 0 else b1))), np.min(side * ((a2 if side > 0 else a1) - x[k]))) <= 0:
+                if np.min(depth(angle, x[k])) <= 0:
                     continue
+                weight = (end - begin) / 2 * np.sin(_ANGLE) * _ANGLE_WEIGHT
+                a1, a2, b1, b2 = (_value(angle, each) for each in series)
                 time = step.time[0] + duration * np.sin(np.pi * (angle + 1) / 4) ** 2
-                rate = follower.slip_rate(side, step.slips, np.full((len(time), 1), x[k]), follower.loads.rates(time), edges)[:, 0]
+                points, rates = np.full((len(time), 1), x[k]), follower.loads.rates(time)
+                rate = follower.slip_rate(side, step.slips, points, rates, (a1, a2, b1, b2))[:, 0]
                 p = follower.contact.pressure(np.array(x[k]), a1, a2)
                 found[k] += np.sum(weight * np.cos(np.pi * angle / 2) * np.pi / 4 * duration * follower.friction * p * rate)
     return found
-
-
-def _four(at: Array, series: Sequence[Array]) -> tuple[Array, Array, Array, Array]:
-    """Values of the series of all four edges."""
-    a1, a2, b1, b2 = (_value(at, each) for each in series)
-    return a1, a2, b1, b2
-
-
-def _changes(at: Array, values: Array) -> list[tuple[float, float]]:
-    """Intervals in which values change sign."""
-    k = np.flatnonzero((values[1:] > 0) != (values[:-1] > 0))
-    return list(zip(at[k].tolist(), at[k + 1].tolist(), strict=True))
-
-
-def _crossing(series: Sequence[Array], side: int, x: float, low: float, high: float) -> float:
-    """Where a point enters or leaves the slip zone of a side."""
-    outer, inner = (series[i] for i in ((1, 3) if side > 0 else (0, 2)))
-
-    def inside(phi: float) -> float:
-        return float(min(side * (x - _value(phi, inner)), side * (_value(phi, outer) - x)))
-
-    return float(brentq(inside, low, high, xtol=1e-14))

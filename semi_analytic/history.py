@@ -9,13 +9,14 @@ once. Any path can be followed so; paths that are straight all along take `load_
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
 
 from scenes import NORMAL_LOAD, Combination, InadmissibleLoadError, InputError, LoadPath, LoadSegment
 from semi_analytic.memory import (
@@ -45,7 +46,7 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-14
 # Share of a stretch of time, or of a level, within which two instants are one.
 _NEAR = 1e-14
-# Share of f P by which a front may miss the end of the piece that it meets.
+# Share of f P by which a front may miss the end of the piece that it meets, and of a time to which a crossing is found.
 _LAST_DIGITS = 2e-15
 # Instants at which a piece without a formula for its crossings is looked at.
 _SAMPLES = 33
@@ -315,22 +316,9 @@ def _directions_on(piece: Piece, leg: LoadSegment, begin: float, end: float, fri
     marks, directions = [begin], [int(signs[known[0]])]
     for left, right in pairwise(known):
         if signs[left] != signs[right]:
-            marks.append(_root(excess, float(times[left]), float(times[right])))
+            marks.append(float(brentq(excess, times[left], times[right], xtol=_LAST_DIGITS * (end - begin), rtol=_LAST_DIGITS)))
             directions.append(int(signs[right]))
     return list(zip(marks, [*marks[1:], end], directions, strict=True))
-
-
-def _root(function: Callable[[ArrayLike], Array], low: float, high: float) -> float:
-    """Bisection to the last digit."""
-    sign = np.sign(function(low))
-    while True:
-        middle = (low + high) / 2
-        if not low < middle < high:
-            return middle
-        if np.sign(function(middle)) == sign:
-            low = middle
-        else:
-            high = middle
 
 
 @dataclass(frozen=True)

@@ -164,22 +164,21 @@ def _of_ellipses(target: ArrayLike, given: dict[str, Any], loads: dict[str, Any]
     # One call without friction checks every argument and knows the shape of the loads and of the profile's numbers.
     first: DissipationBatch = dissipation(**given, **loads, friction_coefficient=0.0)
     shape, profile = first.value.shape, given["profile"]
-    flat: dict[str, Any] = {name: np.broadcast_to(np.asarray(value, dtype=float), shape).ravel() for name, value in loads.items()}
-    keys: dict[str, Any] = {}
-    if isinstance(profile, Mapping):
-        spread = {name: value for name, value in profile.items() if name not in ("kind", "fitted", "rises")}
-        keys = {name: np.broadcast_to(np.asarray(value, dtype=float), shape).ravel() for name, value in spread.items()}
-        if "rises" in profile:
-            keys["rises"] = [np.broadcast_to(np.asarray(rise, dtype=float), shape).ravel() for rise in profile["rises"]]
+
+    def of_members(name: str, value: Any, which: NDArray[np.intp] | slice) -> Any:
+        """What an argument is for some members, (k,)."""
+        if name == "rises":
+            return [of_members("", rise, which) for rise in value]
+        return value if name in ("kind", "fitted") else np.broadcast_to(np.asarray(value, dtype=float), shape).flat[which]
 
     def work(friction: Array, member: NDArray[np.intp]) -> Array:
-        part: dict[str, Any] = {name: values[member] for name, values in flat.items()}
-        whole = profile
-        if keys:
-            numbers = {name: [r[member] for r in v] if name == "rises" else v[member] for name, v in keys.items()}
-            whole = {"kind": profile["kind"], **numbers}
-        return dissipation(**given | {"profile": whole}, **part, friction_coefficient=friction).value
+        part = {name: of_members(name, value, member) for name, value in loads.items()}
+        own = profile
+        if isinstance(profile, Mapping):
+            own = {name: of_members(name, value, member) for name, value in profile.items()}
+        return dissipation(**given | {"profile": own}, **part, friction_coefficient=friction).value
 
+    flat = {name: of_members(name, value, slice(None)) for name, value in loads.items()}
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         least = sliding_limit(*flat.values())
         no_slip = np.where(flat["normal_amplitude"] > 0, flat["tangential_amplitude"] / flat["normal_amplitude"], 0.0)

@@ -401,6 +401,3 @@ def test_tilts_that_no_contact_takes_are_refused(name):
     scene = with_profile(make_scene(PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)), profile)
     with pytest.raises(InputError, match=words):
         solve(scene)
-
-
-# ----------------------------------------------------- all loads in phase, of any slopes: a formula for engines of any history

@@ -269,9 +269,6 @@ def test_instants_in_any_order_and_far_ahead():
     np.testing.assert_allclose(ahead.shear[1], ahead.shear[0], atol=1e-10 * P0)
 
 
-# ------------------------------------------------------------------------------------------------------ the paper's statements
-
-
 # --------------------------------------------------------------------------------------------- what is asked, done, kept, refused
 
 
