@@ -41,14 +41,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     found = {item.nodeid.removeprefix("tests/"): item for item in items}
-    whole = not any("::" in name for name in config.args) and not config.getoption("lf")
-    collected = {name.split("::")[0] for name in found} if whole else set()
-    if lost := [
-        name
-        for name in COSTLY - found.keys()
-        if name.split("::")[0] in collected or not Path(__file__, "..", name.split("::")[0]).resolve().exists()
-    ]:
-        raise pytest.UsageError(f"tests/costly.txt names tests that are not there: {', '.join(lost)}")
     for name in COSTLY & found.keys():
         found[name].add_marker(pytest.mark.slow)
     if _slow_wanted(config):

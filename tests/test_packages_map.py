@@ -159,3 +159,14 @@ def test_the_wheel_runs_outside_the_checkout(kind: str, tmp_path: Path) -> None:
     command = [sys.executable, str(BENCHMARKS / "installed.py"), kind, str(tmp_path / "environment")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_every_line_of_costly_names_a_test(request: pytest.FixtureRequest) -> None:
+    """Of the files that were collected whole; a file that is not there at all is a stale line too."""
+    here, config = Path(__file__).parent, request.config
+    costly = set((here / "costly.txt").read_text(encoding="utf-8").splitlines())
+    found = {item.nodeid.removeprefix("tests/") for item in request.session.items}
+    whole = not any("::" in name for name in config.args) and not config.getoption("lf") and not config.getoption("keyword")
+    collected = {name.split("::")[0] for name in found} if whole and not config.getoption("markexpr") else set()
+    lost = {name for name in costly - found if name.split("::")[0] in collected or not (here / name.split("::")[0]).exists()}
+    assert lost == set()
