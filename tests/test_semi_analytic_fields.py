@@ -117,17 +117,20 @@ def broken_laws(scene, answer):
     forward, reverse = state == SurfaceState.SLIP_FORWARD, state == SurfaceState.SLIP_REVERSE
     step, alike = np.diff(answer.slip, axis=0), state[1:] == state[:-1]
     travel = float(np.max(np.abs(answer.slip))) or 1.0
+    still = max(
+        1e-12, 5 * answer.record.errors.get("slip", 0.0)
+    )  # 5: on grids next to an edge, for the error is a root mean square
     stuck = alike & (state[1:] == SurfaceState.STICK)
     laws = {
         "no tension": np.all(answer.pressure >= 0) and np.all(answer.pressure[state == SurfaceState.OPEN] == 0),
         "inside the cone": np.max(np.abs(answer.shear) - limit) <= 1e-12 * size,
         "at the limit in slip": np.allclose((answer.shear - limit)[forward], 0, atol=1e-12 * size)
         and np.allclose((answer.shear + limit)[reverse], 0, atol=1e-12 * size),
-        "stick stands still": np.max(np.abs(step[stuck]), initial=0) <= 1e-12 * travel,
+        "stick stands still": np.max(np.abs(step[stuck]), initial=0) <= still * travel,
         "slip against friction": np.min(step[alike & forward[1:]], initial=0) >= -1e-13 * travel
         and np.max(step[alike & reverse[1:]], initial=0) <= 1e-13 * travel,
         "edges in order": np.nanmax(answer.stick_half_width - answer.contact_half_width) <= 1e-15 * edge,
-        "certificates": max(np.max(values) for values in answer.record.certificates.values()) < 1e-12,
+        "certificates": max((np.max(values) for values in answer.record.certificates.values()), default=0.0) < 1e-12,
         "energy balance": not answer.loop_work or np.isclose(answer.dissipation, answer.loop_work, rtol=1e-9, atol=1e-20)
         or np.isnan(answer.loop_work),
     }  # fmt: skip
