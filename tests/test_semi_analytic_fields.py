@@ -117,9 +117,8 @@ def broken_laws(scene, answer):
     forward, reverse = state == SurfaceState.SLIP_FORWARD, state == SurfaceState.SLIP_REVERSE
     step, alike = np.diff(answer.slip, axis=0), state[1:] == state[:-1]
     travel = float(np.max(np.abs(answer.slip))) or 1.0
-    still = max(
-        1e-12, 5 * answer.record.errors.get("slip", 0.0)
-    )  # 5: on grids next to an edge, for the error is a root mean square
+    stated = answer.record.errors.get("slip", 0.0)
+    still = 5 * stated if stated > 1e-6 else 1e-12  # on grids: 5 next to an edge, for what is stated is a root mean square
     stuck = alike & (state[1:] == SurfaceState.STICK)
     laws = {
         "no tension": np.all(answer.pressure >= 0) and np.all(answer.pressure[state == SurfaceState.OPEN] == 0),
