@@ -111,11 +111,12 @@ class _Correction:
     coupling: Array  # (size, |E|), M_PE
     factors: tuple[Array, Array] | None
     by_border: Array | None = None
+    latest: tuple[Array, Array] | None = None  # right-hand side and solution
 
     @property
     def nbytes(self) -> int:
         """What it takes to keep it, roughly."""
-        return self.solved.nbytes + self.coupling.nbytes + 16 * self.size
+        return self.solved.nbytes + self.coupling.nbytes + 32 * self.size
 
 
 class NestedFactor:
@@ -151,16 +152,23 @@ class NestedFactor:
         self._kept: Kept[_Correction] = Kept(_PREFIX_BYTES)
 
     def solve(self, active: Mask, known: Array) -> Array:
-        """f (n_active,) with M_AA f = known, rows by ascending node number."""
-        self._work["linear solves"] += 1
-        right = np.zeros(len(active))
-        right[active] = known
-        return self._solve(self._correction(active), right[self._order])[active]
+        """f (n_active,) with M_AA f = known, rows by ascending node number; that of the latest `known` of a set is kept.
+
+        The initial gap comes again with every load on a set of closed nodes.
+        """
+        correction = self._correction(active)
+        if correction.latest is None or not np.array_equal(correction.latest[0], known):
+            self._work["linear solves"] += 1
+            right = np.zeros(len(active))
+            right[active] = known
+            correction.latest = known, self._solve(correction, right[self._order])[active]
+        return correction.latest[1]
 
     def by_border(self, active: Mask) -> Array:
         """f (n_active,) with M_AA f = border; kept, since every load on a set needs it."""
         correction = self._correction(active)
         if correction.by_border is None:
+            self._work["linear solves"] += 1
             correction.by_border = self._solve(correction, np.where(active, self._border, 0.0)[self._order])[active]
         return correction.by_border
 

@@ -47,7 +47,7 @@ class IncrementEnergy:
     layer : change of the energy of the penalty layer
     interface : trapezoidal work of shear less that of pressure
     end_of_step : the same with the forces at the end of the increment
-    step_error : bound of the error of the increment's dissipation: f |dp| |ds| / 2 of the nodes that start to slide in it
+    step_error : bound of the error of the dissipation: f |dp| |ds| / 2 of the nodes that start to slide in it
     """
 
     dissipation: Array
@@ -97,7 +97,7 @@ def increment_energy(
     curve, starting = np.zeros_like(slip), sign != slip_sign(before.state)  # of what starts, the curve is left out
     if enclosed is not None and not starting[sign != 0].all():
         pairs = np.argwhere(np.tril(enclosed)).tolist()
-        rates = problem.rates(after.state, len(after.loads), {number for pair in pairs for number in pair})
+        rates = problem.rates(before.state, len(after.loads), {number for pair in pairs for number in pair})
         of_normal = 0.0  # of the loads that the friction work along the curve leaves
         for i, j in pairs:
             one, other, area = rates[i], rates[j], float(enclosed[i, j])
@@ -106,7 +106,7 @@ def increment_energy(
             of_normal += (_normal_work(problem, rates, i, j) - _normal_work(problem, rates, j, i)) * area
         curve = np.maximum(curve, -dissipation)  # friction only takes
         loop += float(curve.sum()) - of_normal
-    changed = np.abs((after.pressure - before.pressure) * slip)
+    changed = np.abs((after.pressure - before.pressure) * slip)[starting & (sign != 0)]
     return IncrementEnergy(
         dissipation=dissipation + curve,
         loop=loop,
@@ -119,7 +119,7 @@ def increment_energy(
         layer=layer_energy(problem, after) - layer_energy(problem, before),
         interface=float(mean_q @ slip - mean_p @ gap),
         end_of_step=float(after.shear @ slip - after.pressure @ gap),
-        step_error=problem.friction * float(changed[starting & (sign != 0)].sum()) / 2,
+        step_error=problem.friction * float(changed.sum()) / 2,
     )
 
 

@@ -65,11 +65,12 @@ def straight(leg: LoadSegment) -> bool:
 
 def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
     """The two or five loads of a leg at an instant."""
+    p, q = leg.loads(time)
 
     def load(segment: LoadSegment | None, what: Combination) -> float:
         return 0.0 if segment is None else sum(c * float(one) for c, one in zip(what, segment.loads(time), strict=True))
 
-    return tuple(load(*part) for part in _parts(leg))
+    return float(p), float(q), *(load(*part) for part in _parts(leg)[2:])
 
 
 def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:

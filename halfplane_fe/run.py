@@ -217,6 +217,7 @@ class Pace:
     steps_per_cycle : regular increments of one revolution, or of the longest leg of a polygon
     step_tolerance : step error of a revolution over its dissipation that calls for shorter increments
     half_width, modulus : units of length and of stress, with `load` those of bulk stress, tilt and moment
+    dissipation : expected of a revolution, scaled; 0 if unknown
     """
 
     load: float
@@ -224,6 +225,7 @@ class Pace:
     step_tolerance: float
     half_width: float = 1.0
     modulus: float = 1.0
+    dissipation: float = 0.0
 
     def units(self, moment_given: bool) -> tuple[float, ...]:
         """What each of the five loads of `path` is divided by."""
@@ -297,9 +299,9 @@ def _follow_legs(
     pieces = [piece for leg in legs for piece in stretches(leg, problem.friction, steps * (leg.end - leg.start) / longest)]
     duration = legs[-1].end - legs[0].start
     run.density = np.zeros_like(problem.height)
-    # What the tolerance refers to: the dissipation of the revolution before; until there is one, a share of f^2 P^2/E*.
+    # What the tolerance refers to: the dissipation of the revolution before, or the one expected, or a share of f^2 P^2/E*.
     unit = max(problem.friction**2, 1e-300)
-    expected = float(run.cycle_density[-1].sum()) / unit if run.cycle_density else 0.0
+    expected = (float(run.cycle_density[-1].sum()) if run.cycle_density else pace.dissipation) / unit
     # Rounded down to a power of two: what the initial loading left in the revolution before shall not choose other increments. In
     # units of f^2: Q in proportion to f has the same increments, whatever f is.
     reference = max(2.0 ** np.floor(np.log2(max(expected, 1e-300))), _LEAST_DISSIPATION) * unit

@@ -147,7 +147,9 @@ def _solve(
     watch.lap("condensation")
     made = couple(*condensed)
     cured = without_local_difference(made, scene)
-    pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance, scales.half_width, scales.modulus)
+    # Increments of coupled bodies are dear; where nothing couples, short ones also place the edges, which are fitted there.
+    expected = float(np.nan_to_num(scales.dissipation)) * scales.modulus / scales.load**2 if made.coupling is not None else 0.0
+    pace = Pace(scales.load, settings.steps_per_cycle, settings.step_tolerance, scales.half_width, scales.modulus, expected)
     doubt = partial(_uncertainty, scene, mesh, settings, scales)
     for faces in (made,) if cured is None else (cured, made):
         problem = _contact_problem(scene, mesh, settings, scales, faces, work)

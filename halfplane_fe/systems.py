@@ -92,7 +92,8 @@ class Systems:
         if not active.any():
             raise SingularSet(f"no node holds the {name} load")
         nested, border = self._nested(name), self.interface.normals[1][active]
-        by_known, by_border = nested.solve(active, known[active]), nested.by_border(active)
+        by_border = nested.by_border(active)
+        by_known = nested.solve(active, known[active]) if known[active].any() else np.zeros_like(by_border)
         displacement = (total - float(border @ by_known)) / float(border @ by_border)
         forces = np.zeros(len(active))
         forces[active] = by_known + displacement * by_border

@@ -384,7 +384,7 @@ def test_a_symmetric_set_needs_no_update_and_another_one_needs_it_once():
     counts = fe_run(load_scene("hertz-paper")).work.counts  # a cycle: one of the normal compliance, one of the tangential
     assert counts["factorisations"] == 2
     assert counts["factor updates"] < counts["linear solves"] / 4
-    assert counts["linear solves"] > counts["steps solved"]
+    assert counts["linear solves"] < counts["contact iterations"]  # p of each set of closed nodes is kept
 
 
 # ------------------------------------------------------------------------------------------------- bounded in bytes
