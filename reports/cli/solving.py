@@ -88,8 +88,8 @@ _EACH, _PAIR, _MESHES = 1e-3, 1.5e-8, 3.0
 # Bytes: of the libraries, of what an instant that is kept holds at each contact node (state, answers, files and page), and of what
 # every increment of a long record holds there (slip and state).
 _LIBRARIES, _KEPT, _PASSED = 2e8, 250.0, 15.0
-# Halved increments where anything may slip: so many on any path (of such a mirror image, and else), and so many for each stretch
-# between turning points.
+# Halved increments where anything may slip: so many on any path (and of like bodies without a mirror image), and so many for each
+# stretch between turning points.
 _HALVED, _HALVED_EACH = (40, 200), 10
 # Segments of a record that are looked at: 2,000 take half a second.
 _SEEN = 4000
@@ -120,7 +120,7 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
     """What `halfplane_fe.solve` will take, from the steps of the path and the contact's size by half-plane theory.
 
     Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
-    each node that the edge of contact passes, and halved ones, as measured on the library's scenes: 24 of the 37 have the count to
+    each node that the edge of contact passes, and halved ones, as measured on the library's scenes: 24 of the 38 have the count to
     a third, the others to a factor of four (fewer where hardly anything slips, more on flat pads of unlike bodies, five times as
     many where the dissipation settles late).
     """
@@ -140,9 +140,9 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
         else lambda load: largest.half_width * (load / largest.normal_load) ** 0.5
     )
     spacing = mesh.edge_element_size / mesh.order  # of nodes, over the largest half-width
-    mirrored = scene.material.alike and scene.bodies.lower == scene.bodies.upper and not scene.bodies.faces_are_true
-    mirrored = mirrored and not scene.unsymmetric
-    halved, halved_each = (_HALVED[0 if mirrored else 1], _HALVED_EACH) if needs_shear(scene) else (0, 0)
+    like = scene.material.alike and scene.bodies.lower == scene.bodies.upper and not scene.bodies.faces_are_true
+    mirrored = like and not scene.unsymmetric
+    halved, halved_each = (_HALVED[like and scene.unsymmetric], _HALVED_EACH) if needs_shear(scene) else (0, 0)
 
     def of(segments: Sequence[LoadSegment], steps: float) -> tuple[float, float]:
         """Increments without those of nodes, and how far the edge travels [length]; of a long record, from its beginning."""
