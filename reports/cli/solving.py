@@ -121,7 +121,7 @@ def cost_of(scene: Scene, mesh: MeshSettings, settings: SolverSettings) -> Cost:
 
     Increments are the regular ones of the initial loading and of two revolutions (the second repeats the first, mostly), one for
     each node that the edge of contact passes, and halved ones, as measured on the library's scenes: 24 of the 38 have the count to
-    a third, the others to a factor of four (fewer where hardly anything slips, more on flat pads of unlike bodies, five times as
+    a third, the others to a factor of four (fewer where hardly anything slips, more on flat pads of unlike bodies, seven times as
     many where the dissipation settles late).
     """
     import numpy as np
