@@ -29,6 +29,8 @@ _LANDED = 1e-9
 # Share of a regular increment below which a failure is passed on, and a step error accepted (and counted), instead of halved.
 _SHORTEST = 2.0**-12
 _SHORTEST_FOR_ERROR = 2.0**-5
+# Share of an increment's step error that its half has at least where the interface jumps; where it does not, the half has a quarter.
+_JUMP = 0.9
 # Trials of a regular increment: all of its halves down to the shortest and as many refused; and of each contact node, eight events.
 _MOST_TRIALS, _MOST_EVENTS = 2**14, 8
 
@@ -59,6 +61,7 @@ def follow(
     Landing on each node's touch (from where its slip counts) and release (up to where its friction works) leaves no increment with
     a node that is closed for a part of it only. An increment that does not converge, or whose step error is above
     `allowed` (of its duration), is halved; the history it started from is a value, so that the rejected attempt leaves no trace.
+    Where half an increment has the error of the whole, the interface jumps from one solution to another: halving ends there.
 
     Raises
     ------
@@ -69,14 +72,20 @@ def follow(
     regular = stretch.ends[0] - stretch.start
     for end in stretch.ends:
         targets = [end]  # the first is to be reached, those after it are what halving has put before it
+        refused, jumps = (history.time, np.inf), False
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
             attempt = _attempt(problem, history, stretch, units, targets[-1])
             if isinstance(attempt, float):
                 targets.append((history.time + attempt) / 2)
                 continue
             duration = attempt.solved.time - history.time
-            if attempt.energy.step_error > allowed(duration):
-                if duration > _SHORTEST_FOR_ERROR * regular:
+            error = attempt.energy.step_error
+            if error > allowed(duration):
+                if refused[0] == history.time and error > _JUMP * refused[1]:
+                    problem.work["increments that jump"] += 1
+                    jumps = True
+                if duration > _SHORTEST_FOR_ERROR * regular and not jumps:
+                    refused = history.time, error
                     problem.work["increments halved, step error"] += 1
                     targets.append(history.time + duration / 2)
                     continue

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from importlib import import_module, resources
 from numbers import Real
@@ -326,7 +327,7 @@ def load_scene(source: str | Path) -> Scene:
     path, name = Path(source), str(source)
     if name in scene_names():
         data, folder = parsed_toml(scene_text(name)), Path(str(_LIBRARY))
-    elif not path.suffix and not path.exists():
+    elif not path.suffix and not os.path.exists(path):  # False for a name that is longer than a path may be
         raise InputError(_unknown_scene(name))
     elif path.suffix not in (".toml", ".json"):
         if path.is_dir():
