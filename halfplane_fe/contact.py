@@ -113,6 +113,7 @@ class ContactProblem:
     max_iterations : of one increment
     moment_given : whether the fifth load is the moment, so that the tilt follows from it, or the tilt itself
     work : counts of what was done
+    jumps : increments in which the interface went from one solution to another, see `stepping.follow`
     """
 
     interface: Interface
@@ -124,6 +125,7 @@ class ContactProblem:
     augmentation: tuple[Array | float, Array | float] = (1.0, 1.0)
     moment_given: bool = False
     work: Counter[str] = field(default_factory=Counter)
+    jumps: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self._systems = Systems(self.interface, self.layer, self.friction, self.work)

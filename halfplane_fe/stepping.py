@@ -29,8 +29,13 @@ _LANDED = 1e-9
 # Share of a regular increment below which a failure is passed on, and a step error accepted (and counted), instead of halved.
 _SHORTEST = 2.0**-12
 _SHORTEST_FOR_ERROR = 2.0**-5
-# Share of an increment's step error that its half has at least where the interface jumps; where it does not, the half has a quarter.
-_JUMP = 0.9
+# Share of an increment's step error that its half has at least where the interface jumps (elsewhere a quarter); jumps of a run that
+# has an answer: random loops between bodies of 1 : 90 in stiffness have nine at most.
+_JUMP, _MOST_JUMPS = 0.9, 12
+_JUMPY = (
+    "contact: the interface jumped from one solution to another in {count} increments, the last at time {time:.6g}, however short "
+    "they are: these faces have several; mesh the softer body as finely as the other (upper_ratio), or take less friction"
+)
 # Trials of a regular increment: all of its halves down to the shortest and as many refused; and of each contact node, eight events.
 _MOST_TRIALS, _MOST_EVENTS = 2**14, 8
 
@@ -82,8 +87,11 @@ def follow(
             error = attempt.energy.step_error
             if error > allowed(duration):
                 if refused[0] == history.time and error > _JUMP * refused[1]:
-                    problem.work["increments that jump"] += 1
                     jumps = True
+                    problem.jumps += 1
+                    problem.work["increments that jump"] += 1
+                    if problem.jumps > _MOST_JUMPS:
+                        raise ConvergenceError(_JUMPY.format(count=problem.jumps, time=history.time))
                 if duration > _SHORTEST_FOR_ERROR * regular and not jumps:
                     refused = history.time, error
                     problem.work["increments halved, step error"] += 1

@@ -356,7 +356,8 @@ def test_a_random_admissible_scene_converges_and_keeps_every_law(seed: int) -> N
     answer = halfplane_fe.solve(scene, mesh)
     worst = {name: float(values.max()) for name, values in answer.record.certificates.items()}
     assert answer.record.converged
-    if seed in (25, 55):  # beta/f = 15 and 0.33: no convergence without the mesh's own part of N - T and K
+    # beta/f = 15, 0.33 and 1.4: no convergence, or one jump behind the other, without the mesh's own part of N - T and K
+    if seed in (25, 55, 89):
         assert told(answer, "faces as they are")
     # Unlike bodies at 0.999 of gross sliding stick at two or three nodes, and the system is as ill conditioned as that sounds.
     assert max(worst.values()) < 1e-7, worst
