@@ -356,7 +356,7 @@ class TestFilm:
     def test_gif_is_read_back_with_all_frames_in_their_colours_even_without_ffmpeg(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setitem(sys.modules, "imageio", None)
+        monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
         found = film.write_film(frames(), tmp_path, "cycle")
         assert found.files == ["cycle.gif"]
         assert "pip install halfplane[animation]" in found.notes[0]
@@ -379,13 +379,12 @@ class TestFilm:
     def test_a_gif_that_is_too_large_at_every_size_is_refused(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """At a width of two pixels three quarters of it were two again, for ever."""
         monkeypatch.setattr(film, "LARGEST_GIF", 10)
-        monkeypatch.setitem(sys.modules, "imageio", None)
+        monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
         with pytest.raises(InputError, match=r"cycle\.gif: 2 frames take more than 8 MB at every size"):
             film.write_film([np.full((40, 60, 3), 255, dtype=np.uint8)] * 2, tmp_path, "cycle")
 
     def test_mp4_is_read_back(self, tmp_path: Path) -> None:
         ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="the extra halfplane[animation] is not installed")
-        pytest.importorskip("imageio", reason="the extra halfplane[animation] is not installed")
         assert film.write_film(frames(), tmp_path, "cycle").files == ["cycle.gif", "cycle.mp4"]
         command = [ffmpeg.get_ffmpeg_exe(), "-i", str(tmp_path / "cycle.mp4"), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
         done = subprocess.run(command, capture_output=True, check=True)

@@ -1,15 +1,17 @@
 """The cycle as a film: deformed bodies at the contact with von Mises' and the shear stress, tractions and the P-Q point beneath.
 
-Every frame is a figure of the chart engine; GIF by Pillow with one palette for all frames, MP4 by imageio's ffmpeg if installed.
+Every frame is a figure of the chart engine; GIF by Pillow with one palette for all frames, MP4 by imageio-ffmpeg's if it is there.
 """
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -192,49 +194,54 @@ class Film:
 
 
 @contextmanager
-def _ffmpeg(file: str) -> Iterator[None]:
-    """A pipe that breaks is ffmpeg's, which ended early, and not our own output."""
+def _movie(ffmpeg: str, file: Path, width: int, height: int) -> Iterator[IO[bytes]]:
+    """Takes the bytes of each frame: H.264 in the form that every browser plays. InputError where ffmpeg says that it failed."""
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(RATE), "-i", "-"]
+    coded = ["-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
+    words, said = [ffmpeg, "-v", "error", "-y", *raw, *coded, str(file)], b""
+    process = subprocess.Popen(words, stdin=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    assert process.stdin is not None
+    ended, broken = False, True
     try:
-        yield
-    except OSError as fault:
-        raise InputError(f"{file}: ffmpeg ended before the film did; is the disk full?") from fault
+        with suppress(BrokenPipeError):  # ffmpeg ended first, and says why
+            yield process.stdin
+            broken = False
+        said, ended = process.communicate()[1], True
+    finally:
+        if not ended:
+            process.kill()
+            process.communicate()
+    if process.returncode or said or broken:
+        why = (said.decode(errors="replace").strip().splitlines() or [f"exit code {process.returncode}"])[-1]
+        raise InputError(f"{file.name}: ffmpeg could not write the film: {why}")
 
 
 def write_film(frames: Iterable[Frame], folder: Path, name: str) -> Film:
-    """Write name.gif, and name.mp4 where imageio and its ffmpeg are installed; frames are (height, width, 3), all of one size.
+    """Write name.gif, and name.mp4 where imageio-ffmpeg is installed; frames are (height, width, 3), all of one size.
 
     A GIF above `LARGEST_GIF` bytes is written once more at three quarters of the size, and so on; a sentence says so.
     """
     from PIL.Image import Dither, Quantize
     from PIL.Image import fromarray as picture_of
 
-    files, notes, movie = [f"{name}.gif"], [], None
+    files, notes, ffmpeg = [f"{name}.gif"], [], None
     try:
-        import imageio
         import imageio_ffmpeg
 
-        imageio_ffmpeg.get_ffmpeg_exe()
+        ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
+        files.append(f"{name}.mp4")
     except (ImportError, RuntimeError) as reason:
         notes.append(f"no MP4: {reason}; pip install halfplane[animation] brings what it needs")
-    else:
-        files.append(f"{name}.mp4")
-        # H.264 in the form that every browser plays.
-        form = {"codec": "libx264", "quality": None, "pixelformat": "yuv420p", "macro_block_size": 2, "ffmpeg_log_level": "quiet"}
-        shown = ["-crf", "20", "-movflags", "+faststart"]
-        movie = imageio.get_writer(folder / files[1], format="FFMPEG", mode="I", fps=RATE, output_params=shown, **form)
+    rest = iter(frames)
     pictures: list[Image] = []
-    try:
-        for frame in frames:
-            if not pictures:  # the first frame has every colour: those of both scales and of the legend stand in each
-                palette = picture_of(frame).quantize(255, Quantize.MAXCOVERAGE)
+    first = next(rest)
+    palette = picture_of(first).quantize(255, Quantize.MAXCOVERAGE)  # every colour: both scales and the legend stand in each frame
+    height, width, _ = first.shape
+    with _movie(ffmpeg, folder / files[1], width, height) if ffmpeg else nullcontext() as movie:
+        for frame in chain([first], rest):
             pictures.append(picture_of(frame).quantize(palette=palette, dither=Dither.NONE))  # so that what stays costs nothing
             if movie is not None:
-                with _ffmpeg(files[1]):
-                    movie.append_data(frame)
-    finally:
-        if movie is not None:
-            with _ffmpeg(files[1]):
-                movie.close()
+                movie.write(frame.tobytes())
     size, scaled, gif = pictures[0].size, pictures, folder / files[0]
     for power in range(1, _SHRINKINGS + 1):
         scaled[0].save(gif, save_all=True, append_images=scaled[1:], duration=round(1000 / RATE), loop=0, optimize=False)
