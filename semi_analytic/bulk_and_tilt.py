@@ -40,8 +40,8 @@ _ROUNDING = 1e-11
 _SAMPLES = 40
 
 NO_ONE_CURVE = (
-    "load: events are turns of the one memory curve, and these loads have none: that takes bulk strain that is kappa Q and tilt that "
-    "is kappa P, with the same kappa and each with a constant, and contact intervals that stay nested; `solve` answers them"
+    "load: events are turns of the one memory curve, and these loads have none: that takes bulk strain that is kappa Q and tilt "
+    "that is kappa P, with the same kappa and each with a constant, and contact intervals that stay nested; `solve` answers them"
 )
 """Why events are refused of a scene that `one_curve` does not take."""
 
