@@ -34,6 +34,7 @@ kappa = 0 is the theorem of Ciavarella and Jaeger for unsymmetric profiles, cons
 
 from __future__ import annotations
 
+import abc
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -85,20 +86,87 @@ class Angles(NamedTuple):
     cosine: Array
 
 
-def _stepped(
-    now: Array, excess: Array, rate: Array, low: Array, high: Array, unit: Array, known: NDArray[np.bool_] | bool = False
-) -> tuple[Array, bool]:
-    """Newton's step where it stays in the bracket, else the middle; and whether what is left is round-off, or `known` anyhow."""
-    new = now - excess / np.where(rate > 0, rate, np.inf)
-    inside = (new >= low) & (new <= high) & (rate > 0)
-    new = np.where(inside, new, (low + high) / 2)
-    # The next step would be about the power 3/2 of this one.
-    done = (inside & (np.abs(new - now) <= 1e-10 * unit)) | (high - low <= 4e-16 * (np.abs(new) + unit)) | known
-    return new, bool(np.all(done))
+class ConvexProfile(abc.ABC):
+    """A profile that bends down nowhere, and its contact under any load and tilt.
+
+    Attributes
+    ----------
+    knots : (n,) ascending: where h'' is not smooth [length]
+    size : a length about which its contacts may be [length]
+    extent : ends of the profile [length]
+    """
+
+    knots: Array
+    size: float
+    extent: tuple[float, float]
+    radius: float | None = None
+    """Of the parabola that it is, about x = 0; None of others."""
+
+    @abc.abstractmethod
+    def touch(self, tilt: ArrayLike) -> Array:
+        """Where h' + alpha = 0: the middle of that place, infinite if there is none [length]."""
+
+    @abc.abstractmethod
+    def balance(self, m: Array, c: Array) -> Balance:
+        """What a contact carries."""
+
+    def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
+        """m and c of the contact under A P and a tilt, arrays that broadcast: least int h d theta + pi alpha m - A P ln(c).
+
+        Newton's method for what both ends carry, held back by the slope of that sum, which is convex.
+
+        Raises
+        ------
+        InputError
+            For a tilt steeper than the sides, and for a contact that reaches beyond the profile.
+        """
+        product, tilt = np.broadcast_arrays(np.asarray(product, dtype=float), np.asarray(tilt, dtype=float))
+        middle, half = np.array(self.touch(tilt)), np.zeros(product.shape)
+        if not np.all(np.isfinite(middle)):
+            raise InputError("load: the tilt is steeper than the sides of the profile: it touches nowhere along its sides")
+        pressed = product > 0
+        wanted, tilt, start = product[pressed], tilt[pressed], middle[pressed]
+        # From a wider contact: what either end carries is nearly a convex function of it, and hardly one of the other.
+        low, high = np.minimum(start, self.knots[0]) - self.size, np.maximum(start, self.knots[-1]) + self.size
+        m, c, shift, wider = (low + high) / 2, (high - low) / 2, 0 * start, 0 * start
+        fall = np.full(start.shape, np.inf)
+        for _ in range(_STEPS):
+            at, half_length = m + shift, c + wider
+            found = self.balance(at, half_length)
+            lean, missing = np.pi * (found.mean_slope + tilt), (wanted - found.load) / half_length
+            # Half of a step beyond which the sum would rise as steeply as half of its fall before.
+            taken = lean * shift - missing * wider <= fall / 2
+            m, c = np.where(taken, at, m), np.where(taken, half_length, c)
+            whole, odd = found.whole, found.odd + lean / half_length
+            odd = np.where(whole * whole > 1.1 * odd * found.odd, odd, found.odd)
+            rate = whole * whole - odd * found.odd
+            rises = rate > 0
+            rate = np.where(rises, rate, 1.0)
+            far = np.where(rises, -(lean * whole + odd * missing) / rate, 0.0)
+            wide = np.where(rises, (whole * missing + lean * found.odd) / rate, c)
+            # Neither end moves by more than c, nor past what touches first.
+            left = np.clip(far - wide, -c, 0.9 * np.maximum(start - m + c, 0.0))
+            right = np.clip(far + wide, 0.9 * np.minimum(start - m - c, 0.0), c)
+            shift, wider = np.where(taken, (left + right) / 2, shift / 2), np.where(taken, (right - left) / 2, wider / 2)
+            fall = np.where(taken, np.abs(lean * shift - missing * wider), fall)
+            # The next step would be about the power 3/2 of this one.
+            if np.all(np.maximum(np.abs(shift), np.abs(wider)) <= 1e-10 * c + 1e-14 * np.abs(m)):
+                m, c = m + shift, c + wider
+                break
+        else:
+            raise InputError("profile: its sides do not rise enough to carry the load under this tilt")
+        middle[pressed], half[pressed] = m, c
+        ends = float(np.min(middle - half, initial=0.0)), float(np.max(middle + half, initial=0.0))
+        if ends[0] < self.extent[0] * (1 + _NOISE) or ends[1] > self.extent[1] * (1 + _NOISE):
+            raise ProfileDataError(
+                f"profile: the load needs a contact from {ends[0]:.6g} to {ends[1]:.6g}, the profile goes from "
+                f"{self.extent[0]:.6g} to {self.extent[1]:.6g}"
+            )
+        return middle, half
 
 
 @dataclass(frozen=True, eq=False)
-class PiecewiseParabola:
+class PiecewiseParabola(ConvexProfile):
     """A profile whose h'' is constant between knots.
 
     Attributes
@@ -114,10 +182,18 @@ class PiecewiseParabola:
     height: float
     extent: tuple[float, float] = (-np.inf, np.inf)
 
+    @property
+    def size(self) -> float:  # type: ignore[override]
+        return float(np.ptp(self.knots)) + 1e-3 / float(np.max(self.curvature))
+
     @cached_property
     def jumps(self) -> Array:
         """J."""
         return np.diff(self.curvature)
+
+    @property
+    def breaks(self) -> Array:
+        return self.knots[self.jumps != 0]
 
     @cached_property
     def is_parabola(self) -> bool:
@@ -166,62 +242,12 @@ class PiecewiseParabola:
             sine @ self.jumps,
         )
 
-    def centre(self, tilt: Array, c: Array) -> Array:
-        """m of a contact of half-length c in balance under a tilt."""
-        middle = self.touch(tilt)
-        low, high, m = middle - c, middle + c, middle + 0 * c
-        for _ in range(_STEPS):
-            found = self.balance(m, c)
-            excess, rate = found.mean_slope + tilt, found.whole / np.pi
-            low, high = np.where(excess < 0, m, low), np.where(excess >= 0, m, high)
-            m, done = _stepped(m, excess, rate, low, high, c)
-            if done:
-                break
-        return m
-
     def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
-        """m and c of the contact under A P and a tilt, arrays that broadcast.
-
-        Raises
-        ------
-        InputError
-            For a tilt steeper than the sides, and for a contact that reaches beyond the profile.
-        """
+        if not self.is_parabola:
+            return super().contact(product, tilt)
+        bend = self.curvature[0]
         product, tilt = np.broadcast_arrays(np.asarray(product, dtype=float), np.asarray(tilt, dtype=float))
-        if self.is_parabola:
-            bend = self.curvature[0]
-            return self.knots[0] - (self.slope + tilt) / bend, np.sqrt(2 * np.maximum(product, 0.0) / (np.pi * bend))
-        if not np.all(np.isfinite(self.touch(tilt))):
-            raise InputError("load: the tilt is steeper than the sides of the profile: it touches nowhere along its sides")
-        low, high = np.zeros(product.shape), self._wide_enough(product, tilt)
-        c = high / 2
-        for _ in range(_STEPS):
-            found = self.balance(self.centre(tilt, c), c)
-            excess = found.load - product
-            low, high = np.where(excess < 0, c, low), np.where(excess >= 0, c, high)
-            rate = c * (found.whole - found.odd**2 / np.where(found.whole > 0, found.whole, np.inf))
-            c, done = _stepped(c, excess, rate, low, high, c, product <= 0)
-            if done:
-                break
-        c = np.where(product > 0, c, 0.0)
-        m = self.centre(tilt, c)
-        ends = float(np.min(m - c, initial=0.0)), float(np.max(m + c, initial=0.0))
-        if ends[0] < self.extent[0] * (1 + _NOISE) or ends[1] > self.extent[1] * (1 + _NOISE):
-            raise ProfileDataError(
-                f"profile: the load needs a contact from {ends[0]:.6g} to {ends[1]:.6g}, the profile goes from "
-                f"{self.extent[0]:.6g} to {self.extent[1]:.6g}"
-            )
-        return m, c
-
-    def _wide_enough(self, product: Array, tilt: Array) -> Array:
-        """A half-length that carries more than A P."""
-        reach = np.abs(self.touch(tilt)) + float(np.ptp(self.knots)) + 1e-3 / float(np.max(self.curvature)) + 0 * product
-        for _ in range(_STEPS):
-            short = self.balance(self.centre(tilt, reach), reach).load < product
-            if not np.any(short):
-                return reach
-            reach = np.where(short, 2 * reach, reach)
-        raise InputError("profile: its sides do not rise enough to carry the load under this tilt")
+        return self.knots[0] - (self.slope + tilt) / bend, np.sqrt(2 * np.maximum(product, 0.0) / (np.pi * bend))
 
     # --- what follows from a contact
 
@@ -355,7 +381,7 @@ class NestedIntervals:
     @cached_property
     def break_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
-        loads = self.load(self.shape.knots[self.shape.jumps != 0])
+        loads = self.load(self.shape.breaks)
         return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.most)])
 
     @cached_property
@@ -387,23 +413,34 @@ class NestedIntervals:
         marks, places, middle, half = self._series
         number = np.searchsorted(marks, eta, side="right") - 1
         place = np.minimum(places[number] + np.sqrt(eta - marks[number]), places[number + 1])
-        return middle(place), np.maximum(half(place), 0.0)
+        return middle(place), np.where(eta > 0, np.maximum(half(place), 0.0), 0.0)
 
     def load(self, x: Array) -> Array:
         """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none up to the largest is.
 
-        With x as an end the mean slope falls with c.
+        With x as an end the mean slope falls with c: Newton's method, kept in a bracket.
         """
-        side = np.sign(x - float(self.shape.touch(self.tilt)))
-        low, high = np.zeros(x.shape), np.full(x.shape, 2.1 * self.scale)
-        for _ in range(60):
-            c = (low + high) / 2
-            found = self.shape.balance(x - side * c, c)
-            excess = side * (found.mean_slope + self.tilt + self.slope * found.load / self.product)
+        middle, half = self.exactly(self.most)
+        reached = np.abs(x - middle) <= half * (1 + 1e-8)
+        place, lean = x[reached], self.slope / self.product
+        side = np.where(place < float(self.shape.touch(self.tilt)), -1.0, 1.0)
+        low, high = np.zeros(place.shape), np.full(place.shape, 2.1 * self.scale)
+        c = high / 2
+        for _ in range(_STEPS):
+            found = self.shape.balance(place - side * c, c)
+            excess = side * (found.mean_slope + self.tilt) + side * lean * found.load
+            rate = (found.whole - side * found.odd) * (1 / np.pi - side * lean * c)
             low, high = np.where(excess > 0, c, low), np.where(excess > 0, high, c)
-        c = (low + high) / 2
-        eta = self.shape.balance(x - side * c, c).load / self.product
-        return np.where((c < 2 * self.scale) & (eta <= self.most * (1 + 1e-9)), eta, np.inf)
+            new = c + excess / np.where(rate > 0, rate, np.inf)
+            inside = (rate > 0) & (new >= low) & (new <= high)
+            new = np.where(inside, new, (low + high) / 2)
+            done = inside & (np.abs(new - c) <= 1e-10 * c) | (high - low <= 4e-16 * self.scale)
+            c = new
+            if np.all(done):
+                break
+        result = np.full(x.shape, np.inf)
+        result[reached] = self.shape.balance(place - side * c, c).load / self.product
+        return np.where(result <= self.most * (1 + 1e-9), result, np.inf)
 
 
 @dataclass(frozen=True, eq=False)
