@@ -99,8 +99,8 @@ def strain_of(materials: Materials) -> tuple[float, float]:
     return lower, -upper
 
 
-def one_curve(scene: Scene) -> OneCurve | None:
-    """The scene's path where its memory is one curve: alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with nested intervals.
+def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
+    """The scene's path, or `path`, where its memory is one curve: alpha = alpha_0 + kappa P, eps = eps_0 + kappa Q, nested.
 
     At constant P large bulk strain is one as well, and bulk strain alone, as long as the stick zones recede at both ends: see
     `opposite_slip`.
@@ -113,7 +113,7 @@ def one_curve(scene: Scene) -> OneCurve | None:
     InputError
         For a profile that is no piecewise parabola, a contact that leaves the profile.
     """
-    path, profile = scene.load.path(), scene.profile
+    path, profile = path or scene.load.path(), scene.profile
     legs = (*path.initial_loading, *path.cycle)
     radius = profile.radius if isinstance(profile, Hertz) else None
     shape = piecewise_parabola(profile)
@@ -170,6 +170,33 @@ def one_curve(scene: Scene) -> OneCurve | None:
     loading = len(path.initial_loading)
     only = LoadPath(tuple(bare[:loading]), tuple(bare[loading:]))
     return OneCurve(contact, only, path.companion("bulk"), path.companion("turning"), path.moment_given)
+
+
+def steady_curve(scene: Scene) -> OneCurve | None:
+    """The scene's cycle where the memory of the cycle alone is one curve, behind a loading that presses first and shears then.
+
+    What changes in a steady cycle of like bodies does not depend on how it was reached, and so neither W nor W(x) does (Andersson,
+    Barber and Ponter, 2014); the traction that stays locked in the permanent stick zone does.
+    """
+    path, strain = scene.load.path(), strain_of(scene.material)
+    if not path.cycle:
+        return None
+    radius = scene.profile.radius if isinstance(scene.profile, Hertz) else None
+    _, shears, strains, _ = np.concatenate([_sampled(leg, radius, strain, path.moment_given) for leg in path.cycle], axis=1)
+    begin, end = path.start, path.cycle_start
+    middle, rest = (begin + end) / 2, path.cycle[0]
+    p, q = map(float, rest.loads(end))
+    pressed, sheared = StraightSegment(begin, middle, (0.0, 0.0), (p, 0.0)), StraightSegment(middle, end, (p, 0.0), (p, q))
+    if rest.bulk is not None:
+        lower, upper = map(float, rest.bulk.loads(end))
+        before = lower - _slope_of(shears, strains) * q / strain[0], upper
+        pressed = replace(pressed, bulk=StraightSegment(begin, middle, before, before))
+        sheared = replace(sheared, bulk=StraightSegment(middle, end, before, (lower, upper)))
+    if rest.turning is not None:
+        tilt, moment = map(float, rest.turning.loads(end))
+        pressed = replace(pressed, turning=StraightSegment(begin, middle, (0.0, 0.0), (tilt, moment)))
+        sheared = replace(sheared, turning=StraightSegment(middle, end, (tilt, moment), (tilt, moment)))
+    return one_curve(scene, LoadPath((pressed, sheared), path.cycle, path.moment_given))
 
 
 def _driven(leg: LoadSegment, strain: tuple[float, float], begin: float, slope: float) -> LoadSegment | None:

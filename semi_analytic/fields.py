@@ -96,7 +96,9 @@ class Arc:
         assert piece.arc is not None  # for the type checker: only called for arcs
         self._contact, self._kernel, self._leg = contact, kernel, piece.anchor.leg
         self._x = np.zeros(1) if kernel == "shift" else x
-        self._edge, self._factor = contact.load(self._x), 1 / math.pi if kernel == "shear" else 1.0
+        # A shift has all loads behind it, also where x = 0 is never in contact.
+        self._edge = np.zeros(1) if kernel == "shift" else contact.load(x)
+        self._factor = 1 / math.pi if kernel == "shear" else 1.0
         first, last = piece.arc[0], piece.anchor.time
         loads = contact.break_loads
         loads = loads[(loads > piece.bottom) & (loads < piece.anchor.normal)]

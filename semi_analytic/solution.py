@@ -38,7 +38,7 @@ from scenes import (
     freeze,
     scene_of,
 )
-from semi_analytic.bulk_and_tilt import one_curve, strain_of
+from semi_analytic.bulk_and_tilt import OneCurve, one_curve, steady_curve, strain_of
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.errors import dissipation_error, field_errors
 from semi_analytic.fields import Integrals
@@ -128,6 +128,20 @@ def solve(
                     "straight_steps: without one memory curve half-plane theory takes the scene's own path; leave it out"
                 )
             return _followed(scene, wanted, points, asked, cycles)
+    return _remembered(scene, family, wanted, points, asked, cycles, straight_steps, started)
+
+
+def _remembered(
+    scene: Scene,
+    family: OneCurve | None,
+    wanted: frozenset[str],
+    points: Array | None,
+    asked: Array | None,
+    cycles: Cycles,
+    straight_steps: bool,
+    started: float,
+) -> ContactSolution:
+    """The answer where one curve is the memory of friction: of the scene, or of `family` under bulk stress and tilt."""
     contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
     friction = scene.friction.coefficient
     path: LoadSeries | History
@@ -227,6 +241,12 @@ def _leaning(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     return PathLoads(path, strain_of(scene.material), radius), TiltedProfile(intervals, scene.profile.datum_length)
 
 
+_OF_STEADY_CYCLE = (
+    *("dissipation", "loop_work", "dissipation_density"),
+    *("permanent_stick_half_width", "permanent_stick_edges"),
+)
+
+
 def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked: Array | None, cycles: Cycles) -> ContactSolution:
     """The answer where bulk stress and tilt make no one memory curve: edges of stick are followed, or cells where it breaks."""
     started, path, friction = clock.perf_counter(), scene.load.path(), scene.friction.coefficient
@@ -239,13 +259,18 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     if isinstance(scene.profile, Hertz):
         with suppress(NotOneStickInterval):
             found = follow(path, Parabola(2 / modulus, scene.profile.radius), friction, loads.strain, points, asked, most=most)
+    exact: ContactSolution | None = None
     if found is None:
         found = follow_on_grid(loads, leaning, scene.profile.height, friction, points, asked, most=most)
-        cells, pieces = found.counts["cells"], found.counts["pieces"]
+        cells, pieces, off = found.counts["cells"], found.counts["pieces"], f"dissipation to {found.errors['dissipation']:.1e}, "
+        of_work = wanted & {"dissipation", "dissipation_density"}
+        if found.steady_from is not None and of_work and (family := steady_curve(scene)) is not None:
+            exact, off = _remembered(scene, family, of_work, points, None, "steady", False, started), ""
         notes.append(
             "no one memory curve, and no one stick zone whose edges could be followed: half-plane theory on grids of "
-            f"{cells} cells and {INCREMENTS} increments a cycle, dissipation to {found.errors['dissipation']:.1e}, edges of stick "
-            f"to about {2 / cells:.2g} a" + (f"; they are the outer ones of up to {pieces} zones" if pieces > 1 else "")
+            f"{cells} cells and {INCREMENTS} increments a cycle, {off}edges of stick to about {2 / cells:.2g} a"
+            + (f"; they are the outer ones of up to {pieces} zones" if pieces > 1 else "")
+            + ("; W, W(x) and permanent stick are exact, by the one memory curve of the steady cycle" if exact else "")
         )
     period, rows = path.period, slice(None)
     if asked is None and cycles == "steady" and period is not None:
@@ -274,7 +299,7 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
     errors = found.errors | {"dissipation": found.errors["dissipation"] + apart}
     skipped = {name: (len(time), "not asked for") for name in FIELDS if name not in wanted}
     stays = found.permanent_stick_edges
-    return ContactSolution(
+    answer = ContactSolution(
         engine="semi_analytic",
         scene=scene,
         time=freeze(time),
@@ -317,6 +342,13 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
         versions=dict(_versions()),
         **arrays,
     )
+    if exact is None:
+        return answer
+    number = np.arange(len(found.works))
+    works = np.where(number < (found.steady_from or 0), answer.cycle_dissipation, exact.dissipation)
+    better = {name: getattr(exact, name) for name in _OF_STEADY_CYCLE}
+    record = replace(answer.record, errors=dict(answer.record.errors) | dict.fromkeys(of_work, 0.0) | dict(exact.record.errors))
+    return replace(answer, cycle_dissipation=freeze(works), record=record, **better)
 
 
 def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:

@@ -328,6 +328,34 @@ def test_units_and_the_path_by_straight_lines():
     assert straight.dissipation == pytest.approx(one.dissipation, rel=1e-10)
 
 
+def test_the_displacement_of_a_contact_beside_the_middle():
+    """x = 0 is never in contact: U of curved loads lacked all of the kernel, the loop was 0.58 of W."""
+    load = EllipseLoad(
+        mean_normal_load=1, normal_amplitude=0.9, tangential_amplitude=0.19, phase_degrees=90, tilt=0.1, initial_loading=[(1, 0)]
+    )
+    pad = with_profile(make_scene(load), FlatRounded(radius=1.0, flat_half_length=10.0))
+    found = solve(pad, fields="dissipation")
+    assert found.loop_work == pytest.approx(found.dissipation, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_the_steady_cycle_does_not_depend_on_how_it_was_reached(monkeypatch):
+    """Where only the initial loading has another memory, W, W(x) and permanent stick are exact; grids have W within their error."""
+    load = EllipseLoad(mean_normal_load=1, normal_amplitude=0.3, tangential_amplitude=0.3, tilt=0.1)
+    scene = with_profile(make_scene(load), FLAT)
+    assert one_curve(scene) is None
+    x = np.linspace(-2, 2, 41)
+    found = solve(scene, x=x)
+    other = solve(scene.vary(load={"initial_loading": [(1.3, 0.0)]}), x=x, cycles="steady")
+    assert found.dissipation == pytest.approx(other.dissipation, rel=1e-12)
+    for name in ("dissipation_density", "permanent_stick_edges"):
+        np.testing.assert_allclose(getattr(found, name), getattr(other, name), rtol=0, atol=1e-12, err_msg=name)
+    monkeypatch.setattr("semi_analytic.solution.steady_curve", lambda _: None)
+    grid = solve(scene, x=x)
+    assert 0 < abs(grid.dissipation / other.dissipation - 1) < grid.record.errors["dissipation"]
+    assert found.cycle_dissipation[-1] == found.dissipation != grid.dissipation == grid.cycle_dissipation[-1]
+
+
 OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
 OTHERS = {
     "out of phase": OUT_OF_PHASE,
