@@ -29,8 +29,8 @@ from scenes import (
 from scenes.chebyshev import Unresolved
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.opposite_slip import OppositeSlip
-from semi_analytic.profiles import contact_of
-from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
+from semi_analytic.profiles import contact_of, convex_profile
+from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
 
@@ -70,8 +70,8 @@ class OneCurve:
         inside, contact = np.maximum(time, self.path.start), self.contact
         lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
         tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        if self.moment_given and contact.shape.is_parabola:
-            tilt = _tilt_of(1 / float(contact.shape.curvature[0]), load, moment)
+        if self.moment_given:
+            tilt = contact.tilt_under(load, moment)
         m, c = contact.under(load, tilt)
         return {
             "bulk_stress_lower": lower,
@@ -111,17 +111,12 @@ def one_curve(scene: Scene) -> OneCurve | None:
     Raises
     ------
     InputError
-        For a profile that is no piecewise parabola, a contact that leaves the profile.
+        For a profile that bends down somewhere, a contact that leaves the profile.
     """
     path, profile = scene.load.path(), scene.profile
     legs = (*path.initial_loading, *path.cycle)
-    radius = profile.radius if isinstance(profile, Hertz) else None
-    shape = piecewise_parabola(profile)
-    if shape is None:
-        raise InputError(
-            f"profile.kind = {profile.kind!r}: under bulk stress or tilt half-plane theory takes hertz, flat_rounded, compound, "
-            "wedge and tabulated"
-        )
+    shape = convex_profile(profile)
+    radius = shape.radius
     found = [_sampled(leg, radius, strain_of(scene.material), path.moment_given) for leg in legs]
     first = 0
     largest, _, strained = np.max([np.max(np.abs(each[:3]), axis=1) for each in found], axis=0).tolist()
@@ -228,13 +223,12 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     strains = strain_of(scene.material)
     p, q, eps, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strains, False) for leg in legs], axis=1)
     modulus, most = composite_modulus(scene.material), float(np.max(p))
-    shape = piecewise_parabola(profile)
-    half = (
-        float(shape.contact(2 / modulus * most, 0.0)[1]) if shape else float(contact_of(profile, scene.material).half_width(most))
-    )
+    if profile.symmetric:
+        half = float(contact_of(profile, scene.material).half_width(most))
+    else:
+        half = float(convex_profile(profile).contact(2 / modulus * most, 0.0)[1])
     strain, force = float(np.ptp(eps)) / 2, float(np.ptp(q)) / 2
-    known = isinstance(profile, Hertz) and friction > 0
-    value = strain * profile.radius / (friction * half) if known else math.nan  # type: ignore[union-attr]
+    value = strain * profile.radius / (friction * half) if isinstance(profile, Hertz) and friction > 0 else math.nan
     return Eccentricity(value, strain, 2 * force / (math.pi * modulus * half))
 
 
