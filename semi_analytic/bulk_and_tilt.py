@@ -83,11 +83,6 @@ class OneCurve:
         }
 
 
-def _tilt_of(radius: float, load: Array, moment: Array) -> Array:
-    """Tilt of a parabola that carries `moment`; 0 where it carries no load."""
-    return -moment / (radius * np.where(load > 0, load, np.inf))
-
-
 def strain_of(materials: Materials) -> tuple[float, float]:
     """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' = E/(1 - nu^2) (plane strain).
 
@@ -117,21 +112,16 @@ def one_curve(scene: Scene) -> OneCurve | None:
     legs = (*path.initial_loading, *path.cycle)
     shape = convex_profile(profile)
     radius = shape.radius
-    found = [_sampled(leg, radius, strain_of(scene.material), path.moment_given) for leg in legs]
+    modulus, datum, friction = composite_modulus(scene.material), profile.datum_length, scene.friction.coefficient
+    upright = TiltedProfile(NestedIntervals(shape, 2 / modulus, 0.0, 0.0, math.inf), datum)
+    found = [_sampled(leg, upright if path.moment_given else None, strain_of(scene.material)) for leg in legs]
     first = 0
     largest, _, strained = np.max([np.max(np.abs(each[:3]), axis=1) for each in found], axis=0).tolist()
-    if path.moment_given and radius is None:
-        return None
     while first < len(path.initial_loading) and _presses_only(found[first], largest, strained):
         first += 1
     p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
     turned = np.isfinite(alpha)
-    modulus, datum, most, friction = (
-        composite_modulus(scene.material),
-        profile.datum_length,
-        float(np.max(p)),
-        scene.friction.coefficient,
-    )
+    most = float(np.max(p))
     # At constant P the stick zones of a parabola are nested where contacts are not.
     still = radius is not None and friction > 0 and np.ptp(p) <= _ROUNDING * most
     begin, alone = float(eps[0]), still and not np.any(q) and np.ptp(eps) > _ROUNDING * strained
@@ -221,7 +211,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     if not path.has_bulk_or_tilt or all(leg.bulk is None for leg in legs):
         return None
     strains = strain_of(scene.material)
-    p, q, eps, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strains, False) for leg in legs], axis=1)
+    p, q, eps, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strains) for leg in legs], axis=1)
     modulus, most = composite_modulus(scene.material), float(np.max(p))
     if profile.symmetric:
         half = float(contact_of(profile, scene.material).half_width(most))
@@ -255,8 +245,11 @@ def _presses_only(samples: Array, largest: float, strained: float) -> bool:
     return bool(np.max(np.abs(q)) <= _ROUNDING * largest and np.ptp(eps) <= _ROUNDING * strained)
 
 
-def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float], moment_given: bool) -> Array:
-    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load."""
+def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[float, float]) -> Array:
+    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load.
+
+    `upright` is the contact where the moment is stated.
+    """
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     turns = max(part.most_turns for part in parts)
     share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
@@ -267,8 +260,8 @@ def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float]
     p, q = leg.loads(time)
     lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
     tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)
-    if moment_given and radius is not None and np.any(moment):
-        tilt = np.where(p > 0, _tilt_of(radius, p, moment), np.nan)
+    if upright is not None and np.any(moment):
+        tilt = np.where(p > 0, upright.tilt_under(*np.broadcast_arrays(p, moment)), np.nan)
     return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
 
 

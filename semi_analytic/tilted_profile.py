@@ -664,7 +664,7 @@ class TiltedProfile:
         return self.shape.moment(m, c, tilt) / self._product
 
     def tilt_under(self, load: Array, moment: Array) -> Array:
-        """The tilt at which contacts under the loads (n,) carry int x p = moment, by halving; 0 where there is no load.
+        """The tilt at which contacts under the loads (n,) carry int x p = moment, by Newton's method; 0 where there is no load.
 
         Raises
         ------
@@ -676,7 +676,11 @@ class TiltedProfile:
         if self.shape.radius is not None:
             return -wanted / (self.shape.radius * np.where(load > 0, load, np.inf))
 
-        def excess(tilt: Array) -> tuple[Array, Array]:  # falls: the contact moves towards -x where the gap opens at x > 0
+        pairs, which = np.unique(np.stack([load, wanted]), axis=1, return_inverse=True)
+        load, wanted = pairs
+
+        def excess(tilt: Array) -> tuple[Array, Array]:
+            """Moment that is too much, and by how much it falls with the tilt: dp = -(d alpha/A) t/sqrt(c^2 - t^2)."""
             m, c = self.under(load, tilt)
             return self.moment(m, c, load, tilt) - wanted, np.pi * c * c / (2 * self._product)
 
@@ -691,12 +695,12 @@ class TiltedProfile:
             moment, rate = excess(tilt)
             low, high = np.where(moment > 0, tilt, low), np.where(moment > 0, high, tilt)
             new = tilt + moment / np.where(rate > 0, rate, np.inf)
-            new = np.where((new > low) & (new < high), new, (low + high) / 2)
+            new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
             still = np.all((np.abs(new - tilt) <= 1e-9 * np.abs(tilt)) | (high - low <= 1e-15 * reach))
             tilt = new
             if still:
                 break
-        return np.where(load > 0, tilt, 0.0)
+        return np.where(load > 0, tilt, 0.0)[which.ravel()]
 
     # --- kernels of the family
 

@@ -392,8 +392,8 @@ LOADS = {
 def test_one_profile_by_two_kinds(name, loads):
     """Parabolas to rounding, also where the moment is given; by quadrature as by closed forms."""
     one, other, error = ALIKE[name]
-    if loads in ("line of action", "moment") and error > 1e-12:
-        pytest.skip("goes to grids")
+    if loads == "line of action" and error > 1e-12:
+        pytest.skip("the tilt varies with P: goes to grids")
     x = np.linspace(-2.2, 2.4, 41)
     found, expected = (solve(with_profile(LOADS[loads](), profile), x=x) for profile in (one, other))
     for field in ("pressure", "shear", "slip", "contact_edges", "moment", "tilt", "shear_moment", "dissipation_density"):
