@@ -397,8 +397,9 @@ class CurvedProfile(ConvexProfile):
         # From the end next to a node, so that its distance from a knot keeps its digits.
         turn = np.where(upper, length * self.rule.up, -length * self.rule.down)
         base = np.where(upper, places[..., :-1, None], places[..., 1:, None])
-        middle = np.where(upper, ends[..., :-1, None], ends[..., 1:, None]) + turn / 2
-        xi = base - 2 * c[..., None] * np.sin(middle) * np.sin(turn / 2)
+        sine, cosine = (np.where(upper, each[..., :-1, None], each[..., 1:, None]) for each in (np.sin(ends), np.cos(ends)))
+        half = np.sin(turn / 2)
+        xi = base - 2 * c[..., None] * half * (sine * np.sqrt(1 - half * half) + cosine * half)
         weight = length * self.rule.share / np.pi
         if len(self.knots):
             # What the rule leaves out of |x|^(n - 2) is a geometric series.
@@ -670,6 +671,8 @@ class TiltedProfile:
         ------
         InputError
             For a moment that the profile carries at no tilt.
+        NotFoundError
+            Where the steps do not converge.
         """
         load = np.maximum(load, 0.0)
         wanted = np.where(load > 0, moment, 0.0)
@@ -679,27 +682,20 @@ class TiltedProfile:
         pairs, which = np.unique(np.stack([load, wanted]), axis=1, return_inverse=True)
         load, wanted = pairs
 
-        def excess(tilt: Array) -> tuple[Array, Array]:
-            """Moment that is too much, and by how much it falls with the tilt: dp = -(d alpha/A) t/sqrt(c^2 - t^2)."""
+        low, high, tilt = np.full(load.shape, -np.inf), np.full(load.shape, np.inf), np.zeros(load.shape)
+        for _ in range(_STEPS):
             m, c = self.under(load, tilt)
-            return self.moment(m, c, load, tilt) - wanted, np.pi * c * c / (2 * self._product)
-
-        widest = float(np.max(load))
-        reach = np.full(load.shape, 1e-3 * self._product * widest / float(np.max(self.under(load, 0.0 * load)[1])))
-        for _ in range(_STEPS):
-            if np.all(excess(-reach)[0] >= 0) and np.all(excess(reach)[0] <= 0):
-                break
-            reach = 1.5 * reach
-        low, high, tilt = -reach, reach, 0.0 * reach
-        for _ in range(_STEPS):
-            moment, rate = excess(tilt)
-            low, high = np.where(moment > 0, tilt, low), np.where(moment > 0, high, tilt)
-            new = tilt + moment / np.where(rate > 0, rate, np.inf)
+            excess, half = self.moment(m, c, load, tilt) - wanted, np.where(c > 0, c, 1.0)
+            low, high = np.where(excess > 0, tilt, low), np.where(excess > 0, high, tilt)
+            # A change of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p. No step moves a contact by more than about a third of it.
+            most = self._product * load / (4 * half)
+            new = tilt + np.clip(2 * self._product * excess / (np.pi * half**2), -most, most)
             new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
-            still = np.all((np.abs(new - tilt) <= 1e-9 * np.abs(tilt)) | (high - low <= 1e-15 * reach))
-            tilt = new
-            if still:
+            change, tilt = np.abs(new - tilt), new
+            if np.all(change <= 1e-9 * most):
                 break
+        else:
+            raise NotFoundError("load: no tilt was found at which the contact carries the moment that is stated")
         return np.where(load > 0, tilt, 0.0)[which.ravel()]
 
     # --- kernels of the family

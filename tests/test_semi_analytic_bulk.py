@@ -403,6 +403,27 @@ def test_one_profile_by_two_kinds(name, loads):
         assert found.loop_work == pytest.approx(found.dissipation, rel=1e-9)
 
 
+@pytest.mark.parametrize("profile", [FLAT, WEDGE, UNEQUAL, CURVED["fourth power"], CURVED["polynomial"]], ids=lambda p: p.kind)
+@pytest.mark.parametrize("turning", [{"line_of_action": {"x": 0.2}}, {"moment": -0.5}], ids=["line of action", "moment"])
+def test_a_moment_at_constant_load_is_a_fixed_tilt(profile, turning):
+    """The loads press at first: what the tilt did then is not remembered."""
+    stated = solve(with_profile(fretting(0.0, q=1.0, p=2.0, **turning), profile), x=0.0)
+    fixed = solve(with_profile(fretting(0.0, q=1.0, p=2.0, tilt=float(stated.tilt[-1])), profile), x=0.0)
+    assert fixed.moment[-1] == pytest.approx(turning.get("moment", 0.4), abs=1e-11)
+    assert stated.moment[-1] == pytest.approx(turning.get("moment", 0.4), abs=1e-14)
+    assert stated.dissipation == pytest.approx(fixed.dissipation, rel=1e-11)
+    assert stated.loop_work == pytest.approx(stated.dissipation, rel=1e-11)
+
+
+@pytest.mark.slow
+def test_tilt_out_of_phase_on_grids():
+    """Of a parabola that comes as a function, so that no edges are followed: theory's own limit is 0.25985, stick 0.72632 a0."""
+    loads = EllipseLoad(**PAPER, tilt={"amplitude": 0.06, "phase_degrees": 90})
+    found = solve(with_profile(make_scene(loads), ALIKE["the function x"][0]), x=0.0, fields="dissipation")
+    assert found.dissipation == pytest.approx(0.25985, rel=2e-3)
+    assert found.permanent_stick_edges / A0 == pytest.approx((-0.72632, 0.72632), abs=0.02)
+
+
 ARRAYS = ("pressure", "shear", "slip", "tangential_displacement", "normal_approach", "contact_edges", "stick_edges", "state")
 
 
