@@ -355,6 +355,33 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     np.testing.assert_allclose(contact.shape.gap(x, np.array(m), np.array(c)), expected, rtol=0, atol=1e-8)
 
 
+SOFT = Compound(inner_radius=0.3, outer_radius=5.0, inner_half_length=0.01)  # steps to both ends by turns without a line search
+# Steepest tilt that is tried, least load.
+ANY_CONTACT = {
+    "a flat face": (FLAT, 0.5, 1e-7),
+    "a sharp middle": (SOFT, 0.0484, 1e-6),
+    "two curvatures": (COMPOUND, 0.5, 1e-6),
+    "a wedge": (WEDGE, 0.97, 1e-6),
+    "unequal sides": (UNEQUAL, 0.3, 1e-4),
+    "power 1.3": (CURVED["power 1.3"], 0.5, 1e-4),
+    "power 4": (CURVED["fourth power"], 0.5, 1e-4),
+    "power 20": (PowerLaw(exponent=20.0, length=1.0, rise=0.5), 0.5, 1e-4),
+    "polynomial": (CURVED["polynomial"], 0.5, 1e-4),
+}
+
+
+@pytest.mark.parametrize("name", ANY_CONTACT)
+def test_contacts_of_any_load_and_tilt_are_in_balance(name):
+    """Four thousand at once, over many powers of ten."""
+    profile, steepest, least = ANY_CONTACT[name]
+    shape, random = convex_profile(profile), np.random.default_rng(1)
+    product, tilt = least * (2 / least) ** random.random(4000), steepest * random.uniform(-1, 1, 4000)
+    m, c = shape.contact(product, tilt)
+    found = shape.balance(m, c)
+    np.testing.assert_allclose(found.load, product, rtol=3e-10)
+    assert np.max(np.abs(found.mean_slope + tilt) / (found.whole * c)) < 1e-10
+
+
 def test_the_pressure_at_a_tip():
     """Of |x|^1.3 at x = 0 itself, the limit from both sides, which come as |x|^0.3."""
     contact = TiltedProfile(NestedIntervals(convex_profile(CURVED["power 1.3"]), 2.0, 0.1, 0.0, 4.0), 1.0)
