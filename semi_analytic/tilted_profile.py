@@ -390,7 +390,6 @@ class CurvedProfile(ConvexProfile):
         m, c = (each[..., None] for each in np.broadcast_arrays(m, c))
         away = self.knots[::-1] - m
         inner = np.arctan2(np.sqrt(np.maximum((c - away) * (c + away), 0.0)), away)
-        inner = np.where(away >= c, 0.0, np.where(away <= -c, np.pi, inner))
         ends = np.concatenate([0 * m, inner, 0 * m + np.pi], axis=-1)
         places = np.concatenate([m + c, np.clip(away + m, m - c, m + c), m - c], axis=-1)
         length, upper = np.diff(ends)[..., None], self.rule.up < 0.5

@@ -310,7 +310,7 @@ def slope_of(profile):
     return (lambda x: 0.4 * x + 0.3 * x**5) if profile.kind == "polynomial" else (lambda x: x**3 + math.sinh(x) / 5)
 
 
-@pytest.mark.parametrize(("load", "tilt"), [(3.0, 0.0), (3.0, 0.3), (0.2, -0.4)])
+@pytest.mark.parametrize(("load", "tilt"), [(3.0, 0.0), (3.0, 0.3), (0.2, -0.4), (0.01, 0.9)])  # the last one beside x = 0
 @pytest.mark.parametrize("name", CURVED)
 def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     """QUADPACK's rules for end singularities and principal values; moment, approach and gap from the pressure alone."""
@@ -353,6 +353,16 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     moved = 2 / math.pi * np.log(length / np.abs(x[:, None] - xi)) @ force
     expected = profile.height(x) + tilt * x - approach + moved
     np.testing.assert_allclose(contact.shape.gap(x, np.array(m), np.array(c)), expected, rtol=0, atol=1e-8)
+
+
+def test_the_pressure_at_points_next_to_nodes():
+    """Where a difference quotient would keep no digits; of a parabola that comes as a function, at tilt 0.3."""
+    shape, c = convex_profile(ALIKE["the function x"][0]), 1.2
+    xi, t, _ = shape._nodes(np.array(-0.3), np.array(c))
+    here = np.abs(t) < 0.9 * c
+    for away in (0.0, 1e-14, 1e-12, 1e-9, 1e-7):
+        found = shape.pressure(xi[here] + away, np.array(-0.3), np.array(c))
+        np.testing.assert_allclose(found, np.pi * np.sqrt(c**2 - (t[here] + away) ** 2), rtol=0, atol=2e-10)
 
 
 SOFT = Compound(inner_radius=0.3, outer_radius=5.0, inner_half_length=0.01)  # steps to both ends by turns without a line search
