@@ -116,13 +116,24 @@ class ConvexProfile(abc.ABC):
     def balance(self, m: Array, c: Array) -> Balance:
         """What a contact carries."""
 
+    @property
     @abc.abstractmethod
-    def pressure(self, x: Array, m: Array, c: Array) -> Array:
-        """pi A p(x) over a contact; 0 outside. Arrays that broadcast."""
+    def _width(self) -> int:
+        """Values that are held for each point of a contact."""
 
     @abc.abstractmethod
+    def _pressure(self, x: Array, m: Array, c: Array) -> Array: ...
+
+    @abc.abstractmethod
+    def _gap(self, x: Array, m: Array, c: Array) -> Array: ...
+
+    def pressure(self, x: Array, m: Array, c: Array) -> Array:
+        """pi A p(x) over a contact; 0 outside. Arrays that broadcast."""
+        return self._in_parts(self._pressure, x, m, c)
+
     def gap(self, x: Array, m: Array, c: Array) -> Array:
         """Gap outside a contact; 0 inside. Arrays that broadcast."""
+        return self._in_parts(self._gap, x, m, c)
 
     @abc.abstractmethod
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
@@ -131,6 +142,16 @@ class ConvexProfile(abc.ABC):
     @abc.abstractmethod
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         """A int x p."""
+
+    def _in_parts(self, function: Callable[[Array, Array, Array], Array], *arguments: Array) -> Array:
+        """Of so many rows at a time that their knots or nodes fit into memory."""
+        shape = np.broadcast_shapes(*(np.shape(each) for each in arguments))
+        wide = [np.reshape(each, (1,) * (len(shape) - np.ndim(each)) + np.shape(each)) for each in arguments]
+        rows, result = max(_VALUES // max(self._width * math.prod(shape[1:]), 1), 1), np.empty(shape)
+        for k in range(0, shape[0] if shape else 1, rows):
+            here = slice(k, k + rows) if shape else ()
+            result[here] = function(*(each[here] if shape and len(each) > 1 else each for each in wide))
+        return result
 
     def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
         """m and c of the contact under A P and a tilt, arrays that broadcast: least int h d theta + pi alpha m - A P ln(c).
@@ -279,18 +300,9 @@ class PiecewiseParabola(ConvexProfile):
 
     # --- what follows from a contact
 
-    def pressure(self, x: Array, m: Array, c: Array) -> Array:
-        return self._in_parts(self._pressure, x, m, c)
-
-    def gap(self, x: Array, m: Array, c: Array) -> Array:
-        return self._in_parts(self._gap, x, m, c)
-
-    def _in_parts(self, function: Callable[[Array, Array, Array], Array], *arguments: Array) -> Array:
-        """Of so many values at a time that their knots fit into memory."""
-        whole = np.broadcast_arrays(*arguments)
-        flat, block = [values.ravel() for values in whole], max(_VALUES // len(self.knots), 1)
-        parts = [function(*(values[k : k + block] for values in flat)) for k in range(0, whole[0].size, block)]
-        return np.concatenate(parts or [np.empty(0)]).reshape(whole[0].shape)
+    @property
+    def _width(self) -> int:
+        return len(self.knots)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
         if self.is_parabola:
@@ -311,7 +323,7 @@ class PiecewiseParabola(ConvexProfile):
         root = np.sqrt((distance - c) * (distance + c))
         angle = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
         area = distance * root - c * c * angle
-        side, share = np.sign(t)[..., None], np.divide(root, distance + c, out=np.zeros(c.shape), where=distance + c > 0)[..., None]
+        side, share = np.sign(t)[..., None], np.divide(root, distance + c, out=np.zeros(t.shape), where=distance + c > 0)[..., None]
         tangent = np.where(side > 0, over.sine, share * over.sine), np.where(side > 0, share, 1.0) * (1 + over.cosine)
         turned = np.where(over.cosine <= -1, np.pi, np.where(over.cosine >= 1, 0.0, 2 * np.arctan2(*tangent)))
         knot, sine, whole = x[..., None] - self.knots, c[..., None] * over.sine, c[..., None] * over.cosine
@@ -414,22 +426,9 @@ class CurvedProfile(ConvexProfile):
         cosine = t / np.where(c > 0, c, 1.0)[..., None]
         return Balance(*(np.sum(each, axis=-1) for each in (slope, np.pi * slope * t, bend, bend * cosine)))
 
-    def pressure(self, x: Array, m: Array, c: Array) -> Array:
-        return self._in_parts(self._pressure, x, m, c)
-
-    def gap(self, x: Array, m: Array, c: Array) -> Array:
-        return self._in_parts(self._gap, x, m, c)
-
-    def _in_parts(self, function: Callable[[Array, Array, Array], Array], *arguments: Array) -> Array:
-        """Of so many rows at a time that their nodes fit into memory."""
-        shape = np.broadcast_shapes(*(np.shape(each) for each in arguments))
-        wide = [np.reshape(each, (1,) * (len(shape) - np.ndim(each)) + np.shape(each)) for each in arguments]
-        nodes = (len(self.knots) + 1) * len(self.rule.up) * math.prod(shape[1:])
-        rows, result = max(_VALUES // max(nodes, 1), 1), np.empty(shape)
-        for k in range(0, shape[0] if shape else 1, rows):
-            here = slice(k, k + rows) if shape else ()
-            result[here] = function(*(each[here] if shape and len(each) > 1 else each for each in wide))
-        return result
+    @property
+    def _width(self) -> int:
+        return (len(self.knots) + 1) * len(self.rule.up)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
         xi, _, weight = self._nodes(m, c)
