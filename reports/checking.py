@@ -274,7 +274,7 @@ def largest_contact(scene: Scene, source: str) -> LargestContact:
     """What theory says of the largest load; InputError naming `source` where it can't press the profile together with it.
 
     That is a table or a function which ends within the contact, a shape under which the contact would split, a tilt of a profile
-    that it takes upright alone. The history does not matter, nor does bulk stress: neither moves p.
+    that bends down somewhere. The history does not matter, nor does bulk stress: neither moves p.
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus

@@ -29,8 +29,8 @@ from scenes import (
 from scenes.chebyshev import Unresolved
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.opposite_slip import OppositeSlip
-from semi_analytic.profiles import contact_of
-from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
+from semi_analytic.profiles import contact_of, convex_profile
+from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
 
@@ -70,8 +70,8 @@ class OneCurve:
         inside, contact = np.maximum(time, self.path.start), self.contact
         lower, upper = self.bulk.at(inside) if self.bulk is not None else np.zeros((2, len(time)))
         tilt, moment = self.turning.at(inside) if self.turning is not None else np.zeros((2, len(time)))
-        if self.moment_given and contact.shape.is_parabola:
-            tilt = _tilt_of(1 / float(contact.shape.curvature[0]), load, moment)
+        if self.moment_given:
+            tilt = contact.tilt_under(load, moment)
         m, c = contact.under(load, tilt)
         return {
             "bulk_stress_lower": lower,
@@ -81,11 +81,6 @@ class OneCurve:
             "contact_edges": np.stack([m - c, m + c], axis=-1),
             "normal_approach": contact.approach(m, c, load, tilt),
         }
-
-
-def _tilt_of(radius: float, load: Array, moment: Array) -> Array:
-    """Tilt of a parabola that carries `moment`; 0 where it carries no load."""
-    return -moment / (radius * np.where(load > 0, load, np.inf))
 
 
 def strain_of(materials: Materials) -> tuple[float, float]:
@@ -111,32 +106,22 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     Raises
     ------
     InputError
-        For a profile that is no piecewise parabola, a contact that leaves the profile.
+        For a profile that bends down somewhere, a contact that leaves the profile.
     """
     path, profile = path or scene.load.path(), scene.profile
     legs = (*path.initial_loading, *path.cycle)
-    radius = profile.radius if isinstance(profile, Hertz) else None
-    shape = piecewise_parabola(profile)
-    if shape is None:
-        raise InputError(
-            f"profile.kind = {profile.kind!r}: under bulk stress or tilt half-plane theory takes hertz, flat_rounded, compound, "
-            "wedge and tabulated"
-        )
-    found = [_sampled(leg, radius, strain_of(scene.material), path.moment_given) for leg in legs]
+    shape = convex_profile(profile)
+    radius = shape.radius
+    modulus, datum, friction = composite_modulus(scene.material), profile.datum_length, scene.friction.coefficient
+    upright = TiltedProfile(NestedIntervals(shape, 2 / modulus, 0.0, 0.0, math.inf), datum)
+    found = [_sampled(leg, upright if path.moment_given else None, strain_of(scene.material)) for leg in legs]
     first = 0
     largest, _, strained = np.max([np.max(np.abs(each[:3]), axis=1) for each in found], axis=0).tolist()
-    if path.moment_given and radius is None:
-        return None
     while first < len(path.initial_loading) and _presses_only(found[first], largest, strained):
         first += 1
     p, q, eps, alpha = np.concatenate(found[first:] or [found[-1][:, -1:]], axis=1)
     turned = np.isfinite(alpha)
-    modulus, datum, most, friction = (
-        composite_modulus(scene.material),
-        profile.datum_length,
-        float(np.max(p)),
-        scene.friction.coefficient,
-    )
+    most = float(np.max(p))
     # At constant P the stick zones of a parabola are nested where contacts are not.
     still = radius is not None and friction > 0 and np.ptp(p) <= _ROUNDING * most
     begin, alone = float(eps[0]), still and not np.any(q) and np.ptp(eps) > _ROUNDING * strained
@@ -181,8 +166,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     path, strain = scene.load.path(), strain_of(scene.material)
     if not path.cycle:
         return None
-    radius = scene.profile.radius if isinstance(scene.profile, Hertz) else None
-    _, shears, strains, _ = np.concatenate([_sampled(leg, radius, strain, path.moment_given) for leg in path.cycle], axis=1)
+    _, shears, strains, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strain) for leg in path.cycle], axis=1)
     begin, end = path.start, path.cycle_start
     middle, rest = (begin + end) / 2, path.cycle[0]
     p, q = map(float, rest.loads(end))
@@ -253,15 +237,14 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     if not path.has_bulk_or_tilt or all(leg.bulk is None for leg in legs):
         return None
     strains = strain_of(scene.material)
-    p, q, eps, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strains, False) for leg in legs], axis=1)
+    p, q, eps, _ = np.concatenate([_sampled(replace(leg, turning=None), None, strains) for leg in legs], axis=1)
     modulus, most = composite_modulus(scene.material), float(np.max(p))
-    shape = piecewise_parabola(profile)
-    half = (
-        float(shape.contact(2 / modulus * most, 0.0)[1]) if shape else float(contact_of(profile, scene.material).half_width(most))
-    )
+    if profile.symmetric:
+        half = float(contact_of(profile, scene.material).half_width(most))
+    else:
+        half = float(convex_profile(profile).contact(2 / modulus * most, 0.0)[1])
     strain, force = float(np.ptp(eps)) / 2, float(np.ptp(q)) / 2
-    known = isinstance(profile, Hertz) and friction > 0
-    value = strain * profile.radius / (friction * half) if known else math.nan  # type: ignore[union-attr]
+    value = strain * profile.radius / (friction * half) if isinstance(profile, Hertz) and friction > 0 else math.nan
     return Eccentricity(value, strain, 2 * force / (math.pi * modulus * half))
 
 
@@ -288,8 +271,11 @@ def _presses_only(samples: Array, largest: float, strained: float) -> bool:
     return bool(np.max(np.abs(q)) <= _ROUNDING * largest and np.ptp(eps) <= _ROUNDING * strained)
 
 
-def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float], moment_given: bool) -> Array:
-    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load."""
+def _sampled(leg: LoadSegment, upright: TiltedProfile | None, strain: tuple[float, float]) -> Array:
+    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha where a moment has no load.
+
+    `upright` is the contact where the moment is stated.
+    """
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     turns = max(part.most_turns for part in parts)
     share = np.linspace(0, 1, 3) if all(part.is_straight for part in parts) else np.linspace(0, 1, _SAMPLES + 2 * turns)
@@ -300,8 +286,8 @@ def _sampled(leg: LoadSegment, radius: float | None, strain: tuple[float, float]
     p, q = leg.loads(time)
     lower, upper = leg.bulk.loads(time) if leg.bulk is not None else (0.0, 0.0)
     tilt, moment = leg.turning.loads(time) if leg.turning is not None else (0.0 * p, 0.0 * p)
-    if moment_given and radius is not None and np.any(moment):
-        tilt = np.where(p > 0, _tilt_of(radius, p, moment), np.nan)
+    if upright is not None and np.any(moment):
+        tilt = np.where(p > 0, upright.tilt_under(*np.broadcast_arrays(p, moment)), np.nan)
     return np.stack([p, q, strain[0] * lower + strain[1] * upper + 0 * p, tilt])
 
 

@@ -305,7 +305,7 @@ class _Path:
 
     def _rows(self, time: Array) -> Array:
         rows = self.loads.values(time)
-        if self.loads.path.moment_given and not self.contact.shape.is_parabola:
+        if self.loads.path.moment_given and self.contact.shape.radius is None:
             rows[3] = self.contact.tilt_under(rows[0], -rows[3] * self.loads.radius * rows[0])
         return rows.T
 

@@ -42,8 +42,8 @@ from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, PunchSuperposition
-from semi_analytic.quadrature import panels
-from semi_analytic.tilted_profile import TiltedProfile
+from semi_analytic.quadrature import Rule, panels
+from semi_analytic.tilted_profile import ConvexProfile, CurvedProfile, PiecewiseParabola, TiltedProfile
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -82,6 +82,109 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
         case _:
             raise InputError(f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile")
     return PunchSuperposition(law, datum)
+
+
+def convex_profile(profile: Profile) -> ConvexProfile:
+    """The profile under any tilt: in closed form where it is made of parabolas, else by quadrature.
+
+    Raises
+    ------
+    InputError
+        For a profile that bends down somewhere: under a tilt its contact may split. For a sharp wedge.
+    """
+    match profile:
+        case Hertz():
+            return _parabolas([0.0], [1 / profile.radius] * 2, 0.0)
+        case FlatRounded():
+            b, outer = profile.flat_half_length, 1 / profile.radius
+            return _parabolas([-b, b], [outer, 0.0, outer], 0.0)
+        case Compound():
+            b, inner, outer = profile.inner_half_length, 1 / profile.inner_radius, 1 / profile.outer_radius
+            return _parabolas([-b, b], [outer, inner, outer], inner)
+        case Wedge():
+            b, inner = profile.tip_half_length, 1 / profile.tip_radius
+            return _parabolas([-b, b], [0.0, inner, 0.0], inner)
+        case Tabulated():
+            left, right = profile.sides()
+            bends = np.concatenate([[0.0], left.curvature[::-1], right.curvature, [0.0]])
+            if np.min(bends) < -1e-12 * np.max(bends):
+                raise InputError("profile: under a tilt, or with unequal sides, a table must not bend down anywhere")
+            at = np.concatenate([-left.x[::-1], right.x[1:]])
+            return PiecewiseParabola(at, bends, -float(left.slope[-1]), float(left.height[-1]), (float(at[0]), float(at[-1])))
+        case PowerLaw():
+            n, length, rise = profile.exponent, profile.length, profile.rise
+            if n == 2:
+                return _parabolas([0.0], [2 * rise / length**2] * 2, 0.0)
+            if n < _SHARPEST:
+                raise InputError(
+                    f"profile.exponent = {n:.6g}: under bulk stress or tilt half-plane theory takes exponents from {_SHARPEST}; "
+                    "a wedge with a rounded tip has kind = 'wedge'"
+                )
+
+            def derivative(order: int, x: Array) -> Array:
+                factor = rise / length**order * math.prod(n - k for k in range(order))
+                size = np.abs(x) / length
+                return np.asarray(factor * np.sign(x) ** order * np.where(size > 0, size, 1.0) ** (n - order) * (size > 0))
+
+            first, second = partial(derivative, 1), partial(derivative, 2)
+            return CurvedProfile(np.zeros(1), length, profile.height, first, second, exponent=n)
+        case EvenPolynomial():
+            length, rises = profile.length, np.array(profile.rises)
+            if not np.any(rises[1:]):
+                return _parabolas([0.0], [2 * float(rises[0]) / length**2] * 2, 0.0)
+            k = np.arange(1.0, len(rises) + 1)
+            fall = first_fall(k * (2 * k - 1) * rises)
+            if fall is not None:
+                raise _bends_down(length * math.sqrt(fall))
+            coefficients = np.zeros(2 * len(rises) + 1)
+            coefficients[2::2] = rises
+            terms = Polynomial(coefficients, domain=[-length, length])
+            # Equal steps of theta are exact for polynomials of twice as many degrees.
+            count = len(rises) + 2
+            up = (np.arange(count) + 0.5) / count
+            rule = Rule(up, up[::-1], np.full(count, 1 / count))
+            return CurvedProfile(np.zeros(0), length, terms, terms.deriv(), terms.deriv(2), rule)
+        case CallableProfile():
+            least = profile.extent * 1e-15
+
+            def bend(x: Array) -> Array:
+                size = np.maximum(np.abs(x), least)
+                return np.asarray(profile.bend(size) / size)
+
+            sample = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
+            falls = sample[bend(sample) < -1e-7 * np.max(bend(sample))]
+            if len(falls):
+                raise _bends_down(float(falls[0]))
+            corners = np.array(_corners(profile))
+            return CurvedProfile(
+                np.unique(np.concatenate([-corners, [0.0], corners])),
+                profile.extent / 4,
+                profile.height,
+                lambda x: np.sign(x) * profile.slope(np.abs(x)),
+                bend,
+                exponent=max(profile.exponent, _SHARPEST),
+                extent=(-profile.extent, profile.extent),
+                noise=1e-11,
+            )
+        case _:
+            raise InputError(f"profile.kind = {profile.kind!r}: the half-plane engine does not know this profile")
+
+
+# Exponent below which a tip is a sharp wedge: what quadratures leave out next to it is too much.
+_SHARPEST = 1.01
+
+
+def _parabolas(knots: list[float], bends: list[float], inner: float) -> PiecewiseParabola:
+    """Symmetric: h'' between and beyond the knots, `inner` where h' at the first knot, -b inner, follows from it."""
+    b = -knots[0]
+    return PiecewiseParabola(np.array(knots), np.array(bends), -b * inner, b * b * inner / 2)
+
+
+def _bends_down(x: float) -> InputError:
+    return InputError(
+        f"profile: it bends down near x = {x:.6g}: under bulk stress or tilt half-plane theory takes profiles that bend down "
+        "nowhere; finite elements take others too"
+    )
 
 
 def rising_root(function: Callable[[Array], Array], slope: Callable[[Array], Array], value: Array, guess: Array) -> Array:

@@ -28,7 +28,6 @@ from scenes import (
     SLIP_REVERSE,
     STICK,
     ContactSolution,
-    Hertz,
     InputError,
     Materials,
     NotFoundError,
@@ -57,11 +56,11 @@ from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import LoadSeries, States, blocks, depth_of, own_series, straight_series
 from semi_analytic.memory import LAST_DIGITS, PROMISED, Snapshot, pieces, rounding_of_shift, rounding_of_slip, value_on
 from semi_analytic.opposite_slip import OppositeSlip
-from semi_analytic.profiles import Contact, SymmetricContact, contact_of
+from semi_analytic.profiles import Contact, SymmetricContact, contact_of, convex_profile
 from semi_analytic.quadrature import NODES
 from semi_analytic.request import FIELDS, POINTWISE, Cycles, Request, checked, folded, mirrored_points, vector
 from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
-from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
+from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 
 Array = NDArray[np.float64]
 
@@ -232,13 +231,11 @@ def require_followable(scene: Scene) -> None:
 
 def _leaning(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     """P, Q, eps and alpha of a scene, and its profile under any tilt."""
-    shape, path = piecewise_parabola(scene.profile), scene.load.path()
-    assert shape is not None  # for the type checker: `one_curve` has refused the others
+    shape, path = convex_profile(scene.profile), scene.load.path()
     legs = (*path.initial_loading, *path.cycle)
     largest = max(float(leg.loads(time)[0]) for leg in legs for time in (leg.end, *leg.turning_points(NORMAL_LOAD)))
-    radius = scene.profile.radius if isinstance(scene.profile, Hertz) else 1.0
     intervals = NestedIntervals(shape, 2 / composite_modulus(scene.material), 0.0, 0.0, largest)
-    return PathLoads(path, strain_of(scene.material), radius), TiltedProfile(intervals, scene.profile.datum_length)
+    return PathLoads(path, strain_of(scene.material), shape.radius or 1.0), TiltedProfile(intervals, scene.profile.datum_length)
 
 
 _OF_STEADY_CYCLE = (
@@ -256,9 +253,9 @@ def _followed(scene: Scene, wanted: frozenset[str], points: Array | None, asked:
         points = mirrored_points(1.05 * float(np.max(np.abs(edges_along(loads, leaning)))))
     notes, most = [*neglected_coupling(scene.material)], max(scene.cycles, 2)
     found: Followed | None = None
-    if isinstance(scene.profile, Hertz):
+    if (radius := leaning.shape.radius) is not None:
         with suppress(NotOneStickInterval):
-            found = follow(path, Parabola(2 / modulus, scene.profile.radius), friction, loads.strain, points, asked, most=most)
+            found = follow(path, Parabola(2 / modulus, radius), friction, loads.strain, points, asked, most=most)
     exact: ContactSolution | None = None
     if found is None:
         found = follow_on_grid(loads, leaning, scene.profile.height, friction, points, asked, most=most)

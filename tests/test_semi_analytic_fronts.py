@@ -38,7 +38,8 @@ from semi_analytic.fronts import (
     remainder_of,
 )
 from semi_analytic.grid import follow_on_grid
-from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile, piecewise_parabola
+from semi_analytic.profiles import convex_profile
+from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 from semi_analytic_cases import make_scene
 
 CONTACT, HALF = Parabola(2.0, 1.0), 1.9544100476116797
@@ -293,7 +294,7 @@ def test_a_loop_in_which_stick_breaks_has_its_work_within_its_own_error(row):
 def on_grids(scene, x, **options):
     """A scene's load path on grids, whatever else takes it."""
     path, most = scene.load.path(), 1.2 * (scene.load.mean_normal_load + scene.load.normal_amplitude)
-    intervals = NestedIntervals(piecewise_parabola(scene.profile), 2 / composite_modulus(scene.material), 0.0, 0.0, most)
+    intervals = NestedIntervals(convex_profile(scene.profile), 2 / composite_modulus(scene.material), 0.0, 0.0, most)
     loads = PathLoads(path, strain_of(scene.material), 1.0)
     contact = TiltedProfile(intervals, scene.profile.datum_length)
     return follow_on_grid(loads, contact, scene.profile.height, scene.friction.coefficient, x, **options)
