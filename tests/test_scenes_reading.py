@@ -263,6 +263,19 @@ def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_i
         expand(study_of({"scene": "hertz-paper", "axes": axes}, "here"))
 
 
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [
+        ("[90, 27]", "load.cycle.0 = 90 is refused: should be a list in square brackets"),
+        ("[[90, 27, 3]]", "load.cycle.0 = [90, 27, 3] is refused: should have at most 2 entries"),
+    ],
+)
+def test_a_point_that_is_no_pair_is_refused_in_words_of_the_scene_file(points: str, said: str, tmp_path: Path) -> None:
+    polygon = f'kind = "polygon"\ninitial_loading = [[90, 0]]\ncycle = {points}\n'
+    (tmp_path / "mine.toml").write_text(PLAIN.replace(POLYGON, polygon), encoding="utf-8")
+    assert said in refusal(tmp_path / "mine.toml")
+
+
 # -------------------------------------------------------------------------------------------------- tables beside a scene
 SERIES, TRACE = (POLYGON, 'kind = "time_series"\nfile = "table.csv"'), (HERTZ, 'kind = "tabulated"\nfile = "table.csv"')
 
