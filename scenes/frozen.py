@@ -77,6 +77,10 @@ def refusal(faults: ValidationError, data: Any, model: type[Frozen]) -> str:
         case "union_tag_invalid":
             kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
             key, value, rule = f"{key}.kind", fault["ctx"]["tag"], f"should be {kinds}"
+        case "tuple_type" | "list_type":
+            rule = "should be a list in square brackets"
+        case "too_long":
+            rule = f"should have at most {fault['ctx']['max_length']} entries"
         case "model_type" | "model_attributes_type":
             rule = "should be a table of keys"
         case "value_error":

@@ -140,6 +140,9 @@ def text_table(
     InputError
         One sentence that names file, line, column, value and rule.
     """
+    for name, own in (stated or {}).items():
+        if isinstance(own, int) and own < 1:
+            raise InputError(f"{path}: columns = {{{name} = {own}}} is refused: columns are numbered from 1 on")
     try:
         check_size(path, what, TEXT, cure)
         with path.open("rb") as stream:
@@ -317,16 +320,21 @@ def _plain_layout(
             f"columns = {{{', '.join(f'{name} = {k}' for k, name in enumerate(columns, 1))}}}"
         )
     number, text = bare[max(start - 1, 0)]  # the line above the first row of numbers, else the first
-    names = max((way for mark in SEPARATORS for way in _headings(text, mark)), key=len)
+    names = max((way for one in ((mark,) if cells else SEPARATORS) for way in _headings(text, one)), key=len)
     lacking = [name for name in columns if _used(path, number, names, (name,), stated) is None]
     own_words = [shown(stated[name]) for name in lacking if name in stated]
+    if not lacking and len(names) >= count:
+        raise InputError(f"{path}, line {number}: columns: {listed} must be of different columns of {shown(text)}")
     which = f"no heading is {' or '.join(own_words)}" if own_words else f"none is {' or '.join(lacking or columns)}"
     cure = f"{which}; say which by columns = {{{(lacking or columns)[0]} = ...}}, by its heading or its number from 1 on"
     raise InputError(f"{path}, line {number}: the columns are {listed}, not {shown(text)}: {cure}")
 
 
 def _has_decimal_comma(path: Path, stream: TextIO, layout: _Layout) -> bool:
-    """Whether commas are the decimal sign: the first row with either sign in a column that is read decides."""
+    """Whether commas are the decimal sign: the first row with either sign in a column that is read decides.
+
+    Of both signs it is the later one in a cell that has both: the other one stands between thousands, and is refused.
+    """
     for number, text in _lines(path, stream, _LONGEST_OF_ALL):
         if number < layout.first or not ("," in text or "." in text):
             continue
@@ -334,7 +342,7 @@ def _has_decimal_comma(path: Path, stream: TextIO, layout: _Layout) -> bool:
         used = [cells[k] for k in layout.used if k < len(cells)]
         points, commas = any("." in cell for cell in used), any("," in cell for cell in used)
         if points or commas:
-            return commas and not points
+            return commas and (not points or any(0 <= cell.find(".") < cell.rfind(",") for cell in used))
     return False
 
 

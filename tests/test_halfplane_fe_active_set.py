@@ -231,6 +231,16 @@ def test_increments_of_constant_pressure_may_be_split_and_some_node_sticks_short
         assert max(certificates(contact, pressed, state).values()) < 1e-9
 
 
+def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_lets_go():
+    springs, none = np.eye(2), np.zeros(2)
+    flat = Interface(np.array([0.0, 1.0]), np.ones(2), np.array([[0.0, 0.0], [1.0, 1.0]]), none, springs, springs, None)
+    contact = ContactProblem(flat, np.array([0.0, 4e-3]), FRICTION, Layer(none, none))
+    pressed, _ = contact.equilibrium(untouched(contact.height, 0.0), 1.0, (5e-3, 0.0))
+    lifted, _ = contact.equilibrium(pressed, 2.0, (4e-3 - 1e-11, 0.0))
+    assert pressed.closed.all()
+    assert certificates(contact, pressed, lifted)["tension"] == 0
+
+
 def test_like_bodies_keep_normal_and_tangential_apart_and_unlike_ones_do_not():
     pressed = {pair: walk(problem(pair), [(1.0, 0.0)])[-1] for pair in MATERIALS}
     np.testing.assert_array_equal(pressed["like"].shear, 0.0)

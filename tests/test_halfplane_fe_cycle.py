@@ -442,6 +442,15 @@ def test_each_node_touches_at_an_instant_of_its_own(stiffer: float) -> None:
     assert max(float(part.max(initial=0.0)) for part in closing) < 1e-9
 
 
+def test_what_events_leave_of_a_force_does_not_stay_missing_from_the_load() -> None:
+    """Of coupled bodies an event is met to 1e-9: the next increment solves for it, whether or not a node changes its state."""
+    time = np.linspace(0.0, 1.0, 25)
+    rows = np.column_stack([time, 500 + 40 * np.sin(2 * np.pi * time), 60 * (np.sin(2 * np.pi * time - 0.7) + np.sin(0.7))])
+    scene = load_scene("pad-on-block").vary(load={"kind": "time_series", "rows": rows.tolist(), "repeats": False})
+    checks = halfplane_fe.solve(scene, MeshSettings.coarse()).record.certificates
+    assert max(float(np.max(np.abs(checks[law]))) for law in ("equilibrium", "energy_balance")) < 1e-12
+
+
 NEWTON = ContactProblem._active_set
 
 

@@ -263,9 +263,28 @@ def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_i
         expand(study_of({"scene": "hertz-paper", "axes": axes}, "here"))
 
 
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [
+        ("[90, 27]", "load.cycle.0 = 90 is refused: should be a list in square brackets"),
+        ("[[90, 27, 3]]", "load.cycle.0 = [90, 27, 3] is refused: should have at most 2 entries"),
+    ],
+)
+def test_a_point_that_is_no_pair_is_refused_in_words_of_the_scene_file(points: str, said: str, tmp_path: Path) -> None:
+    polygon = f'kind = "polygon"\ninitial_loading = [[90, 0]]\ncycle = {points}\n'
+    (tmp_path / "mine.toml").write_text(PLAIN.replace(POLYGON, polygon), encoding="utf-8")
+    assert said in refusal(tmp_path / "mine.toml")
+
+
 # -------------------------------------------------------------------------------------------------- tables beside a scene
 SERIES, TRACE = (POLYGON, 'kind = "time_series"\nfile = "table.csv"'), (HERTZ, 'kind = "tabulated"\nfile = "table.csv"')
-NUMBERED = SERIES[0], SERIES[1] + "\ncolumns = {time = 1, P = 4, Q = 5}"
+
+
+def named(columns: str) -> tuple[str, str]:
+    """The edit of the scene that has the table with these columns."""
+    return SERIES[0], f"{SERIES[1]}\ncolumns = {{{columns}}}"
+
+
 DECIMAL, THOUSANDS = "the decimal sign of this file is a", "write no marks between thousands"
 TABLES = [
     (SERIES, "time,P,Q\n0,1,0\n1,nan,0\n", ", line 3: P = 'nan' is not a finite number"),
@@ -281,15 +300,24 @@ TABLES = [
     ),
     (SERIES, "time,FN,fn,Q\n0,1,1,2\n1,2,2,3\n", ", line 1: 'FN', 'fn' could each be P; say which by columns = {P = ...}"),
     (SERIES, "Rig 7\na,b,c\n0,1,2\n1,2,3\n", ", line 2: the columns are time, P, Q, not 'a,b,c': none is time or P or Q"),
-    (NUMBERED, "0,1,2,3\n1,2,3,4\n", ", line 1: there is no column 5: the line has 4"),
-    (NUMBERED, "Rig 7\n0,1,2,3\n1,2,3,4\n", ", line 2: there is no column 5: the line has 4"),
+    (named("time = 1, P = 4, Q = 5"), "0,1,2,3\n1,2,3,4\n", ", line 1: there is no column 5: the line has 4"),
+    (named("time = 1, P = 4, Q = 5"), "Rig 7\n0,1,2,3\n1,2,3,4\n", ", line 2: there is no column 5: the line has 4"),
+    (named("P = 0"), "time,P,Q\n0,1,0\n1,2,0\n", ": columns = {P = 0} is refused: columns are numbered from 1 on"),
+    (named("time = 1, P = -1, Q = 2"), "0,1,2\n1,2,3\n", ": columns = {P = -1} is refused: columns are numbered from 1 on"),
+    (named("P = 2, Q = 2"), "time,P,Q\n0,1,0\n1,2,0\n", ", line 1: columns: time, P, Q must be of different columns of 'time,P,Q'"),
+    (
+        named('time = "Zeit", P = "FN", Q = "Quer"'),
+        "Zeit [s];Kraft [N];Quer [N]\n0,0;1,5;0,5\n1,0;2,5;0,5\n",
+        "'Zeit [s];Kraft [N];Quer [N]': no heading is 'FN'; say which by columns = {P = ...}",
+    ),
+    (SERIES, "time;P;Q\n0,0;5.000,5;2\n", f", line 2: P = '5.000,5' is not a finite number of at most 1e+100; {DECIMAL} comma"),
     (SERIES, "time,P,Q\n0,1,0\n", ", line 2: one row is no history"),
     (SERIES, "time,P,Q\n0,1,inf\n1,1,0\n", ", line 2: Q = 'inf' is not a finite number"),
     (SERIES, "time,P,Q\n0,0,1,5,-0,3\n", "commas between the columns leave points for the numbers"),
     (
         SERIES,
         "time;P;Q\n0;1.234,5;2\n",
-        f", line 2: P = '1.234,5' is not a finite number of at most 1e+100; {DECIMAL} point: {THOUSANDS}",
+        f", line 2: P = '1.234,5' is not a finite number of at most 1e+100; {DECIMAL} comma: {THOUSANDS}",
     ),
     (SERIES, "time;P;Q\n0;1,5;2\n1;1.234;2\n", f", line 3: P = '1.234' is not a finite number of at most 1e+100; {DECIMAL} comma"),
     (SERIES, "time;P;Q\n0;1.5;2\n1;1 234;2\n", f", line 3: P = '1 234' is not a finite number of at most 1e+100; {DECIMAL} point"),

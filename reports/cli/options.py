@@ -118,7 +118,7 @@ def tolerances_of(words: Sequence[str]) -> dict[str, float]:
     Raises
     ------
     InputError
-        For a key that is none, and for what is no share above 0.
+        For a key that is none, for what is no share above 0, and for 1 or more without the sign %: 5 may be meant as 5 %.
 
     >>> tolerances_of(["5%", "dissipation=0.03"])
     {'dissipation': 0.03, 'largest_pressure': 0.05, 'largest_half_width': 0.05, 'permanent_stick': 0.05}
@@ -141,6 +141,9 @@ def tolerances_of(words: Sequence[str]) -> dict[str, float]:
             value = math.nan
         if not 0 < value < math.inf:
             raise InputError(f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a metric: dissipation=3%")
+        if value >= 1 and not text.endswith("%"):
+            ways = f"{key}{equals}{value:g}%, or {key}{equals}{100 * value:g}%"
+            raise InputError(f"--tolerance {word}: a number without % is a share, and this is {100 * value:g} %; write {ways}")
         found |= dict.fromkeys([key] if equals else COMMON, value)
     return found
 
