@@ -199,8 +199,8 @@ SAME: dict[str, tuple[Scene, Scene, int, int, float]] = {
     "shear turned": (scene(MIXED), scene(turned_keys(MIXED, ("Q", "bulk_stress_lower"))), 1, -1, 1e-7),
     # Half a turn of the whole picture: lower and upper body change places, x is -x, P, Q and the stresses are what they were.
     "upside down": (
-        scene(ellipse(**BASE, bulk_stress_lower=HELD), material=STEEL, bodies=Bodies(lower=FIXED)),
-        scene(ellipse(**BASE, bulk_stress_upper=HELD), material=STEEL, bodies=Bodies(upper=FIXED)),
+        scene(ellipse(**BASE, bulk_stress_lower=HELD), material=UNLIKE, bodies=Bodies(lower=FIXED)),
+        scene(ellipse(**BASE, bulk_stress_upper=HELD), material=Materials(upper=STEEL, lower=SOFT), bodies=Bodies(upper=FIXED)),
         -1,
         -1,
         1e-8,

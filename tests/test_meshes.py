@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 import skfem
 
-from meshes import MeshSettings, SurfaceGrading, build, half_disc, mesh_quality, solid, write_vtu
+from meshes import MeshSettings, SurfaceGrading, half_disc, mesh_quality, solid, write_vtu
 from meshes.bodies import size_field, size_formula
 from meshes.interrupts import interrupts_wait
-from scenes import Block, Cylinder, FlatRounded, HalfPlane, Hertz, InputError, Pad, Tabulated, Wedge
+from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Tabulated, Wedge
 from scenes.bodies import face_of
 
 DISC = SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)
@@ -228,17 +228,6 @@ def test_scale_does_not_matter_and_the_same_question_has_the_same_mesh(name, ord
     assert not gmsh.isInitialized()
 
 
-def test_build_makes_each_shape_and_reports_its_supports():
-    settings = MeshSettings(growth=0.4)
-    face = Hertz(radius=10.0)
-    held = Block(width=8.0, height=5.0, base="rollers", sides="guided")
-    assert build("lower", held, face, GRADING, settings).supports == {"base": "rollers", "sides": "guided"}
-    assert build("upper", PAD, face, GRADING, settings).supports == {"base": "fixed"}
-    assert build("upper", Cylinder(radius=5.0), face, GRADING, settings).supports == {"base": "fixed"}
-    with_radius = SurfaceGrading(0.6, 1.1, 0.12, 0.05, 4.0)
-    assert build("lower", HalfPlane(), face, with_radius, settings).supports == {"far_field": "half_plane"}
-
-
 ROUGH = [(0.0, 0.1, 0.1), (0.95, 0.14, 0.02), (0.3, 0.05, 0.03)]
 
 
@@ -255,18 +244,6 @@ def test_corners_of_the_admitted_settings_make_sound_meshes(name, cells, inner, 
         assert one.quality["worst_shape"] > 0.15
         assert one.quality["least_angle"] > 10
         assert abs(one.quality["area_error"]) < (5e-3 if radius else 1e-5)
-
-
-def test_default_settings_and_narrow_bodies_are_fit_for_use():
-    """A contact side of 97 % of the face, a pad just higher than its face is deep."""
-    default = MeshSettings()
-    grading = SurfaceGrading(0.67, 1.06, default.element_size, default.edge_element_size, default.far_radius)
-    quality = half_disc("default", grading, default.growth, default.order).quality
-    assert quality["least_angle"] > 20  # 23
-    assert abs(quality["area_error"]) < 1e-4
-    tight = solid("upper", Pad(width=2.2 / 0.97, height=0.07), Hertz(radius=10.0), GRADING, 0.4)
-    assert tight.quality["worst_shape"] > 0.1
-    assert abs(tight.quality["area_error"]) < 1e-8
 
 
 # --------------------------------------------------------------------------------------------------------------- refusals
