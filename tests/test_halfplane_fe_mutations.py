@@ -9,15 +9,21 @@ from __future__ import annotations
 import functools
 import importlib
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 
-from problems import COARSE, PROBLEMS, errors, fe_run, law_violations, step_at
-from scenes import SurfaceState, load_scene
+import halfplane_fe
+from halfplane_fe.contact import ContactProblem
+from problems import COARSE, FEW_STEPS, PROBLEMS, errors, fe_run, law_violations, problems, step_at
+from scenes import ConvergenceError, SurfaceState, freeze, load_scene
 from tolerances import TOLERANCES
+
+SHEARED = problems("tangential")
+CYCLES = [problem for problem in problems("cycle") if "full stick" not in problem.tags]
 
 
 def refused(problem, answer):
@@ -58,22 +64,99 @@ def of_another_instant(answer, problem):
     return replace(answer, shear=shear)
 
 
-@pytest.mark.parametrize("problem", PROBLEMS.values(), ids=PROBLEMS.keys())
-def test_wrong_answers_are_refused_on_every_problem(problem):
-    """The right one is not, nor one a few per cent off. Shear in proportion to the pressure is right in full stick alone."""
+@pytest.mark.parametrize("problem", SHEARED, ids=lambda problem: problem.name)
+def test_wrong_shear_is_refused_on_every_problem(problem):
+    """The right answer is not. Shear in proportion to the pressure is right in full stick alone."""
     answer = fe_run(problem.scene)
     assert refused(problem, answer) == set()
-    for field, share in (("pressure", 0.02), ("contact_half_width", 0.01), ("stick_half_width", 0.1)):
-        assert field in refused(problem, replace(answer, **{field: (1 + share) * getattr(answer, field)}))
-    if "tangential" not in problem.tags:
-        return
     for mutation in (without_friction, shear_is_pressure, shear_turned_round):
         assert "shear" in refused(problem, mutation(answer)), mutation.__name__
     assert ("shear" in refused(problem, shear_in_proportion(answer))) == ("full stick" not in problem.tags)
-    if "cycle" in problem.tags and "full stick" not in problem.tags:
+    if problem in CYCLES:
         assert "shear" in refused(problem, of_another_instant(answer, problem))
         for factor in (0.0, -1.0, 0.98, 1.02, 2.0):
             assert refused(problem, replace(answer, dissipation=factor * answer.dissipation)) == {"dissipation"}
+
+
+@pytest.mark.parametrize("problem", PROBLEMS.values(), ids=PROBLEMS.keys())
+def test_a_few_per_cent_are_refused(problem):
+    answer = fe_run(problem.scene)
+    for field, share in (("pressure", 0.02), ("contact_half_width", 0.01), ("stick_half_width", 0.1)):
+        assert field in refused(problem, replace(answer, **{field: (1 + share) * getattr(answer, field)}))
+
+
+# --------------------------------------------------------------------------------------------------------- a broken engine
+
+
+def solve_broken(problem):
+    """The answer of the engine as it is now, no increment halved, or None where it gives up by itself."""
+    try:
+        return halfplane_fe.solve(problem.scene, COARSE, replace(FEW_STEPS, step_tolerance=np.inf))
+    except (ConvergenceError, ArithmeticError, ValueError):
+        return None
+
+
+def in_first_revolution(name):
+    """The problem at the same point of the first revolution, where its shear is true already (its stick zone and W are not)."""
+    problem = PROBLEMS[name]
+    path = problem.scene.load.path()
+    time = path.cycle_start + (problem.time - path.cycle_start) % path.period
+    return replace(problem, time=time, scene=problem.scene.vary(cycles=1))
+
+
+EQUILIBRIUM = ContactProblem.equilibrium
+
+
+def forgetting(self, history, time, loads):
+    """Each increment starts from faces that have never slipped."""
+    state = np.where(history.closed, SurfaceState.STICK, SurfaceState.OPEN)
+    rest = np.zeros_like(history.slip)
+    return EQUILIBRIUM(self, replace(history, slip=freeze(rest), shear=freeze(rest), state=freeze(state, np.int8)), time, loads)
+
+
+def turned_round(self, history, time, loads):
+    """The tangential load has the wrong sign, in the law's eyes alone."""
+    state, iterations = EQUILIBRIUM(self, history, time, (loads[0], -loads[1]))
+    return replace(state, tangential_load=loads[1]), iterations
+
+
+def sliding(self, history, time, loads):
+    """q replaced by p: every closed node carries f p, whatever Q is."""
+    state, iterations = EQUILIBRIUM(self, history, time, loads)
+    return replace(state, shear=freeze(np.sign(loads[1]) * self.friction * state.pressure)), iterations
+
+
+# First branches alone would not see a lost memory: that is why the table of problems has half reversals in it.
+BROKEN = [
+    *(
+        (engine, name, engine is forgetting)
+        for engine in (EQUILIBRIUM, forgetting)
+        for name in ("mindlin, half-way back", "paper, reverse slip ends")
+    ),
+    (forgetting, "flat and rounded, sheared", False),
+    *((turned_round, name, True) for name in ("mindlin, Q largest", "paper, forward slip ends", "full-stick")),
+    *((sliding, name, True) for name in ("mindlin, Q largest", "full-stick")),
+]
+
+
+@pytest.mark.parametrize(("engine", "name", "seen"), BROKEN, ids=lambda value: getattr(value, "__name__", value))
+def test_a_broken_engine_is_refused_and_the_whole_one_is_not(engine, name, seen, monkeypatch):
+    monkeypatch.setattr(ContactProblem, "equilibrium", engine)
+    problem = PROBLEMS[name] if PROBLEMS[name].scene.load.path().period is None else in_first_revolution(name)
+    answer = solve_broken(problem)
+    assert (answer is None or "shear" in refused(problem, answer)) == seen
+
+
+@pytest.mark.parametrize(("factor", "ends"), [(0.0, True), (0.5, True), (0.9, False), (1.1, False)])
+def test_engine_with_other_friction_is_refused(factor, ends, monkeypatch):
+    """With f -> 0 nothing holds the tangential load, and the engine says so; with a little less or more it slips elsewhere."""
+    solve = import_module("halfplane_fe.solve")
+    make = solve.ContactProblem
+    monkeypatch.setattr(solve, "ContactProblem", lambda sides, height, f, *rest: make(sides, height, factor * f, *rest))
+    problem = PROBLEMS["mindlin, Q largest"]
+    answer = solve_broken(problem)
+    assert (answer is None) == ends
+    assert ends or {"shear", "dissipation"} <= refused(problem, answer)
 
 
 # ------------------------------------------------------------------------------------------------- violations of the laws
@@ -167,7 +250,8 @@ def test_every_fault_of_the_list_is_in_the_table_and_names_checks_that_exist(tab
     assert all(fault.caught_by and set(fault.caught_by) <= set(table.LIMITS) for fault in table.FAULTS)
 
 
-@pytest.mark.parametrize("name", ["history dropped", "sign of Q flipped", "pressure of sliding nodes 1 % short"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["history dropped", "pressure of sliding nodes 1 % short"])
 def test_faults_are_caught_on_a_coarse_mesh_too(table: ModuleType, name: str) -> None:
     """What needs no reference has one limit on any mesh; against theory, shear is off by more than a coarse mesh costs."""
     (fault,) = (fault for fault in table.FAULTS if fault.name == name)
