@@ -355,6 +355,17 @@ def test_moving_the_upper_side_opens_and_slips_by_the_normals(line, order, ratio
     np.testing.assert_allclose(coupled.normals, [n_x, n_y], atol=sag)
 
 
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("line", LINES)
+def test_a_uniform_distance_is_found_along_the_normal(line, order):
+    lower, upper = sides(line, order, 0.25)
+    plain = mortar(lower, upper)
+    lifted = mortar(lower, dataclasses.replace(upper, y=upper.y + 0.01))
+    np.testing.assert_allclose(lifted.gap - plain.gap, 0.01 * lifted.normals[1], rtol=1e-11)
+    assert lifted.nearest[1] <= 0.01
+    assert mortar(lower, dataclasses.replace(upper, y=upper.y - 0.01)).nearest[1] < -0.008
+
+
 HELD = [case(line, rest, "hydrostatic") for line in LINES for rest in one_line(line)]
 
 
