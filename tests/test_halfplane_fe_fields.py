@@ -13,6 +13,7 @@ from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tens
 from halfplane_fe.contact import untouched
 from halfplane_fe.edges import (
     contact_edges,
+    contact_uncertainty,
     fitted_contact_edges,
     stick_edges,
     stick_uncertainty,
@@ -307,6 +308,19 @@ def test_the_form_that_every_smooth_edge_has_is_found_exactly():
     assert np.isnan(contact_edges(x, pressures, gaps, closed & False, modulus)).all()
 
 
+def test_a_known_contact_edge_lies_within_its_uncertainty_wherever_it_falls():
+    """Exact nodal values of Hertz: pressure sqrt(a^2 - x^2)/2, gap from a on."""
+    x = np.linspace(-1.5, 1.5, 121)
+    a = np.linspace(0.9, 0.95, 23)[:, None]
+    closed, outside = np.abs(x) < a, np.maximum(np.abs(x), a)
+    gap = (outside * np.sqrt(outside**2 - a**2) - a**2 * np.arccosh(outside / a)) / 2
+    pressure = np.sqrt(np.maximum(a**2 - x**2, 0.0)) / 2
+    found = contact_edges(x, pressure, gap, closed, 1.0)
+    uncertainty = contact_uncertainty(x, pressure, closed, found)
+    assert np.all(np.abs(found - [-1, 1] * a) <= uncertainty)
+    assert uncertainty.max() < 0.6 * (x[1] - x[0])
+
+
 def test_the_fitted_edge_of_a_known_pressure_is_better_than_its_form_whatever_the_outermost_nodes_say():
     """Hertz, the outermost nodes 5 % off; an edge elsewhere leaves the form."""
     x, a = np.linspace(-1.5, 1.5, 301), np.linspace(0.9, 0.95, 23)[:, None]
@@ -315,6 +329,13 @@ def test_the_fitted_edge_of_a_known_pressure_is_better_than_its_form_whatever_th
     form = [-1, 1] * a + 0.003
     assert np.abs(fitted_contact_edges(x, pressure, closed, form) - [-1, 1] * a).max() < 1e-5
     np.testing.assert_array_equal(fitted_contact_edges(x, pressure, closed, form + 0.01), form + 0.01)
+
+
+def test_few_nodes_are_the_whole_contact_uncertain_and_nothing_sticks_nothing_is_said():
+    x = np.linspace(-1, 1, 41)
+    closed, wide, none = np.abs(x)[None] < 0.11, np.abs(x)[None] < 0.91, np.zeros((1, 41), dtype=bool)
+    assert contact_uncertainty(x, closed * 1.0, closed, pair(0.12)).tolist() == [[0.24, 0.24]]
+    assert np.isnan(stick_uncertainty(x, (none, none), wide, pair(0.92), pair(np.nan), np.abs(pair(0.01)))).all()
 
 
 def test_creep_and_narrow_slip_zones_widen_the_uncertainty():
