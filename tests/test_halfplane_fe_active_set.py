@@ -20,7 +20,7 @@ from halfplane_fe.elasticity import condense
 from halfplane_fe.energy import certificates, increment_energy
 from halfplane_fe.interface import Interface, couple
 from halfplane_fe.law import project, slip_sign, violations
-from halfplane_fe.mirror import half, mirrored
+from halfplane_fe.mirror import mirrored
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings, SurfaceGrading, half_disc
 from problems import fe_run
@@ -405,15 +405,6 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
 def faces():
     answer = fe_run(load_scene("hertz-paper"))
     return couple(*answer.condensed)
-
-
-def test_a_force_shared_with_its_image_moves_both_alike():
-    whole = faces()
-    middle = len(whole.x) // 2
-    together = np.cos(whole.x[middle:])
-    shared = np.concatenate([together[:0:-1] / 2, together[:1], together[1:] / 2])
-    np.testing.assert_allclose(half(whole).normal @ together, (whole.normal @ shared)[middle:], rtol=1e-9)
-    np.testing.assert_allclose(half(whole).weights.sum(), whole.weights.sum())
 
 
 @pytest.mark.parametrize(
