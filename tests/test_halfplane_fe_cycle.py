@@ -22,7 +22,6 @@ from halfplane_fe.systems import Layer
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run, law_violations, layer_run, stepped_run
 from reports import compare, write
-from reports.charts.plate import path_of
 from reports.comparison.laws import certificates
 from reports.comparison.metrics import bulk_strain
 from scenes import (
@@ -563,16 +562,3 @@ def test_files_and_page_are_bounded(tmp_path: Path) -> None:
     page = write(compare(exact, found, polygon_reference=exact), tmp_path / "out").read_text(encoding="utf-8")
     assert len(page) < 4_000_000
     assert sum(file.stat().st_size for file in (tmp_path / "out").glob("*.nc")) < 2.2 * 25 * MOST * len(found.x) + 2_000_000
-
-
-def test_a_long_line_is_drawn_with_few_places_and_keeps_its_peaks() -> None:
-    across, down = np.linspace(0.0, 400.0, 40_000), np.random.default_rng(1).uniform(0.0, 100.0, 40_000)
-    down[12_345], down[23_456] = 300.0, -50.0
-    drawn = path_of(across, down)
-    assert len(drawn) < 25_000
-    assert " 300L" in drawn
-    assert " -50L" in drawn
-    assert drawn.startswith(f"M0 {down[0]:.2f}".rstrip("0"))
-    assert drawn.endswith(f"L400 {down[-1]:.2f}".rstrip("0"))
-    down[5000:6000] = np.nan
-    assert path_of(across, down).count("M") == 2

@@ -64,7 +64,7 @@ def test_a_point_force_is_in_equilibrium_with_its_tractions(force, nu, angle, cu
     yy = (-u(0, 2) + 16 * u(0, 1) - 30 * u(0, 0) + 16 * u(0, -1) - u(0, -2)) / (12 * h**2)
     xy = (u(1, 1) - u(1, -1) - u(-1, 1) + u(-1, -1)) / (4 * h**2)
     rest = (1 - 2 * nu) * (xx + yy) + np.array([xx[0] + xy[1], xy[0] + yy[1]])
-    assert np.abs(rest).max() < 1e-4 * np.abs(xx).max() + 1e-6
+    assert np.abs(rest).max() < 1e-4 * np.abs([xx, yy, xy]).max() + 1e-6
     normal = np.array([math.cos(cut), math.sin(cut)])
     found = surface_force_traction(np.array([x]), np.array([y]), normal[:, None], np.zeros(1))[:, 0, force, 0]
     np.testing.assert_allclose(found, stress(x, y, nu, force) @ normal, atol=1e-7)
@@ -133,19 +133,6 @@ def halves(kind):
         places = mesh.doflocs.copy()
         places[0, np.argmin(np.hypot(places[0] - 0.5, places[1] + 2))] += 1e-15
         return dataclasses.replace(body(8), mesh=dataclasses.replace(mesh, doflocs=places)), STEEL, 1
-    if kind == "one side held":
-        mesh = block("fixed", "free", 2, "triangles").mesh
-        left = mesh.facets_satisfying(lambda x: x[0] < -WIDTH / 2 + 1e-9)
-        names = mesh.boundaries | {"left": left}
-        return (
-            dataclasses.replace(
-                block("fixed", "free", 2, "triangles"),
-                mesh=mesh.with_boundaries(names),
-                supports={"base": "fixed", "left": "guided"},
-            ),
-            STEEL,
-            1,
-        )
     if kind == "half-disc":
         return body(8), STEEL, 2
     if kind == "incompressible half-disc":
@@ -160,7 +147,6 @@ def halves(kind):
         "half-disc",
         "incompressible half-disc",
         "a node moved",
-        "one side held",
         "rollers, free, 2, triangles",
         "fixed, free, 2, quadrilaterals",
         "rollers, guided, 1, triangles",

@@ -71,6 +71,11 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
     assert solution.dissipation_drift == pytest.approx(1 - before / last)
     assert "the last of 2 ends" in drift_note(solution)
     assert f"differs by {1 - before / last:+.1e} of itself" in drift_note(solution)
+    said = {
+        ("note", drift_note(solution)),
+        ("dissipation, change from the cycle before", f"{solution.dissipation_drift:+.2e} of it"),
+    }
+    assert said <= set(summary_rows(solution))
     steady = halfplane_fe.solve(load_scene("cattaneo-mindlin"), ROUGH, FEW)
     assert steady.steady_from is not None
     assert not any("repeats" in note for note in steady.record.notes)
@@ -80,33 +85,10 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
     assert "its dissipation differs" not in drift_note(alone)
 
 
-@pytest.fixture
-def scene_file(tmp_path: Path) -> str:
-    path = tmp_path / "blocks-on-rollers.json"
-    path.write_text(json.dumps({**ON_ROLLERS, "cycles": 2}), encoding="utf-8")
-    return str(path)
-
-
-def test_fe_says_so_in_words_and_in_json(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    found_before = unsettled()
-    monkeypatch.setattr("halfplane_fe.solve", lambda *_, **__: found_before)
-    main(["fe", "hertz-paper", "--json", "--quiet", "--out", str(tmp_path / "out")])
-    found = json.loads(capsys.readouterr().out)["result"]
-    assert drift_note(unsettled()) in found["notes"]
-    assert found["dissipation_drift"] == unsettled().dissipation_drift
-    assert found["dissipation_uncertainty"] is None  # a mesh as rough as that of the coarse run
-    words = summary_rows(unsettled())
-    assert ("note", drift_note(unsettled())) in words
-    assert ("dissipation, change from the cycle before", f"{unsettled().dissipation_drift:+.2e} of it") in words
-
-
-def test_run_says_so_on_the_terminal_in_json_and_on_the_page(
-    scene_file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "out"
-    main(["run", scene_file, "--no-budget", "--out", str(out), *OPTIONS])
+def test_run_says_so_on_the_terminal_in_json_and_on_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, scene_file = tmp_path / "out", tmp_path / "blocks-on-rollers.json"
+    scene_file.write_text(json.dumps({**ON_ROLLERS, "cycles": 2}), encoding="utf-8")
+    main(["run", str(scene_file), "--no-budget", "--out", str(out), *OPTIONS])
     words = " ".join(capsys.readouterr().out.split())
     note = drift_note(unsettled())
     assert f"Note: {note}." in words
