@@ -100,10 +100,6 @@ def test_stops_when_the_cycle_repeats_and_says_so():
     assert answer.work.skipped["revolutions"][0] == answer.scene.cycles - 2
     start, end = answer.last_cycle[[0, -1]]
     np.testing.assert_allclose(answer.shear[end], answer.shear[start], atol=1e-9 * answer.pressure.max())
-    short = fe_run(load_scene("cattaneo-mindlin").vary(cycles=1))
-    assert (short.steady_from, short.record.termination) == (None, "end of path")
-    assert "without a revolution that repeats" in short.record.message
-    assert "revolutions" not in short.work.skipped
     path = fe_run(load_scene("hertz-normal"))
     assert (path.steady_from, path.record.termination, len(path.cycle_dissipation)) == (None, "end of path", 1)
     assert path.last_cycle.tolist() == list(range(len(path.time)))

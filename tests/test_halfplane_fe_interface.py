@@ -324,41 +324,11 @@ def test_linear_sides_that_do_not_match_follow_a_curve_to_first_and_second_order
     assert max(found[-1].values()) < 1.5e-2
 
 
-def sides(line, order, ratio, size=0.1):
-    def side(size):
-        corners = np.linspace(-1, 1, round(2 / size) + 1)
-        x = np.linspace(-1, 1, order * (len(corners) - 1) + 1)
-        return Side(x, LINES[line](x), order)
-
-    return side(size), side(size * ratio)
-
-
-def opened(coupled, lower, upper):
-    """(2, n) gap and slip by displacements (2, m) of the two sides."""
-    along = [np.einsum("dncm,cm->dn", operator, moved) for operator, moved in ((coupled.lower, lower), (coupled.upper, upper))]
-    return along[1] - along[0]
-
-
-@pytest.mark.parametrize(("line", "order", "ratio"), list(itertools.product(LINES, (1, 2), RATIOS)))
-def test_moving_the_upper_side_opens_and_slips_by_the_normals(line, order, ratio):
-    """By dx, dy: gap n_x dx + n_y dy, slip n_y dx - n_x dy; n is that of the line at the node, to the sag of an element."""
-    lower, upper = sides(line, order, ratio)
-    coupled = mortar(lower, upper)
-    dx, dy = 0.3, -0.7
-    gap, slip = opened(coupled, np.zeros((2, len(lower.x))), np.outer([dx, dy], np.ones_like(upper.x)))
-    slope = (LINES[line](lower.x + 1e-6) - LINES[line](lower.x - 1e-6)) / 2e-6
-    n_x, n_y = -slope / np.hypot(1, slope), 1 / np.hypot(1, slope)
-    # A linear side has the slope of its chords: half an element off at its ends, where the dual mean leans outwards.
-    sag = 1e-8 if line in STRAIGHT else {1: 0.3 * 0.1, 2: 1e-4}[order] * max(ratio, 1)
-    np.testing.assert_allclose(gap, n_x * dx + n_y * dy, atol=sag)
-    np.testing.assert_allclose(slip, n_y * dx - n_x * dy, atol=sag)
-    np.testing.assert_allclose(coupled.normals, [n_x, n_y], atol=sag)
-
-
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("line", LINES)
 def test_a_uniform_distance_is_found_along_the_normal(line, order):
-    lower, upper = sides(line, order, 0.25)
+    x = np.linspace(-1, 1, 20 * order + 1), np.linspace(-1, 1, 80 * order + 1)
+    lower, upper = (Side(places, LINES[line](places), order) for places in x)
     plain = mortar(lower, upper)
     lifted = mortar(lower, dataclasses.replace(upper, y=upper.y + 0.01))
     np.testing.assert_allclose(lifted.gap - plain.gap, 0.01 * lifted.normals[1], rtol=1e-11)
@@ -382,7 +352,9 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     for which, body in both_loaded(line, order, cells, ratio).items():
         found = body.moved(HYDROSTATIC, 0.0)
         moved[which] = found[body.contact]
-    gap, slip = opened(coupled, moved["lower"], moved["upper"] * np.array([[1.0], [-1.0]]))
+    moved["upper"] = moved["upper"] * np.array([[1.0], [-1.0]])
+    along = [np.einsum("dncm,cm->dn", getattr(coupled, which), moved[which]) for which in ("lower", "upper")]
+    gap, slip = along[1] - along[0]
     zero, (n_x, n_y) = np.zeros_like(interface.x), interface.normals
     problem = ContactProblem(interface, gap + coupled.gap - n_x * SHIFT, 0.5, Layer(zero, zero))
     # A sticking node keeps the slip of the history: with minus what the other boundaries do, the faces meet as they were made, once

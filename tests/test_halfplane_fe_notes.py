@@ -82,6 +82,8 @@ def test_revolutions_that_do_not_repeat_are_noted_with_how_the_dissipation_drift
     assert steady.dissipation_drift == 0
     alone = halfplane_fe.solve(load_scene("cattaneo-mindlin").vary(cycles=1), ROUGH, FEW)
     assert np.isnan(alone.dissipation_drift)
+    assert (alone.steady_from, alone.record.termination) == (None, "end of path")
+    assert "without a revolution that repeats" in alone.record.message
     assert "its dissipation differs" not in drift_note(alone)
 
 

@@ -28,7 +28,6 @@ from reports.maps.corrections import (
     correction,
     curvature_sum,
     dissipation,
-    dissipation_error,
     ellipse_path,
     kernel,
     pad_correction,
@@ -116,22 +115,6 @@ def test_without_bodies_it_is_half_plane_theory(name: str) -> None:
     compliance = sum((1 - m.poisson_ratio**2) / m.young_modulus for m in (material.lower, material.upper))
     exact = semi_analytic.solve(scene, fields=("dissipation",)).dissipation * np.pi / (2 * compliance * p0**2)
     assert dissipation(p, q, scene.friction.coefficient, NOTHING, cycle) == pytest.approx(exact, rel=1e-3)
-
-
-def test_normal_and_tangential_parts_and_mirrors() -> None:
-    """tau = 0, constant P: theory of the radius R/(1 + nu), and W of Hertz does not depend on R. tau moves W at first order."""
-    q = 0.5 * np.interp(np.arange(801), [0, 200, 400, 600, 800], [1, 0, -1, 0, 1])
-    p, q = np.concatenate([[0.5], np.ones(801 * 2)]), np.concatenate([[0.25], q, q])
-    plain, stiff = (dissipation(p, q, 0.9, added, 800) for added in (NOTHING, Curvatures(0.2, 0.0)))
-    assert stiff == pytest.approx(plain, rel=1e-3)
-    moved = [dissipation_error(*PAPER[:2], 1.0, Curvatures(0.0, tau), PAPER[2]) for tau in (0.02, 0.04)]
-    assert moved[0] < -0.01
-    assert moved[1] / moved[0] == pytest.approx(2.0, rel=0.05)
-    added, (p, q, cycle) = Curvatures(0.03, 0.05), PAPER
-    assert dissipation(p, -q, 1.0, added, cycle) == pytest.approx(dissipation(p, q, 1.0, added, cycle), rel=1e-12)
-    t = np.linspace(0, 4 * np.pi, 401)
-    p, q = 1 + 0.3 * np.cos(t), 0.1 * (1 + 0.3 * np.cos(t))
-    assert np.isnan(dissipation_error(p, q, 0.9, Curvatures(0.01, 0.0), 200))  # full stick
 
 
 def test_layers_agree_with_the_known_solution() -> None:
