@@ -1,4 +1,4 @@
-"""Meshes of half-discs, blocks, pads and cylinders: area, named boundaries, true face, mirror symmetry, scale; files; Ctrl-C."""
+"""Meshes of half-discs, blocks, pads and cylinders: area, named boundaries, true face, mirror symmetry; files; Ctrl-C."""
 
 import functools
 import itertools
@@ -188,43 +188,6 @@ def test_quality_of_known_triangles():
         assert found["worst_shape"] == found["mean_shape"] == pytest.approx(shape, rel=0.02)
         assert found["area_error"] == pytest.approx(error, abs=1e-14)
     assert found["size_ratio"] == pytest.approx(2.0, rel=1e-5)
-
-
-def scaled(name, length):
-    """Shape and profile in other units."""
-    shape, profile = SHAPES[name]
-    lengths = {key: value * length for key, value in shape.model_dump().items() if isinstance(value, float)}
-    if isinstance(profile, Tabulated):
-        return shape.vary(**lengths), Tabulated(points=[(x * length, h * length) for x, h in ROWS])
-    radii = {key: value * length for key, value in profile.model_dump().items() if isinstance(value, float)}
-    return shape.vary(**lengths), profile.vary(**radii)
-
-
-@pytest.mark.parametrize(
-    ("name", "order", "cells"),
-    [
-        (name, *kind)
-        for name in (*DISCS, *SHAPES)
-        for kind in ((2, "triangles"), (1, "quadrilaterals"))
-        if name not in DISCS or kind[0] == 2
-    ],
-)
-def test_scale_does_not_matter_and_the_same_question_has_the_same_mesh(name, order, cells):
-    """Not even the numbering changes: gmsh is given lengths over the contact side, to twelve digits. It is left as it was found."""
-    plain = body(name, order, cells)
-    for length in (1e-3, 1.0573, 1e9):
-        lengths = {field: value * length for field, value in vars(DISCS.get(name, GRADING)).items() if value is not None}
-        grading = SurfaceGrading(**lengths)
-        other = (
-            half_disc("scaled", grading, 0.25, order)
-            if name in DISCS
-            else solid("upper", *scaled(name, length), grading, 0.25, order, cells)
-        )
-        np.testing.assert_array_equal(other.mesh.t, plain.mesh.t)
-        np.testing.assert_allclose(other.mesh.p / length, plain.mesh.p, rtol=0, atol=1e-11)
-        for key in plain.mesh.boundaries:
-            np.testing.assert_array_equal(other.mesh.boundaries[key], plain.mesh.boundaries[key])
-    assert not gmsh.isInitialized()
 
 
 ROUGH = [(0.0, 0.1, 0.1), (0.95, 0.14, 0.02), (0.3, 0.05, 0.03)]

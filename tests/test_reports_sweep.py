@@ -175,10 +175,9 @@ def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch
 
 
 def test_whatever_numbers_depend_on_is_in_the_address(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The engines, and what a process loads of `reports` that works as a worker does; each line of a module counts (the store's test)."""
-    words = (
-        "import sys, reports.sweep.solving, reports.comparison.budget\nprint(*(n for n in sys.modules if n.startswith('reports.')))"
-    )
+    """The engines, and what a process loads of `reports` that works as a worker does; that each line counts is the store's test."""
+    words = "import sys, reports.sweep.solving, reports.comparison.budget\n"
+    words += "print(*(name for name in sys.modules if name.startswith('reports.')))"
     found = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True, cwd=ROOT).stdout.split()
     counted: list[str] = []
     monkeypatch.setattr(solving, "source_digest", lambda *names: "".join(counted.extend(names) or ()))
