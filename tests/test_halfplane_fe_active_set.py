@@ -397,11 +397,6 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
     assert halved.dissipation == pytest.approx(full.dissipation, rel=1e-11)
 
 
-def faces():
-    answer = fe_run(load_scene("hertz-paper"))
-    return couple(*answer.condensed)
-
-
 @pytest.mark.parametrize(
     "spoil",
     [
@@ -415,6 +410,6 @@ def faces():
     ids=["places", "gap", "slope", "weights", "compliance", "coupling"],
 )
 def test_faces_that_are_no_mirror_images_are_left_alone(spoil):
-    whole = faces()
+    whole = couple(*fe_run(load_scene("hertz-paper")).condensed)
     assert mirrored(whole, sheared=False)
     assert not mirrored(replace(whole, **spoil(whole)), sheared=False)

@@ -195,14 +195,6 @@ def pair(line, order, cells, ratio, coarser=0.4, base="rollers"):
     return tuple(condensed(which, line, order, cells, size, base) for which, size in sizes_of(ratio, coarser).items())
 
 
-def linear_field(places, stress, height):
-    """Displacement (2, n) of a uniform stress in a block that stands on y = -height: no rotation of the base."""
-    young, nu = MATERIAL.young_modulus, MATERIAL.poisson_ratio
-    strain = ((1 + nu) * (stress - nu * np.trace(stress) * np.eye(2))) / young
-    x, y = places[0], places[1] + height
-    return np.stack([strain[0, 0] * x + 2 * strain[0, 1] * y, strain[1, 1] * y])
-
-
 @dataclasses.dataclass
 class Loaded:
     """A body assembled afresh: its displacement under the tractions of a uniform stress and forces on the contact."""
@@ -265,10 +257,12 @@ def patch_errors(line, kind, ratio, stress, coarser=0.4):
     normal = np.array([-slope, 1.0]) / np.hypot(1, slope)
     pressure, shear = -normal @ stress @ normal, np.array([normal[1], -normal[0]]) @ stress @ normal
     forces = body_forces(lower, upper, pressure * interface.weights, shear * interface.weights)
-    errors = {}
+    errors, young, nu = {}, MATERIAL.young_modulus, MATERIAL.poisson_ratio
     for which, body in both_loaded(line, *kind, ratio, coarser, base).items():
         own = stress if which == "lower" else stress * np.array([[1.0, -1.0], [-1.0, 1.0]])  # reflected in y = 0
-        exact = linear_field(body.places, own, HEIGHTS[which])
+        strain = ((1 + nu) * (own - nu * np.trace(own) * np.eye(2))) / young
+        x, y = body.places[0], body.places[1] + HEIGHTS[which]  # a block that stands on y = -height: no rotation of the base
+        exact = np.stack([strain[0, 0] * x + 2 * strain[0, 1] * y, strain[1, 1] * y])
         found = body.moved(own, forces[which])
         errors[f"forces, {which}"] = np.abs(forces[which] - body.consistent(own)).max() / np.abs(forces[which]).max()
         errors[f"displacement, {which}"] = max(

@@ -135,22 +135,6 @@ def check_row(keyword: str, row: list[str], kinds: str) -> None:
             raise ValueError(f"*{keyword}: {word!r} is no {kind} of at most 20 characters")
 
 
-def abaqus_for_calculix(deck: Deck) -> str:
-    """The Abaqus deck without its output requests and with CalculiX' form of friction: what CalculiX can run."""
-    lines: list[str] = []
-    keyword = ""
-    for line in deck_text(deck, "abaqus").splitlines():
-        if line.startswith("*") and not line.startswith("**"):
-            keyword = line[1:].split(",")[0]
-            if "OUTPUT" not in keyword:
-                lines.append("*FRICTION" if keyword == "FRICTION" else line)
-        elif keyword == "FRICTION" and not line.startswith("**"):
-            lines.append(f"{line}, {deck.stick_slope:.8e}")
-        elif "OUTPUT" not in keyword and keyword != "SURFACE INTERACTION":
-            lines.append(line)
-    return "\n".join(lines) + "\n"
-
-
 @cache
 def deck_of(name: str) -> Deck:
     return build_deck(load_scene(name), COARSE)
@@ -211,6 +195,13 @@ class TestText:
         signs = {parameters["AMPLITUDE"]: data[0] for keyword, parameters, data in cards if keyword == "CLOAD"}
         assert signs["NORMAL_LOAD"] == [str(deck.reference), "2", "-1."]
         assert ("TANGENTIAL_LOAD" in signs) == (scene.friction.coefficient > 0)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_both_dialects_say_the_same_but_for_friction_and_output(name: str) -> None:
+    """So what CalculiX runs holds of the Abaqus deck too."""
+    ours, theirs = ([card for card in cards_of(name, dialect) if card[0] in BOTH] for dialect in ("calculix", "abaqus"))
+    assert ours == theirs
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -521,15 +512,6 @@ class TestCalculix:
             assert abs(comparison.metric(key).value) < limit, key
         result = comparison.result
         assert np.allclose(result.normal_load[1:], comparison.scene.load.path().at(result.time[1:])[0], rtol=2e-3)
-
-    def test_it_runs_the_part_of_the_abaqus_deck_that_both_share(self, tmp_path: Path) -> None:
-        deck = build_deck(load_scene("hertz-normal"), DeckSettings(edge_element_size=1 / 20, steps_per_cycle=16))
-        (tmp_path / "deck.inp").write_text(abaqus_for_calculix(deck), encoding="utf-8")
-        done = run_calculix(find_calculix(), tmp_path, "deck", float(deck.deck_time[-1]), 900.0)
-        assert done.increments >= len(deck.time) - 1
-        log = (tmp_path / "deck.log").read_text(encoding="utf-8", errors="replace")
-        assert "parameter not recognized" not in log
-        assert "*ERROR" not in log
 
     def test_run_leaves_three_columns_and_a_time_limit_the_rest(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         out = tmp_path / "out"
