@@ -87,14 +87,14 @@ DATUM, END = 7.0, 1.2
 
 
 @functools.cache
-def body(elements=16, radius=6.0, order=2):
+def body(elements=16, order=2):
     """A half-disc with `elements` a unit of contact surface, the bulk refined with it."""
-    return half_disc("body", SurfaceGrading(0.0, END, 1 / elements, 1 / elements, radius), min(1.0, 2.4 / elements), order)
+    return half_disc("body", SurfaceGrading(0.0, END, 1 / elements, 1 / elements, 6.0), min(1.0, 2.4 / elements), order)
 
 
 @functools.cache
-def condensed(elements=16, radius=6.0, order=2, material=STEEL, datum=DATUM):
-    return condense(body(elements, radius, order), material, datum)
+def condensed(elements=16, order=2, material=STEEL):
+    return condense(body(elements, order), material, DATUM)
 
 
 def uniform_errors(elements, order=2, material=STEEL):

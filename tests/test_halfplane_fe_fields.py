@@ -30,11 +30,6 @@ UNLIKE = Materials(upper=Elastic(young_modulus=70e3, poisson_ratio=0.33), lower=
 FINE = MeshSettings(element_size=1 / 24, edge_element_size=1 / 24, far_radius=8.0, growth=0.15)
 
 
-def scene_of(name):
-    scene = load_scene(name.removesuffix(", unlike"))
-    return scene.vary(material=UNLIKE) if name.endswith("unlike") else scene
-
-
 def on_surface(body, x):
     """Displacement (n, 2) of the nodes of y = 0 that lie at `x`."""
     surface = np.flatnonzero(body.points[:, 1] == 0)
@@ -67,8 +62,8 @@ def pulled(young_modulus=2.0, **further):
 
 
 FACES = {
-    "hertz-paper": lambda: scene_of("hertz-paper"),
-    "hertz-paper, unlike": lambda: scene_of("hertz-paper, unlike"),
+    "hertz-paper": lambda: load_scene("hertz-paper"),
+    "hertz-paper, unlike": lambda: load_scene("hertz-paper").vary(material=UNLIKE),
     "bulk stress and tilt, unlike half-planes": lambda: pulled(1.0),
     "bulk stress and tilt, specimen on rollers": lambda: pulled(bodies=ROLLERS),
 }

@@ -53,10 +53,6 @@ def deepest(name):
     return shape.radius if isinstance(shape, Cylinder) else shape.height
 
 
-def area_under_parabola(width, radius):
-    return width**3 / (24 * radius)
-
-
 def exact_area(name):
     """By hand, each shape on its own."""
     if name in DISCS:
@@ -71,7 +67,7 @@ def exact_area(name):
         b, R = profile.tip_half_length, profile.tip_radius
         return rectangle - 2 * (b**3 / (6 * R) + (reach - b) * b**2 / (2 * R) + b * (reach - b) ** 2 / (2 * R))
     if isinstance(profile, Tabulated):
-        return rectangle - area_under_parabola(shape.width, 10.0)
+        return rectangle - shape.width**3 / (24 * 10.0)
     R, b = profile.radius, getattr(profile, "flat_half_length", 0.0)
     s = reach - b  # under the arc: R s less the segment of the circle
     return rectangle - 2 * (R * s - (s * math.sqrt(R**2 - s**2) + R**2 * math.asin(s / R)) / 2)

@@ -259,10 +259,8 @@ class TestInstants:
         largest = next(instant for instant in chosen if instant.label == "Q largest")
         loads = answer.tangential_load
         assert np.interp(largest.time, answer.time, loads) == pytest.approx(loads[answer.last_cycle].max())
-        with pytest.raises(InputError, match="--at 99: the instant lies outside the path, which goes from time 0 to"):
-            instants_of(["99"], answer, "--at")
-        for word, words in (("soon", "--at soon: give times"), ("nan", "outside the path"), ("inf", "outside the path")):
-            with pytest.raises(InputError, match=words):
+        for word in ("nan", "inf"):
+            with pytest.raises(InputError, match="outside the path"):
                 instant_of(word, "--at", 0, 1)
 
     def test_a_series_lies_evenly_in_the_last_cycle_whose_end_is_its_start(self) -> None:
