@@ -145,12 +145,16 @@ def survive(folder: Path, job: str, kills: int, seed: int, longest: float, truth
     return kills
 
 
+def copy_the_code(folder: Path) -> None:
+    """The packages, which nobody edits there while jobs run; once."""
+    for package in PACKAGES:
+        if not (folder / package).exists():
+            shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("published", "__pycache__"))
+
+
 def undisturbed(folder: Path, job: str) -> tuple[dict[str, str], float]:
     """The numbers of a run that nothing happened to, and how long it took."""
-    for package in PACKAGES:  # nobody edits these while jobs run
-        if not (folder.parent / "code" / package).exists():
-            left_out = shutil.ignore_patterns("published", "__pycache__")
-            shutil.copytree(ROOT / package, folder.parent / "code" / package, ignore=left_out)
+    copy_the_code(folder.parent / "code")
     folder.mkdir()
     begun = time.monotonic()
     assert finished(folder, job) in (0, 1)

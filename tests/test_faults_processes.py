@@ -30,7 +30,6 @@ import reports
 import semi_analytic
 from command_line import COARSE, everything, process, sentence, start
 from faulty import JOBS, STUDY, Starved, finished, half_files, in_a_child, numbers, possible, started, starved, survive, undisturbed
-from halfplane_fe import store
 from meshes import MeshSettings
 from reports import folder as folders
 from reports import staging
@@ -769,14 +768,6 @@ def test_the_same_scene_twice_is_the_same_files(comparison: Comparison, tmp_path
     assert first == second
     assert len(first) > 10
     assert len(pages[0]) == len(pages[1])
-
-
-def test_the_same_scene_solved_twice_is_the_same_bits(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """With an empty store, then with a full one."""
-    monkeypatch.setattr(store, "cache_folder", lambda: tmp_path)
-    first, second = (halfplane_fe.solve(load_scene("blocks"), MESH) for _ in range(2))
-    for name in ("pressure", "shear", "slip", "contact_edges", "stick_edges", "dissipation_density"):
-        np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
 
 
 @pytest.mark.slow

@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import fe_orders
 import halfplane_fe
 import layer_truth
 import semi_analytic
@@ -196,29 +195,22 @@ def end_of_step_density(answer):
 HALF_PLANES = Bodies()
 
 
-def pressed(bodies, materials, radius, load):
-    """Pressed once without friction."""
-    like = load_scene("hertz-normal")
-    changes = {
-        "material": materials,
-        "profile": Hertz(radius=radius),
-        "friction": 0.0,
-        "load": PolygonLoad(initial_loading=((load, 0.0),)),
-        "bodies": bodies,
-    }
-    return like.vary(**changes)
+def layer(thickness, stiffness=1e6):
+    """Pressed once without friction: a layer on a rigid base, and a punch so stiff."""
+    soft, stiff = Elastic(young_modulus=1.0, poisson_ratio=0.3), Elastic(young_modulus=stiffness, poisson_ratio=0.3)
+    load = layer_truth.load_on(layer_truth.Layer(1.0, 0.3, thickness, 100.0), 1.0)
+    return load_scene("hertz-normal").vary(
+        material=Materials(lower=soft, upper=stiff),
+        profile=Hertz(radius=100.0),
+        friction=0.0,
+        load=PolygonLoad(initial_loading=((load, 0.0),)),
+        bodies=Bodies(lower=Block(width=10.0, height=thickness), upper=Block(width=10.0, height=4.0)),
+    )
 
 
-def layer(thickness, stiffness=1e6, nu=0.3):
-    soft, stiff = Elastic(young_modulus=1.0, poisson_ratio=nu), Elastic(young_modulus=stiffness, poisson_ratio=0.3)
-    load = layer_truth.load_on(layer_truth.Layer(1.0, nu, thickness, 100.0), 1.0)
-    bodies = Bodies(lower=Block(width=10.0, height=thickness), upper=Block(width=10.0, height=4.0))
-    return pressed(bodies, Materials(lower=soft, upper=stiff), 100.0, load)
-
-
-def layer_error(answer, thickness, nu=0.3):
+def layer_error(answer, thickness):
     """Half-width, and L2 of the pressure."""
-    truth = layer_truth.pressure(layer_truth.Layer(1.0, nu, thickness, 100.0), 1.0, answer.x)
+    truth = layer_truth.pressure(layer_truth.Layer(1.0, 0.3, thickness, 100.0), 1.0, answer.x)
     difference = answer.pressure[-1] - truth
     return answer.contact_half_width[-1] - 1.0, np.sqrt(np.trapezoid(difference**2, answer.x) / np.trapezoid(truth**2, answer.x))
 
@@ -336,51 +328,62 @@ def test_a_sequence_of_another_order_would_fail_that_test():
             check_order(name, at, spoilt)
 
 
-def test_quadratic_elements_are_better_by_far():
-    for quantity in ("middle", "L2", "approach"):
-        assert hertz_errors(16, 2)[quantity] < hertz_errors(16, 1)[quantity] / 3
-
-
 # -------------------------------------------------------------------------------------- orders over the cycle of the paper
+
+
+# Refined together: every element of the surface and the growth into the depth. Where in an element an edge stands is chance,
+# moves an error by a factor of up to two and W from one sign to the other; each rung of the ladder is therefore the root-mean-
+# square over seven meshes of nearly its size (three will do for p, q, a and c) (and, for p, q, a and c, over the instants of the
+# last cycle). The dissipation is compared with that of the polygon of the run's own increments, so that increments do not count.
+QUANTITIES = ("p", "q", "a", "c", "W")
+# Elements of a rung's meshes over its own number.
+SPREAD = (1.0, 1.06, 1.13, 1.2, 1.27, 1.34, 1.42)
+# What to expect: a square root inside an element costs quadratic ones all but one order, linear ones, whose p is smoother, less;
+# W gains by errors of either sign, on the finest meshes less (a/160 to a/640: 1, since a node touches as a whole).
+EXPECTED = {2: {"p": 1.0, "q": 1.0, "a": 0.8, "c": 1.1, "W": 1.7}, 1: {"p": 1.4, "q": 1.0, "a": 1.2, "c": 1.1, "W": 1.4}}
+ROOM = 0.5
+
+
+@functools.cache
+def cycle_errors(elements: float, order: int) -> dict[str, float]:
+    """Errors on one mesh of `elements` a half-width: relative L2 of p, q over f p, half-widths a and c over a, W."""
+    scene = load_scene("hertz-paper")
+    mesh = MeshSettings(
+        element_size=1 / elements, edge_element_size=1 / elements, growth=min(1.0, 3.2 / elements), far_radius=6.0, order=order
+    )
+    answer = halfplane_fe.solve(scene, mesh, SolverSettings(steps_per_cycle=48, step_tolerance=float("inf")))
+    exact = semi_analytic.solve(scene, x=answer.x, time=answer.time)
+    work = semi_analytic.solve(scene, x=[0.0], fields="dissipation").dissipation  # increments follow the curve of the loads
+    cycle = answer.last_cycle
+
+    def norm(values: np.ndarray) -> np.ndarray:
+        return np.sqrt(np.trapezoid(values[cycle] ** 2, answer.x, axis=1))
+
+    pressure, a = norm(exact.pressure), answer.scales.half_width
+    return {
+        "p": rms(norm(answer.pressure - exact.pressure) / pressure),
+        "q": rms(norm(answer.shear - exact.shear) / pressure) / scene.friction.coefficient,
+        "a": rms((answer.contact_half_width - exact.contact_half_width)[cycle]) / a,
+        "c": rms((answer.stick_half_width - exact.stick_half_width)[cycle]) / a,
+        "W": answer.dissipation / work - 1,
+    }
 
 
 CUTS = (16, 32, 64)
 
 
-def within(found: float, order: int, name: str) -> bool:
-    return abs(found - fe_orders.EXPECTED[order][name]) <= fe_orders.ROOM
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("name", fe_orders.QUANTITIES)
+@pytest.mark.parametrize("name", QUANTITIES)
 def test_elements_converge_at_their_order(name, order):
     """Of p, q, a, c, W over the cycle under uniform refinement, and monotone; with a floor under the error it is another order."""
-    spread = fe_orders.SPREAD if name == "W" else fe_orders.SPREAD[::3]
-    found = [fe_orders.rung(n, order, spread)[name] for n in CUTS]
-    assert fe_orders.convergence_class(found) == "monotone", found
-    assert within(fe_orders.observed_order(CUTS, found), order, name), found
+    spread = SPREAD if name == "W" else SPREAD[::3]
+    found = [rms([cycle_errors(n * share, order)[name] for share in spread]) for n in CUTS]
+    apart = lambda errors: abs(order_of([1 / n for n in CUTS], errors) - EXPECTED[order][name])  # noqa: E731
+    assert np.all(np.diff(found) < 0), found
+    assert apart(found) <= ROOM, found
     floor = {"p": 0.02, "q": 0.05, "a": 0.01, "c": 0.03}.get(name)
-    assert floor is None or not within(fe_orders.observed_order(CUTS, [error + floor for error in found]), order, name)
-
-
-CLASSES = [
-    ([n**-1.5 for n in CUTS], "monotone"),
-    ([-4.0, -2.0, -1.0], "monotone"),
-    ([4.0, -2.0, 1.0], "oscillating"),
-    ([4.0, 1.0, 2.0], "oscillating"),
-    ([1.0, 0.1, -2.0], "diverging"),
-    ([1.0, 1.0, 1.0], "diverging"),
-    ([1.0, 0.5, float("nan")], "diverging"),
-]
-
-
-def test_too_fast_is_as_suspect_as_too_slow_and_sequences_have_their_class():
-    for planted in (0.2, 2.5):
-        assert fe_orders.observed_order(CUTS, [n**-planted for n in CUTS]) == pytest.approx(planted)
-        assert not any(within(planted, 2, name) for name in fe_orders.QUANTITIES)
-    for found, kind in CLASSES:
-        assert fe_orders.convergence_class(found) == kind, found
+    assert floor is None or apart([error + floor for error in found]) > ROOM
 
 
 # ------------------------------------------------------------------------------------------------------- testing the testers
@@ -417,14 +420,6 @@ def test_check_fails_above_its_limit_and_on_nan():
 
 
 # ---------------------------------------------------------------------------------------------------------- real bodies
-def test_truth_of_the_layer_has_both_limits():
-    """Hertz for a thick layer, p = M u/t for a thin one: P = 2 M a^3/(3 R t), M = E (1-nu)/((1+nu)(1-2 nu))."""
-    thick = layer_truth.Layer(1.0, 0.3, 1e3, 100.0)
-    assert layer_truth.load_on(thick, 1.0) == pytest.approx(np.pi / (4 * 100 * 0.91), rel=1e-6, abs=0)
-    unit = 3 * 100 / (2 * 0.7 / (1.3 * 0.4))
-    one, half = (layer_truth.load_on(layer_truth.Layer(1.0, 0.3, t, 100.0), 1.0) * unit * t for t in (0.2, 0.1))
-    assert 1.02 < half < one < 1.08
-    assert 2 * half - one == pytest.approx(1.0, abs=2e-3)  # what is left goes with t
 
 
 def test_pressure_on_a_layer_is_that_of_fourier_integrals():
@@ -434,12 +429,6 @@ def test_pressure_on_a_layer_is_that_of_fourier_integrals():
     check("layer, half-width", edge)
     check("layer, pressure", pressure)
     assert layer_error(halfplane_fe.solve(thin.vary(bodies=HALF_PLANES), COARSE), 0.3)[1] > 0.1
-
-
-@pytest.mark.slow
-def test_a_thin_layer_does_not_lock():
-    wide = Bodies(lower=Block(width=20.0, height=0.5), upper=Block(width=20.0, height=4.0))
-    assert layer_error(halfplane_fe.solve(layer(0.5, nu=0.4999).vary(bodies=wide)), 0.5, 0.4999)[1] < 1e-3
 
 
 @pytest.mark.slow

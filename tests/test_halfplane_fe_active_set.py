@@ -8,7 +8,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -20,7 +20,7 @@ from halfplane_fe.elasticity import condense
 from halfplane_fe.energy import certificates, increment_energy
 from halfplane_fe.interface import Interface, couple
 from halfplane_fe.law import project, slip_sign, violations
-from halfplane_fe.mirror import half, mirrored
+from halfplane_fe.mirror import mirrored
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings, SurfaceGrading, half_disc
 from problems import fe_run
@@ -35,61 +35,25 @@ trials = arrays(float, 6, elements=number)
 OPEN, STICK, FORWARD, REVERSE = SurfaceState
 
 
-@given(trials, trials, friction, st.integers(-40, 40))
-def test_projection_lies_in_the_cone_and_knows_no_scale_and_no_side(pressure, shear, f, power):
-    """Idempotent, mirrored with the shear, scaled by powers of two (where these do not round); on the cone counts as sticking."""
+@given(trials, trials, friction)
+def test_projection_is_the_nearest_pressure_and_the_shear_cut_off_at_f_p(pressure, shear, f):
+    """So the laws hold in what it gives, and it is idempotent, its own mirror image, the same in any unit.
+
+    (p, q) = project(p - r g, q + r ds) where, and only where, Signorini's and Coulomb's laws hold; on the cone counts as sticking.
+    """
     p, q, state = project(pressure, shear, f)
-    sliding, scale = slip_sign(state), 2.0**power
-    assert np.all(p >= 0) and np.all(np.abs(q) <= f * p)  # noqa: PT018
-    np.testing.assert_array_equal(q[sliding != 0], (sliding * f * p)[sliding != 0])
-    np.testing.assert_array_equal(p[state == OPEN], 0.0)
-    np.testing.assert_array_equal(q[state == STICK], shear[state == STICK])
-    again = project(p, q, f)
-    np.testing.assert_array_equal(again[:2], (p, q))
-    assert np.all((again[2] == STICK) | (state == OPEN))
-    mirrored = project(pressure, -shear, f)
-    np.testing.assert_array_equal([mirrored[0], -mirrored[1], -slip_sign(mirrored[2])], [p, q, sliding])
-    normal = np.min([np.abs(pressure), np.abs(shear), f * np.abs(pressure)], axis=0) > 1e-280
-    for scaled, plain in zip(project(scale * pressure, scale * shear, f), (scale * p, scale * q, state), strict=True):
-        np.testing.assert_array_equal(scaled[normal], plain[normal])
-
-
-some = st.floats(0, 10)
-
-
-@given(st.floats(1e-3, 1e3), st.floats(-1, 1), st.floats(0.01, 3), some, some, st.floats(1e-3, 1e3))
-def test_law_is_the_fixed_point_of_the_projection(p, share, f, gap, slip, r):
-    """(p, q) = project(p - r g, q + r ds) where, and only where, Signorini's and Coulomb's laws hold; for any r > 0."""
-    # stick inside the cone
-    found = project(p, share * f * p, f)
-    assert (float(found[0]), float(found[1])) == (p, share * f * p)
-    # slip on the cone, either way
-    for sense in (1.0, -1.0):
-        found = project(p, sense * f * p + r * sense * slip, f)
-        assert (float(found[0]), float(found[1])) == (p, sense * f * p)
-    # open
-    assert [float(v) for v in project(-r * gap, 0.0, f)[:2]] == [0.0, 0.0]
-
-
-@given(p=st.floats(1e-2, 1e2), f=st.floats(0.01, 3), wrong=st.floats(1e-3, 10))
-def test_what_breaks_the_law_is_no_fixed_point(p, f, wrong):
-    breaches = {
-        "penetration": (p + wrong, 0.0, p, 0.0),
-        "pressure on an open gap": (p - wrong, 0.0, p, 0.0),
-        "slip inside the cone": (p, 0.5 * f * p + wrong, p, 0.5 * f * p),
-        "slip against friction": (p, f * p - wrong, p, f * p),
-    }
-    for name, (trial_p, trial_q, own_p, own_q) in breaches.items():
-        found = project(trial_p, trial_q, f)
-        assert (float(found[0]), float(found[1])) != (own_p, own_q), name
-
-
-def test_states_shapes_and_no_friction():
-    p, q, state = project(np.full((2, 2), 2.0), [[0.0, 0.9], [1.1, -1.1]], 0.5)
-    assert p.shape == q.shape == state.shape == (2, 2)
-    assert (state.tolist(), state.dtype) == ([[STICK, STICK], [FORWARD, REVERSE]], np.int8)
-    assert project(0.0, 1.0, 0.5)[2] == OPEN
-    assert [values.tolist() for values in project([1.0, 1.0], [0.0, 0.3], 0.0)] == [[1.0, 1.0], [0.0, 0.0], [STICK, FORWARD]]
+    limit = f * np.maximum(pressure, 0.0)
+    np.testing.assert_array_equal(p, np.maximum(pressure, 0.0))
+    np.testing.assert_array_equal(q, np.minimum(np.maximum(shear, -limit), limit))
+    for name, holds in ((OPEN, pressure <= 0), (FORWARD, shear > limit), (REVERSE, shear < -limit)):
+        np.testing.assert_array_equal(state == name, holds & ((pressure > 0) | (name == OPEN)))
+    np.testing.assert_array_equal(slip_sign(state), np.sign(shear) * (np.abs(shear) > limit) * (pressure > 0))
+    assert state.dtype == np.int8
+    assert [values.tolist() for values in project([1.0, 1.0], [[0.0], [0.3]], 0.0)] == [
+        [1.0, 1.0],
+        [[0.0, 0.0], [0.0, 0.0]],
+        [[STICK, STICK], [FORWARD, FORWARD]],
+    ]
 
 
 # An answer in which all is well: open, sticking, sliding forward, sliding in reverse.
@@ -116,15 +80,6 @@ def test_planted_violation_is_seen_with_its_size_and_nothing_else_is(name):
     values[place] = value
     found = violations(**(GOOD | {field: values}), friction=0.5)
     assert found == pytest.approx({figure: seen.get(figure, 0.0) for figure in PLANTED}, abs=1e-15)
-
-
-@given(trials, trials, st.floats(0.01, 3), arrays(float, 6, elements=st.floats(0, 10)))
-def test_projected_answers_violate_nothing(pressure, shear, f, amount):
-    p, q, state = project(pressure, shear, f)
-    assume(np.all(p[p > 0] > 1e-6))
-    gap = np.where(state == OPEN, amount, 0.0)
-    found = violations(gap, p, q, slip_sign(state) * amount, f)
-    assert max(found.values()) == 0.0
 
 
 # ------------------------------------------------------------------------------------------------------- one increment
@@ -216,14 +171,9 @@ def test_every_law_holds_along_any_path(pair, path):
         assert other.shift == pytest.approx(-one.shift, abs=1e-10)
 
 
-def test_increments_of_constant_pressure_may_be_split_and_some_node_sticks_short_of_sliding():
+def test_some_node_sticks_short_of_sliding():
     contact = problem()
     pressed, _ = contact.equilibrium(untouched(contact.height, 0.0), 1.0, (1.0, 0.0))
-    at_once, state = contact.equilibrium(pressed, 2.0, (1.0, 0.4))[0], pressed
-    for k in range(1, 8):
-        state, _ = contact.equilibrium(state, 1 + k / 7, (1.0, 0.4 * k / 7))
-    for name in ("shear", "slip"):
-        np.testing.assert_allclose(getattr(state, name), getattr(at_once, name), atol=1e-13)
     for share in (0.9, 0.99, 0.999999):
         state, _ = contact.equilibrium(pressed, 2.0, (1.0, share * FRICTION))
         assert np.any(state.state == STICK)
@@ -239,18 +189,6 @@ def test_a_node_that_pulls_by_a_thousand_millionth_of_the_largest_nodal_force_le
     lifted, _ = contact.equilibrium(pressed, 2.0, (4e-3 - 1e-11, 0.0))
     assert pressed.closed.all()
     assert certificates(contact, pressed, lifted)["tension"] == 0
-
-
-def test_like_bodies_keep_normal_and_tangential_apart_and_unlike_ones_do_not():
-    pressed = {pair: walk(problem(pair), [(1.0, 0.0)])[-1] for pair in MATERIALS}
-    np.testing.assert_array_equal(pressed["like"].shear, 0.0)
-    shear = pressed["unlike"].shear
-    assert np.abs(shear).max() > 0.05 * pressed["unlike"].pressure.max()
-    np.testing.assert_allclose(shear, -shear[::-1], atol=1e-12)
-    # A pressed face is drawn inwards, by (1-2 nu)(1+nu)/E: that of the softer upper body more, so it drags the lower one inwards.
-    right = interface("unlike").x > 0.2
-    closed = pressed["unlike"].closed
-    assert np.all(shear[right & closed] < 0)
 
 
 @pytest.mark.parametrize("layer", [1e-1, 1e-3])
@@ -343,17 +281,6 @@ def test_bodies_that_nothing_holds_are_no_answer():
         one.solve(np.full(N, FORWARD, dtype=np.int8), np.ones(N), np.zeros(N), (1.0, 0.0))
 
 
-def test_that_test_sees_a_column_of_another_row(monkeypatch):
-    """Planted: a change taken for that of the next node."""
-    true = CoupledFactor._from
-    monkeypatch.setattr(
-        CoupledFactor, "_from", lambda self, base, rows: true(self, base, rows._replace(closed=np.roll(rows.closed, 1)))
-    )
-    one = factor()
-    worst = max(residual(one, states, np.ones(N), np.zeros(N), (1.0, 0.3)) for states in sets(6))
-    assert worst > 1e-3
-
-
 # ---------------------------------------------------------------------------------- one Cholesky factor of like bodies
 
 
@@ -401,45 +328,26 @@ def test_a_symmetric_set_needs_no_update_and_another_one_needs_it_once():
 
 
 BOUND = 100
-PUTS = st.lists(st.tuples(st.sampled_from("abcdefgh"), st.integers(0, 60), st.booleans()), max_size=60)
-
-
-def held(kept: Kept[int]) -> dict[bytes, int]:
-    return dict(kept.items())
+PUTS = st.lists(st.tuples(st.sampled_from("abcdefgh"), st.integers(0, 130), st.booleans()), max_size=60)
 
 
 @given(PUTS)
 def test_the_bound_holds_and_the_longest_unused_gives_way(puts: list[tuple[str, int, bool]]) -> None:
-    """Against a list in the order of use, the plainest thing that could be right."""
+    """Against a list in the order of use, the plainest thing that could be right; what is larger than the bound is kept alone."""
     kept: Kept[int] = Kept(BOUND)
     by_use: list[tuple[bytes, int]] = []
     for name, size, asked in puts:
         key = name.encode()
-        known = next((pair for pair in by_use if pair[0] == key), None)
+        known = dict(by_use).get(key)
         if asked:
-            assert kept.get(key) == (None if known is None else known[1])
+            assert kept.get(key) == known
+        else:
+            known = kept.put(key, size, size)
         if known is not None:
-            if asked:
-                by_use.remove(known)
-                by_use.append(known)
-            continue  # a value that is there is not put again
-        kept.put(key, size, size)
-        by_use.append((key, size))
+            by_use = [*(pair for pair in by_use if pair[0] != key), (key, known)]
         while sum(size for _, size in by_use) > BOUND and len(by_use) > 1:
             by_use.pop(0)
-        assert held(kept) == dict(by_use)
-    assert sum(held(kept).values()) <= BOUND
-
-
-def test_a_value_larger_than_the_bound_is_kept_alone_and_put_again_counts_once() -> None:
-    kept: Kept[str] = Kept(10)
-    for name, size in (("small", 6), ("large", 60), ("next", 6)):
-        assert kept.put(name.encode(), name, size) == name
-        assert dict(kept.items()) == {name.encode(): name}
-    for number in range(20):
-        kept.put(b"next", str(number), 6)
-    kept.put(b"other", "1", 4)
-    assert dict(kept.items()) == {b"next": "19", b"other": "1"}
+        assert dict(kept.items()) == dict(by_use)
 
 
 def bytes_reached(factor: CoupledFactor) -> tuple[int, int]:
@@ -499,20 +407,6 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
     assert halved.dissipation == pytest.approx(full.dissipation, rel=1e-11)
 
 
-def faces():
-    answer = fe_run(load_scene("hertz-paper"))
-    return couple(*answer.condensed)
-
-
-def test_a_force_shared_with_its_image_moves_both_alike():
-    whole = faces()
-    middle = len(whole.x) // 2
-    together = np.cos(whole.x[middle:])
-    shared = np.concatenate([together[:0:-1] / 2, together[:1], together[1:] / 2])
-    np.testing.assert_allclose(half(whole).normal @ together, (whole.normal @ shared)[middle:], rtol=1e-9)
-    np.testing.assert_allclose(half(whole).weights.sum(), whole.weights.sum())
-
-
 @pytest.mark.parametrize(
     "spoil",
     [
@@ -526,6 +420,6 @@ def test_a_force_shared_with_its_image_moves_both_alike():
     ids=["places", "gap", "slope", "weights", "compliance", "coupling"],
 )
 def test_faces_that_are_no_mirror_images_are_left_alone(spoil):
-    whole = faces()
+    whole = couple(*fe_run(load_scene("hertz-paper")).condensed)
     assert mirrored(whole, sheared=False)
     assert not mirrored(replace(whole, **spoil(whole)), sheared=False)

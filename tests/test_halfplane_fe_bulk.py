@@ -12,15 +12,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.sparse.linalg import spsolve
 
 import halfplane_fe
 from halfplane_fe import SolverSettings, edge_tension, fields, stress
-from halfplane_fe.contact import ContactProblem, InterfaceState, untouched
 from halfplane_fe.elasticity import assemble, condense, uniform_stretch
-from halfplane_fe.interface import Interface
 from halfplane_fe.path import enclosed, loads_of, turning_points
-from halfplane_fe.systems import Layer
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
 from scenes import (
     Block,
@@ -134,35 +130,9 @@ def test_contact_of_a_line_of_action_is_hertz_moved_there() -> None:
     assert answer.tilt is not None
     assert answer.tilt[-1] == pytest.approx(-0.7, abs=2e-3)
     np.testing.assert_allclose(answer.contact_edges[-1], [0.7 - A0, 0.7 + A0], atol=1e-2)
-    np.testing.assert_allclose(answer.tilt, -0.7, atol=0.05)  # from the first touch on, to an element
-    far = solved(scene(PolygonLoad(initial_loading=[(3, 0)], line_of_action={"x": -5.0})), ROUGH)
-    np.testing.assert_allclose(far.contact_edges[-1], [-5.0 - A0, -5.0 + A0], atol=2e-2)
     answer = solved(scene(PolygonLoad(initial_loading=[(3, 0), (3, 1.2)], line_of_action={"height": 0.5})))
     assert answer.moment is not None
     np.testing.assert_allclose(answer.moment, 0.5 * answer.tangential_load, atol=1e-12)
-
-
-def test_bulk_stress_is_to_the_shear_what_tilt_is_to_the_pressure() -> None:
-    """q = f [p(P, alpha) - p(P - Q/f, alpha - eps/f)] of bodies with N = T: both sides are one finite problem, so to rounding."""
-    n, f = 41, 0.5
-    x, none = np.linspace(-2, 2, n), np.zeros(n)
-    apart = np.abs(np.subtract.outer(x, x))
-    alike = -np.log((apart + 0.05 * np.eye(n)) / 50) * 2 / np.pi
-    imposed = np.stack([np.stack([none, none, x], axis=1), np.stack([-x, x, none], axis=1)])
-    faces = Interface(x, none + 0.1, np.stack([none, none + 1]), none, alike, alike, None, imposed=imposed)
-
-    def problem(friction: float) -> ContactProblem:
-        return ContactProblem(faces, x**2 / 2, friction, Layer(none, none))
-
-    def pressed(loads: tuple[float, ...], friction: float = 0.0) -> InterfaceState:
-        rest = replace(untouched(x**2 / 2, 0.0), further=(0.0, 0.0, 0.0))
-        return problem(friction).equilibrium(rest, 1.0, loads)[0]
-
-    start, load, strain, tilt = (2.0, 0.0, 0.0, 0.0, 0.1), 0.4, 0.08, 0.1
-    sheared, _ = problem(f).equilibrium(pressed(start, f), 2.0, (2.0, load, strain, 0.0, tilt))
-    inner = pressed((2.0 - load / f, 0.0, 0.0, 0.0, tilt - strain / f))
-    np.testing.assert_allclose(sheared.shear, f * (sheared.pressure - inner.pressure), atol=1e-11)
-    assert 0 < (sheared.state == 1).sum() < sheared.closed.sum()
 
 
 # -------------------------------------------------------------------------------------------------------- invariances
@@ -226,8 +196,8 @@ SAME: dict[str, tuple[Scene, Scene, int, int, float]] = {
     "shear turned": (scene(MIXED), scene(turned_keys(MIXED, ("Q", "bulk_stress_lower"))), 1, -1, 1e-7),
     # Half a turn of the whole picture: lower and upper body change places, x is -x, P, Q and the stresses are what they were.
     "upside down": (
-        scene(ellipse(**BASE, bulk_stress_lower=HELD), material=STEEL, bodies=Bodies(lower=FIXED)),
-        scene(ellipse(**BASE, bulk_stress_upper=HELD), material=STEEL, bodies=Bodies(upper=FIXED)),
+        scene(ellipse(**BASE, bulk_stress_lower=HELD), material=UNLIKE, bodies=Bodies(lower=FIXED)),
+        scene(ellipse(**BASE, bulk_stress_upper=HELD), material=Materials(upper=STEEL, lower=SOFT), bodies=Bodies(upper=FIXED)),
         -1,
         -1,
         1e-8,
@@ -256,18 +226,6 @@ def test_two_scenes_that_are_one_have_one_answer(name: str) -> None:
     if first is LOWER or "unequal" in name:  # and the change is one that counts
         plain = solved(same_strain(wave(0, 0))).dissipation
         assert abs(one["W"][-1] / plain - 1) > 0.1
-
-
-def test_without_bulk_stress_and_tilt_the_whole_contact_gives_what_its_half_gives() -> None:
-    plain = ellipse((3, 0.6), (0.2, 1.2), 60)
-    whole = solved(scene(ellipse((3, 0.6), (0.2, 1.2), 60, tilt=wave(0, 0), bulk_stress_upper=wave(0, 0))))
-    half = solved(scene(plain))
-    assert "contact nodes" in half.work.skipped
-    assert "contact nodes" not in whole.work.skipped
-    assert half.bulk_stress_lower is half.tilt is half.moment is half.shear_moment is half.permanent_stick_edges is None
-    np.testing.assert_array_equal(whole.x, half.x)
-    np.testing.assert_allclose(whole.cycle_dissipation, half.cycle_dissipation, rtol=1e-9)
-    np.testing.assert_allclose(whole.pressure[-1], half.pressure[-1], atol=1e-9)
 
 
 # ------------------------------------------------------------------------------------------------------------- energy
@@ -365,18 +323,6 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
 def test_a_specimen_on_rollers_stretches_uniformly_and_thins() -> None:
     found = condense(block("rollers", 16.0, 3.0), STEEL, 1.0)
     np.testing.assert_allclose(found.by_stress, uniform_stretch(STEEL, found.x, 0 * found.x + 3.0), atol=1e-10)
-
-
-@pytest.mark.parametrize(("base", "width", "height"), [("fixed", 6.0, 3.0), ("rollers", 6.0, 3.0)])
-def test_displacement_by_stress_is_that_of_all_equations_at_once(base: str, width: float, height: float) -> None:
-    body = block(base, width, height)
-    system, found = assemble(body, STEEL), condense(body, STEEL, 1.0)
-    free = np.setdiff1d(np.arange(system.n_dofs), system.held)
-    whole = np.zeros(system.n_dofs)
-    whole[free] = spsolve(system.stiffness[free][:, free].tocsc(), system.pull[free])
-    np.testing.assert_allclose(found.by_stress, whole[system.contact], atol=1e-11)
-    assert system.pull.sum() == pytest.approx(0.0, abs=1e-12)
-    assert np.abs(system.pull).sum() == pytest.approx(2 * height, rel=1e-12)
 
 
 # ------------------------------------------------------------------------------------------------------------- fields

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import sys
 from dataclasses import replace
 from functools import cache
-from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,15 +15,13 @@ import halfplane_fe
 import halfplane_fe.run
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, stepping
-from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState
+from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.interface import Interface
-from halfplane_fe.law import project
 from halfplane_fe.run import Pace, run_path, trend
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run, law_violations, layer_run, stepped_run
 from reports import compare, write
-from reports.charts.plate import path_of
 from reports.comparison.laws import certificates
 from reports.comparison.metrics import bulk_strain
 from scenes import (
@@ -38,7 +34,6 @@ from scenes import (
     Materials,
     PolygonLoad,
     Scene,
-    SurfaceState,
     TimeSeriesLoad,
     load_scene,
     scene_names,
@@ -98,17 +93,6 @@ def test_every_scene_keeps_the_laws_and_its_energy_at_every_instant(name):
     assert np.all(energy["dissipation"] >= 0)
 
 
-@pytest.mark.parametrize("name", ["cattaneo-mindlin", "hertz-paper", "motor"])
-def test_dissipation_has_one_value_however_it_is_summed(name):
-    """Density times surface, steps of the cycle, hysteresis loop."""
-    answer = fe_run(scene_of(name))
-    cycle = answer.last_cycle
-    assert answer.dissipation == answer.cycle_dissipation[-1]
-    assert answer.dissipation_density @ answer.condensed[0].weights == pytest.approx(answer.dissipation, rel=1e-12)
-    assert answer.record.energy["dissipation"][cycle[1:]].sum() == pytest.approx(answer.dissipation, rel=1e-9)
-    check("hysteresis loop", answer.loop_work / answer.dissipation - 1)
-
-
 def test_stops_when_the_cycle_repeats_and_says_so():
     answer = fe_run(load_scene("cattaneo-mindlin"))
     assert (answer.steady_from, len(answer.cycle_dissipation), answer.record.termination) == (1, 2, "steady")
@@ -116,10 +100,6 @@ def test_stops_when_the_cycle_repeats_and_says_so():
     assert answer.work.skipped["revolutions"][0] == answer.scene.cycles - 2
     start, end = answer.last_cycle[[0, -1]]
     np.testing.assert_allclose(answer.shear[end], answer.shear[start], atol=1e-9 * answer.pressure.max())
-    short = fe_run(load_scene("cattaneo-mindlin").vary(cycles=1))
-    assert (short.steady_from, short.record.termination) == (None, "end of path")
-    assert "without a revolution that repeats" in short.record.message
-    assert "revolutions" not in short.work.skipped
     path = fe_run(load_scene("hertz-normal"))
     assert (path.steady_from, path.record.termination, len(path.cycle_dissipation)) == (None, "end of path", 1)
     assert path.last_cycle.tolist() == list(range(len(path.time)))
@@ -205,23 +185,14 @@ def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
     assert (work > 0) == (drift > 0)
 
 
-def test_full_stick_dissipates_nothing_and_never_iterates_on_slip():
-    answer = fe_run(load_scene("full-stick"))
-    assert answer.dissipation == 0.0
-    assert not answer.cycle_dissipation.any()
-    assert not answer.dissipation_density.any()
-    assert answer.work.counts["slip iterations"] == 0
-    assert "slip iterations" in answer.work.skipped
-    assert set(np.unique(answer.state)) == {SurfaceState.OPEN, SurfaceState.STICK}
-    np.testing.assert_array_equal(answer.stick_edges, answer.contact_edges)
-
-
 @pytest.mark.parametrize(
     ("name", "condensations", "tangential"),
     [
         ("hertz-normal", 1, False),
         ("cattaneo-mindlin", 1, True),
         ("hertz-normal, unlike", 2, True),
+        ("full-stick", 1, True),
+        ("hertz-paper", 1, True),
     ],
 )
 def test_work_counts(name, condensations, tangential):
@@ -236,81 +207,41 @@ def test_work_counts(name, condensations, tangential):
         counts["contact iterations"] >= answer.record.iterations.sum() >= counts["steps solved"]
     )  # the first counts rejected steps
     assert all(reason for _, reason in skipped.values())
+    # Of like bodies, events landed on, an increment is one linear solve where no node changes between stick and slip.
+    assert condensations == 2 or answer.record.iterations.sum() <= 1.8 * counts["steps solved"]
+    assert name != "full-stick" or ("slip iterations" in skipped and counts["slip iterations"] == 0)
 
 
-def test_like_bodies_take_few_iterations():
-    """Events landed on, an increment is one linear solve where no node changes between stick and slip; 1.0 to 1.5 on average."""
-    for name in ("hertz-normal", "cattaneo-mindlin", "full-stick", "hertz-paper"):
-        answer = fe_run(load_scene(name))
-        assert answer.record.iterations.sum() <= 1.8 * answer.work.counts["steps solved"], name
-        assert answer.work.counts["factorisations"] < 0.3 * answer.work.counts["linear solves"] + 60, name
-
-
-# ------------------------------------------------------------------------------------------------ units, mirror, equal paths
-
-
-def in_other_units(scene, stiffer, longer):
-    """The scene with stresses and lengths in other units, and its loads with them."""
-    amounts = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
-    material = Elastic(young_modulus=210e3 * stiffer, poisson_ratio=0.3)
-    return scene.vary(
-        material=Materials(upper=material, lower=material),
-        profile=Hertz(radius=1000.0 * longer),
-        load=scene.load.vary(**{name: getattr(scene.load, name) * stiffer * longer for name in amounts}),
-    )
-
-
-def turned(scene):
-    """Q -> -Q, which is phase -> phase - 180 degrees."""
-    load = scene.load
-    return scene.vary(load={"mean_tangential_load": -load.mean_tangential_load, "phase_degrees": load.phase_degrees - 180})
+# ------------------------------------------------------------------------------------------------ units, initial loading
 
 
 FEWER = MeshSettings(element_size=1 / 6, edge_element_size=1 / 10, far_radius=6.0, growth=0.5)
 LONGER, STIFFER = 1e9, 1e12
-# Another scene with the same answer, the factor of each field, and whether x turns round.
-SAME = {
-    "units": (
-        lambda scene: in_other_units(scene, STIFFER, LONGER),
-        {
-            **dict.fromkeys(("x", "slip", "contact_edges", "normal_approach", "tangential_displacement"), LONGER),
-            **dict.fromkeys(("pressure", "shear"), STIFFER),
-            **{"time": 1.0, "dissipation_density": STIFFER * LONGER, "dissipation": STIFFER * LONGER**2},
-        },
-        1,
-    ),
-    "mirror": (
-        turned,
-        {"pressure": 1, "shear": -1, "tangential_load": -1, "tangential_displacement": -1, "dissipation": 1},
-        -1,
-    ),
+FACTORS = {
+    **dict.fromkeys(("x", "slip", "contact_edges", "normal_approach", "tangential_displacement"), LONGER),
+    **dict.fromkeys(("pressure", "shear"), STIFFER),
+    **{"time": 1.0, "state": 1, "dissipation_density": STIFFER * LONGER, "dissipation": STIFFER * LONGER**2},
 }
 
 
-@pytest.mark.parametrize("name", SAME)
-def test_units_and_mirror_do_not_matter(name):
-    changed, factors, way = SAME[name]
+def test_units_do_not_matter():
     plain, settings = load_scene("hertz-paper"), SolverSettings(steps_per_cycle=24)
-    one, other = (fe_run(scene, FEWER, settings) for scene in (plain, changed(plain)))
-    for field, factor in factors.items():
+    amounts = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
+    material = Elastic(young_modulus=210e3 * STIFFER, poisson_ratio=0.3)
+    changed = plain.vary(
+        material=Materials(upper=material, lower=material),
+        profile=Hertz(radius=1000.0 * LONGER),
+        load=plain.load.vary(**{name: getattr(plain.load, name) * STIFFER * LONGER for name in amounts}),
+    )
+    one, other = (fe_run(scene, FEWER, settings) for scene in (plain, changed))
+    for field, factor in FACTORS.items():
         here, there = np.asarray(getattr(one, field)), np.asarray(getattr(other, field)) / factor
-        there = there[:, ::way] if there.shape == one.pressure.shape else there
-        limit = 1e-9 * np.abs(one.pressure if field == "shear" else here).max()
-        np.testing.assert_allclose(there, here, rtol=0, atol=limit, err_msg=field)
-    np.testing.assert_array_equal(other.state[:, ::way], one.state if way > 0 else np.array([0, 1, 3, 2])[one.state])
+        np.testing.assert_allclose(there, here, rtol=0, atol=1e-9 * np.abs(here).max(), err_msg=field)
 
 
-def test_equal_paths_have_equal_answers():
-    """The initial loading is forgotten; an ellipse without extent in P is a polygon; friction and steps leave p alone."""
+def test_the_initial_loading_is_forgotten():
     found = [fe_run(load_scene("hertz-paper").vary(load={"initial_loading": way})) for way in ("parabola", "straight")]
     check("initial loading", found[0].dissipation / found[1].dissipation - 1)
-    plain = load_scene("cattaneo-mindlin")
-    loads = (EllipseLoad(mean_normal_load=90, tangential_amplitude=25), PolygonLoad(initial_loading=[(90, -25)], cycle=[(90, 25)]))
-    ellipse, line = (fe_run(plain.vary(load=load)).dissipation for load in loads)
-    assert ellipse == pytest.approx(line, rel=1e-9)
-    frictionless = fe_run(load_scene("hertz-normal").vary(friction=0.0))
-    np.testing.assert_array_equal(frictionless.shear, 0.0)
-    np.testing.assert_allclose(frictionless.pressure[-1], fe_run(load_scene("hertz-normal")).pressure[-1], rtol=1e-12)
 
 
 def test_progress_is_told():
@@ -322,22 +253,6 @@ def test_progress_is_told():
 
 
 # --------------------------------------------------------------------------------------------------- energy of increments
-
-
-def test_the_normal_part_is_there_and_none_of_it_on_the_interface():
-    """P d(delta) late costs as soon as P varies; -p dg is zero in each increment, because touches and releases are landed on."""
-    answer = stepped_run("augmented_lagrangian", 96)
-    energy, states = answer.record.energy, answer.states
-    P, Q, delta, shift = (
-        np.array([getattr(s, name) for s in states]) for name in ("normal_load", "tangential_load", "approach", "shift")
-    )
-    unit = answer.scales.load**2 / answer.scales.modulus
-    normal, tangential = np.diff(P) * np.diff(delta) / 2 * unit, np.diff(Q) * np.diff(shift) / 2 * unit
-    late = (energy["external_end_of_step"] - energy["external"])[1:]
-    np.testing.assert_allclose(late, normal + tangential, atol=1e-12 * np.abs(late).max())
-    assert np.abs(normal).sum() > 0.1 * np.abs(late).sum()
-    on_interface = [float((a.pressure - b.pressure) @ (a.gap - b.gap)) for b, a in itertools.pairwise(states)]
-    assert np.abs(on_interface).max() < 1e-12
 
 
 @pytest.mark.parametrize("method", ["augmented_lagrangian", "penalty"])
@@ -398,30 +313,6 @@ def test_an_increment_that_fails_once_is_halved_and_leaves_no_trace(monkeypatch:
     assert len(failed) == 3
     assert halved.dissipation == pytest.approx(plain.dissipation, rel=1e-10)
     np.testing.assert_allclose(halved.shear[-1], plain.shear[-1], atol=1e-9 * plain.pressure.max())
-
-
-def room(history: InterfaceState, state: InterfaceState) -> float:
-    """Least of what the nodes have left up to their event, those at it from the start apart; negative behind an event."""
-    open_by = state.gap - state.pressure  # within rounding a node keeps its side, and its gap or its force turns negative
-    left = np.where(history.closed, -open_by, open_by)
-    return float(left[np.where(history.closed, history.pressure, history.gap) > ROUNDING].min())
-
-
-def test_events_are_met_to_a_ten_thousand_millionth_of_the_leg(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By brute force, like bodies: at a landing every node has room left, just after it one has none."""
-    predict, met = stepping.next_event, []
-
-    def watched(problem, history, loads_at, end):  # type: ignore[no-untyped-def]
-        event, time = predict(problem, history, loads_at, end)
-        if event != "regular" and len(problem.interface.x) > 60:
-            at, after = (problem.equilibrium(history, moment, loads_at(moment))[0] for moment in (time, time + 1e-10 * np.pi))
-            met.append((history, at, after))
-        return event, time
-
-    monkeypatch.setattr(stepping, "next_event", watched)
-    halfplane_fe.solve(load_scene("hertz-paper"), MODEST, SolverSettings(steps_per_cycle=8, step_tolerance=np.inf))
-    assert len(met) > 15
-    assert all(room(history, before) > -ROUNDING and room(history, after) < 0 for history, before, after in met)
 
 
 @pytest.mark.parametrize("stiffer", [0.0, 1e-5])
@@ -551,22 +442,6 @@ def test_augmented_lagrangian_is_independent_of_the_weights_over_six_decades():
     assert not any("layer" in note for note in plain.record.notes)
 
 
-def test_the_weights_are_those_of_the_settings_and_set_the_trial_tractions(monkeypatch):
-    """Else the test above would see nothing: where the law is not met yet, the projection does depend on them."""
-    solve, made = import_module("halfplane_fe.solve"), []
-    make = solve.ContactProblem
-    monkeypatch.setattr(solve, "ContactProblem", lambda *given: made.append(make(*given)) or made[-1])
-    for weight in (1.0, 1e6):
-        halfplane_fe.solve(load_scene("hertz-normal"), COARSE, SolverSettings(normal_stiffness=weight, tangential_stiffness=weight))
-    low, high = (problem.augmentation for problem in made[::2])  # each is followed by its half
-    for one, other in zip(low, high, strict=True):
-        np.testing.assert_allclose(np.asarray(other), 1e6 * np.asarray(one))
-    gap = np.full_like(made[0].height, 1e-9)
-    states = [project(1e-6 - r * gap, 0 * gap, 0.5)[2] for r in (low[0], high[0])]
-    assert np.all(states[0] == SurfaceState.STICK)
-    assert np.any(states[1] == SurfaceState.OPEN)
-
-
 def test_audit_of_the_layer_is_what_the_bodies_do_and_is_in_the_record():
     """From the compliance of the bodies alone: they overlap where they touch, and move against each other where they stick."""
     answer = layer_run("hertz-paper", "penalty", 1e2)
@@ -680,16 +555,3 @@ def test_files_and_page_are_bounded(tmp_path: Path) -> None:
     page = write(compare(exact, found, polygon_reference=exact), tmp_path / "out").read_text(encoding="utf-8")
     assert len(page) < 4_000_000
     assert sum(file.stat().st_size for file in (tmp_path / "out").glob("*.nc")) < 2.2 * 25 * MOST * len(found.x) + 2_000_000
-
-
-def test_a_long_line_is_drawn_with_few_places_and_keeps_its_peaks() -> None:
-    across, down = np.linspace(0.0, 400.0, 40_000), np.random.default_rng(1).uniform(0.0, 100.0, 40_000)
-    down[12_345], down[23_456] = 300.0, -50.0
-    drawn = path_of(across, down)
-    assert len(drawn) < 25_000
-    assert " 300L" in drawn
-    assert " -50L" in drawn
-    assert drawn.startswith(f"M0 {down[0]:.2f}".rstrip("0"))
-    assert drawn.endswith(f"L400 {down[-1]:.2f}".rstrip("0"))
-    down[5000:6000] = np.nan
-    assert path_of(across, down).count("M") == 2

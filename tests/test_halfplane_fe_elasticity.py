@@ -4,21 +4,19 @@ import dataclasses
 import functools
 import itertools
 import math
-from importlib import import_module
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import halfplane_fe
 from halfplane_fe import elasticity
-from halfplane_fe.elasticity import condense, displacement_fields, split_lame
+from halfplane_fe.elasticity import condense, displacement_fields
 from halfplane_fe.far_field import surface_force_displacement, surface_force_traction
 from meshes import MeshSettings, SurfaceGrading, half_disc, solid
 from problems import COARSE, FEW_STEPS, drawn_inwards, fe_run, hertz_pressure, mindlin_dissipation, pressed_in
-from scenes import Block, ConvergenceError, Cylinder, Elastic, Hertz, InputError, Materials, Pad, load_scene
+from scenes import Block, Cylinder, Elastic, Hertz, InputError, Materials, Pad, load_scene
 from tolerances import check, check_order
 
 # ------------------------------------------------------------------------ a point force on a half-plane, by finite differences
@@ -66,7 +64,7 @@ def test_a_point_force_is_in_equilibrium_with_its_tractions(force, nu, angle, cu
     yy = (-u(0, 2) + 16 * u(0, 1) - 30 * u(0, 0) + 16 * u(0, -1) - u(0, -2)) / (12 * h**2)
     xy = (u(1, 1) - u(1, -1) - u(-1, 1) + u(-1, -1)) / (4 * h**2)
     rest = (1 - 2 * nu) * (xx + yy) + np.array([xx[0] + xy[1], xy[0] + yy[1]])
-    assert np.abs(rest).max() < 1e-4 * np.abs(xx).max() + 1e-6
+    assert np.abs(rest).max() < 1e-4 * np.abs([xx, yy, xy]).max() + 1e-6
     normal = np.array([math.cos(cut), math.sin(cut)])
     found = surface_force_traction(np.array([x]), np.array([y]), normal[:, None], np.zeros(1))[:, 0, force, 0]
     np.testing.assert_allclose(found, stress(x, y, nu, force) @ normal, atol=1e-7)
@@ -81,18 +79,6 @@ def test_a_point_force_is_in_equilibrium_with_its_tractions(force, nu, angle, cu
     assert displacement(far, 0.0, nu, 0)[1, 0] == pytest.approx(displacement(0.0, 0.0, nu, 1, place=far)[0, 0], abs=1e-15)
 
 
-@EACH_FORCE
-@pytest.mark.parametrize("moments", [0, 1, 2, 3, 4])
-def test_what_a_truncated_series_leaves_out_falls_with_the_next_power_of_the_place(force, moments):
-    """Half the distance of the force from the centre leaves out 2^-(m+1) as much: on both sides of the order."""
-    x, y = 5 * np.sin(np.linspace(-1.5, 1.5, 7)), -5 * np.cos(np.linspace(-1.5, 1.5, 7))
-    places = np.array([0.2, 0.1])
-    exact = surface_force_displacement(x, y, places, YOUNG, 0.3, POINT)
-    left_out = surface_force_displacement(x, y, places, YOUNG, 0.3, POINT, moments=moments) - exact
-    large, small = np.sqrt((left_out[:, :, force] ** 2).mean(axis=(0, 1)))
-    assert math.log2(large / small) == pytest.approx(moments + 1, abs=0.1)
-
-
 # --------------------------------------------------------------------------------------------- a half-disc, condensed
 
 
@@ -101,14 +87,14 @@ DATUM, END = 7.0, 1.2
 
 
 @functools.cache
-def body(elements=16, radius=6.0, order=2):
+def body(elements=16, order=2):
     """A half-disc with `elements` a unit of contact surface, the bulk refined with it."""
-    return half_disc("body", SurfaceGrading(0.0, END, 1 / elements, 1 / elements, radius), min(1.0, 2.4 / elements), order)
+    return half_disc("body", SurfaceGrading(0.0, END, 1 / elements, 1 / elements, 6.0), min(1.0, 2.4 / elements), order)
 
 
 @functools.cache
-def condensed(elements=16, radius=6.0, order=2, material=STEEL, datum=DATUM):
-    return condense(body(elements, radius, order), material, datum)
+def condensed(elements=16, order=2, material=STEEL):
+    return condense(body(elements, order), material, DATUM)
 
 
 def uniform_errors(elements, order=2, material=STEEL):
@@ -122,43 +108,6 @@ def uniform_errors(elements, order=2, material=STEEL):
     return [float(np.sqrt(np.mean(e**2)) / exact.max()) for e in (by(1, 1) - exact, by(0, 0) - exact, by(0, 1) + across)]
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_compliance_is_symmetric_definite_and_its_own_mirror_image(order):
-    """Betti before the last digits are mended: a wrong traction, displacement or normal on the arc would break it."""
-    one = condensed(order=order)
-    n, signs = len(one.x), np.array([-1.0, 1.0])
-    flat = one.compliance.reshape(2 * n, 2 * n)
-    check("asymmetry", one.diagnostics["asymmetry"])
-    assert one.diagnostics["residual"] < 1e-12
-    np.testing.assert_array_equal(flat, flat.T)
-    assert np.all(np.linalg.eigvalsh(flat) > 0)
-    mirrored = one.compliance[:, ::-1, :, ::-1] * signs[:, None, None, None] * signs[None, None, :, None]
-    np.testing.assert_allclose(mirrored, one.compliance, atol=1e-11 * flat.max())
-    # Simpson's rule is exact for cubic functions, the trapezoidal one for linear ones.
-    for power, integral in enumerate((2 * END, 0.0, 2 * END**3 / 3, 0.0)[: 2 * order]):
-        assert one.weights @ one.x**power == pytest.approx(integral, abs=1e-12)
-
-
-def test_arc_holds_the_nodal_forces_and_fields_are_those_of_the_compliance():
-    """Reactions on the arc: minus the nodal forces, and no moment left."""
-    one = condensed()
-    forces = np.random.default_rng(3).normal(size=(2, len(one.x), 2))
-    basis, found, _ = displacement_fields(one, forces, DATUM)
-    residual = linear_elasticity(*lame_parameters(2.0, 0.3)).assemble(basis) @ found
-    arc, contact = basis.get_dofs("far_field"), basis.get_dofs("contact")
-    x_dofs, y_dofs = arc.all(["u^1"]), arc.all(["u^2"])
-    for dofs, force in ((x_dofs, forces[0]), (y_dofs, forces[1])):
-        np.testing.assert_allclose(residual[dofs].sum(axis=0), -force.sum(axis=0), atol=1e-10)
-    places = basis.doflocs
-    moment = (places[0, y_dofs] @ residual[y_dofs]) - (places[1, x_dofs] @ residual[x_dofs])
-    np.testing.assert_allclose(moment, -(one.x @ forces[1]), atol=1e-10)
-    for component, name in enumerate(("u^1", "u^2")):
-        dofs = contact.all([name])
-        by_compliance = np.einsum("njk,jki->ni", one.compliance[component], forces)
-        ordered = dofs[np.argsort(places[0, dofs])]
-        np.testing.assert_allclose(found[ordered], by_compliance, atol=3e-6 * np.abs(by_compliance).max())
-
-
 def halves(kind):
     """Meshes, materials and how many modes they have: bodies that are their own mirror image, and others."""
     rubber = Elastic(young_modulus=2.0, poisson_ratio=0.4999)
@@ -167,19 +116,6 @@ def halves(kind):
         places = mesh.doflocs.copy()
         places[0, np.argmin(np.hypot(places[0] - 0.5, places[1] + 2))] += 1e-15
         return dataclasses.replace(body(8), mesh=dataclasses.replace(mesh, doflocs=places)), STEEL, 1
-    if kind == "one side held":
-        mesh = block("fixed", "free", 2, "triangles").mesh
-        left = mesh.facets_satisfying(lambda x: x[0] < -WIDTH / 2 + 1e-9)
-        names = mesh.boundaries | {"left": left}
-        return (
-            dataclasses.replace(
-                block("fixed", "free", 2, "triangles"),
-                mesh=mesh.with_boundaries(names),
-                supports={"base": "fixed", "left": "guided"},
-            ),
-            STEEL,
-            1,
-        )
     if kind == "half-disc":
         return body(8), STEEL, 2
     if kind == "incompressible half-disc":
@@ -194,7 +130,6 @@ def halves(kind):
         "half-disc",
         "incompressible half-disc",
         "a node moved",
-        "one side held",
         "rollers, free, 2, triangles",
         "fixed, free, 2, quadrilaterals",
         "rollers, guided, 1, triangles",
@@ -216,16 +151,6 @@ def test_both_modes_of_a_half_give_the_compliance_of_the_whole(kind, monkeypatch
         rigid = elasticity.rigid_motions(basis)
         free[: basis.N] -= rigid @ np.linalg.lstsq(rigid, free[: basis.N], rcond=None)[0]
     np.testing.assert_allclose(free[: basis.N], 0.0, rtol=0, atol=2e-11 * np.abs(whole.probe[: basis.N]).max())
-
-
-def test_other_datum_is_a_rigid_translation_and_a_softer_body_moves_in_proportion():
-    """The arc moved as a whole moves the body as a whole, by 2 (1 - nu^2)/(pi E) ln 2 for each unit of force along it."""
-    change = condensed(datum=2 * DATUM).compliance - condensed().compliance
-    expected = 2 * (1 - 0.3**2) / (np.pi * 2.0) * np.log(2)
-    for i, j in itertools.product((0, 1), (0, 1)):
-        np.testing.assert_allclose(change[i, :, j, :], expected if i == j else 0.0, atol=1e-11)
-    soft = condensed(material=Elastic(young_modulus=0.5, poisson_ratio=0.3))
-    np.testing.assert_allclose(soft.compliance, 4 * condensed().compliance, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize("nu", [-0.3, 0.49])
@@ -251,17 +176,6 @@ def second_moment(radius):
 
 def test_pressure_does_not_know_how_far_the_body_reaches():
     check("second moment of p, L = 5a against 20a", second_moment(5.0) - second_moment(20.0))
-
-
-def test_that_test_sees_an_arc_that_knows_only_the_resultant(monkeypatch):
-    elasticity = import_module("halfplane_fe.elasticity")
-    exact = elasticity.arc_work
-    monkeypatch.setattr(elasticity, "arc_work", lambda basis, facets, at, *rest: exact(basis, facets, 0 * at, *rest))
-    with pytest.raises(ConvergenceError, match="differs from that of the mesh"):  # such loads do not balance
-        second_moment(5.0)
-    monkeypatch.setattr(elasticity, "LARGEST_ERROR", np.inf)
-    with pytest.raises(AssertionError, match="second moment"):
-        check("second moment of p, L = 5a against 20a", second_moment(5.0) - second_moment(20.0))
 
 
 # ---------------------------------------------------------------------------------------------- blocks, pads and cylinders
@@ -312,22 +226,6 @@ def test_a_uniform_pressure_gives_the_plane_strain_solution(order, cells, name, 
         np.testing.assert_allclose(tension, -rest * strain * (1 - nu / (1 - nu)), rtol=1e-10)
 
 
-@EVERY
-def test_a_fixed_base_lies_between_rollers_and_walls(order, cells):
-    """The mean shortening: no side could be exchanged for another and go unseen."""
-    mean = {}
-    for base, sides in (("rollers", "free"), ("fixed", "free"), ("fixed", "guided")):
-        (_, y), (_, u_y), _ = pressed(base, sides, order, cells, MATERIALS["steel"])
-        mean[base, sides] = -float(u_y[y > -1e-9].mean())
-    assert mean["rollers", "free"] > 1.01 * mean["fixed", "free"] > 1.02 * mean["fixed", "guided"]
-    (x, y), (u_x, u_y), _ = pressed("fixed", "free", order, cells, MATERIALS["steel"])
-    held = y < -HEIGHT * (1 - 1e-9)
-    assert np.all(u_x[held] == 0)
-    assert np.all(u_y[held] == 0)
-    assert np.abs(u_x).max() > 0.05
-    assert np.all(u_x[(np.abs(x) < 1e-12)] == pytest.approx(0.0, abs=1e-12))
-
-
 SUPPORTED = {
     **{
         f"{kind.__name__}, {base}, {sides}": kind(width=WIDTH, height=HEIGHT, base=base, sides=sides)
@@ -339,33 +237,31 @@ SUPPORTED = {
 }
 
 
-def supported_body(shape, order, cells, size=0.1, growth=0.5):
-    grading = SurfaceGrading(0.0, 1.0, size, size)
-    return condense(solid("lower", shape, FACE, grading, growth, order, cells), MATERIALS["steel"], 1.0)
-
-
 @pytest.mark.parametrize(("order", "cells"), [(1, "quadrilaterals"), (2, "triangles")])
-@pytest.mark.parametrize("name", SUPPORTED)
-def test_compliance_of_a_supported_body_leaves_no_rigid_motion(name, order, cells):
-    """A rigid motion left over would be an infinite eigenvalue, a support too many on the face a zero; and it mirrors."""
-    body, signs = supported_body(SUPPORTED[name], order, cells), np.array([-1.0, 1.0])
-    n, shape = len(body.x), SUPPORTED[name]
-    values = np.linalg.eigvalsh(body.compliance.reshape(2 * n, 2 * n))
-    assert body.diagnostics["asymmetry"] < 1e-11
-    assert body.diagnostics["residual"] < 1e-10
+@pytest.mark.parametrize("name", [*SUPPORTED, "half-disc"])
+def test_compliance_is_symmetric_definite_and_its_own_mirror_image(name, order, cells):
+    """Betti before the last digits are mended. A rigid motion left over would be an infinite eigenvalue, a support too many on the
+    face a zero.
+    """
+    if name == "half-disc":
+        one = condensed(order=order)
+        # Simpson's rule is exact for cubic functions, the trapezoidal one for linear ones.
+        for power, integral in enumerate((2 * END, 0.0, 2 * END**3 / 3, 0.0)[: 2 * order]):
+            assert one.weights @ one.x**power == pytest.approx(integral, abs=1e-12)
+    else:
+        body = solid("lower", SUPPORTED[name], FACE, SurfaceGrading(0.0, 1.0, 0.1, 0.1), 0.5, order, cells)
+        one = condense(body, MATERIALS["steel"], 1.0)
+    n, signs = len(one.x), np.array([-1.0, 1.0])
+    flat = one.compliance.reshape(2 * n, 2 * n)
+    values = np.linalg.eigvalsh(flat)
+    check("asymmetry", one.diagnostics["asymmetry"])
+    assert one.diagnostics["residual"] < 1e-10
+    np.testing.assert_array_equal(flat, flat.T)
     assert 0 < 1e-4 * values.max() < values.min() < values.max() < 50 * n  # of the order of n (height/width)/E
-    turned = body.compliance[:, ::-1, :, ::-1] * signs[:, None, None, None] * signs[:, None]
-    np.testing.assert_allclose(turned, body.compliance, rtol=0, atol=1e-11 * np.abs(body.compliance).max())
-    assert body.body.supports["base"] == getattr(shape, "base", "fixed")
-    if getattr(shape, "sides", "free") == "guided" or body.body.supports["base"] == "fixed":
-        assert 0 < (body.compliance[0, :, 0, :] @ body.weights).max() < 100  # a shear far above the base: it does not turn away
-
-
-def pushed(shape, order, cells, size, growth):
-    """Work of a parabolic pressure and of a parabolic shear on the contact, (2,), and of their product."""
-    body = supported_body(shape, order, cells, size, growth)
-    forces = (1 - np.square(body.x)) * body.weights
-    return np.array([forces @ body.compliance[i, :, j, :] @ (forces * body.x ** (i != j)) for i, j in ((0, 0), (1, 1), (0, 1))])
+    turned = one.compliance[:, ::-1, :, ::-1] * signs[:, None, None, None] * signs[:, None]
+    np.testing.assert_allclose(turned, one.compliance, rtol=0, atol=1e-11 * flat.max())
+    if getattr(SUPPORTED.get(name), "sides", "free") == "guided" or one.body.supports.get("base") == "fixed":
+        assert 0 < (one.compliance[0, :, 0, :] @ one.weights).max() < 100  # a shear far above the base: it does not turn away
 
 
 # -------------------------------------------------------------------------------------------------- nearly incompressible
@@ -409,17 +305,6 @@ def test_linear_elements_are_refused_in_a_sentence():
         halfplane_fe.solve(scene_at(0.499), MeshSettings(order=1), FEW_STEPS)
     body = half_disc("body", SurfaceGrading(0.0, 1.2, 1 / 8, 1 / 8, 6.0), 0.4, 1)
     assert condense(body, Elastic(young_modulus=1.0, poisson_ratio=0.45), 1.0).order == 1
-
-
-def test_lambda_is_split_above_a_third_only_and_continuously():
-    for nu, order in ((0.3, 2), (1 / 3, 2), (-0.4, 2), (0.0, 2), (0.45, 1)):
-        assert split_lame(Elastic(young_modulus=1.0, poisson_ratio=nu), order)[1] == 0
-    plain, rest, shear_modulus = split_lame(Elastic(young_modulus=1.0, poisson_ratio=0.49), 2)
-    assert plain == pytest.approx(2 * shear_modulus)
-    assert plain + rest == pytest.approx(0.49 / (1.49 * 0.02))
-    body = half_disc("body", SurfaceGrading(0.0, 1.2, 1 / 8, 1 / 8, 6.0), 0.4, 2)
-    below, above = (condense(body, Elastic(young_modulus=1.0, poisson_ratio=1 / 3 + d), 1.0).compliance for d in (-1e-6, 1e-5))
-    np.testing.assert_allclose(above, below, atol=1e-4 * np.abs(below).max())
 
 
 def test_stress_in_an_incompressible_body():

@@ -1,8 +1,8 @@
 r"""What the far field of the half-disc costs: multipoles left out, the radius L, and the elements between the contact and the arc.
 
-Three kinds of contact over |x| <= a = 1 at given loads, with prescribed zones, so that an answer is one linear solve and its errors
-are smooth: pressed without friction, full stick under P and Q, and partial slip; like bodies, and unlike ones with a Dundurs beta
-of 0.38. Errors are L2 over the contact, or the largest of any node, over the mean-free scale p0 = 2 P/(pi a).
+Two kinds of contact over |x| <= a = 1 at given loads, with prescribed zones, so that an answer is one linear solve and its errors
+are smooth: full stick under P and Q, and partial slip; like bodies, and unlike ones with a Dundurs beta of
+0.38. Errors are L2 over the contact, or the largest of any node, over the mean-free scale p0 = 2 P/(pi a).
 
 *Truncation.* The arc follows the displacement of the first m moments of the nodal forces instead of all; the same mesh, so that the
 mesh error cancels. The moment k moves the arc by (a/L)^k, which strains the disc by 1/L more for each power of x in what it does to
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from halfplane_fe.elasticity import CondensedBody, assemble, condense, factorise
 from halfplane_fe.far_field import surface_force_displacement
-from meshes import BodyMesh, SurfaceGrading, half_disc, mesh_quality
+from meshes import BodyMesh, SurfaceGrading, half_disc
 from scenes import Elastic
 
 Array = NDArray[np.float64]
@@ -37,16 +37,16 @@ LOWER, UPPER = Elastic(young_modulus=1.0, poisson_ratio=0.1), Elastic(young_modu
 PAIRS = {"like": LOWER, "unlike": UPPER}
 FRICTION, SHEAR = 0.5, 0.6  # f and Q/(f P)
 # Half-width of what sticks, a = 1; the stick zone of partial slip is that of like half-planes.
-STICK = {"pressed": -1.0, "full stick": 1.0, "partial slip": (1 - SHEAR) ** 0.5}
+STICK = {"full stick": 1.0, "partial slip": (1 - SHEAR) ** 0.5}
 INNER = 5.0
 RADII, FARTHEST = (5.0, 10.0, 20.0), 160.0
 MOMENTS = range(5)
 
 
 # ------------------------------------------------------------------------------------------------------------------ mesh
-def inner_mesh(elements: int = 10, growth: float = 0.4, radius: float = INNER) -> BodyMesh:
-    """A half-disc with so many elements a half-width on the contact."""
-    return half_disc("inner", SurfaceGrading(0.0, 1.2, 1 / elements, 1 / elements, radius), growth)
+def inner_mesh(growth: float = 0.4) -> BodyMesh:
+    """A half-disc with ten elements a half-width on the contact."""
+    return half_disc("inner", SurfaceGrading(0.0, 1.2, 1 / 10, 1 / 10, INNER), growth)
 
 
 def with_rings(body: BodyMesh, radius: float) -> BodyMesh:
@@ -122,10 +122,9 @@ class Tractions:
 
 
 def solve(lower: Array, upper: Array, body: CondensedBody, materials: tuple[Elastic, Elastic], contact: str) -> Tractions:
-    """p and q of one linear solve: gap zero over |x| <= 1, no slip over the stick zone, q = f p (or 0) on the rest."""
+    """p and q of one linear solve: gap zero over |x| <= 1, no slip over the stick zone, q = f p on the rest."""
     inside = np.flatnonzero(np.abs(body.x) <= 1 + 1e-9)
     n, x, part = len(inside), body.x[inside], np.ix_(inside, inside)
-    friction = 0.0 if contact == "pressed" else FRICTION
     stick = (np.abs(x) <= STICK[contact] + 1e-9)[:, None]
     modulus = 1 / sum((1 - one.poisson_ratio**2) / one.young_modulus for one in materials)
     both, apart = lower + upper, lower - upper
@@ -133,13 +132,10 @@ def solve(lower: Array, upper: Array, body: CondensedBody, materials: tuple[Elas
     matrix[:n, :n], matrix[:n, n : 2 * n], matrix[:n, 2 * n] = both[1, :, 1, :][part], -apart[1, :, 0, :][part], -1.0
     right[:n] = -2 / (np.pi * modulus) * x**2  # the parabola that P = 1 presses to a = 1
     held = np.hstack([apart[0, :, 1, :][part], -both[0, :, 0, :][part], np.zeros((n, 1)), np.ones((n, 1))])
-    sliding = np.hstack([-friction * np.eye(n), np.eye(n), np.zeros((n, 2))])
+    sliding = np.hstack([-FRICTION * np.eye(n), np.eye(n), np.zeros((n, 2))])
     matrix[n : 2 * n] = np.where(stick, held, sliding)
     matrix[2 * n, :n], right[2 * n] = 1.0, 1.0
-    if stick.any():
-        matrix[2 * n + 1, n : 2 * n], right[2 * n + 1] = 1.0, SHEAR * friction
-    else:
-        matrix[2 * n + 1, 2 * n + 1] = 1.0
+    matrix[2 * n + 1, n : 2 * n], right[2 * n + 1] = 1.0, SHEAR * FRICTION
     found = np.linalg.solve(matrix, right)
     weights = body.weights[inside]
     return Tractions(found[:n] / weights * np.pi / 2, found[n : 2 * n] / weights * np.pi / 2, weights)
@@ -165,10 +161,10 @@ def truncated_compliance(body: BodyMesh, material: Elastic, datum_length: float,
 
 
 @functools.cache
-def truncations(radii: tuple[float, ...] = RADII) -> dict[tuple[str, str, str, int], list[float]]:
+def truncations() -> dict[tuple[str, str, str, int], list[float]]:
     """(contact, pair, p or q, highest moment): L2 error at each of the radii against all moments on the same mesh."""
     found: dict[tuple[str, str, str, int], list[float]] = {}
-    for radius in radii:
+    for radius in RADII:
         body = inner_mesh() if radius == INNER else with_rings(inner_mesh(), radius)
         one = condense(body, LOWER, 1.0)
         compliances = {
@@ -191,7 +187,7 @@ def slope(errors: list[float]) -> float:
 
 
 @functools.cache
-def by_radius(growth: float, contact: str = "full stick") -> dict[tuple[str, str], list[float]]:
+def by_radius(growth: float) -> dict[tuple[str, str], list[float]]:
     """(pair, p or q): difference at each of RADII from the farthest, the elements within INNER being the same.
 
     Elements are as large as `growth` times the distance from the contact, those of the rings as long as those of the inner arc.
@@ -203,7 +199,7 @@ def by_radius(growth: float, contact: str = "full stick") -> dict[tuple[str, str
         condensed = {material: condense(body, material, 1.0) for material in PAIRS.values()}
         for pair, material in PAIRS.items():
             compliances = condensed[LOWER].compliance, condensed[material].compliance
-            answers[pair].append(solve(*compliances, condensed[LOWER], (LOWER, material), contact))
+            answers[pair].append(solve(*compliances, condensed[LOWER], (LOWER, material), "full stick"))
     found: dict[tuple[str, str], list[float]] = {}
     for pair, (*nearer, last) in answers.items():
         for answer in nearer:
@@ -232,29 +228,8 @@ UNLIKE = {0: 2, 1: 3, 2: 4, 3: 5}
 @pytest.mark.parametrize("name", ["p", "q"])
 def test_each_multipole_left_out_has_its_order(contact, pair, name):
     for moments, order in (LIKE if pair == "like" else UNLIKE).items():
-        errors = truncations(RADII)[contact, pair, name, moments]
+        errors = truncations()[contact, pair, name, moments]
         assert slope(errors) == pytest.approx(order, abs=0.2 if moments < 3 else 0.5), moments
-
-
-@pytest.mark.parametrize("pair", ["like", "unlike"])
-def test_pressed_bodies_without_friction_see_even_moments_alone(pair):
-    for moments, order in LIKE.items():
-        assert slope(truncations(RADII)["pressed", pair, "p", moments]) == pytest.approx(order, abs=0.2)
-
-
-def test_resultants_alone_cost_what_theory_says_at_ten_half_widths():
-    """Like bodies, collocation of half-planes: some 6e-5 of the normal and 4e-5 of the shear curvature."""
-    errors = {name: truncations(RADII)["full stick", "like", name, 0][1] for name in ("p", "q")}
-    assert 2e-5 < errors["p"] < 8e-5
-    assert 1e-5 < errors["q"] < 5e-5
-
-
-@pytest.mark.parametrize(("name", "most"), [("p", 2.5), ("q", 4.5)])
-def test_whole_far_field_of_like_bodies(name, most):
-    """The default growth of elements: between (a/L)^2 and (a/L)^4, below 1e-6 of p0 at L = 10a in any node."""
-    errors = by_radius(DEFAULT_GROWTH)["like", name]
-    assert 2 - 0.3 < slope(errors) < most
-    assert by_radius(DEFAULT_GROWTH)["like", f"{name}, any node"][1] < 1e-6
 
 
 @pytest.mark.slow
@@ -266,14 +241,3 @@ def test_whole_far_field_leaves_the_mesh_error_of_the_rings(pair, name, order):
     assert np.log(coarse[1] / fine[1]) / np.log(lengths[0] / lengths[1]) == pytest.approx(4, abs=0.3)
     assert slope(fine) == pytest.approx(order, abs=0.3)
     assert by_radius(FINE_GROWTH)[pair, f"{name}, any node"][1] < 1e-7
-
-
-def test_rings_keep_the_inner_mesh_and_its_mirror_image():
-    inside = inner_mesh()
-    body = with_rings(inside, 10.0)
-    assert abs(mesh_quality(body.mesh, 50 * np.pi)["area_error"]) < 1e-4
-    corners = {tuple(point) for point in body.mesh.p.T}
-    assert {tuple(point) for point in inside.mesh.p.T} <= corners
-    assert {(-x, y) for x, y in corners} == corners
-    for first, second in itertools.combinations(("contact", "far_field", "free"), 2):
-        assert not set(body.mesh.boundaries[first]) & set(body.mesh.boundaries[second])

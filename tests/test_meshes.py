@@ -1,4 +1,4 @@
-"""Meshes of half-discs, blocks, pads and cylinders: area, named boundaries, true face, mirror symmetry, scale; files; Ctrl-C."""
+"""Meshes of half-discs, blocks, pads and cylinders: area, named boundaries, true face, mirror symmetry; files; Ctrl-C."""
 
 import functools
 import itertools
@@ -7,15 +7,14 @@ import os
 import signal
 
 import gmsh
-import meshio
 import numpy as np
 import pytest
 import skfem
 
-from meshes import MeshSettings, SurfaceGrading, build, half_disc, mesh_quality, solid, write_vtu
+from meshes import MeshSettings, SurfaceGrading, half_disc, mesh_quality, solid, write_vtu
 from meshes.bodies import size_field, size_formula
 from meshes.interrupts import interrupts_wait
-from scenes import Block, Cylinder, FlatRounded, HalfPlane, Hertz, InputError, Pad, Tabulated, Wedge
+from scenes import Block, Cylinder, FlatRounded, Hertz, InputError, Pad, Tabulated, Wedge
 from scenes.bodies import face_of
 
 DISC = SurfaceGrading(inner=0.6, outer=1.1, size=0.12, edge_size=0.05, radius=6.0)
@@ -54,10 +53,6 @@ def deepest(name):
     return shape.radius if isinstance(shape, Cylinder) else shape.height
 
 
-def area_under_parabola(width, radius):
-    return width**3 / (24 * radius)
-
-
 def exact_area(name):
     """By hand, each shape on its own."""
     if name in DISCS:
@@ -72,7 +67,7 @@ def exact_area(name):
         b, R = profile.tip_half_length, profile.tip_radius
         return rectangle - 2 * (b**3 / (6 * R) + (reach - b) * b**2 / (2 * R) + b * (reach - b) ** 2 / (2 * R))
     if isinstance(profile, Tabulated):
-        return rectangle - area_under_parabola(shape.width, 10.0)
+        return rectangle - shape.width**3 / (24 * 10.0)
     R, b = profile.radius, getattr(profile, "flat_half_length", 0.0)
     s = reach - b  # under the arc: R s less the segment of the circle
     return rectangle - 2 * (R * s - (s * math.sqrt(R**2 - s**2) + R**2 * math.asin(s / R)) / 2)
@@ -191,54 +186,6 @@ def test_quality_of_known_triangles():
     assert found["size_ratio"] == pytest.approx(2.0, rel=1e-5)
 
 
-def scaled(name, length):
-    """Shape and profile in other units."""
-    shape, profile = SHAPES[name]
-    lengths = {key: value * length for key, value in shape.model_dump().items() if isinstance(value, float)}
-    if isinstance(profile, Tabulated):
-        return shape.vary(**lengths), Tabulated(points=[(x * length, h * length) for x, h in ROWS])
-    radii = {key: value * length for key, value in profile.model_dump().items() if isinstance(value, float)}
-    return shape.vary(**lengths), profile.vary(**radii)
-
-
-@pytest.mark.parametrize(
-    ("name", "order", "cells"),
-    [
-        (name, *kind)
-        for name in (*DISCS, *SHAPES)
-        for kind in ((2, "triangles"), (1, "quadrilaterals"))
-        if name not in DISCS or kind[0] == 2
-    ],
-)
-def test_scale_does_not_matter_and_the_same_question_has_the_same_mesh(name, order, cells):
-    """Not even the numbering changes: gmsh is given lengths over the contact side, to twelve digits. It is left as it was found."""
-    plain = body(name, order, cells)
-    for length in (1e-3, 1.0573, 1e9):
-        lengths = {field: value * length for field, value in vars(DISCS.get(name, GRADING)).items() if value is not None}
-        grading = SurfaceGrading(**lengths)
-        other = (
-            half_disc("scaled", grading, 0.25, order)
-            if name in DISCS
-            else solid("upper", *scaled(name, length), grading, 0.25, order, cells)
-        )
-        np.testing.assert_array_equal(other.mesh.t, plain.mesh.t)
-        np.testing.assert_allclose(other.mesh.p / length, plain.mesh.p, rtol=0, atol=1e-11)
-        for key in plain.mesh.boundaries:
-            np.testing.assert_array_equal(other.mesh.boundaries[key], plain.mesh.boundaries[key])
-    assert not gmsh.isInitialized()
-
-
-def test_build_makes_each_shape_and_reports_its_supports():
-    settings = MeshSettings(growth=0.4)
-    face = Hertz(radius=10.0)
-    held = Block(width=8.0, height=5.0, base="rollers", sides="guided")
-    assert build("lower", held, face, GRADING, settings).supports == {"base": "rollers", "sides": "guided"}
-    assert build("upper", PAD, face, GRADING, settings).supports == {"base": "fixed"}
-    assert build("upper", Cylinder(radius=5.0), face, GRADING, settings).supports == {"base": "fixed"}
-    with_radius = SurfaceGrading(0.6, 1.1, 0.12, 0.05, 4.0)
-    assert build("lower", HalfPlane(), face, with_radius, settings).supports == {"far_field": "half_plane"}
-
-
 ROUGH = [(0.0, 0.1, 0.1), (0.95, 0.14, 0.02), (0.3, 0.05, 0.03)]
 
 
@@ -255,18 +202,6 @@ def test_corners_of_the_admitted_settings_make_sound_meshes(name, cells, inner, 
         assert one.quality["worst_shape"] > 0.15
         assert one.quality["least_angle"] > 10
         assert abs(one.quality["area_error"]) < (5e-3 if radius else 1e-5)
-
-
-def test_default_settings_and_narrow_bodies_are_fit_for_use():
-    """A contact side of 97 % of the face, a pad just higher than its face is deep."""
-    default = MeshSettings()
-    grading = SurfaceGrading(0.67, 1.06, default.element_size, default.edge_element_size, default.far_radius)
-    quality = half_disc("default", grading, default.growth, default.order).quality
-    assert quality["least_angle"] > 20  # 23
-    assert abs(quality["area_error"]) < 1e-4
-    tight = solid("upper", Pad(width=2.2 / 0.97, height=0.07), Hertz(radius=10.0), GRADING, 0.4)
-    assert tight.quality["worst_shape"] > 0.1
-    assert abs(tight.quality["area_error"]) < 1e-8
 
 
 # --------------------------------------------------------------------------------------------------------------- refusals
@@ -312,29 +247,11 @@ def test_settings_refuse_bad_values(settings, rule):
 
 
 # ------------------------------------------------------------------------------------------------------ files, interrupts
-TRIANGLES = (np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), np.array([[0, 1, 2], [1, 3, 2]]), "triangle")
-SIX = (
-    np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]),
-    np.array([[0, 1, 2, 3, 4, 5]]),
-    "triangle6",
-)
-
-
-@pytest.mark.parametrize(("points", "cells", "kind"), [TRIANGLES, SIX], ids=["3", "6"])
-def test_field_files_come_back_and_other_elements_are_refused(points, cells, kind, tmp_path):
-    n, padding = len(points), np.zeros(len(points))
-    fields = {"pressure": 1.5 * np.arange(n), "displacement": points * 1e-3, "stress": np.arange(4.0 * n).reshape(n, 4)}
-    write_vtu(tmp_path / "body.vtu", points, cells, fields)
-    found = meshio.read(tmp_path / "body.vtu")
-    np.testing.assert_array_equal(found.points, np.column_stack([points, padding]))
-    assert [block.type for block in found.cells] == [kind]
-    np.testing.assert_array_equal(found.cells[0].data, cells)
-    for name in ("pressure", "stress"):
-        np.testing.assert_array_equal(found.point_data[name], fields[name])
-    np.testing.assert_array_equal(found.point_data["displacement"], np.column_stack([points * 1e-3, padding]))
+def test_a_field_file_of_other_elements_is_refused(tmp_path):
+    """What is written is read back in test_reports_fields."""
     with pytest.raises(KeyError):
-        write_vtu(tmp_path / "other.vtu", points, np.array([[0, 1, 3, 2, 0]]), {})
-    assert [file.name for file in tmp_path.iterdir()] == ["body.vtu"]
+        write_vtu(tmp_path / "other.vtu", np.eye(4, 2), np.array([[0, 1, 3, 2, 0]]), {})
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_interrupt_waits_until_the_end():

@@ -4,19 +4,18 @@ import importlib.util
 import json
 import os
 import random
-import shutil
 import signal
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
+from command_line import start
+from faulty import copy_the_code
 from reports.sweep.store import STATUS, Store, done, read_index
-from test_cli_commands import ROOT, environment
 
 pytestmark = pytest.mark.slow
 needs_dask = pytest.mark.skipif(not importlib.util.find_spec("distributed"), reason="distributed is missing: halfplane[cluster]")
@@ -30,14 +29,11 @@ BLOCKS = """scene = "blocks"\nfigures = ["error.dissipation", "stick_edge"]
 """
 
 
-def start(home: Path, *arguments: str, **options: object) -> "subprocess.Popen[str]":
-    command = [sys.executable, "-m", "reports", "sweep", *arguments]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    code = {"PYTHONPATH": str(home / "code")}
-    return subprocess.Popen(command, cwd=home, env=environment() | code, **(pipes | options))  # type: ignore[call-overload, no-any-return]
+def sweep(home: Path, *words: str, session: bool = False) -> subprocess.Popen[str]:
+    return start(home, "sweep", *words, session=session, PYTHONPATH=str(home / "code"))
 
 
-def finish(client: "subprocess.Popen[str]", code: int = 0) -> tuple[str, str]:
+def finish(client: subprocess.Popen[str], code: int = 0) -> tuple[str, str]:
     out, err = client.communicate(timeout=900)
     assert client.returncode == code, err
     assert "Traceback" not in err
@@ -57,7 +53,7 @@ def children(pid: int) -> list[int]:
     return [worker for worker in workers if parents.get(worker) == pid]
 
 
-def until(true: Callable[[], bool], client: "subprocess.Popen[str]") -> None:
+def until(true: Callable[[], bool], client: subprocess.Popen[str]) -> None:
     end = time.monotonic() + 400
     while not true():
         assert client.poll() is None, client.communicate()
@@ -73,11 +69,10 @@ def results(folder: Path) -> int:
 def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the studies are, with the stores `true-...` of undisturbed sweeps."""
     home = tmp_path_factory.mktemp("sweeps")
-    for package in ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports"):  # nobody edits these while a sweep runs
-        shutil.copytree(ROOT / package, home / "code" / package, ignore=shutil.ignore_patterns("published", "__pycache__"))
+    copy_the_code(home / "code")
     for name, text in (("study", STUDY), ("light", LIGHT), ("blocks", BLOCKS)):
         (home / f"{name}.toml").write_text(text, encoding="utf-8")
-        finish(start(home, f"{name}.toml", "--out", f"true-{name}"))
+        finish(sweep(home, f"{name}.toml", "--out", f"true-{name}"))
     return home
 
 
@@ -98,7 +93,7 @@ def test_nine_interruptions_of_500_points(home: Path) -> None:
     """Killed, by Ctrl-C, by a batch system: workers end too, what is stored stays, and the last run ends with the truth."""
     store, chance, kept = home / "nine", random.Random(19), 0
     for how in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM) * 3:
-        client = start(home, "study.toml", "--out", "nine", "--workers", "2")
+        client = sweep(home, "study.toml", "--out", "nine", "--workers", "2")
         wanted = kept + chance.randrange(10, 40)
         until(lambda wanted=wanted: results(store) >= wanted, client)  # type: ignore[misc]
         workers = children(client.pid)
@@ -115,22 +110,22 @@ def test_nine_interruptions_of_500_points(home: Path) -> None:
             assert list((store / "claims").iterdir()) == []
         assert kept < results(store) < POINTS
         kept = results(store)
-    out, _ = finish(start(home, "study.toml", "--out", "nine"))
+    out, _ = finish(sweep(home, "study.toml", "--out", "nine"))
     assert f"{kept} points have results already" in out
     same(home, "nine")
 
 
 def test_two_sweeps_at_once_on_one_store_and_one_more_that_is_killed(home: Path) -> None:
     """None computed twice while its sweep lives; status and page are seen meanwhile."""
-    clients = [start(home, "study.toml", "--out", "two", "--workers", "1") for _ in range(3)]
+    clients = [sweep(home, "study.toml", "--out", "two", "--workers", "1") for _ in range(3)]
     until(lambda: results(home / "two") >= 60, clients[0])
     for client in clients:  # alive, so that their points are theirs; else a slow machine reads the state after the last point
         client.send_signal(signal.SIGSTOP)
-    found = json.loads(finish(start(home, "status", "two", "--json"))[0])["result"]["points"]
+    found = json.loads(finish(sweep(home, "status", "two", "--json"))[0])["result"]["points"]
     assert found["done"] >= 60
     assert found["running"] > 0
     assert found["done"] + found["running"] + found["waiting"] == found["total"] == POINTS
-    finish(start(home, "report", "two"))
+    finish(sweep(home, "report", "two"))
     for client in clients:
         client.send_signal(signal.SIGCONT)
     assert "<svg" in (home / "two" / "sweep.html").read_text(encoding="utf-8")
@@ -142,7 +137,7 @@ def test_two_sweeps_at_once_on_one_store_and_one_more_that_is_killed(home: Path)
 
 
 def test_a_worker_killed_in_mid_point_loses_nothing(home: Path) -> None:
-    client = start(home, "blocks.toml", "--out", "worker", "--workers", "2")
+    client = sweep(home, "blocks.toml", "--out", "worker", "--workers", "2")
     until(lambda: results(home / "worker") >= 1, client)
     os.kill(children(client.pid)[0], signal.SIGKILL)
     assert "the worker died" in finish(client)[1]
@@ -161,23 +156,30 @@ class Cluster:
         self.scheduler = self.schedule()
         self.workers = [self.work() for _ in range(2)]
 
-    def begin(self, program: str, *arguments: str) -> "subprocess.Popen[bytes]":
-        command = [sys.executable, "-m", f"distributed.cli.{program}", *arguments, *self.tls, "--no-dashboard"]
-        code = {"PYTHONPATH": str(self.home / "code"), "OPENBLAS_NUM_THREADS": "1"}
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        return subprocess.Popen(command, cwd=self.home, env=environment() | code, **quiet)  # type: ignore[call-overload, no-any-return]
+    def begin(self, program: str, *words: str) -> subprocess.Popen[str]:
+        return start(
+            self.home,
+            *words,
+            *self.tls,
+            "--no-dashboard",
+            program=("-m", f"distributed.cli.{program}"),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            PYTHONPATH=str(self.home / "code"),
+            OPENBLAS_NUM_THREADS="1",
+        )
 
-    def schedule(self) -> "subprocess.Popen[bytes]":
+    def schedule(self) -> subprocess.Popen[str]:
         protocol = ("--protocol", "tls") if self.tls else ()
         return self.begin("dask_scheduler", "--host", "127.0.0.1", "--port", self.port, *protocol)
 
-    def work(self) -> "subprocess.Popen[bytes]":
+    def work(self) -> subprocess.Popen[str]:
         return self.begin("dask_worker", self.address, "--nthreads", "1", "--no-nanny")
 
-    def client(self, out: str, *options: str, study: str = "light.toml") -> "subprocess.Popen[str]":
-        return start(self.home, study, "--out", out, "--executor", "dask", "--scheduler", self.address, *options)
+    def client(self, out: str, *options: str, study: str = "light.toml") -> subprocess.Popen[str]:
+        return sweep(self.home, study, "--out", out, "--executor", "dask", "--scheduler", self.address, *options)
 
-    def tended(self, client: "subprocess.Popen[str]") -> tuple[str, str]:
+    def tended(self, client: subprocess.Popen[str]) -> tuple[str, str]:
         """What the client prints; workers that end with their scheduler begin again meanwhile."""
         end = time.monotonic() + 600
         while client.poll() is None and time.monotonic() < end:
@@ -216,36 +218,24 @@ def test_a_scheduler_or_a_worker_of_a_cluster_killed_loses_nothing(who: str, clu
 
 
 def listening(pid: int) -> set[str]:
-    """Addresses, in hexadecimal, that a process listens at."""
-    found = set()
-    inodes = set()
-    for link in Path(f"/proc/{pid}/fd").iterdir():
-        try:
-            inodes.add(os.readlink(link))
-        except OSError:
-            continue
-    for name in ("tcp", "tcp6"):
-        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]:
-            words = line.split()
-            if words[3] == "0A" and f"socket:[{words[9]}]" in inodes:
-                found.add(words[1].partition(":")[0])
-    return found
+    """Addresses that a process listens at."""
+    psutil = importlib.import_module("psutil")  # there with distributed
+    return {one.laddr.ip for one in psutil.Process(pid).net_connections("inet") if one.status == psutil.CONN_LISTEN}
 
 
 @needs_dask
 def test_a_cluster_without_an_address_is_of_this_machine_alone_and_outlives_a_worker_and_ctrl_c(home: Path) -> None:
     words = ("study.toml", "--out", "local", "--executor", "dask", "--workers", "2")
-    client = start(home, *words, start_new_session=True)
+    client = sweep(home, *words, session=True)
     until(lambda: results(home / "local") >= 50, client)
     workers = children(client.pid)
-    assert listening(client.pid) == {"0100007F"}  # 127.0.0.1
-    assert set().union(*map(listening, workers)) == {"0100007F"}
+    assert {address for pid in (client.pid, *workers) for address in listening(pid)} == {"127.0.0.1"}
     os.kill(workers[0], signal.SIGKILL)
     until(lambda: results(home / "local") >= 150, client)
     os.killpg(client.pid, signal.SIGINT)  # as a terminal does, to all
     _, err = finish(client, 130)
     assert "resume with: halfplane sweep study.toml --executor dask" in err
-    finish(start(home, *words))
+    finish(sweep(home, *words))
     same(home, "local")
 
 
@@ -261,6 +251,6 @@ def test_a_scheduler_with_tls_takes_our_certificate_and_nobody_without(home: Pat
         same(home, "tls", "blocks")
         plain = ("--executor", "dask", "--scheduler", f"tcp://127.0.0.1:{cluster.port}")
         for where in (plain, (*plain[:-1], "tcp://127.0.0.1:9")):
-            assert "no dask scheduler answers there" in finish(start(home, "study.toml", "--out", "none", *where), code=2)[1]
+            assert "no dask scheduler answers there" in finish(sweep(home, "study.toml", "--out", "none", *where), code=2)[1]
     finally:
         cluster.end()
