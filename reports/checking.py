@@ -157,7 +157,7 @@ def _ratio(normal: Array, tangential: Array, friction: float) -> Array:
     size = np.abs(tangential)
     # A load that is zero but for the rounding of its own leg is zero.
     size = np.where(size <= _ROUNDING * friction * np.max(np.abs(normal), axis=-1, keepdims=True), 0.0, size)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = size / (friction * normal)
     return np.asarray(np.where(normal < 0, np.inf, np.where(size == 0, 0.0, ratio)))
 

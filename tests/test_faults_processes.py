@@ -475,6 +475,7 @@ def test_whichever_write_fails_it_is_a_sentence_and_leaves_all_as_it_was(
         shutil.copytree(old, disk)
         if job == "map":
             shutil.copytree(Path(reports.__file__).parent / "published" / "maps", disk / "maps")
+            (disk / "maps" / "block.md").write_text("a page to be written again", encoding="utf-8")
 
     disk = tmp_path / "disk"
     for done, call, before in each_write_fails(DISK_JOBS[job], disk, prepare, for_ever):
