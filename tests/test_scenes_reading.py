@@ -79,6 +79,11 @@ REFUSED = {
     "friction as list": ("coefficient = 0.5", "coefficient = [0.5]", "friction.coefficient = [0.5]|valid number"),
     "friction as date": ("coefficient = 0.5", "coefficient = 2020-01-01", "friction.coefficient = '2020-01-01'|valid number"),
     "friction not a number": ("coefficient = 0.5", "coefficient = nan", "friction.coefficient = nan|finite"),
+    "a load without a square": (
+        "mean_normal_load = 90.62286500739786",
+        "mean_normal_load = 9e200",
+        "load.mean_normal_load is refused: 9e+200 is above 1e+100",
+    ),
     "friction infinite": ("coefficient = 0.5", "coefficient = inf", "friction.coefficient = inf|finite"),
     "nu at its upper end": ("poisson_ratio = 0.3", "poisson_ratio = 0.5", "material.poisson_ratio = 0.5|less than 0.5"),
     "nu at its lower end": ("poisson_ratio = 0.3", "poisson_ratio = -1", "material.poisson_ratio = -1|greater than -1"),

@@ -56,9 +56,6 @@ TOLERANCES = {
     "tension at the trailing edge": Tolerance(
         1.8e-3, 2.5e-3, "at Q = 0.1 f P, whose slip zone has four nodes at a/40; of theory's"
     ),
-    "hysteresis loop": Tolerance(
-        1.8e-5, 1e-4, "a cycle repeats to 5e-4 of a nodal force, and what it does not give back is in the loop"
-    ),
     "initial loading": Tolerance(
         2.3e-16, 1e-9, "the first revolution wipes the initial loading out, to the last digit of every node's state"
     ),

@@ -201,14 +201,14 @@ def _movie(ffmpeg: str, file: Path, width: int, height: int) -> Iterator[IO[byte
     words, said = [ffmpeg, "-v", "error", "-y", *raw, *coded, str(file)], b""
     process = subprocess.Popen(words, stdin=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
     assert process.stdin is not None
-    ended, broken = False, True
+    broken = True
     try:
         with suppress(BrokenPipeError):  # ffmpeg ended first, and says why
             yield process.stdin
             broken = False
-        said, ended = process.communicate()[1], True
+        said = process.communicate()[1]
     finally:
-        if not ended:
+        if process.returncode is None:
             process.kill()
             process.communicate()
     if process.returncode or said or broken:
