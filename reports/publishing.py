@@ -34,7 +34,7 @@ from reports.comparison.words import (
 )
 from reports.console import say
 from reports.staging import replace_text
-from reports.units import energy_unit, units
+from reports.units import energy_unit, minus, units
 from scenes import Expected, InputError, Scene, load_scene, scene_names
 
 if TYPE_CHECKING:
@@ -306,7 +306,7 @@ def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[st
             f"{_QUANTITIES[quantity]}, {name_of(engine)}",
             _number(stored["frozen"][external.key]),
             external.value if len(external.value) < 20 else f"{external.value[:20]}…",
-            f"{off:+.1e}",
+            minus(f"{off:+.1e}"),
             f"{external.tolerance:.3g}",
             _off(scene, stored, external),
             external.source,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from scenes import Scene
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from scenes import Scene
 
 
 def units(scene: Scene) -> tuple[str, str, str]:

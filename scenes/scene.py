@@ -20,6 +20,7 @@ from scenes.frozen import Frozen, Positive, ShortForm, did_you_mean, refusal, va
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
 from scenes.measured import READING, read_for
 from scenes.profiles import FlatRounded, Hertz, Profile
+from scenes.text_tables import LARGEST
 from scenes.unit_words import inconsistent
 
 Tag = Literal[
@@ -205,6 +206,16 @@ class Scene(Frozen):
                     f"units = {self.units!r}, and the columns of {name}.file were turned into {own!r}: give file and units "
                     "together in a scene file, or to Scene.vary"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _lengths_can_be_squared(self) -> Self:
+        length = self.profile.datum_length
+        if not 1 / LARGEST <= length <= LARGEST:
+            raise ValueError(
+                f"profile has a length of {length:g}, which is not between {1 / LARGEST:g} and {LARGEST:g}, "
+                "and its square would be no number: choose other units"
+            )
         return self
 
     @model_validator(mode="after")

@@ -148,6 +148,8 @@ REFUSED = {
     "init my.toml --tangential-amplitude 600": "gross sliding",
     **{f"init {name} --friction 0.5": "is there already and stays as it is" for name in ("good.toml", "link.toml")},
     "advise blocks --limit 5": "such as 0.05 for 5 %",
+    "advise blocks --limit 500%": "--limit 500% is refused",
+    **{f"{words} 2.7": "'2.7' is no whole number" for words in ("fields blocks --frames", "run blocks --steps-per-cycle")},
     "sweep study.toml --workers 0 --out out": "--workers 0: at least 1",  # it meant all cores, and said nothing
     "sweep status nowhere --json": "nowhere",
     "scenes --tag papier": "there is no such tag; there are paper, ",
@@ -472,6 +474,7 @@ ERROR = 0.0274  # of the dissipation, as published, ± 0.004: a limit of the err
 ADVICE = {
     "blocks": (0, True, "within", "Yes: error of the dissipation"),
     "blocks --limit 0.02": (1, False, "outside", "No: "),
+    "blocks --limit 5%": (0, True, "within", "Yes: "),
     f"blocks --limit {ERROR}": (1, False, "undecided", "Not sure: "),
     "hertz-paper": (0, True, "within", "both bodies are half-planes of like materials"),
 }

@@ -84,6 +84,7 @@ REFUSED = {
         "mean_normal_load = 9e200",
         "load.mean_normal_load is refused: 9e+200 is above 1e+100",
     ),
+    "a radius without a square": ("radius = 2.0", "radius = 1e300", "profile has a length of 1e+300, which is not between 1e-100"),
     "friction infinite": ("coefficient = 0.5", "coefficient = inf", "friction.coefficient = inf|finite"),
     "nu at its upper end": ("poisson_ratio = 0.3", "poisson_ratio = 0.5", "material.poisson_ratio = 0.5|less than 0.5"),
     "nu at its lower end": ("poisson_ratio = 0.3", "poisson_ratio = -1", "material.poisson_ratio = -1|greater than -1"),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from reports.cli.options import FiniteElements, SceneName, answer, flag, several
+from reports.cli.options import Count, FiniteElements, SceneName, answer, flag, several
 from reports.cli.process import WITHIN
 from reports.cli.solving import at_work, load_engines, require_drawing, require_times, solve_finite_elements
 from reports.console import Stages, say, show_table
@@ -33,8 +33,8 @@ class FieldsOptions(FiniteElements):
     """Which instants are written, and what is drawn of them."""
 
     at: Annotated[tuple[str, ...], several('Times of the path, or "events" of the last cycle, the default without a series.')] = ()
-    every: Annotated[int | None, Parameter(help="A series over the last cycle: every Nth stored step.")] = None
-    frames: Annotated[int | None, Parameter(help="A series over the last cycle: N instants evenly in time.")] = None
+    every: Annotated[Count | None, Parameter(help="A series over the last cycle: every Nth stored step.")] = None
+    frames: Annotated[Count | None, Parameter(help="A series over the last cycle: N instants evenly in time.")] = None
     animate: Annotated[
         bool, flag("The cycle as GIF and MP4: the instants of the series, 60 without one. MP4: halfplane[animation].")
     ] = False

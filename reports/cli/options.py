@@ -11,7 +11,7 @@ from json import dumps, loads
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import Group, Parameter
+from cyclopts import Group, Parameter, Token
 
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
@@ -29,6 +29,17 @@ def _mesh(words: str) -> Parameter:
 
 def _solver(words: str) -> Parameter:
     return Parameter(group=_SOLVER, help=words)
+
+
+def _whole(_: type, tokens: Sequence[Token]) -> int:
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is no whole number") from None  # what reads options would round it
+
+
+# A number of things: nothing is rounded.
+Count = Annotated[int, Parameter(converter=_whole)]
 
 
 def flag(words: str) -> Parameter:
@@ -82,12 +93,12 @@ class FiniteElements(Output):
     edge_element_size: Annotated[float | None, _mesh("Surface elements where the contact and stick edges travel.")] = None
     far_radius: Annotated[float | None, _mesh("Radius of the half-disc that stands for a half-plane.")] = None
     growth: Annotated[float | None, _mesh("Growth of the elements away from the contact.")] = None
-    order: Annotated[int | None, _mesh("Order of the elements, 1 or 2.")] = None
+    order: Annotated[Count | None, _mesh("Order of the elements, 1 or 2.")] = None
     method: Annotated[
         Literal["augmented_lagrangian", "penalty"] | None,
         _solver("The contact law met exactly, or an elastic layer between the faces."),
     ] = None
-    steps_per_cycle: Annotated[int | None, _solver("Steps of a revolution; turning points come on top.")] = None
+    steps_per_cycle: Annotated[Count | None, _solver("Steps of a revolution; turning points come on top.")] = None
     step_tolerance: Annotated[float | None, _solver("Error of a revolution's steps over W above which steps are halved.")] = None
     normal_stiffness: Annotated[float | None, _solver("Of the penalty layer, over E*/h; without one no answer depends on it.")] = (
         None
@@ -95,7 +106,7 @@ class FiniteElements(Output):
     tangential_stiffness: Annotated[
         float | None, _solver("Of the penalty layer, over E*/h; without one no answer depends on it.")
     ] = None
-    max_iterations: Annotated[int | None, _solver("Of one step, before it counts as not converged.")] = None
+    max_iterations: Annotated[Count | None, _solver("Of one step, before it counts as not converged.")] = None
 
     def settings(self) -> "tuple[MeshSettings, SolverSettings]":
         """The settings objects; InputError for a value out of range."""
@@ -110,6 +121,14 @@ class FiniteElements(Output):
 
 # What a tolerance without a key is for: W, p0, a and c.
 COMMON = ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick")
+
+
+def share_of(text: str) -> float:
+    """The share that a user writes as 5% or 0.05; NaN where it is no number."""
+    try:
+        return float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
+    except ValueError:
+        return math.nan
 
 
 def tolerances_of(words: Sequence[str]) -> dict[str, float]:
@@ -135,10 +154,7 @@ def tolerances_of(words: Sequence[str]) -> dict[str, float]:
         if equals and key not in METRICS:
             known = list(METRICS)
             raise InputError(f"--tolerance {word}: unknown metric {key!r};{did_you_mean(key, known)} there are {', '.join(known)}")
-        try:
-            value = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
-        except ValueError:
-            value = math.nan
+        value = share_of(text)
         if not 0 < value < math.inf:
             raise InputError(f"--tolerance {word}: write a share above 0, such as 5% or 0.05, or one of a metric: dissipation=3%")
         if value >= 1 and not text.endswith("%"):

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from reports.cli.options import Json, Output, SceneName, Silent, Tolerance, answer, flag, several, tolerances_of
+from reports.cli.options import Json, Output, SceneName, Silent, Tolerance, answer, flag, several, share_of, tolerances_of
 from reports.cli.process import NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.cli.solving import exit_code, read, show_verdict
 from reports.console import Stages, complain, say, show_table
+from reports.units import minus
 
 if TYPE_CHECKING:
     from reports.cli.findings import Difference, Row
@@ -246,7 +247,7 @@ def _show_diff(found: Difference, code: int, options: DiffOptions) -> int:
 
 def _cells(row: Row) -> tuple[str, ...]:
     value_a, value_b = ("none" if value is None else f"{value:.10g}" for value in (row.a, row.b))
-    apart = "–" if row.difference is None else f"{row.difference:+.1e} {'' if row.kind == 'absolute' else 'rel.'}".rstrip()
+    apart = "–" if row.difference is None else minus(f"{row.difference:+.1e} {'' if row.kind == 'absolute' else 'rel.'}".rstrip())
     return row.key, value_a, value_b, "0" if row.difference == 0 else apart, f"{row.tolerance:g}", row.verdict
 
 
@@ -256,7 +257,7 @@ def _cells(row: Row) -> tuple[str, ...]:
 class AdviseOptions:
     """Up to which error half-plane theory may be used."""
 
-    limit: Annotated[float, Parameter(help="Error of dissipation up to which half-plane theory may be used, a share.")] = 0.05
+    limit: Annotated[str, Parameter(help="Error of dissipation up to which half-plane theory may be used: 5% or 0.05.")] = "5%"
     json: Json = False
 
 
@@ -268,10 +269,11 @@ def advise(scene: SceneName, *, options: AdviseOptions = _ADVISE) -> int:
     from reports.maps.advice import Advice, parts_of, sentence
     from scenes import InputError
 
-    if not 0 < options.limit < 1:
-        raise InputError(f"--limit {options.limit:g} is refused: it is a share above 0 and below 1, such as 0.05 for 5 %")
+    limit = share_of(options.limit)
+    if not 0 < limit < 1:
+        raise InputError(f"--limit {options.limit} is refused: it is a share above 0 and below 1, such as 0.05 for 5 %")
     found = read(scene)
-    advice = Advice(found, *parts_of(found), options.limit)
+    advice = Advice(found, *parts_of(found), limit)
     code = WITHIN if advice.may_be_used else OUTSIDE
     if options.json:
         return answer("advise", code, _advice_content(advice), found.name)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from reports.cli.options import FiniteElements, Output, SceneName, Tolerance, answer, flag, several, tolerances_of
+from reports.cli.options import Count, FiniteElements, Output, SceneName, Tolerance, answer, flag, several, tolerances_of
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, OUTSIDE, WITHIN
 from reports.console import Stages, complain, say, show_table
 
@@ -645,8 +645,8 @@ class ExportOptions(Output):
     """For which code, and at which instants."""
 
     to: Annotated[Literal["calculix", "abaqus"], Parameter(help="The dialect of the deck.")]
-    steps_per_cycle: Annotated[int | None, Parameter(help="Instants of a revolution; turning points come on top.")] = None
-    cycles: Annotated[int | None, Parameter(help="Revolutions at most.")] = None
+    steps_per_cycle: Annotated[Count | None, Parameter(help="Instants of a revolution; turning points come on top.")] = None
+    cycles: Annotated[Count | None, Parameter(help="Revolutions at most.")] = None
 
 
 def export(scene: SceneName, *, options: ExportOptions) -> int:

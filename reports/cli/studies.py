@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Group, Parameter
 
-from reports.cli.options import Json, Output, answer, flag
+from reports.cli.options import Count, Json, Output, answer, flag
 from reports.cli.process import INTERRUPTED, NOT_CONVERGED, WITHIN
 from reports.console import Stages, complain, say, show_table
 
@@ -31,7 +31,7 @@ class SweepOptions(Output):
     out: Annotated[Path | None, Parameter(help="Folder of the store; out/<study file> if left out.")] = None
     executor: Annotated[Literal["processes", "dask"], Parameter(help="Processes of this machine, or a dask cluster.")] = "processes"
     scheduler: Annotated[str, Parameter(help="Address of your dask scheduler; without one a cluster starts on this machine.")] = ""
-    workers: Annotated[int | None, Parameter(help="Processes, or tasks at once; all cores if left out.")] = None
+    workers: Annotated[Count | None, Parameter(help="Processes, or tasks at once; all cores if left out.")] = None
     tls_ca_file: Annotated[Path | None, Parameter(help="Certificates trusted, of a tls:// scheduler (PEM).")] = None
     tls_cert: Annotated[Path | None, Parameter(help="Our own certificate (PEM).")] = None
     tls_key: Annotated[Path | None, Parameter(help="Its private key (PEM).")] = None
@@ -159,7 +159,7 @@ class MapOptions(Output):
         None
     )
     stores: Annotated[Path, Parameter(help="Folder of the sweeps' stores.")] = Path("out/maps")
-    workers: Annotated[int | None, Parameter(help="Processes; all cores if left out.")] = None
+    workers: Annotated[Count | None, Parameter(help="Processes; all cores if left out.")] = None
     remake: Annotated[bool, flag("Start afresh: drop the sweeps' results first.")] = False
     pages: Annotated[bool, flag("Laws, figures and pages alone, from the tables that are there.")] = False
 

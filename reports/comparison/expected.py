@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from reports.comparison.metrics import Verdict, energy_scale, name_of, verdict_on
+from reports.units import minus
 from scenes import ContactSolution, Expected, Scene
 
 
@@ -118,7 +119,7 @@ def rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
             one.expected.engine,
             f"{one.expected.value:.5g}",
             "none" if math.isnan(one.found) else f"{one.found:.5g}",
-            "–" if math.isnan(one.difference) else f"{one.difference:+.1e}",
+            "–" if math.isnan(one.difference) else minus(f"{one.difference:+.1e}"),
             f"{one.expected.tolerance:.3g}",
             "yes" if one.met else "no",
         )

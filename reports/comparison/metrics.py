@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
+from reports.units import minus
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ContactSolution, EllipseLoad, InputError, Materials, Scene
 from scenes.scene import OWN_TOLERANCES
 
@@ -915,7 +916,9 @@ def _(pair: Pair) -> Measured:
 def _(pair: Pair) -> Measured:
     """Drift of the dissipation: change of W in the last cycle over W, result − reference; 0 where it is steady."""
     both = [(name_of(s.engine), s.dissipation_drift) for s in (pair.reference, pair.result)]
-    words = "; ".join(f"{name}: {'not known' if math.isnan(it) else f'{it:+.1e} in its last cycle'}" for name, it in both if it)
+    words = "; ".join(
+        f"{name}: {'not known' if math.isnan(it) else minus(f'{it:+.1e}') + ' in its last cycle'}" for name, it in both if it
+    )
     if any(math.isnan(it) for _, it in both):
         return _none(words)
     return Measured(value=both[1][1] - both[0][1], note=words)
