@@ -246,13 +246,11 @@ def gallery() -> Iterator[str]:
     """The published picture of every scene."""
     yield from ("# Gallery", "", WRITTEN, "")
     yield (
-        "What both engines give for every scene of the library, as published in the repository (`make publish`). "
-        "Each title leads to the page of the scene with all its figures; a run with `halfplane run NAME` makes the "
-        "full interactive page."
+        "Both engines on every scene of the [library](scenes.md). A title leads to the page of the scene with all its values; "
+        "`halfplane run NAME` makes the interactive page."
     )
     for name in scene_names():
-        scene = load_scene(name)
-        yield from ("", f"## [{name}](../reports/published/{name}.md)", "", f"{scene.title}: {scene.purpose}.", "")
+        yield from ("", f"## [{name}](../reports/published/{name}.md)", "", f"{load_scene(name).title}.", "")
         yield f"![Both engines on {name}](../reports/published/{name}.svg)"
 
 
