@@ -87,16 +87,6 @@ def test_loads_are_the_definition_and_changes_free_of_cancellation(segment, part
             assert abs(value - (other - one)) <= 1e-14 * abs(other - one) + slack
 
 
-def test_a_plain_difference_would_fail_that_test():
-    since = ELLIPSE.start + 0.3 * TURN
-    moment = since + 1e-12
-    plain = float(ELLIPSE.loads(moment)[0] - ELLIPSE.loads(since)[0])
-    with mpmath.workdps(50):
-        exact = exact_loads(ELLIPSE, moment)[0] - exact_loads(ELLIPSE, since)[0]
-        assert abs(plain - exact) > 1e-6 * abs(exact)
-        assert abs(float(ELLIPSE.change_of(NORMAL_LOAD, moment, since)) - exact) < 1e-14 * abs(exact)
-
-
 def runs(segment, what):
     """Stretches of time on which a combination does not turn."""
     return list(pairwise([segment.start, *segment.turning_points(what), segment.end]))
@@ -205,14 +195,6 @@ def test_segments_state_what_they_are_and_keep_their_ends():
     np.testing.assert_allclose(q, (2 * 0.1 / 3 - 0.25) * step, rtol=1e-13)
 
 
-@given(slope=st.floats(-2, 2), p=st.floats(0.1, 10), q=st.floats(-5, 5))
-def test_parabola_ends_with_the_slope_asked_for(slope, p, q):
-    segment = parabola_segment(0.0, 2.0, (p, q), slope)
-    dp, dq = segment.rates(2.0)
-    assert float(dq / dp) == pytest.approx(slope, abs=1e-12 * (1 + abs(q) / p))
-    assert [float(v) for v in segment.loads(2.0)] == pytest.approx([p, q], abs=1e-12)
-
-
 # ----------------------------------------------------------------------------------------------------------------- paths
 E = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 0.2, "tangential_amplitude": 1}
 HARMONICS = HarmonicLoad(
@@ -274,10 +256,7 @@ def test_cycle_starts_where_q_is_farthest_from_its_mean_while_p_grows(phase):
 def test_ways_to_the_cycle():
     """The paper's parabola ends tangent to the ellipse: dQ/dP = 0 where |Q - Q0| is largest. Points are passed in equal times."""
     path = PERIODIC["parabola"].path()
-    (parabola,), (turn,) = path.initial_loading, path.cycle
-    assert parabola.slope_and_bend(parabola.end)[0] == 0
-    np.testing.assert_allclose(parabola.loads(parabola.end), turn.loads(turn.start), rtol=1e-15, atol=1e-15)
-    for segment, moment in ((parabola, parabola.end), (turn, turn.start)):
+    for segment, moment in ((path.initial_loading[0], path.cycle_start), (path.cycle[0], path.cycle_start)):
         dp, dq = segment.rates(moment)
         assert float(dq / dp) == pytest.approx(0.0, abs=1e-15)
     path = PERIODIC["points on the way"].path()
@@ -347,9 +326,12 @@ def test_functions_are_followed_to_round_off_and_a_kink_becomes_an_edge():
     assert len(ends) < 12
 
 
+RECORD = {"rows": [[0, 1, 0], [1, 2, 0.1], [2, 1, 0]], "repeats": False}
+
+
 def make(given):
     if "rows" in given:
-        return TimeSeriesLoad(**given, repeats=True)
+        return TimeSeriesLoad(**{"repeats": True} | given)
     return CallableLoad(**{"normal_load": lambda t: 2 + 0 * t, "tangential_load": lambda t: 0 * t, "duration": 1.0} | given)
 
 
@@ -365,6 +347,13 @@ def make(given):
         ({"rows": [[0, 0, 0], [1, 2, 0], [2, 0, 0]]}, "can't start unloaded"),
         ({"rows": [[0, 1, math.nan], [1, 1, 0]]}, r"row 1: \[0\.0, 1\.0, nan\] is not all finite numbers"),
         ({"rows": [[0, 1], [1, 1]]}, "three numbers"),
+        (RECORD | {"threshold": {"P": 1}}, "threshold has a use with reduce"),
+        (RECORD | {"reduce": "tolerance"}, "needs a threshold, such as"),
+        (RECORD | {"reduce": "tolerance", "threshold": {}}, "needs a threshold, such as"),
+        (RECORD | {"reduce": "turning_points", "threshold": {"P": -1}}, "greater than or equal to 0"),
+        (RECORD | {"average": 2, "repeats": True}, "average goes with records that do not repeat"),
+        (RECORD | {"average": 2}, "average = 2 leaves one of 3 rows"),
+        (RECORD | {"average": 0}, "greater than or equal to 1"),
     ],
 )
 def test_functions_and_rows_that_will_not_do_are_refused(given, why):
@@ -430,6 +419,7 @@ def distance_in_order(path: np.ndarray, kept: np.ndarray) -> float:
     size=st.sampled_from([0.5, 1, 2, 4]),
 )
 @example([(0, 0), (1, 0), (5, 0), (1, 0), (5, 0)], 1)  # near the whole line, and to and fro on it
+@example([(0, 0), (4, 0), (0, 0), (4, 0)], 1)  # a distance without order misses that
 def test_a_reduced_path_stays_within_its_tolerance_in_order(points: list[tuple[int, int]], size: float) -> None:
     path = np.array(points, dtype=float)
     kept = within(path, np.array([size, size]))
@@ -438,15 +428,6 @@ def test_a_reduced_path_stays_within_its_tolerance_in_order(points: list[tuple[i
     assert distance_in_order(path, kept) <= size + 0.01  # of the samples on a line of at most 10
     other = within(path * [1, 0.25], np.array([size, size / 4]))  # each load has its own tolerance
     assert other.tolist() == kept.tolist()
-
-
-def test_a_reversal_that_the_ends_hide_is_seen_by_that_test() -> None:
-    """Distances to a line without order miss that the path runs to and fro on it."""
-    path = np.array([(0, 0), (4, 0), (0, 0), (4, 0)], dtype=float)
-    assert distance_in_order(path, np.array([0, 3])) >= 2
-    assert within(path, np.array([1.0, 1.0])).tolist() == [0, 1, 2, 3]
-    path = np.array([(0, 0), (1, 0), (5, 0), (1, 0), (5, 0)], dtype=float)
-    assert within(path, np.array([1.0, 1.0])).tolist() == [0, 2, 3, 4]
 
 
 def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
@@ -472,20 +453,3 @@ def test_a_reduced_record_keeps_the_work_and_says_what_it_kept() -> None:
     words = base.vary(load={"reduce": "turning_points", "threshold": {"Q": 0.5}}).load.in_words("N/mm")
     assert "of the 1200 rows of a record, turning points with swings above 0 in P or 0.5 in Q, P from" in words
     assert base.vary(load={"average": 4}).load.rows == base.load.rows  # all rows stay in the scene
-
-
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"threshold": {"P": 1}}, "threshold has a use with reduce"),
-        ({"reduce": "tolerance"}, "needs a threshold, such as"),
-        ({"reduce": "tolerance", "threshold": {}}, "needs a threshold, such as"),
-        ({"reduce": "turning_points", "threshold": {"P": -1}}, "greater than or equal to 0"),
-        ({"average": 2, "repeats": True}, "average goes with records that do not repeat"),
-        ({"average": 2}, "average = 2 leaves one of 3 rows"),
-        ({"average": 0}, "greater than or equal to 1"),
-    ],
-)
-def test_what_can_not_be_reduced_is_refused(keys: dict[str, object], said: str) -> None:
-    with pytest.raises(ValidationError, match=said):
-        TimeSeriesLoad(rows=[[0, 1, 0], [1, 2, 0.1], [2, 1, 0]], **keys)
