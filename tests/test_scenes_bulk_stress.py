@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ import pytest
 
 import semi_analytic
 from scenes import (
-    ContactSolution,
     EllipseLoad,
     HarmonicLoad,
     InputError,
@@ -69,28 +67,21 @@ STATED = {
 
 @pytest.mark.parametrize("kind", STATED)
 def test_stresses_and_tilt_follow_the_loads_in_every_cycle(kind: str) -> None:
+    """P and Q are those of the load without them."""
+    plain = STATED[kind].vary(bulk_stress_lower=None, bulk_stress_upper=None, tilt=None).path()
     path = STATED[kind].path()
-    assert path.has_bulk_or_tilt
-    assert not path.moment_given
-    for leg in path.legs(3):
+    assert (path.has_bulk_or_tilt, path.moment_given, plain.has_bulk_or_tilt) == (True, False, False)
+    for leg, bare in zip(path.legs(3), plain.legs(3), strict=True):
         time = np.linspace(leg.start, leg.end, 7)
         assert leg.bulk is not None
         assert leg.turning is not None
         assert (leg.bulk.start, leg.bulk.end) == (leg.start, leg.end)
         p, q = leg.loads(time)
+        assert np.array_equal((p, q), bare.loads(time))
+        assert bare.bulk is bare.turning is None
         np.testing.assert_allclose(leg.bulk.loads(time), (q / 2, 2 * p), rtol=0, atol=3e-14)
         np.testing.assert_allclose(leg.turning.loads(time), (0.1 * p, 0 * p), rtol=0, atol=3e-15)
         np.testing.assert_allclose(leg.bulk.rates(time), (leg.rates(time)[1] / 2, 2 * leg.rates(time)[0]), rtol=0, atol=3e-11)
-
-
-@pytest.mark.parametrize("kind", STATED)
-def test_p_and_q_are_those_of_the_load_without_them(kind: str) -> None:
-    plain = STATED[kind].vary(bulk_stress_lower=None, bulk_stress_upper=None, tilt=None).path()
-    assert not plain.has_bulk_or_tilt
-    for one, other in zip(STATED[kind].path().legs(2), plain.legs(2), strict=True):
-        time = np.linspace(one.start, one.end, 5)
-        assert np.array_equal(one.loads(time), other.loads(time))
-        assert other.bulk is other.turning is None
 
 
 NUMBERS = {"ellipse": PAPER, "harmonics": WAVES, "polygon": CORNERS, "functions": FUNCTIONS | {"repeats": True}}
@@ -220,18 +211,3 @@ def test_a_table_keeps_its_two_sides() -> None:
     rows[3, 1] = 9.0
     with pytest.raises(ValueError, match="row 3: left side, x counted to the left"):
         Tabulated(points=rows, symmetric=False)
-
-
-def test_an_answer_keeps_what_it_says_of_bulk_and_tilt(tmp_path: Path) -> None:
-    plain = semi_analytic.solve("hertz-normal", x=[0.0], time=[0.5, 1.0])
-    assert plain.tilt is None
-    plain.save(tmp_path / "plain.nc")
-    assert ContactSolution.load(tmp_path / "plain.nc").permanent_stick_edges is None
-    turned = replace(plain, tilt=np.array([0.1, 0.2]), permanent_stick_edges=np.array([-1.0, 2.0]))
-    turned.save(tmp_path / "turned.nc")
-    found = ContactSolution.load(tmp_path / "turned.nc")
-    assert found.tilt is not None
-    assert found.tilt.tolist() == [0.1, 0.2]
-    assert found.permanent_stick_edges is not None
-    assert found.permanent_stick_edges.tolist() == [-1.0, 2.0]
-    assert found.bulk_stress_lower is None

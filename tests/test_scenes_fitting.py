@@ -144,6 +144,8 @@ def test_other_numbers_are_fitted_to_nothing():
     scene = scene_of(rows_of(TRUTHS["hertz"], noise=20e-6), "hertz", 20e-6)
     assert scene.vary(friction=0.5).profile.fitted == scene.profile.fitted
     assert scene.vary(profile={"radius": 900.0}).profile.fitted is None
+    with pytest.raises(InputError, match=r"take scenes\.fit_profile"):
+        Tabulated(points=rows_of(TRUTHS["hertz"]), fit={"kind": "hertz"}).spline()
     with pytest.raises(InputError, match="is not fitted"):
         fit_uncertainty(scene.vary(profile={"radius": 900.0}))
 
@@ -209,27 +211,6 @@ def test_extreme_numbers_are_fitted_or_one_sentence():
     for heights in (x, np.cos(40 * x)):
         with pytest.raises(InputError, match=r"the middle|do not bend up"):
             fit_profile(np.column_stack([x, heights]), "hertz")
-
-
-def test_faults_name_file_line_key_and_value(tmp_path):
-    keys = json.loads(load_scene("hertz-paper").model_dump_json(exclude_none=True))
-    rows = rows_of(TRUTHS["hertz"])
-    rows[30] = rows[20]
-
-    def refused(fit):
-        (tmp_path / "scene.json").write_text(json.dumps(keys | {"profile": {"kind": "tabulated", "file": "trace.csv", "fit": fit}}))
-        with pytest.raises(InputError) as fault:
-            load_scene(tmp_path / "scene.json")
-        return str(fault.value)
-
-    np.savetxt(tmp_path / "trace.csv", rows, delimiter=",", header="x,h", comments="")
-    assert "trace.csv, line 32: x = " in refused({"kind": "hertz"})
-    np.savetxt(tmp_path / "trace.csv", rows_of(TRUTHS["hertz"]), delimiter=",", header="x,h", comments="")
-    assert "profile.fit.kind = 'herz' is refused" in refused({"kind": "herz"})
-    assert "profile.fit.noise = -1.0 is refused: should be greater than 0" in refused({"kind": "hertz", "noise": -1.0})
-    assert "unknown key profile.fit.nois = 1.0; did you mean noise?" in refused({"kind": "hertz", "nois": 1.0})
-    with pytest.raises(InputError, match=r"take scenes\.fit_profile"):
-        Tabulated(points=rows_of(TRUTHS["hertz"]), fit={"kind": "hertz"}).spline()
 
 
 def test_noise_that_is_not_that_of_the_rows_is_said():

@@ -57,6 +57,8 @@ def test_a_profile_is_symmetric_rises_from_zero_and_survives_json(profile):
 def test_heights_by_hand():
     assert Hertz(radius=2.0).height([0.0, 1.0, -2.0]).tolist() == [0.0, 0.25, 1.0]
     assert FlatRounded(radius=2.0, flat_half_length=1.0).height([0.0, 1.0, -3.0]).tolist() == [0.0, 0.0, 1.0]
+    sides = Tabulated(points=[[-2, 4.001], [-1, 1.0], [0, 0.0], [1, 1.001], [2, 4.0]])  # of which the mean counts
+    np.testing.assert_allclose(sides.height([1.0, 2.0]), [1.0005, 4.0005])
     assert FlatRounded(radius=2.0, flat_half_length=1e-12).height(1.0) == pytest.approx(Hertz(radius=2.0).height(1.0))
 
 

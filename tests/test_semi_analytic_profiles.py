@@ -562,6 +562,7 @@ REFUSED = {
         lambda: Tabulated(points=[[0, 0], [1, 1], [1 + 1e-10, 1.1], [2, 3]]),
         r"row 3: x = 1.0000000001 is nearer to the row before than 1e-09 of itself",
     ),
+    "rows that fall": (lambda: Tabulated(points=[[0, 0], [1, 1], [2, 0.1]]), r"points, row 3: h = 0\.1 falls"),
     "many rows": (
         lambda: Tabulated(points=[[k, k * k] for k in range(2001)]),
         r"row 2001: the profile has 2,001 rows of x >= 0, and at most 2,000 are taken",
