@@ -8,6 +8,7 @@ import pytest
 import semi_analytic.fields
 import semi_analytic.history
 import semi_analytic.load_series
+from problems import errors, problems
 from scenes import InadmissibleLoadError, InputError, StraightSegment, SurfaceState, load_scene, scene_names
 from semi_analytic import FIELDS, solve
 from semi_analytic.fields import Arc, Integrals
@@ -71,39 +72,22 @@ def test_fields_by_brute_force(profile, load):
 
 
 # ------------------------------------------------------------------------------------------------------------- closed forms
-P = 90.62286500739786  # a = 1 in the library's Hertz scenes
-P0 = 2 * P / math.pi
+@pytest.mark.parametrize("problem", [one for one in problems("hertz") if "by theory" not in one.tags], ids=lambda one: one.name)
+def test_named_problems_have_their_closed_forms(problem):
+    """Hertz, Cattaneo-Mindlin forth, half-way back and reversed, full stick: the table that the finite elements are measured by."""
+    path, half = problem.scene.load.path(), problem.exact["contact_half_width"]
+    end = path.cycle_start + 2 * (path.period or 0.0)
+    answer = solve(problem.scene, x=half * np.linspace(-1.21, 1.21, 97), time=np.unique([problem.time, end]))
+    assert max(errors(problem, answer).values()) < 1e-12
+
+
+P0 = 2 * 90.62286500739786 / math.pi  # a = 1 in the library's Hertz scenes
 X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1.2])
 
 
-def cattaneo(x, load, share, friction):
-    """q under first loading to Q = share f P, constant P: f p less the same at P - Q/f (misprint of equation (2) mended)."""
-    stick = math.sqrt(1 - share)
-    return friction * P0 * (np.sqrt(np.maximum(1 - x**2, 0)) - np.sqrt(np.maximum(stick**2 - x**2, 0)))
-
-
-def test_cattaneo_mindlin_first_loading_and_reversal():
-    scene = load_scene("cattaneo-mindlin")
-    friction, share = 0.5, 0.6
-    solution = solve(scene, x=X, time=[2.0, 2.5, 3.0])
-    np.testing.assert_allclose(solution.shear[0], cattaneo(X, P, share, friction), atol=1e-13 * P0)
-    np.testing.assert_allclose(solution.shear[2], -solution.shear[0], atol=1e-13 * P0)
-    reversal = cattaneo(X, P, share, friction) - 2 * cattaneo(X, P, share / 2, friction)
-    np.testing.assert_allclose(solution.shear[1], reversal, atol=1e-13 * P0)
-    np.testing.assert_allclose(solution.stick_half_width, np.sqrt([1 - share, 1 - share / 2, 1 - share]), rtol=1e-14)
-    np.testing.assert_allclose(solution.stick_edges[:, 0], -solution.stick_half_width)
-    assert solution.permanent_stick_half_width == pytest.approx(math.sqrt(0.4), rel=1e-14)
-    slipping = np.where(np.abs(X) > 1, SurfaceState.OPEN, np.where(np.abs(X) > math.sqrt(0.4), SurfaceState.SLIP_FORWARD, 1))
-    inside = np.abs(np.abs(X) - 1) > 1e-9
-    np.testing.assert_array_equal(solution.state[0, inside], slipping[inside])
-
-
-def test_full_stick_follows_the_flat_punches():
-    """Full stick along a line: U = (Q/P) times the normal approach; nothing is dissipated, and nothing integrated."""
+def test_full_stick_integrates_nothing():
     answer = solve(load_scene("full-stick"))
-    np.testing.assert_allclose(answer.tangential_displacement, 0.4 * answer.normal_approach, rtol=1e-12)
-    assert answer.dissipation == 0
-    assert np.all(answer.dissipation_density == 0)
+    assert answer.dissipation == np.max(answer.dissipation_density) == 0
     assert answer.work.counts["slip_quadratures"] == answer.work.counts["quadrature_nodes"] == 0
     assert answer.work.skipped["quadratures"][1] == "full stick: nothing slips"
     assert answer.steady_from == 0
@@ -300,6 +284,7 @@ def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
     start = scene.load.path().cycle_start
     own = solve(scene, fields=only)
     long = solve(scene, x=[0.0], time=start + 2 * np.pi * np.array([0.5, 1.0, 40.25]), fields=only)
+    assert own.record.message == "cycle 2 ends in the state it started from"
     assert own.cycle_dissipation.shape == (2,)
     assert own.cycle_dissipation[0] > 2 * own.cycle_dissipation[1]
     np.testing.assert_array_equal(long.cycle_dissipation, [own.cycle_dissipation[0], *[own.dissipation] * 39])

@@ -8,18 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scenes import (
-    NORMAL_LOAD,
-    Combination,
     InputError,
     StraightSegment,
     TimeSeriesLoad,
-    ellipse_segment,
     load_scene,
-    parabola_segment,
 )
 from semi_analytic import event, events
-from semi_analytic.history import Turn, follow, history_of, monotonic_parts
-from semi_analytic.memory import level, pieces, same, unload_to, values
+from semi_analytic.history import Turn, follow, history_of
+from semi_analytic.memory import pieces, same, unload_to, values
 from semi_analytic_cases import LOADS, brute_force_curve, ellipse, extreme, make_scene, polygon
 from semi_analytic_oracle import LONG, Work, memory
 
@@ -95,25 +91,6 @@ def test_pieces_stay_few_while_the_steps_grow():
     swings = [(1.0, (-1) ** k * 0.6 * (1 - k / 1001)) for k in range(1000)]
     assert 900 < sum(1 for _ in pieces(final_curve(swings))) <= 1002
     assert sum(1 for _ in pieces(final_curve([*swings, (1.0, 0.65)]))) <= 3
-
-
-LEGS = [
-    StraightSegment(0.0, 2.0, (1.0, 0.2), (3.0, -0.4)),
-    parabola_segment(0.0, 2.0, (3.0, 0.6), -0.3),
-    ellipse_segment(0.5, 6.0, (3.0, 0.1), (1.0, 0.7), 1.1),
-]
-
-
-@pytest.mark.parametrize("leg", LEGS, ids=lambda leg: type(leg).__name__)
-@pytest.mark.parametrize("what", [NORMAL_LOAD, Combination(0.0, 1.0), level(1, 0.7), level(-1, 0.7)])
-def test_combinations_turn_where_they_say_and_inverses_invert(leg, what):
-    for begin, end in monotonic_parts(leg, 0.7):
-        times = np.linspace(begin, end, 41)
-        steps = np.diff(leg.change_of(what, times, begin))
-        if what.normal:
-            assert np.all(steps >= 0) or np.all(steps <= 0)
-            inverse = leg.time_of(what, leg.change_of(what, times, begin), begin, end)
-            np.testing.assert_allclose(leg.change_of(what, inverse, begin), leg.change_of(what, times, begin), atol=2e-15)
 
 
 # ------------------------------------------------------------------------------------------ edges of slip and memory by brute force

@@ -191,42 +191,44 @@ def test_rows_as_a_series_are_rows_as_a_curved_path(repeats, data, flat):
     assert np.max(lean.record.certificates["tangential_balance"]) < 1e-13
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_rows_along_the_limit_of_friction_and_back_along_their_own_lines(seed):
-    """Both ways of following them agree on every state."""
+def rows_along_the_limit(seed):
+    """Rows along the limit of friction and back along their own lines: loads, and whether they repeat."""
     draw = np.random.default_rng(seed)
-    count, flat, repeats = int(draw.integers(2, 14)), float(draw.choice([0.0, 0.5])), bool(seed % 2)
+    count, repeats = int(draw.integers(2, 14)), bool(seed % 2)
     normal = draw.choice([0.25, 0.5, 0.75, 1.0], count)
-    rows = np.column_stack([np.arange(count), normal, 0.7 * normal * draw.choice([-1, -0.5, 0, 0.25, 0.5, 1], count)])
-    rows = np.append(rows, [[count, *rows[0, 1:]]], axis=0) if repeats else rows
-    scene = make_scene(TimeSeriesLoad(rows=rows, repeats=repeats), 0.7, flat)
-    time = np.sort(draw.uniform(0, rows[-1, 0], 9))
-    one, other = (way(scene, x=X[:7], time=time) for way in (solve, by_spans))
-    assert one.steady_from == other.steady_from
-    np.testing.assert_array_equal(one.state, other.state)
-    for name in ("slip", "tangential_displacement", "dissipation", "cycle_dissipation", "dissipation_density"):
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-13, err_msg=name)
+    loads = np.column_stack([normal, 0.7 * normal * draw.choice([-1, -0.5, 0, 0.25, 0.5, 1], count)]).tolist()
+    return loads + loads[:1] * repeats, repeats
 
 
-def test_a_front_at_no_load_is_not_below_it():
-    """|Q| = f P is reached and P_c was a last digit below 0: W(x) on a flat face was no number."""
-    loads = [(1.0, 0.0), (0.5, 0.0875), (1.0, -0.7), (0.25, 0.04375), (0.75, 0.5249999999999999), (0.5, 0.175), (0.75, 0.0)]
-    scene = make_scene(TimeSeriesLoad(rows=[[k, *load] for k, load in enumerate(loads)]), 0.7, 0.5)
-    one, other = (way(scene, x=[0.5, 0.8, 1.0], fields=("dissipation_density",)).dissipation_density for way in (solve, by_spans))
-    np.testing.assert_allclose(one, other, rtol=1e-12)
+BY_BOTH = {f"along the limit {seed}": rows_along_the_limit(seed) for seed in range(6)} | {
+    # |Q| = f P is reached and P_c was a last digit below 0: W(x) on a flat face was no number.
+    "a front at no load": (
+        [(1.0, 0.0), (0.5, 0.0875), (1.0, -0.7), (0.25, 0.04375), (0.75, 0.5249999999999999), (0.5, 0.175), (0.75, 0.0)],
+        False,
+    ),
+    "unloaded and loaded again": ([(1, 0.6), (0, 0), (1, 0.1)], False),
+    # However far P goes: what counts is how deep the front of slip went, 1e-12 of P and less.
+    "hardly slips": ([(0.92, 0.644e-12), (0.5, 0.0), (0.92, 0.644e-12)], True),
+    "hardly slips, four turns": (
+        [(0.5, 0.0), (0.512062, 3.58e-10), (1.0, -7e-13), (0.05, 7e-18), (0.73, -5.11e-13), (0.5, 0.0)],
+        True,
+    ),
+}
 
 
-@pytest.mark.parametrize(
-    "corners", [[(0.92, 1e-12), (0.5, 0.0)], [(0.5, 0.0), (0.512062, 1e-9), (1.0, -1e-12), (0.05, 2e-16), (0.73, -1e-12)]]
-)
 @pytest.mark.parametrize("flat", [0.0, 0.5])
-def test_rows_that_hardly_slip_are_steady_when_the_engine_says_so(corners, flat):
-    """However far P goes: what counts is how deep the front of slip went, 1e-12 of P and less."""
-    rows = [[k + 1.0, p, 0.7 * p * use] for k, (p, use) in enumerate([*corners, corners[0]])]
-    scene = make_scene(TimeSeriesLoad(rows=rows, repeats=True), friction=0.7, flat=flat)
-    lean, full = solve(scene, x=X[:5]), by_spans(scene, x=X[:5])
-    assert lean.steady_from == full.steady_from == 1
-    assert lean.dissipation == pytest.approx(full.dissipation, rel=1e-3, abs=0)
+@pytest.mark.parametrize("name", BY_BOTH)
+def test_rows_at_the_ends_of_friction_are_followed_alike_by_both_ways(name, flat):
+    loads, repeats = BY_BOTH[name]
+    scene = make_scene(TimeSeriesLoad(rows=[[k, *load] for k, load in enumerate(loads)], repeats=repeats), 0.7, flat)
+    time = np.sort(np.random.default_rng(1).uniform(0, len(loads) - 1, 9))
+    one, other = (way(scene, x=X[:7], time=time) for way in (solve, by_spans))
+    assert one.steady_from == other.steady_from == (1 if "hardly" in name else other.steady_from)
+    if "hardly" not in name:  # which of them slips is rounding
+        np.testing.assert_array_equal(one.state, other.state)
+    for field in ("slip", "tangential_displacement", "dissipation", "cycle_dissipation", "dissipation_density"):
+        np.testing.assert_allclose(getattr(one, field), getattr(other, field), rtol=0, atol=1e-13, err_msg=field)
+    assert one.dissipation == pytest.approx(other.dissipation, rel=1e-3 if "hardly" in name else 1e-11, abs=0)
 
 
 @pytest.mark.parametrize(("share", "steady"), [(0.3, False), (1e-4, True), (1e-9, False), (1e-9, True)])
@@ -250,48 +252,6 @@ def test_what_slips_is_that_of_sixty_digits(share, steady):
 
 
 # -------------------------------------------------------------------------------------------------------- steady states
-
-
-def test_a_series_that_repeats_is_followed_until_it_is_steady():
-    load = series_of(ellipse(3.0, 1.0, 1.1, 1.0, 90.0).path(), 2001)
-    solution = solve(make_scene(load), fields=("dissipation",))
-    assert solution.steady_from == 1
-    assert solution.record.message == "cycle 2 ends in the state it started from"
-    assert solution.cycle_dissipation[0] > solution.cycle_dissipation[1]
-    exact = solve(make_scene(ellipse(3.0, 1.0, 1.1, 1.0, 90.0)))
-    assert solution.dissipation == pytest.approx(exact.dissipation, rel=1e-5, abs=0)
-    assert solution.permanent_stick_half_width == pytest.approx(exact.permanent_stick_half_width, rel=1e-5)
-
-
-def test_shakedown_of_a_series_is_told():
-    """Slip on the initial loading, none ever after."""
-    load = TimeSeriesLoad(rows=[[0, 2, 1.0], [1, 3, 1.2], [2, 2, 1.0]], repeats=True)
-    solution = solve(make_scene(load, friction=0.8))
-    assert solution.dissipation == 0
-    assert solution.steady_from is not None
-
-
-@given(
-    st.lists(st.tuples(st.floats(0.1, 3.0), st.floats(-0.95, 0.95)), max_size=4),
-    st.floats(0.05, 0.9),
-    st.floats(0.05, 0.95),
-    st.floats(5, 175),
-)
-@settings(max_examples=6)
-def test_the_start_is_forgotten(detours, ratio, use, phase):
-    """The steady cycle dissipates the same whatever admissible polygon led to it; the second route goes through what it left."""
-    friction = 0.7
-    amplitude = use * friction * (1 - ratio)
-
-    def solved(start):
-        waves = [(0.6 * amplitude, phase), (0.4 * amplitude, 20.0)]
-        load = HarmonicLoad(mean_normal_load=1.0, normal_harmonics=[(ratio, 0)], tangential_harmonics=waves, initial_loading=start)
-        return solve(make_scene(load, friction=friction), x=[0.0], fields=("dissipation",))
-
-    straight, other = solved("straight"), solved(tuple((p, friction * p * share) for p, share in detours))
-    assert other.steady_from in (0, 1)
-    assert other.dissipation == pytest.approx(straight.dissipation, rel=1e-9, abs=1e-15)
-    assert other.loop_work == pytest.approx(straight.dissipation, rel=1e-8, abs=1e-13)
 
 
 # -------------------------------------------------------------------------------------------------- long series, and effort
@@ -329,11 +289,9 @@ def test_a_long_series_with_all_fields_says_what_it_left_out():
 def test_what_is_alive_stays_small_however_many_steps_went_before():
     """A larger swing erases the smaller ones, every knot comes and goes once; dying swings stay until one erases them."""
     rng = np.random.default_rng(3)
-    for count in (1000, 16000):
-        normal = rng.uniform(1.0, 3.0, count)
-        block = follow(None, np.stack([normal, rng.uniform(-0.9, 0.9, count) * normal], axis=1), 1.0)
-        assert len(block.records.row) <= 2 * count
-        assert block.alive < 40
+    normal = rng.uniform(1.0, 3.0, 16000)
+    block = follow(None, np.stack([normal, rng.uniform(-0.9, 0.9, 16000) * normal], axis=1), 1.0)
+    assert (len(block.records.row) <= 2 * 16000, block.alive < 40) == (True, True)
     swings = np.array([(-1) ** k * 0.6 * (1 - k / 1001) for k in range(1000)])
     rows = np.stack([np.r_[0.0, np.ones(1001)], np.r_[0.0, 0.0, swings]], axis=1)
     curve = follow(None, rows, 1.0).curve
@@ -391,9 +349,3 @@ def test_an_instant_outside_the_rows_is_refused(repeats):
     if not repeats:
         with pytest.raises(InputError, match="outside the load path"):
             solve(make_scene(load), time=[3.5])
-
-
-def test_full_unloading_and_loading_again():
-    rows = [[0, 1, 0.6], [1, 0, 0], [2, 1, 0.1]]
-    scene = make_scene(TimeSeriesLoad(rows=rows), friction=0.7)
-    assert solve(scene).dissipation == pytest.approx(by_spans(scene, fields=("dissipation",)).dissipation, rel=1e-11, abs=0)
