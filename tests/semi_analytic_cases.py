@@ -66,22 +66,6 @@ def reference_scene(row):
     return make_scene(load, row["friction"], row["flat"])
 
 
-def brute_force_curve(points, friction, count=4001):
-    """(eta, M) on a grid after a polygon through `points` from (0, 0): append and clip, word for word as in the theory."""
-    top = max(p for p, _ in points)
-    eta = np.linspace(0, top, count)
-    held = np.zeros(count)
-    p0, q0 = 0.0, 0.0
-    for p, q in points:
-        if p > p0:
-            held = np.where(eta > p0, q0 + (q - q0) * (eta - p0) / (p - p0), held)
-        low, high = q - friction * (p - eta), q + friction * (p - eta)
-        held = np.where(eta <= p, np.minimum(np.maximum(held, low), high), np.nan)
-        held = np.where(np.isnan(held), q, held)
-        p0, q0 = p, q
-    return eta[eta <= p0], held[eta <= p0]
-
-
 TURN = 2 * math.pi
 ROWS = np.linspace(0.0, 9.0, 7)
 CORNERS = [(1.9, 0.2), (1.0, 0.45), (0.05, -0.02), (1.3, -0.6), (1.7, 0.1)]

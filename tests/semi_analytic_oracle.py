@@ -539,27 +539,6 @@ def _meeting(past, below, above, half, lowest, highest):
 # ------------------------------------------------------------------------------------------------------------- friction work
 
 
-def _bent_pressure(law, x, half):
-    """p(x, P) at half-widths (n,) >= x: int_max(b, x)^a arccos(b/alpha) alpha d alpha/sqrt(alpha^2 - x^2) for a jump of h'' at b,
-
-    that is sqrt(a^2 - x^2) arccos(b/a) - b ln[(B + X)/D] + x ln[(b X + x B)/(a D)] with B^2 = a^2 - b^2, X^2 = a^2 - x^2 and
-    D^2 = |b^2 - x^2|.
-    """
-    total, edge = 0 * half, np.sqrt((half - x) * (half + x))
-    for b, jump in zip(law.knots, law.jumps, strict=True):
-        if not half[len(half) // 2] > b:
-            continue
-        inner = np.sqrt(np.maximum((half - b) * (half + b), 0))
-        part = edge * np.arctan2(inner, b)
-        if b > 0:
-            apart = np.sqrt(np.abs((b - x) * (b + x))) or LONG(1)
-            part = part - b * np.log((inner + edge) / apart)
-            if x > 0:
-                part = part + x * np.log((b * edge + x * inner) / half / apart)
-        total = total + jump * part
-    return total / PI
-
-
 class Work:
     """W(x) at |x| and W of revolution number `cycle`, of a scene with E* = 1; every span of slip in `parts`."""
 
@@ -625,16 +604,14 @@ class Work:
         return (begin, end) if end > begin else None
 
     def pressure(self, x, half):
-        """p(x, P) at the half-widths (n,), all between the same two corners."""
-        if isinstance(self.law, Bends):
-            return _bent_pressure(self.law, x, half)
-
-        def strip(w):
+        """p(x, P) at the half-widths (n,) >= x, all between the same two corners: alpha^2 = x^2 + w^2."""
+        total, edge = 0 * half, np.sqrt((half - x) * (half + x))
+        marks = [0 * half, *(np.sqrt((b - x) * (b + x)) + 0 * half for b in self.law.breaks if x < b < half[len(half) // 2]), edge]
+        for low, high in pairwise(marks):
+            w, weight = self.nodes(low, np.maximum(low, high))
             at = np.sqrt(x * x + w * w)
-            return self.law.rate(at) / at / PI
-
-        w, weight = self.nodes(0 * half, np.sqrt((half - x) * (half + x)))
-        return np.sum(weight * strip(w), axis=-1)
+            total += np.sum(weight * self.law.rate(at) / at, axis=-1) / PI
+        return total
 
     def density(self, x):
         """W(x) at |x| (m,), forward and in reverse: (2, m)."""

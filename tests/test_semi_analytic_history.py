@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from scenes import (
     InputError,
+    LoadPath,
     StraightSegment,
     TimeSeriesLoad,
     load_scene,
@@ -16,8 +17,8 @@ from scenes import (
 from semi_analytic import event, events
 from semi_analytic.history import Turn, follow, history_of
 from semi_analytic.memory import pieces, same, unload_to, values
-from semi_analytic_cases import LOADS, brute_force_curve, ellipse, extreme, make_scene, polygon
-from semi_analytic_oracle import LONG, Work, memory
+from semi_analytic_cases import LOADS, ellipse, extreme, make_scene, polygon
+from semi_analytic_oracle import LONG, Work, memory, phases_of
 
 FRICTION = 0.7
 CORNERS = st.lists(
@@ -38,10 +39,12 @@ def final_curve(points):
 
 @given(CORNERS, st.integers(0, 11), st.floats(0.01, 0.99), st.floats(0.02, 0.9), st.floats(-0.9, 0.9))
 def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, part, low, use):
-    """The oracle's grid is 1/4000; Lipschitz, at the load; a step may be split; mirrored; what lies above the load is forgotten."""
+    """By brute force; Lipschitz, at the load; a step may be split; mirrored; what lies above the load is forgotten."""
     curve, (normal, tangential) = final_curve(points), points[-1]
-    eta, held = brute_force_curve(points, FRICTION)
-    np.testing.assert_allclose(values(curve, eta), held, atol=3e-4 * FRICTION)
+    phases, _ = phases_of(LoadPath(tuple(straight_legs(points)), ()), FRICTION, 0)
+    eta = normal * np.array([1e-3, 0.2, 0.5, 0.8])
+    held = [float(memory(phases, len(phases) - 1, phases[-1].end, each, FRICTION)) for each in eta]
+    np.testing.assert_allclose(values(curve, eta), held, rtol=0, atol=1e-14)
     assert curve.top == pytest.approx(normal, rel=1e-15)
     assert float(values(curve, curve.top)) == pytest.approx(tangential, abs=1e-14)
     knots = np.array([0.0, *(piece.top for piece in pieces(curve))][1:][::-1])
