@@ -29,9 +29,9 @@ from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic_cases import ellipse, make_scene, polygon
 from semi_analytic_oracle import Oracle
 
-R = load_scene("hertz-paper").profile.radius
+PAPER = load_scene("hertz-paper")
+R = PAPER.profile.radius
 ROWS = np.linspace(0, 3, 31)
-HERTZ, FLAT = Hertz(radius=R), FlatRounded(radius=R, flat_half_length=0.505)
 HERTZ, FLAT = Hertz(radius=R), FlatRounded(radius=R, flat_half_length=0.505)
 LAW = PowerLaw(exponent=2.7, length=1.0, rise=1 / 2.7 / R)
 CASES = {
@@ -160,26 +160,56 @@ def test_last_digits_of_tiny_slip_and_of_the_tangential_displacement_are_told():
 # --------------------------------------------------------------------------------------------------- what is not a number
 
 
-@pytest.mark.parametrize(("method", "field"), [("pressure", "pressure"), ("pressure", "shear"), ("slip_integral", "slip")])
-def test_a_field_that_is_not_a_number_stops_the_answer(monkeypatch, method, field):
-    found = getattr(HertzContact, method)
-    monkeypatch.setattr(HertzContact, method, lambda self, x, load: np.where(np.asarray(x) == 0.5, np.nan, found(self, x, load)))
-    with pytest.raises(ArithmeticError, match=rf"no {field} was found at \|x\| = 0.5, time"):
-        solve(load_scene("hertz-paper"), x=[0.1, 0.5], fields=(field,))
+def lost_at(place):
+    """A kernel that finds nothing at one place or load, of the contact or of the edge of slip alone."""
+    return lambda found: lambda self, at, *rest: np.where(np.abs(np.asarray(at) - place) < 1e-9, np.nan, found(self, at, *rest))
 
 
-@pytest.mark.parametrize("name", ["pressure", "slip_integral", "dissipation_kernel"])
-def test_an_error_that_is_not_a_number_is_no_small_error(monkeypatch, name):
-    scene = load_scene("hertz-paper").vary(profile=CASES["rows of a parabola"][0])
-    own = PunchSuperposition.quadrature_error
+def middle_of(kind):
+    """Stated errors of one kernel, one of which is not a number."""
 
-    def lost(self, kind, *given):
-        error = own(self, kind, *given)
-        return np.where(np.arange(error.size).reshape(error.shape) == error.size // 2, np.nan, error) if kind == name else error
+    def planted(own):
+        def lost(self, asked, *given):
+            error = own(self, asked, *given)
+            middle = np.arange(error.size).reshape(error.shape) == error.size // 2
+            return np.where(middle & (asked == kind), np.nan, error)
 
-    monkeypatch.setattr(PunchSuperposition, "quadrature_error", lost)
-    with pytest.raises(ArithmeticError, match="not a number"):
-        solve(scene, x=X, cycles="steady", fields=("pressure", "shear", "slip", "dissipation"))
+        return lost
+
+    return planted
+
+
+PRESSED = make_scene(polygon([(1.0, 0.0), (1.0, 0.3)]))
+ROUGH = load_scene("hertz-paper").vary(profile=CASES["rows of a parabola"][0])
+# What is planted where, the question, and what is said.
+LOST = {
+    **{
+        f"{method} of {field}": (HertzContact, method, lost_at(0.5), (PAPER, {"x": [0.1, 0.5], "fields": (field,)}),
+                                 rf"no {field} was found at \|x\| = 0.5, time")
+        for method, field in (("pressure", "pressure"), ("pressure", "shear"), ("slip_integral", "slip"))
+    },
+    **{
+        f"error of {kind}": (PunchSuperposition, "quadrature_error", middle_of(kind),
+                             (ROUGH, {"x": X, "cycles": "steady", "fields": ("pressure", "shear", "slip", "dissipation")}),
+                             "not a number")
+        for kind in ("pressure", "slip_integral", "dissipation_kernel")
+    },
+    **{
+        f"half-width of the {edge}": (HertzContact, "half_width", lost_at(load), (PRESSED, {"time": [time]}),
+                                      "no half-width was found for the normal load")
+        for edge, time, load in (("contact", 0.5, 0.5), ("front", 2.0, 0.7))
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LOST)
+def test_what_is_not_a_number_stops_the_answer(monkeypatch, name):
+    """Also an error that is no number: it is no small error."""
+    owner, method, plant, (scene, asked), words = LOST[name]
+    assert np.isfinite(solve(scene, **asked).contact_half_width).all()
+    monkeypatch.setattr(owner, method, plant(getattr(owner, method)))
+    with pytest.raises(ArithmeticError, match=words):
+        solve(scene, **asked)
 
 
 def test_the_error_of_rows_is_a_number_or_said_to_be_none(monkeypatch):
@@ -199,18 +229,6 @@ def test_what_was_not_found_is_one_sentence_at_the_command_line(monkeypatch, cap
     for command in (["exact", "hertz-paper"], ["advise", "blocks"]):
         assert main(command) == 3
         assert "not converged: no half-width was found for" in " ".join(capsys.readouterr().err.split())
-
-
-@pytest.mark.parametrize(("time", "lost"), [(0.5, 0.5), (2.0, 0.7)], ids=["contact", "front"])
-def test_a_half_width_that_was_not_found_stops_the_answer(monkeypatch, time, lost):
-    """An inverse that leaves NaN behind for some load, of the contact or of the edge of slip alone, goes no further."""
-    found = HertzContact.half_width
-    scene = make_scene(polygon([(1.0, 0.0), (1.0, 0.3)]))
-    assert np.isfinite(solve(scene, time=[time]).stick_half_width.item())
-    missing = lambda self, load: np.where(np.abs(np.asarray(load) - lost) < 1e-9, np.nan, found(self, load))  # noqa: E731
-    monkeypatch.setattr(HertzContact, "half_width", missing)
-    with pytest.raises(ArithmeticError, match="no half-width was found for the normal load"):
-        solve(scene, time=[time])
 
 
 # ----------------------------------------------------------------------------------------------------- next to no slip
@@ -266,12 +284,6 @@ def test_long_series_tell_it_too(share):
     assert answer.steady_from == 1
     assert error < 1e-13
     assert error <= answer.record.errors.get("dissipation", 3e-12) <= 3e-15 / share
-
-
-def test_where_much_slips_nothing_is_stated_and_both_routes_agree():
-    answer = solve(to_and_fro(0.6, 0.3, 1.0), x=[0.0], fields=("dissipation",))
-    assert "dissipation" not in answer.record.errors
-    assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12)
 
 
 @pytest.mark.parametrize(
