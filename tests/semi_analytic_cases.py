@@ -114,3 +114,24 @@ LOADS = {
 def extreme(profile, load):
     """A scene with E* = 1 and f = 0.5 by its names in `PROFILES` and `LOADS`."""
     return make_scene(LOADS[load], 0.5, cycles=3).vary(profile=PROFILES[profile])
+
+
+# Bulk stress and tilt: E* = 1 and E' = 2 for both bodies: eps = sigma/2 of the lower one.
+PAPER = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1, "phase_degrees": 90}
+
+
+def fretting(eps, *, q=1.8, p=3.0, loading=(), **more):
+    """Constant P, Q between +-q with a bulk strain of +-eps in phase, from Q = 0."""
+    before = [*loading, (p, 0), (p, q)]
+    columns = {"bulk_stress_lower": (*[0] * (len(before) - 1), 2 * eps, -2 * eps)}
+    return make_scene(PolygonLoad(initial_loading=before, cycle=[(p, -q)], **columns | more))
+
+
+def leaning(kappa, tilt=0.0, mirror=1, **more):
+    """The ellipse of the paper with alpha = tilt + kappa P and eps = kappa Q, or its mirror image; the upper body is pulled."""
+    turned = math.copysign(90, mirror)
+    stress = {"mean": -2.2 * kappa, "amplitude": 2 * abs(kappa), "phase_degrees": -90 if kappa > 0 else 90, "initial_loading": [0]}
+    turn = {"mean": mirror * (tilt + 3 * kappa), "amplitude": abs(kappa), "phase_degrees": 0 if kappa * mirror > 0 else 180}
+    loads = PAPER | {"phase_degrees": turned, "mean_tangential_load": mirror * 1.1, "initial_loading": [(2, 0)]}
+    turn["initial_loading"] = [mirror * (tilt + 2 * kappa)]
+    return make_scene(EllipseLoad(**loads, bulk_stress_upper=stress, tilt=turn, **more))

@@ -28,7 +28,7 @@ from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.opposite_slip import loads_of
 from semi_analytic.profiles import contact_of, convex_profile
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
-from semi_analytic_cases import make_scene
+from semi_analytic_cases import PAPER, fretting, leaning, make_scene
 
 A0 = math.sqrt(12 / math.pi)  # Hertz with E* = R = 1 and P = 3
 LARGE = (-0.7063363748151722, 1.4493185287005215)  # ends of stick of P = 3, f = 1, then Q = 0.9 and eps = 1
@@ -76,27 +76,6 @@ def test_the_work_of_the_grid_is_its_loop_with_the_bulk_term():
 
 
 # ------------------------------------------------------------------------------- one memory curve: alpha, eps affine in P, Q
-# E* = 1 and E' = 2 for both bodies: eps = sigma/2 of the lower one.
-PAPER = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1, "phase_degrees": 90}
-
-
-def fretting(eps, *, q=1.8, p=3.0, loading=(), **more):
-    """Constant P, Q between +-q with a bulk strain of +-eps in phase, from Q = 0."""
-    before = [*loading, (p, 0), (p, q)]
-    columns = {"bulk_stress_lower": (*[0] * (len(before) - 1), 2 * eps, -2 * eps)}
-    return make_scene(PolygonLoad(initial_loading=before, cycle=[(p, -q)], **columns | more))
-
-
-def leaning(kappa, tilt=0.0, mirror=1, **more):
-    """The ellipse of the paper with alpha = tilt + kappa P and eps = kappa Q, or its mirror image; the upper body is pulled."""
-    turned = math.copysign(90, mirror)
-    stress = {"mean": -2.2 * kappa, "amplitude": 2 * abs(kappa), "phase_degrees": -90 if kappa > 0 else 90, "initial_loading": [0]}
-    turn = {"mean": mirror * (tilt + 3 * kappa), "amplitude": abs(kappa), "phase_degrees": 0 if kappa * mirror > 0 else 180}
-    loads = PAPER | {"phase_degrees": turned, "mean_tangential_load": mirror * 1.1, "initial_loading": [(2, 0)]}
-    turn["initial_loading"] = [mirror * (tilt + 2 * kappa)]
-    return make_scene(EllipseLoad(**loads, bulk_stress_upper=stress, tilt=turn, **more))
-
-
 # scene, W, permanent stick
 EXACT = {
     "constant P, no bulk": (fretting(0.0), 0.6128781396315213, (-1.2360774464742066, 1.2360774464742066)),
@@ -457,54 +436,8 @@ def test_tilt_out_of_phase_on_grids():
     assert found.permanent_stick_edges / A0 == pytest.approx((-0.72632, 0.72632), abs=0.02)
 
 
-ARRAYS = ("pressure", "shear", "slip", "tangential_displacement", "normal_approach", "contact_edges", "stick_edges", "state")
-NO_LINE = make_scene(EllipseLoad(**PAPER))
-FORCE, LENGTH = 1e3, 25.4
-BIG = fretting(0.3, q=1.8 * FORCE * LENGTH, p=3.0 * FORCE * LENGTH, bulk_stress_lower=(0, 0.6 * FORCE, -0.6 * FORCE))
-BIG = BIG.vary(profile={"radius": LENGTH}, material=BIG.material.upper.vary(young_modulus=2 * FORCE))
-# One scene and the same in other words, the place of x there, and what each field is multiplied by.
-WORDS = {
-    "keys that state nothing, a family of kappa = 0": (
-        NO_LINE,
-        make_scene(EllipseLoad(**PAPER, bulk_stress_lower=0.0, tilt=0.0)),
-        lambda x: x,
-        dict.fromkeys((*ARRAYS, "dissipation", "permanent_stick_half_width"), 1.0),
-    ),
-    "a line of action moves all of it": (
-        NO_LINE,
-        make_scene(EllipseLoad(**PAPER, line_of_action={"x": 0.3})),
-        lambda x: x + 0.3,
-        dict.fromkeys(("pressure", "shear", "slip", "tangential_displacement", "dissipation_density"), 1.0),
-    ),
-    # x, Q and tilt turned round, bulk strain as it is: p, s and q follow.
-    "the mirror image": (
-        leaning(0.12, 0.1),
-        leaning(0.12, 0.1, mirror=-1),
-        lambda x: -x,
-        {"pressure": 1, "shear": -1, "slip": -1, "shear_moment": 1, "moment": -1, "dissipation": 1},
-    ),
-    "other units": (
-        fretting(0.3),
-        BIG,
-        lambda x: x * LENGTH,
-        {"pressure": FORCE, "shear": FORCE, "slip": LENGTH, "contact_edges": LENGTH}
-        | {"shear_moment": FORCE * LENGTH**2, "dissipation": FORCE * LENGTH**2},
-    ),
-}
-
-
-@pytest.mark.parametrize("name", WORDS)
-def test_one_contact_in_other_words(name):
-    one, other, there, factors = WORDS[name]
-    x = np.linspace(-2.2, 2.3, 31)
-    first = solve(one, x=x)
-    second = solve(other, x=there(x), time=first.time)
-    for field, factor in factors.items():
-        np.testing.assert_allclose(getattr(second, field) / factor, getattr(first, field), rtol=0, atol=3e-12, err_msg=field)
-
-
 def test_a_line_of_action_makes_moments_and_a_tilt():
-    moved = solve(WORDS["a line of action moves all of it"][1], x=0.7)
+    moved = solve(make_scene(EllipseLoad(**PAPER, line_of_action={"x": 0.3})), x=0.7)
     np.testing.assert_allclose(moved.moment, 0.3 * moved.normal_load, rtol=1e-13)
     np.testing.assert_allclose(moved.shear_moment, 0.3 * moved.tangential_load, rtol=0, atol=1e-13)
     np.testing.assert_allclose(moved.tilt[1:], -0.3, rtol=1e-13)

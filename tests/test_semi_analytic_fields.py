@@ -9,13 +9,25 @@ import semi_analytic.fields
 import semi_analytic.history
 import semi_analytic.load_series
 from problems import errors, problems
-from scenes import InadmissibleLoadError, InputError, StraightSegment, SurfaceState, load_scene, scene_names
+from scenes import (
+    Compound,
+    EllipseLoad,
+    EvenPolynomial,
+    InadmissibleLoadError,
+    InputError,
+    StraightSegment,
+    SurfaceState,
+    TimeSeriesLoad,
+    Wedge,
+    load_scene,
+    scene_names,
+)
 from semi_analytic import FIELDS, solve
 from semi_analytic.fields import Arc, Integrals
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
-from semi_analytic_cases import LOADS, PROFILES, ellipse, extreme, make_scene, polygon
+from semi_analytic_cases import LOADS, PAPER, PROFILES, ellipse, extreme, fretting, leaning, make_scene, polygon
 from semi_analytic_oracle import LONG, Oracle
 
 FEW = [
@@ -207,27 +219,74 @@ def test_planted_faults_are_seen(mutate, scenes, monkeypatch):
         assert bool(broken) == bool(mutate), (name, broken)
 
 
-@pytest.mark.parametrize("name", ["hertz-paper", "motor"])
-def test_mirrored_path_mirrors_everything(name):
-    scene = load_scene(name)
-    load = scene.load.vary(
-        mean_tangential_load=-scene.load.mean_tangential_load,
-        phase_degrees=scene.load.phase_degrees - 180,
-        initial_loading="straight",
-    )
-    one = solve(scene.vary(load={"initial_loading": "straight"}), x=1.0071 * X)
-    two = solve(
-        scene.vary(load=load),
-        x=1.0071 * X,
-        time=one.time - one.scene.load.path().cycle_start + load.path().cycle_start,
-    )
-    scale = np.max(np.abs(one.shear))
-    np.testing.assert_allclose(two.shear, -one.shear, atol=1e-12 * scale)
-    np.testing.assert_allclose(two.slip, -one.slip, atol=1e-12 * np.max(np.abs(one.slip)))
-    np.testing.assert_allclose(two.pressure, one.pressure, atol=1e-12 * scale)
-    np.testing.assert_allclose(two.dissipation_density, one.dissipation_density, atol=1e-12 * np.max(one.dissipation_density))
-    swapped = np.array([0, 1, 3, 2])[one.state]
-    assert np.mean(two.state != swapped) < 2e-3  # instants exactly between two spans may fall to either
+# ---------------------------------------------------------------------------------------------------- the same in other words
+def of_any_size(profile):
+    """A scene of lengths and stresses of 1, and the same of 1e12: P of 1e24 overflowed in the quotient of a traction."""
+    sizes, amounts = (1.0, 1e12), np.array([3.0, 1.0, 0.2, 0.8])
+    scenes = [make_scene(ellipse(*amounts * size**2, 70.0), 0.5, modulus=size).vary(profile=profile(size)) for size in sizes]
+    units = dict.fromkeys(("pressure", "shear", "slip", "tangential_displacement"), 1e12)
+    return *scenes, lambda x: x * 1e12, units | {"dissipation_density": 1e24, "state": 1, "dissipation": 1e36}
+
+
+def turned(name):
+    """A scene of the library with an ellipse, and that with Q turned round."""
+    scene = load_scene(name).vary(load={"initial_loading": "straight"})
+    back = {"mean_tangential_load": -scene.load.mean_tangential_load, "phase_degrees": scene.load.phase_degrees - 180}
+    signs = {"pressure": 1, "shear": -1, "slip": -1, "dissipation_density": 1}
+    return scene, scene.vary(load=back), lambda x: x, signs
+
+
+UPRIGHT = make_scene(EllipseLoad(**PAPER))
+FORCE, LENGTH = 1e3, 25.4
+BIG = fretting(0.3, q=1.8 * FORCE * LENGTH, p=3.0 * FORCE * LENGTH, bulk_stress_lower=(0, 0.6 * FORCE, -0.6 * FORCE))
+BIG = BIG.vary(profile={"radius": LENGTH}, material=BIG.material.upper.vary(young_modulus=2 * FORCE))
+ARRAYS = ("pressure", "shear", "slip", "tangential_displacement", "normal_approach", "contact_edges", "stick_edges", "state")
+# One scene and the same in other words, the place of x there, and what each field is multiplied by.
+WORDS = {
+    "compound of any size": of_any_size(lambda b: Compound(inner_radius=b, outer_radius=0.4 * b, inner_half_length=0.8 * b)),
+    "wedge of any size": of_any_size(lambda b: Wedge(tip_radius=b, tip_half_length=0.7 * b)),
+    "polynomial of any size": of_any_size(lambda b: EvenPolynomial(length=b, rises=(0.5 * b, 0.1 * b))),
+    "hertz-paper turned": turned("hertz-paper"),
+    "motor turned": turned("motor"),
+    "bulk stress and tilt of nothing": (
+        UPRIGHT,
+        make_scene(EllipseLoad(**PAPER, bulk_stress_lower=0.0, tilt=0.0)),
+        lambda x: x,
+        dict.fromkeys((*ARRAYS, "dissipation", "permanent_stick_half_width"), 1),
+    ),
+    "a line of action moves all of it": (
+        UPRIGHT,
+        make_scene(EllipseLoad(**PAPER, line_of_action={"x": 0.3})),
+        lambda x: x + 0.3,
+        dict.fromkeys(("pressure", "shear", "slip", "tangential_displacement", "dissipation_density"), 1),
+    ),
+    # x, Q and tilt turned round, bulk strain as it is: p, s and q follow.
+    "the mirror image under bulk stress and tilt": (
+        leaning(0.12, 0.1),
+        leaning(0.12, 0.1, mirror=-1),
+        lambda x: -x,
+        {"pressure": 1, "shear": -1, "slip": -1, "shear_moment": 1, "moment": -1, "dissipation": 1},
+    ),
+    "bulk stress in other units": (
+        fretting(0.3),
+        BIG,
+        lambda x: x * LENGTH,
+        {"pressure": FORCE, "shear": FORCE, "slip": LENGTH, "contact_edges": LENGTH}
+        | {"shear_moment": FORCE * LENGTH**2, "dissipation": FORCE * LENGTH**2},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_one_contact_in_other_words(name):
+    one, other, there, factors = WORDS[name]
+    x = 1.2 * np.max(solve(one, x=[0.0], fields=()).contact_half_width) * np.linspace(-1, 1.01, 31)
+    first = solve(one, x=x)
+    second = solve(other, x=there(x), time=first.time + other.load.path().cycle_start - one.load.path().cycle_start)
+    for field, factor in factors.items():
+        value = getattr(first, field)
+        close = 3e-12 * np.nanmax(np.abs(value))
+        np.testing.assert_allclose(getattr(second, field) / factor, value, rtol=0, atol=close, err_msg=field)
 
 
 def test_straight_steps_converge_on_the_smooth_path_with_order_two():
@@ -305,6 +364,11 @@ def test_paper_scene_effort_is_bounded():
     assert counts["points_evaluated"] == 100
 
 
+def record(repeats, *last):
+    """Rows from P = 1 at time 0 to the last loads at time 1, and back where they repeat."""
+    return TimeSeriesLoad(rows=[[0, 1, 0], [1, *last], *([[2, 1, 0]] * repeats)], repeats=repeats)
+
+
 @pytest.mark.parametrize(
     ("load", "friction", "reason", "time", "normal", "tangential"),
     [
@@ -315,6 +379,8 @@ def test_paper_scene_effort_is_bounded():
         (ellipse(1.0, 1.5, 0.0, 0.0, 0.0), 0.5, "separation", math.pi, -0.5, 0.0),
         (ellipse(3.0, 0.0, 0.0, 2.0, 90.0), 0.5, "gross sliding", None, None, None),
         (polygon([(2.0, 0.1)]), 0.0, "gross sliding", 0.0, 0.0, 0.0),
+        (record(False, 2, 3.0), 1.0, r"gross sliding from time 0\.5 on, at time 1 with P = 2, Q = 3, f = 1:", 0.5, 1.5, 1.5),
+        (record(False, -1, 0), 1.0, r"separation from time 0\.5 on, at time 1 with P = -1, Q = 0:", 0.5, 0.0, 0.0),
     ],
 )
 def test_inadmissible_paths_name_the_instant_and_the_loads(load, friction, reason, time, normal, tangential):
@@ -336,19 +402,28 @@ def test_sliding_just_reached_is_admitted():
     assert flat.stick_half_width[0] == pytest.approx(0.3)
 
 
+PAPER_SCENE = load_scene("hertz-paper")
+OUTSIDE = [(False, 2, 0.5, -3.0), (True, 2, 0.5, -3.0), (False, 2, 0.5, 1.5)]  # repeats, last row, time
+
+
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("scene", "options", "words"),
     [
-        ({"fields": ("presure",)}, "'presure' is not among"),
-        ({"cycles": "last"}, "neither 'all' nor 'steady'"),
-        ({"straight_steps": True}, "give the times"),
-        ({"time": [-5.0]}, "outside the load path"),
-        ({"time": [[1.0]]}, "a list of finite numbers"),
-        ({"x": [float("nan")]}, "a list of finite numbers"),
-        ({"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
-        ({"time": [load_scene("hertz-paper").load.path().start], "straight_steps": True}, "no time is after the start"),
+        (PAPER_SCENE, {"fields": ("presure",)}, "'presure' is not among"),
+        (PAPER_SCENE, {"cycles": "last"}, "neither 'all' nor 'steady'"),
+        (PAPER_SCENE, {"straight_steps": True}, "give the times"),
+        (PAPER_SCENE, {"time": [-5.0]}, "outside the load path"),
+        (PAPER_SCENE, {"time": [[1.0]]}, "a list of finite numbers"),
+        (PAPER_SCENE, {"x": [float("nan")]}, "a list of finite numbers"),
+        (PAPER_SCENE, {"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
+        (
+            PAPER_SCENE,
+            {"time": [PAPER_SCENE.load.path().start], "straight_steps": True},
+            "no time is after the start",
+        ),
+        *((make_scene(record(*one)), {"time": [time]}, "time: outside the load path, which runs from") for *one, time in OUTSIDE),
     ],
 )
-def test_bad_questions_are_refused_in_a_sentence(options, words):
+def test_bad_questions_are_refused_in_a_sentence(scene, options, words):
     with pytest.raises(InputError, match=words):
-        solve(load_scene("hertz-paper"), **options)
+        solve(scene, **options)

@@ -12,8 +12,6 @@ from hypothesis import strategies as st
 from scenes import (
     CallableLoad,
     HarmonicLoad,
-    InadmissibleLoadError,
-    InputError,
     Tabulated,
     TimeSeriesLoad,
     load_scene,
@@ -327,25 +325,3 @@ def test_what_instants_share_of_an_arc_is_integrated_once(monkeypatch):
     answer = solve(scene, x=[0.0], fields=("dissipation",))
     assert answer.loop_work == pytest.approx(answer.dissipation, rel=1e-12, abs=0)
     assert sum(inverted) < 4e6  # 2.0e6, and 7.0e7 before
-
-
-@pytest.mark.parametrize(
-    ("rows", "why"),
-    [
-        ([[0, 1, 0], [1, 2, 3.0]], r"gross sliding from time 0\.5 on, at time 1 with P = 2, Q = 3, f = 1:"),
-        ([[0, 1, 0], [1, -1, 0]], r"separation from time 0\.5 on, at time 1 with P = -1, Q = 0:"),
-    ],
-)
-def test_inadmissible_rows_are_refused_with_the_instant(rows, why):
-    with pytest.raises(InadmissibleLoadError, match=why):
-        solve(make_scene(TimeSeriesLoad(rows=rows), friction=1.0))
-
-
-@pytest.mark.parametrize("repeats", [False, True])
-def test_an_instant_outside_the_rows_is_refused(repeats):
-    load = TimeSeriesLoad(rows=[[1, 2, 0.5], [2, 1, 0], [3, 2, 0.5]], repeats=repeats)
-    with pytest.raises(InputError, match="time: outside the load path, which runs from"):
-        solve(make_scene(load), time=[-3.0, 1.0])
-    if not repeats:
-        with pytest.raises(InputError, match="outside the load path"):
-            solve(make_scene(load), time=[3.5])
