@@ -15,14 +15,13 @@ from scenes import (
     EvenPolynomial,
     FlatRounded,
     Hertz,
-    InputError,
     PolygonLoad,
     PowerLaw,
     Scene,
     Tabulated,
     Wedge,
 )
-from semi_analytic import compliance, dissipation, eccentricity, edge_tension, events, friction_from, hysteresis, solve, stress
+from semi_analytic import eccentricity, events, solve
 from semi_analytic import grid as dense_grid
 from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.opposite_slip import loads_of
@@ -512,47 +511,6 @@ def test_eccentricity_of_the_stick_zone():
     assert eccentricity(make_scene(EllipseLoad(**PAPER, tilt=0.1))) is None
 
 
-# What has no formula with bulk stress or tilt says so in a sentence.
-WITHOUT = {
-    "friction_from": lambda scene: friction_from(0.1, scene=scene),
-    "stress": lambda scene: stress(scene, [0.0], [-0.1], 1.0),
-    "edge_tension": lambda scene: edge_tension(scene, [1.0]),
-    "hysteresis": lambda scene: hysteresis(solve(scene, x=0.0)),
-    "compliance": lambda scene: compliance(solve(scene, x=0.0)),
-    "dissipation": lambda scene: dissipation(
-        profile=UNEQUAL, material=scene.material, friction_coefficient=1.0, phase=1.0, **{k: PAPER[k] for k in NUMBERS}
-    ),
-}
-NUMBERS = ("mean_normal_load", "normal_amplitude", "mean_tangential_load", "tangential_amplitude")
-
-
-@pytest.mark.parametrize("name", WITHOUT)
-def test_what_takes_no_bulk_stress_says_so(name):
-    with pytest.raises(InputError, match=r"bulk stress|unequal"):
-        WITHOUT[name](leaning(0.1))
-
-
 def test_events_are_those_of_the_loads():
     plain, leans = (events(scene) for scene in (make_scene(EllipseLoad(**PAPER, initial_loading=[(2, 0)])), leaning(0.1)))
     assert [(one.letter, one.time) for one in plain] == [(one.letter, one.time) for one in leans]
-    with pytest.raises(InputError, match="kappa Q"):
-        events(OUT_OF_PHASE)
-
-
-STEEP = {
-    "steeper than the wedge": (WEDGE, 1.5, "steeper"),
-    "beyond the table": (UNEQUAL, 5.0, "needs a contact"),
-    "steeper than the function": (CallableProfile(slope_function=np.arctan, extent=4.0), 1.4, "steeper"),
-    "beyond the function": (CallableProfile(slope_function=np.arctan, extent=0.5), 0.1, "needs a contact"),
-    "a polynomial that bends down": (EvenPolynomial(length=1.0, rises=(0.5, -0.24, 0.05)), 0.1, "bends down near x = 0.979"),
-    "a function that bends down": (CallableProfile(slope_function=lambda x: x * (1 - x**2 / 10), extent=2.0), 0.1, "bends down"),
-    "a sharp wedge": (PowerLaw(exponent=1.0, length=1.0, rise=0.5), 0.1, "kind = 'wedge'"),
-}
-
-
-@pytest.mark.parametrize("name", STEEP)
-def test_tilts_that_no_contact_takes_are_refused(name):
-    profile, tilt, words = STEEP[name]
-    scene = with_profile(make_scene(PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)), profile)
-    with pytest.raises(InputError, match=words):
-        solve(scene)

@@ -10,24 +10,29 @@ import semi_analytic.history
 import semi_analytic.load_series
 from problems import errors, problems
 from scenes import (
+    CallableProfile,
     Compound,
     EllipseLoad,
     EvenPolynomial,
+    Hertz,
     InadmissibleLoadError,
     InputError,
+    PolygonLoad,
+    PowerLaw,
     StraightSegment,
     SurfaceState,
+    Tabulated,
     TimeSeriesLoad,
     Wedge,
     load_scene,
     scene_names,
 )
-from semi_analytic import FIELDS, solve
+from semi_analytic import FIELDS, compliance, dissipation, edge_tension, events, friction_from, hysteresis, solve, stress
 from semi_analytic.fields import Arc, Integrals
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
-from semi_analytic_cases import LOADS, PAPER, PROFILES, ellipse, extreme, fretting, leaning, make_scene, polygon
+from semi_analytic_cases import LOADS, PAPER, PROFILES, UNIT, ellipse, extreme, fretting, leaning, make_scene, polygon
 from semi_analytic_oracle import LONG, Oracle
 
 FEW = [
@@ -402,28 +407,75 @@ def test_sliding_just_reached_is_admitted():
     assert flat.stick_half_width[0] == pytest.approx(0.3)
 
 
-PAPER_SCENE = load_scene("hertz-paper")
-OUTSIDE = [(False, 2, 0.5, -3.0), (True, 2, 0.5, -3.0), (False, 2, 0.5, 1.5)]  # repeats, last row, time
+ROUND, LOADS_ALONE = Hertz(radius=1.0), {"material": UNIT, "mean_normal_load": 1.0, "tangential_amplitude": 0.1}
+LOOP = LOADS_ALONE | {"normal_amplitude": 0.5, "friction_coefficient": 0.5}
+ROWS = [(x, x**2 / 2 if x > 0 else 0.4 * x**2 - x**3 / 10) for x in np.linspace(-3, 3, 25).tolist()]
+UNEQUAL = Tabulated(points=ROWS, symmetric=False)
+LEANS, ONCE = leaning(0.1), {"x": [0.0]}
+OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
 
 
-@pytest.mark.parametrize(
-    ("scene", "options", "words"),
-    [
-        (PAPER_SCENE, {"fields": ("presure",)}, "'presure' is not among"),
-        (PAPER_SCENE, {"cycles": "last"}, "neither 'all' nor 'steady'"),
-        (PAPER_SCENE, {"straight_steps": True}, "give the times"),
-        (PAPER_SCENE, {"time": [-5.0]}, "outside the load path"),
-        (PAPER_SCENE, {"time": [[1.0]]}, "a list of finite numbers"),
-        (PAPER_SCENE, {"x": [float("nan")]}, "a list of finite numbers"),
-        (PAPER_SCENE, {"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
-        (
-            PAPER_SCENE,
-            {"time": [PAPER_SCENE.load.path().start], "straight_steps": True},
-            "no time is after the start",
-        ),
-        *((make_scene(record(*one)), {"time": [time]}, "time: outside the load path, which runs from") for *one, time in OUTSIDE),
-    ],
-)
-def test_bad_questions_are_refused_in_a_sentence(scene, options, words):
-    with pytest.raises(InputError, match=words):
-        solve(scene, **options)
+def tilted(profile, tilt):
+    """P to 1 and Q to and fro under a tilt."""
+    return make_scene(PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)).vary(profile=profile)
+
+
+# A call, and words of the sentence.
+REFUSED = [
+    *((lambda options=options: solve("hertz-paper", **options), words) for options, words in (
+        ({"fields": ("presure",)}, "'presure' is not among"),
+        ({"cycles": "last"}, "neither 'all' nor 'steady'"),
+        ({"straight_steps": True}, "give the times"),
+        ({"time": [-5.0]}, "outside the load path"),
+        ({"time": [[1.0]]}, "a list of finite numbers"),
+        ({"x": [float("nan")]}, "a list of finite numbers"),
+        ({"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
+        ({"time": [load_scene("hertz-paper").load.path().start], "straight_steps": True}, "no time is after the start"),
+    )),
+    *((lambda rows=rows, time=time: solve(make_scene(record(*rows)), time=[time]), "time: outside the load path, which runs from")
+      for *rows, time in ((False, 2, 0.5, -3.0), (True, 2, 0.5, -3.0), (False, 2, 0.5, 1.5))),
+    (lambda: stress("hertz-normal", 0.0, 1.0, 1.0), "y: 1 is outside the lower body"),
+    (lambda: stress("hertz-normal", 0.0, -1.0, 99.0), "time: outside the load path"),
+    (lambda: stress("hertz-normal", 0.0, float("nan"), 1.0), "y: a list of finite numbers"),
+    (lambda: stress("hertz-normal", [0.0, 1.0], [0.0, -1.0, -2.0], 1.0), "x and y: 2 and 3 places"),
+    (lambda: stress("hertz-normal", 0.0, 0.0, 1.0, body="both"), "neither 'lower' nor 'upper'"),
+    (lambda: hysteresis(solve("hertz-paper", fields=("dissipation",))), "ask for the fields"),
+    (lambda: hysteresis(solve("cattaneo-mindlin", **ONCE, time=[1.0, 2.0])), "no whole cycle"),
+    (lambda: hysteresis(solve(make_scene(ellipse(3.0, 1.0, 0.0, 0.0), 0.5), **ONCE)), "no loop"),
+    *((lambda keys=keys: dissipation(profile=keys, **LOOP), words) for keys, words in (
+        ({"kind": "tabulated", "points": [[0, 0], [1, 1]]}, "give the profile itself"),
+        ({"kind": "hertz"}, "with all its keys"),
+        ({"kind": "polynomial", "length": 1.0, "rises": 0.5}, "rises is a list"),
+        ({"kind": "hertz", "radius": "one"}, "must broadcast, and be of numbers"),
+    )),
+    (lambda: dissipation(profile=ROUND, **LOOP | {"mean_normal_load": [1, 1, 1], "phase": [1, 1]}), "must broadcast"),
+    (lambda: dissipation(profile=UNEQUAL, **LOOP), "unequal"),
+    (lambda: friction_from(0.1, profile=ROUND, **LOADS_ALONE), "normal_amplitude is missing"),
+    (lambda: friction_from(0.1, scene=UPRIGHT, profile=ROUND), "without profile"),
+    (lambda: friction_from([0.1, 0.2, 0.3], profile=ROUND, normal_amplitude=[0.5, 0.5], **LOADS_ALONE), "numbers that broadcast"),
+    (lambda: friction_from("much", scene=UPRIGHT), "must be numbers"),
+    # What has no formula with bulk stress or tilt says so in a sentence.
+    (lambda: friction_from(0.1, scene=LEANS), "bulk stress"),
+    (lambda: stress(LEANS, [0.0], [-0.1], 1.0), "bulk stress"),
+    (lambda: edge_tension(LEANS, [1.0]), "bulk stress"),
+    (lambda: hysteresis(solve(LEANS, **ONCE)), "bulk stress"),
+    (lambda: compliance(solve(LEANS, **ONCE)), "bulk stress"),
+    (lambda: events(OUT_OF_PHASE), "kappa Q"),
+    # Tilts that no contact takes.
+    *((lambda profile=profile, tilt=tilt: solve(tilted(profile, tilt)), words) for profile, tilt, words in (
+        (Wedge(tip_radius=1.0, tip_half_length=1.0), 1.5, "steeper"),
+        (UNEQUAL, 5.0, "needs a contact"),
+        (CallableProfile(slope_function=np.arctan, extent=4.0), 1.4, "steeper"),
+        (CallableProfile(slope_function=np.arctan, extent=0.5), 0.1, "needs a contact"),
+        (EvenPolynomial(length=1.0, rises=(0.5, -0.24, 0.05)), 0.1, "bends down near x = 0.979"),
+        (CallableProfile(slope_function=lambda x: x * (1 - x**2 / 10), extent=2.0), 0.1, "bends down"),
+        (PowerLaw(exponent=1.0, length=1.0, rise=0.5), 0.1, "kind = 'wedge'"),
+    )),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("question", "words"), REFUSED, ids=[words for _, words in REFUSED])
+def test_what_has_no_answer_is_refused_in_a_sentence(question, words):
+    with pytest.raises(InputError, match=words) as refusal:
+        question()
+    assert "\n" not in str(refusal.value)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import semi_analytic
-from scenes import InputError, load_scene
+from scenes import load_scene
 from semi_analytic import edge_tension, stress
 from semi_analytic.quadrature import graded
 from semi_analytic.solution import memory_at
@@ -108,19 +108,3 @@ def test_the_upper_body_is_the_mirror_image_with_opposite_shear():
 def test_out_of_contact_there_is_none():
     assert not stress("cattaneo-mindlin", [0.0, 1.0], -1.0, 0.0).any()
     assert not edge_tension("cattaneo-mindlin", 0.0).any()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ((0.0, 1.0, 1.0), "y: 1 is outside the lower body"),
-        ((0.0, -1.0, 99.0), "time: outside the load path"),
-        ((0.0, float("nan"), 1.0), "y: a list of finite numbers"),
-        (([0.0, 1.0], [0.0, -1.0, -2.0], 1.0), "x and y: 2 and 3 places"),
-    ],
-)
-def test_refusals(arguments, sentence):
-    with pytest.raises(InputError, match=sentence):
-        stress("hertz-normal", *arguments)
-    with pytest.raises(InputError, match="neither 'lower' nor 'upper'"):
-        stress("hertz-normal", 0.0, 0.0, 1.0, body="both")
