@@ -4,6 +4,7 @@ import json
 import math
 from pathlib import Path
 
+import mpmath
 import numpy as np
 
 from scenes import (
@@ -58,6 +59,16 @@ def ellipse(p0=3.0, p1=1.0, q0=1.1, q1=1.0, phase=90.0, initial_loading="straigh
 
 def polygon(initial_loading, cycle=()):
     return PolygonLoad(initial_loading=tuple(initial_loading), cycle=tuple(cycle))
+
+
+def mindlin(share, friction, load):
+    """W of a cycle of Q between +-share f P at constant P, E* = 1, by sixty digits.
+
+    W = (4 f^2 P^2/(pi E*)) [(1 - k) ln(1 - k) + k - k^2/2], k = Q/(f P).
+    """
+    with mpmath.workdps(60):
+        k = mpmath.mpf(share)
+        return 4 * (mpmath.mpf(friction) * load) ** 2 / mpmath.pi * ((1 - k) * mpmath.log(1 - k) + k - k * k / 2)
 
 
 def reference_scene(row):

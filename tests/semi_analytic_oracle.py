@@ -14,6 +14,7 @@ Each integral by one rule for singular ends between all knots and corners. Of th
 engine's own.
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -119,28 +120,6 @@ class Powers:
         return self._sum(half, 1)
 
 
-@dataclass(frozen=True)
-class Bessel:
-    """h' = part sinh x: P = (pi/2) part a I_1(a). E* = 1."""
-
-    part: float
-    breaks = (LONG(0),)
-
-    def _series(self, half, order):
-        term = LONG(1) + 0 * half
-        total = term
-        for k in range(1, 30):
-            term = term * (half / 2) ** 2 / (k * (k + order))
-            total = total + term
-        return total
-
-    def load(self, half):
-        return PI / 4 * self.part * half**2 * self._series(half, 1)
-
-    def rate(self, half):
-        return PI / 2 * self.part * half * self._series(half, 0)
-
-
 def law_of(profile):
     """The same pile of punches from the numbers of the scene alone."""
     kind = profile.kind if not isinstance(profile, CallableProfile) else "callable"
@@ -167,7 +146,8 @@ def law_of(profile):
             jumps = np.diff(bends)
             first = int(np.flatnonzero(jumps)[0])
             return Bends(tuple(LONG(v) for v in spline.x[first:-1]), tuple(jumps[first:]))
-    return Bessel(LONG(round(float(profile.slope(np.array(1.0)) / np.sinh(1.0)), 9)))  # a slope by differences has ten digits
+    part = LONG(round(float(profile.slope(np.array(1.0)) / np.sinh(1.0)), 9))  # a slope by differences has ten digits
+    return Powers(tuple((2.0 * k, part / LONG(math.factorial(2 * k))) for k in range(1, 31)))  # part (cosh x - 1)
 
 
 def half_width(law, load, guess):
