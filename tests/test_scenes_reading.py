@@ -7,6 +7,8 @@ import math
 import re
 import tomllib
 import tracemalloc
+from collections.abc import Callable, Sequence
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -535,62 +537,77 @@ def test_tables_lie_beside_the_scene_file_and_their_rows_go_with_the_scene(tmp_p
     np.testing.assert_allclose(scene.profile.height([0.5, 1.5, 3.0]), [0.125, 1.125, 4.0])
     (tmp_path / "deep" / "table.csv").unlink()
     assert Scene.model_validate_json(scene.model_dump_json()).profile == scene.profile
-    for head in ("time,P,Q\n", ""):
-        (tmp_path / "table.csv").write_text(head + "0,1,0\n1,2,0.5\n", encoding="utf-8-sig")
-        (tmp_path / "mine.toml").write_text(PLAIN.replace(*SERIES), encoding="utf-8")
-        assert load_scene(tmp_path / "mine.toml").load.rows.values.tolist() == [[0, 1, 0], [1, 2, 0.5]]
     load = load_scene("time-series").load
     assert (load.file, len(load.rows)) == ("time-series.csv", 40)  # packaged beside its scene
 
 
 # ------------------------------------------------------------------------------------------------------------ what is read
-def test_toml_and_json_are_one_scene_with_all_options(tmp_path: Path) -> None:
-    as_toml, as_json = tmp_path / "mine.toml", tmp_path / "mine.json"
-    as_toml.write_text(PLAIN, encoding="utf-8-sig")
-    as_json.write_text(json.dumps(tomllib.loads(PLAIN)), encoding="utf-8")
-    scene = load_scene(as_toml)
-    assert scene == load_scene(str(as_json))
-    assert (scene.name, scene.friction.coefficient, scene.material.alike) == ("mine", 0.5, True)
-    assert scene.material.lower.young_modulus == 1.0  # a whole number is a number
-    assert scene.load.cycle == ((2.0, 0.5), (2.0, -0.5))
-    two = "[material.upper]\nyoung_modulus = 3.0\npoisson_ratio = 0.1\n[material.lower]\nyoung_modulus = 1.0\npoisson_ratio = -0.2"
-    text = PLAIN.replace("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", two)
-    as_toml.write_text(f'name = "other"\ncycles = 2\n{text}\n[tolerances]\nshear = 0.5\n', encoding="utf-8")
-    scene = load_scene(as_toml)
-    assert (scene.material.alike, scene.material.upper.young_modulus, scene.material.lower.poisson_ratio) == (False, 3.0, -0.2)
-    assert (scene.name, scene.cycles, scene.tolerances.shear) == ("other", 2, 0.5)
+TWO = "[material.upper]\nyoung_modulus = 3.0\npoisson_ratio = 0.1\n[material.lower]\nyoung_modulus = 1.0\npoisson_ratio = -0.2"
+ALL = '\nname = "other"\ncycles = 2\ntolerances = {shear = 0.5}\n[material]'
+WIDER, NARROW = ("radius = 2.0", "radius = 50.0"), BLOCK.replace("20.0", "8.0")
+UNITS = ("N, mm, MPa", "N, m, Pa", "kN, mm, GPa", "lbf, in, psi", "kip, in, ksi", "SI", "N, furlong, Pa")
+CYLINDERS = [
+    {name: f'{{kind = "cylinder", radius = {r}}}' for name, r in zip(("lower", "upper"), radii, strict=True)}
+    for radii in ((30.0, 60.0), (60.0, 30.0))
+]
+# Edits of the scene, what is asked of it, and the answer.
+READ: dict[str, tuple[Sequence[tuple[str, str]], Callable[[Any], Any], Any]] = {
+    "plain": (
+        (),
+        lambda s: (s.name, s.friction.coefficient, s.material.alike, s.load.cycle),
+        ("mine", 0.5, True, ((2.0, 0.5), (2.0, -0.5))),
+    ),
+    "a whole number": ((), lambda s: s.material.lower.young_modulus, 1.0),
+    "all options": ((("\n[material]", ALL),), lambda s: (s.name, s.cycles, s.tolerances.shear), ("other", 2, 0.5)),
+    "two materials": (
+        (("[material]\nyoung_modulus = 1\npoisson_ratio = 0.3", TWO),),
+        lambda s: (s.material.alike, s.material.upper.young_modulus, s.material.lower.poisson_ratio),
+        (False, 3.0, -0.2),
+    ),
+    "half-planes where left out": ((), lambda s: s.bodies, Bodies(lower=HalfPlane(), upper=HalfPlane())),
+    "a block on rollers and a pad": (
+        (bodies(lower=BLOCK.replace("}", ', base = "rollers", sides = "guided"}'), upper=PAD), WIDER),
+        lambda s: (s.bodies, s.bodies.half_planes, s.bodies.faces_are_true),
+        (Bodies(lower=Block(width=20, height=3, base="rollers", sides="guided"), upper=Pad(width=8, height=5)), False, True),
+    ),
+    "a pad's base and sides": (
+        (bodies(upper=PAD), WIDER),
+        lambda s: (s.bodies.upper.base, s.bodies.upper.sides, s.bodies.lower, s.bodies.half_planes),
+        ("fixed", "free", HalfPlane(), False),
+    ),
+    "a gap between flat faces": ((bodies(lower=BLOCK, upper=BLOCK),), lambda s: s.bodies.faces_are_true, False),
+    "arcs that end farther out": ((with_flat(23.9),), lambda s: s.bodies.upper.width, 23.9),
+    "a pad as wide as its block": (
+        (bodies(lower=NARROW, upper=PAD), WIDER),
+        lambda s: s.bodies.lower.width,
+        8,
+    ),
+}
+READ |= {units: ((("\n[material]", f'\nunits = "{units}"\n[material]'),), lambda s: s.units, units) for units in UNITS}
+READ |= {
+    f"cylinders {number}": (
+        (bodies(**both), ("radius = 2.0", "radius = 20.0")),
+        lambda s: round(s.bodies.relative_radius(), 12),
+        20.0,
+    )
+    for number, both in enumerate(CYLINDERS)
+}
+
+
+@pytest.mark.parametrize("name", READ)
+def test_what_a_file_says_is_read_from_toml_and_json(name: str, tmp_path: Path) -> None:
+    edits, asked, answer = READ[name]
+    text = reduce(lambda whole, edit: whole.replace(*edit), edits, PLAIN)
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8-sig")
+    (tmp_path / "mine.json").write_text(json.dumps(tomllib.loads(text)), encoding="utf-8")
+    scene = load_scene(tmp_path / "mine.toml")
+    assert scene == load_scene(str(tmp_path / "mine.json")) == Scene.model_validate_json(scene.model_dump_json())
+    assert asked(scene) == answer
     with pytest.raises(Exception, match="frozen"):
         scene.cycles = 3
-    assert Scene.model_validate_json(scene.model_dump_json()) == scene
 
 
-@pytest.mark.parametrize("units", ["N, mm, MPa", "N, m, Pa", "kN, mm, GPa", "lbf, in, psi", "kip, in, ksi", "SI", "N, furlong, Pa"])
-def test_consistent_units_and_unknown_words_are_taken(units: str, tmp_path: Path) -> None:
-    (tmp_path / "mine.toml").write_text(f'units = "{units}"\n{PLAIN}', encoding="utf-8")
-    assert load_scene(tmp_path / "mine.toml").units == units
-
-
-def test_bodies_are_read_count_in_equality_and_are_half_planes_where_left_out(tmp_path: Path) -> None:
-    def read(profile: str = "radius = 50.0", **shapes: str) -> Scene:
-        (tmp_path / "mine.toml").write_text(PLAIN.replace(*bodies(**shapes)).replace("radius = 2.0", profile), encoding="utf-8")
-        return load_scene(tmp_path / "mine.toml")
-
-    scene = read(lower=BLOCK.replace("}", ', base = "rollers", sides = "guided"}'), upper=PAD)
-    assert scene.bodies.lower == Block(width=20.0, height=3.0, base="rollers", sides="guided")
-    assert scene.bodies.upper == Pad(width=8.0, height=5.0, base="fixed", sides="free")
-    assert (scene.bodies.half_planes, scene.bodies.faces_are_true) == (False, True)
-    assert Scene.model_validate_json(scene.model_dump_json()).bodies == scene.bodies
-    assert read().bodies == Bodies(lower=HalfPlane(), upper=HalfPlane())
-    one = read(upper=PAD)
-    assert (one.bodies.lower, one.bodies.half_planes) == (HalfPlane(), False)
-    assert one != read(upper=PAD.replace("5.0", "6.0"))
-    assert not read(lower=BLOCK, upper=BLOCK).bodies.faces_are_true  # a gap between flat faces
-    (tmp_path / "mine.toml").write_text(PLAIN.replace(*with_flat(23.9)), encoding="utf-8")
-    assert load_scene(tmp_path / "mine.toml").bodies.upper.width == 23.9
-    assert read(lower=BLOCK.replace("20.0", "8.0"), upper=PAD)  # a pad as wide as its block
-    for lower, upper in ((30.0, 60.0), (60.0, 30.0)):
-        cylinders = {name: f'{{kind = "cylinder", radius = {r}}}' for name, r in (("lower", lower), ("upper", upper))}
-        assert read("radius = 20.0", **cylinders).bodies.relative_radius() == pytest.approx(20.0, rel=1e-15)
+def test_what_a_body_is_to_the_contact() -> None:
     assert Bodies(upper=Cylinder(radius=7.0)).relative_radius() == pytest.approx(7.0, rel=1e-15)
     assert Bodies(upper=Pad(width=1.0, height=1.0)).relative_radius() is None
     shapes = (HalfPlane(), Pad(width=8.0, height=5.0), Block(width=8.0, height=2.0), Cylinder(radius=3.0))

@@ -69,6 +69,7 @@ def test_the_key_is_changed_and_nothing_else(changes: dict[str, Any], key: str, 
     for part in key.split("."):
         found = getattr(found, part)
     assert found == value
+    assert changed != PAPER
     assert changed.vary(**{name: getattr(PAPER, name) for name in changes}) == PAPER
 
 

@@ -359,6 +359,19 @@ def test_friction_work_kernel_from_the_smallest_front_to_the_whole_contact(flat,
             assert float(log_excess(ratio)) == pytest.approx(exact, rel=1e-15)
 
 
+def test_friction_work_kernel_where_p_hardly_grows():
+    """Across a half-width at which dP/da is nearly 0 twelve nodes of Gauss' rule left 1e-7 of Lam, and did not say so."""
+    profile = EvenPolynomial(length=1.0, rises=(1.0, -1.0, 0.43))
+    contact, law = contact_on(profile), law_of(profile)
+    for half in np.linspace(0.4, 1.4, 21):
+        load = float(contact.load(half))
+        for part in (1e-3, 0.019, 0.03, 0.1, 0.25):
+            front = LONG(float(contact.half_width(load * (1 - part))))
+            nearest = sorted({front, LONG(half), *(m for m in np.linspace(front, LONG(half), 9)[1:-1])})
+            exact = integrate(lambda a, c=front: law.rate(a) * np.log1p((a - c) / c), nearest)
+            assert float(contact.dissipation_kernel(load, part * load)) == pytest.approx(float(exact), rel=2e-11), (half, part)
+
+
 @pytest.mark.parametrize("n", [1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0])
 def test_pressure_of_power_laws_to_the_very_middle(n):
     """Where its series change: 40 digits."""
