@@ -4,6 +4,7 @@ import json
 import math
 from pathlib import Path
 
+import mpmath
 import numpy as np
 
 from scenes import (
@@ -60,26 +61,20 @@ def polygon(initial_loading, cycle=()):
     return PolygonLoad(initial_loading=tuple(initial_loading), cycle=tuple(cycle))
 
 
+def mindlin(share, friction, load):
+    """W of a cycle of Q between +-share f P at constant P, E* = 1, by sixty digits.
+
+    W = (4 f^2 P^2/(pi E*)) [(1 - k) ln(1 - k) + k - k^2/2], k = Q/(f P).
+    """
+    with mpmath.workdps(60):
+        k = mpmath.mpf(share)
+        return 4 * (mpmath.mpf(friction) * load) ** 2 / mpmath.pi * ((1 - k) * mpmath.log(1 - k) + k - k * k / 2)
+
+
 def reference_scene(row):
     """The scene of a row of the reference table."""
     load = ellipse(row["mean"], row["amplitude"], 0.0, row["tangential"], row["phase"])
     return make_scene(load, row["friction"], row["flat"])
-
-
-def brute_force_curve(points, friction, count=4001):
-    """(eta, M) on a grid after a polygon through `points` from (0, 0): append and clip, word for word as in the theory."""
-    top = max(p for p, _ in points)
-    eta = np.linspace(0, top, count)
-    held = np.zeros(count)
-    p0, q0 = 0.0, 0.0
-    for p, q in points:
-        if p > p0:
-            held = np.where(eta > p0, q0 + (q - q0) * (eta - p0) / (p - p0), held)
-        low, high = q - friction * (p - eta), q + friction * (p - eta)
-        held = np.where(eta <= p, np.minimum(np.maximum(held, low), high), np.nan)
-        held = np.where(np.isnan(held), q, held)
-        p0, q0 = p, q
-    return eta[eta <= p0], held[eta <= p0]
 
 
 TURN = 2 * math.pi
@@ -130,3 +125,24 @@ LOADS = {
 def extreme(profile, load):
     """A scene with E* = 1 and f = 0.5 by its names in `PROFILES` and `LOADS`."""
     return make_scene(LOADS[load], 0.5, cycles=3).vary(profile=PROFILES[profile])
+
+
+# Bulk stress and tilt: E* = 1 and E' = 2 for both bodies: eps = sigma/2 of the lower one.
+PAPER = {"mean_normal_load": 3, "normal_amplitude": 1, "mean_tangential_load": 1.1, "tangential_amplitude": 1, "phase_degrees": 90}
+
+
+def fretting(eps, *, q=1.8, p=3.0, loading=(), **more):
+    """Constant P, Q between +-q with a bulk strain of +-eps in phase, from Q = 0."""
+    before = [*loading, (p, 0), (p, q)]
+    columns = {"bulk_stress_lower": (*[0] * (len(before) - 1), 2 * eps, -2 * eps)}
+    return make_scene(PolygonLoad(initial_loading=before, cycle=[(p, -q)], **columns | more))
+
+
+def leaning(kappa, tilt=0.0, mirror=1, **more):
+    """The ellipse of the paper with alpha = tilt + kappa P and eps = kappa Q, or its mirror image; the upper body is pulled."""
+    turned = math.copysign(90, mirror)
+    stress = {"mean": -2.2 * kappa, "amplitude": 2 * abs(kappa), "phase_degrees": -90 if kappa > 0 else 90, "initial_loading": [0]}
+    turn = {"mean": mirror * (tilt + 3 * kappa), "amplitude": abs(kappa), "phase_degrees": 0 if kappa * mirror > 0 else 180}
+    loads = PAPER | {"phase_degrees": turned, "mean_tangential_load": mirror * 1.1, "initial_loading": [(2, 0)]}
+    turn["initial_loading"] = [mirror * (tilt + 2 * kappa)]
+    return make_scene(EllipseLoad(**loads, bulk_stress_upper=stress, tilt=turn, **more))

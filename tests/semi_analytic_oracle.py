@@ -14,6 +14,7 @@ Each integral by one rule for singular ends between all knots and corners. Of th
 engine's own.
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -119,28 +120,6 @@ class Powers:
         return self._sum(half, 1)
 
 
-@dataclass(frozen=True)
-class Bessel:
-    """h' = part sinh x: P = (pi/2) part a I_1(a). E* = 1."""
-
-    part: float
-    breaks = (LONG(0),)
-
-    def _series(self, half, order):
-        term = LONG(1) + 0 * half
-        total = term
-        for k in range(1, 30):
-            term = term * (half / 2) ** 2 / (k * (k + order))
-            total = total + term
-        return total
-
-    def load(self, half):
-        return PI / 4 * self.part * half**2 * self._series(half, 1)
-
-    def rate(self, half):
-        return PI / 2 * self.part * half * self._series(half, 0)
-
-
 def law_of(profile):
     """The same pile of punches from the numbers of the scene alone."""
     kind = profile.kind if not isinstance(profile, CallableProfile) else "callable"
@@ -167,7 +146,8 @@ def law_of(profile):
             jumps = np.diff(bends)
             first = int(np.flatnonzero(jumps)[0])
             return Bends(tuple(LONG(v) for v in spline.x[first:-1]), tuple(jumps[first:]))
-    return Bessel(LONG(round(float(profile.slope(np.array(1.0)) / np.sinh(1.0)), 9)))  # a slope by differences has ten digits
+    part = LONG(round(float(profile.slope(np.array(1.0)) / np.sinh(1.0)), 9))  # a slope by differences has ten digits
+    return Powers(tuple((2.0 * k, part / LONG(math.factorial(2 * k))) for k in range(1, 31)))  # part (cosh x - 1)
 
 
 def half_width(law, load, guess):
@@ -539,27 +519,6 @@ def _meeting(past, below, above, half, lowest, highest):
 # ------------------------------------------------------------------------------------------------------------- friction work
 
 
-def _bent_pressure(law, x, half):
-    """p(x, P) at half-widths (n,) >= x: int_max(b, x)^a arccos(b/alpha) alpha d alpha/sqrt(alpha^2 - x^2) for a jump of h'' at b,
-
-    that is sqrt(a^2 - x^2) arccos(b/a) - b ln[(B + X)/D] + x ln[(b X + x B)/(a D)] with B^2 = a^2 - b^2, X^2 = a^2 - x^2 and
-    D^2 = |b^2 - x^2|.
-    """
-    total, edge = 0 * half, np.sqrt((half - x) * (half + x))
-    for b, jump in zip(law.knots, law.jumps, strict=True):
-        if not half[len(half) // 2] > b:
-            continue
-        inner = np.sqrt(np.maximum((half - b) * (half + b), 0))
-        part = edge * np.arctan2(inner, b)
-        if b > 0:
-            apart = np.sqrt(np.abs((b - x) * (b + x))) or LONG(1)
-            part = part - b * np.log((inner + edge) / apart)
-            if x > 0:
-                part = part + x * np.log((b * edge + x * inner) / half / apart)
-        total = total + jump * part
-    return total / PI
-
-
 class Work:
     """W(x) at |x| and W of revolution number `cycle`, of a scene with E* = 1; every span of slip in `parts`."""
 
@@ -625,16 +584,14 @@ class Work:
         return (begin, end) if end > begin else None
 
     def pressure(self, x, half):
-        """p(x, P) at the half-widths (n,), all between the same two corners."""
-        if isinstance(self.law, Bends):
-            return _bent_pressure(self.law, x, half)
-
-        def strip(w):
+        """p(x, P) at the half-widths (n,) >= x, all between the same two corners: alpha^2 = x^2 + w^2."""
+        total, edge = 0 * half, np.sqrt((half - x) * (half + x))
+        marks = [0 * half, *(np.sqrt((b - x) * (b + x)) + 0 * half for b in self.law.breaks if x < b < half[len(half) // 2]), edge]
+        for low, high in pairwise(marks):
+            w, weight = self.nodes(low, np.maximum(low, high))
             at = np.sqrt(x * x + w * w)
-            return self.law.rate(at) / at / PI
-
-        w, weight = self.nodes(0 * half, np.sqrt((half - x) * (half + x)))
-        return np.sum(weight * strip(w), axis=-1)
+            total += np.sum(weight * self.law.rate(at) / at, axis=-1) / PI
+        return total
 
     def density(self, x):
         """W(x) at |x| (m,), forward and in reverse: (2, m)."""

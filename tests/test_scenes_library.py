@@ -6,6 +6,7 @@ import json
 import math
 import re
 import runpy
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -190,13 +191,9 @@ def periodic(e_star: float, radius: float, distance: float, half_width: float, t
     return float(weights @ (np.sin(np.outer(angle, k)) @ c * along)), float(np.sin(k * np.pi / 2) @ c)
 
 
-def test_a_row_of_contacts_far_from_each_other_is_hertz() -> None:
-    load, peak = periodic(1.0, 1.0, 1e4, 1.0)
-    assert load == pytest.approx(math.pi / 4, rel=1e-6)
-    assert peak == pytest.approx(0.5, rel=1e-6)
-
-
 def test_numbers_of_the_row_of_contacts() -> None:
+    """Contacts far from each other are those of Hertz."""
+    assert periodic(1.0, 1.0, 1e4, 1.0) == pytest.approx((math.pi / 4, 0.5), rel=1e-6)
     scene = load_scene("row-of-contacts")
     e_star, load, distance = modulus(scene), scene.load.initial_loading[0][0], scene.bodies.lower.width
     half_width = brentq(lambda a: periodic(e_star, scene.profile.radius, distance, a)[0] - load, 0.5, 1.3, xtol=1e-14)
@@ -249,35 +246,28 @@ def mindlin() -> ContactSolution:
     return semi_analytic.solve(load_scene("cattaneo-mindlin"))
 
 
-def finding(solution: ContactSolution, **changed: object) -> expected.Finding:
-    one = {"quantity": "dissipation", "value": 1.0, "tolerance": 1e-6, "source": "planted"} | changed
-    scene = solution.scene.vary(expected=(Expected.model_validate(one),))
-    (found,) = expected.check(scene, [solution])
-    return found
+SCALE = 2 / modulus(load_scene("cattaneo-mindlin")) * (0.5 * 90.62286500739786) ** 2  # W of a zero is over A f^2 P^2
+NONE = ("permanent_stick_half_width", "stick_share", "stick_centre", "moment", "lower_face_displacement")
+# What is expected, of what the answer holds or as a number; the difference that is found, NaN for no such thing.
+PLANTED: dict[str, tuple[str, Callable[[float], float], Callable[[float], float]]] = {
+    "right": ("dissipation", lambda work: work, lambda _: 0.0),
+    "off": ("dissipation", lambda work: work * (1 + 2e-6), lambda _: -2e-6),
+    "zero work": ("dissipation", lambda _: 0.0, lambda work: work / SCALE),
+    "zero half-width": ("largest_half_width", lambda _: 0.0, lambda _: 1.0),
+} | {f"no {quantity}": (quantity, lambda _: 0.5, lambda _: math.nan) for quantity in NONE}
 
 
-def test_a_number_that_is_off_is_missed(mindlin: ContactSolution) -> None:
-    right = mindlin.dissipation
-    assert finding(mindlin, value=right).met
-    off = finding(mindlin, value=right * (1 + 2e-6))
-    assert not off.met
-    assert off.difference == pytest.approx(-2e-6, rel=1e-3)
-    assert expected.rows([off])[0][-1] == "no"
-
-
-def test_no_such_thing_is_missed_not_met(mindlin: ContactSolution) -> None:
-    sliding = replace(mindlin, permanent_stick_half_width=math.nan)
-    for quantity in ("permanent_stick_half_width", "stick_share", "stick_centre", "moment", "lower_face_displacement"):
-        missed = finding(sliding, quantity=quantity, value=0.5)
-        assert not missed.met
-        assert expected.rows([missed])[0][3] == "none"
-
-
-def test_a_zero_is_judged_by_the_scale_of_its_kind(mindlin: ContactSolution) -> None:
-    """W over A f^2 P^2 with P = 90.62, f = 0.5, A = 2/E*."""
-    scale = 2 / modulus(mindlin.scene) * (0.5 * 90.62286500739786) ** 2
-    assert finding(mindlin, value=0.0).difference == pytest.approx(mindlin.dissipation / scale, rel=1e-12)
-    assert finding(mindlin, value=0.0, quantity="largest_half_width").difference == pytest.approx(1.0)
+@pytest.mark.parametrize("name", PLANTED)
+def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(name: str, mindlin: ContactSolution) -> None:
+    quantity, value, difference = PLANTED[name]
+    work = mindlin.dissipation
+    one = Expected(quantity=quantity, value=value(work), tolerance=1e-6, source="planted")
+    answer = replace(mindlin, permanent_stick_half_width=math.nan)
+    (found,) = expected.check(answer.scene.vary(expected=(one,)), [answer])
+    assert found.met is (name == "right")
+    assert found.difference == pytest.approx(difference(work), rel=1e-3, abs=1e-12, nan_ok=True)
+    row = expected.rows([found])[0]
+    assert (row[-1] == "no", row[3] == "none") == (not found.met, "no " in name)
 
 
 def test_numbers_of_the_other_engine_are_left_out(mindlin: ContactSolution) -> None:

@@ -1,11 +1,20 @@
-"""Profiles and faces: symmetric, rising from zero; arcs to full relative precision; splines that rise and bend as their rows."""
+"""Profiles and faces: symmetric, rising from zero, arcs to the last digit; curves through noisy rows, and the W of these."""
 
 from __future__ import annotations
+
+import json
+import sys
 
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from command_line import ROOT
+from reports.checking import largest_contact
+from reports.page.bodies import fit_residuals
+from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, lean
 from scenes import (
     Block,
     CallableProfile,
@@ -15,14 +24,17 @@ from scenes import (
     FlatRounded,
     HalfPlane,
     Hertz,
+    InputError,
     Pad,
     PowerLaw,
     Scene,
     Tabulated,
     Wedge,
+    fit_profile,
     load_scene,
 )
 from scenes.bodies import arc_depth, face_of
+from scenes.fitting import fitted_keys, resampled
 
 PROFILES = [
     Hertz(radius=2.0),
@@ -57,16 +69,15 @@ def test_a_profile_is_symmetric_rises_from_zero_and_survives_json(profile):
 def test_heights_by_hand():
     assert Hertz(radius=2.0).height([0.0, 1.0, -2.0]).tolist() == [0.0, 0.25, 1.0]
     assert FlatRounded(radius=2.0, flat_half_length=1.0).height([0.0, 1.0, -3.0]).tolist() == [0.0, 0.0, 1.0]
+    sides = Tabulated(points=[[-2, 4.001], [-1, 1.0], [0, 0.0], [1, 1.001], [2, 4.0]])  # of which the mean counts
+    np.testing.assert_allclose(sides.height([1.0, 2.0]), [1.0005, 4.0005])
     assert FlatRounded(radius=2.0, flat_half_length=1e-12).height(1.0) == pytest.approx(Hertz(radius=2.0).height(1.0))
 
 
 @pytest.mark.parametrize("count", [6, 25])
-def test_the_spline_rises_and_bends_where_the_rows_do(count):
+def test_the_spline_rises_where_the_rows_do(count):
     rng = np.random.default_rng(3)
     x = np.concatenate([[0.0], np.cumsum(rng.uniform(0.2, 1.0, count))])
-    convex = np.concatenate([[0.0], np.cumsum(np.cumsum(rng.uniform(0, 1, count)) * np.diff(x))])
-    spline = Tabulated(points=np.stack([x, convex], axis=1)).spline()
-    assert np.all(spline.curvature >= -1e-12 * np.max(spline.curvature))
     rising = np.concatenate([[0.0], np.cumsum(rng.uniform(0, 1, count) ** 4)])
     profile = Tabulated(points=np.stack([x, rising], axis=1))
     assert np.all(profile.spline().slope >= 0)
@@ -122,3 +133,247 @@ def test_faces(shape, profile, arc, flat):
         np.testing.assert_allclose(np.hypot(np.maximum(x - start, 0), radius - depth), radius, rtol=1e-15)
     else:
         np.testing.assert_array_equal(depth, 0 * x if flat else profile.height(x))
+
+
+# --------------------------------------------------------------------------------------------- curves through noisy rows
+KINDS = ("hertz", "flat_rounded", "even_polynomial", "smoothing_spline")
+TRUTHS = {
+    "hertz": Hertz(radius=1000.0),
+    "flat_rounded": FlatRounded(radius=300.0, flat_half_length=0.5),
+    "even_polynomial": EvenPolynomial(length=1.0, rises=(5e-4, -5e-5, 5e-5, 2e-6)),
+    "smoothing_spline": EvenPolynomial(length=1.0, rises=(5e-4, 1e-4)),
+}
+LOAD = {"mean_normal_load": 70.0, "normal_amplitude": 20.0, "mean_tangential_load": 0.0, "tangential_amplitude": 25.0}
+
+
+def rows_of(truth, count=101, noise=0.0, middle=0.1, seed=0):
+    random = np.random.default_rng(seed)
+    x = np.sort(random.uniform(-1.4, 1.6, count))
+    return np.column_stack([x, 0.3 + truth.height(x - middle) + noise * random.standard_normal(count)])
+
+
+def scene_of(rows, kind, noise=None, **fit):
+    fit |= {"kind": kind} | ({"noise": noise} if noise else {})
+    return load_scene("hertz-paper").vary(load=LOAD, profile={"kind": "tabulated", "points": rows, "fit": fit})
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_exact_rows_give_the_truth_its_middle_and_its_offset(kind):
+    truth, s = TRUTHS[kind], np.linspace(0, 1.3, 201)
+    found = fit_profile(rows_of(truth), kind, noise=1e-9)
+    close = 3e-5 if kind == "smoothing_spline" else 1e-9  # knots 0.06 mm apart
+    np.testing.assert_allclose(found.height(s), truth.height(s), atol=close * float(truth.height(1.3)))
+    assert found.fitted.centre == pytest.approx(0.1, abs=1e-5 if kind == "smoothing_spline" else 1e-8)
+    assert found.fitted.offset == pytest.approx(0.3, abs=1e-7)
+    assert found.fitted.extent == pytest.approx(min(1.6 - 0.1, 1.4 + 0.1), abs=0.1)
+    if kind == "flat_rounded":
+        assert (found.radius, found.flat_half_length) == (pytest.approx(300.0, rel=1e-6), pytest.approx(0.5, rel=1e-6))
+    if kind == "even_polynomial":  # which bends down nowhere although a power of it is negative
+        np.testing.assert_allclose(np.array(found.rises) / found.length ** (2.0 * np.arange(1, 5)), truth.rises, rtol=1e-4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("slope", [0.0, 1e-4, -5e-5])
+def test_rows_that_lean_are_seen_with_their_slope(kind, slope):
+    """10 nm of noise on rows that rise by 1 um: level ones are never said to lean; of a parabola a slope moves the middle."""
+    for seed in range(3):
+        rows = rows_of(TRUTHS[kind], noise=10e-6, seed=seed)
+        rows[:, 1] += slope * rows[:, 0]
+        scene = scene_of(rows, kind)
+        found, said = lean(scene), [words for words in fit_in_words(scene, 1.0) if "lean by" in words]
+        if kind == "hertz":
+            assert (found, said) == (None, [])
+            assert scene.profile.fitted.centre == pytest.approx(0.1 - 1000 * slope, abs=0.02)
+            continue
+        assert found.value == pytest.approx(slope, rel=0.35, abs=1.5e-5)
+        assert len(said) == (slope != 0)
+    one_side = rows_of(TRUTHS[kind], middle=0.0)
+    assert lean(scene_of(one_side[one_side[:, 0] >= 0], kind)) is None
+
+
+def test_a_parabola_is_that_of_least_squares():
+    rows = rows_of(TRUTHS["hertz"], noise=50e-6)
+    found, (c, b, a) = fit_profile(rows, "hertz"), np.polynomial.polynomial.polyfit(*rows.T, 2)
+    assert found.radius == pytest.approx(1 / (2 * a), rel=1e-9)
+    assert found.fitted.centre == pytest.approx(-b / (2 * a), rel=1e-7)
+    assert found.fitted.offset == pytest.approx(c - b * b / (4 * a), rel=1e-9)
+    rest = rows[:, 1] - np.polynomial.polynomial.polyval(rows[:, 0], (c, b, a))
+    assert found.fitted.noise == pytest.approx(np.sqrt(rest @ rest / 98), rel=1e-6)
+    assert not found.fitted.noise_stated
+
+
+def test_a_flat_with_rounded_edges_is_the_best_of_a_search_through_all_its_numbers():
+    rows = rows_of(TRUTHS["flat_rounded"], 61, noise=50e-6, seed=4)
+    found = fit_profile(rows, "flat_rounded")
+
+    def misfit(middle, half):
+        beyond = np.maximum(np.abs(rows[:, 0] - middle) - half, 0.0) ** 2 / 2
+        columns = np.column_stack([np.ones(len(rows)), beyond])
+        left = rows[:, 1] - columns @ np.linalg.lstsq(columns, rows[:, 1], rcond=None)[0]
+        return float(left @ left)
+
+    best = misfit(found.fitted.centre, found.flat_half_length)
+    assert best == pytest.approx(61 * found.fitted.residual**2, rel=1e-6)
+    assert best <= min(misfit(m, b) for m in np.linspace(-0.1, 0.3, 81) for b in np.linspace(0.2, 0.8, 61)) * (1 + 1e-9)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(KINDS), st.sampled_from(list(TRUTHS)), st.floats(1e-7, 3e-4))
+def test_a_fit_is_convex_or_one_sentence_whatever_the_noise(seed, kind, truth, noise):
+    rows = rows_of(TRUTHS[truth], 12 + seed % 60, noise, seed=seed)
+    try:
+        found = fit_profile(rows, kind)
+    except InputError as fault:
+        rule = str(fault)
+        found = None
+    if found is None:
+        assert "do not bend up" in rule
+        return
+    s = np.linspace(0, found.fitted.extent, 400)
+    assert np.all(np.diff(found.height(s), 2) >= -1e-12 * float(found.height(s[-1])))
+    assert float(found.height(s[-1])) > 0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_units_and_a_shift_change_nothing(kind):
+    rows, unit = rows_of(TRUTHS["flat_rounded"], 61, 20e-6), np.array([25.4, 7.0])
+    one, other = fit_profile(rows, kind, noise=20e-6), fit_profile(rows * unit + np.array([3.0, -9.0]), kind, noise=140e-6)
+    s = np.linspace(0, 1.3, 50)
+    np.testing.assert_allclose(other.height(25.4 * s), 7.0 * one.height(s), rtol=1e-4, atol=7e-9)
+    assert other.fitted.centre == pytest.approx(25.4 * one.fitted.centre + 3.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_saved_scene_gives_the_same_answer_without_the_file(kind, tmp_path):
+    np.savetxt(tmp_path / "trace.csv", rows_of(TRUTHS["flat_rounded"], 61, 20e-6), delimiter=",", header="x,h", comments="")
+    keys = json.loads(load_scene("hertz-paper").vary(load=LOAD).model_dump_json(exclude_none=True))
+    profile = {"kind": "tabulated", "file": "trace.csv", "fit": {"kind": kind}}
+    (tmp_path / "scene.json").write_text(json.dumps(keys | {"profile": profile, "expected": []}))
+    first = load_scene(tmp_path / "scene.json")
+    assert first.profile.fitted.source == "trace.csv"
+    first.save(tmp_path / "saved.toml")
+    (tmp_path / "trace.csv").unlink()
+    again = load_scene(tmp_path / "saved.toml")
+    assert again.profile == first.profile
+    assert Scene.model_validate_json(first.model_dump_json()).profile == first.profile
+    assert fit_uncertainty(again, 3) == fit_uncertainty(first, 3)
+
+
+def test_other_numbers_are_fitted_to_nothing():
+    scene = scene_of(rows_of(TRUTHS["hertz"], noise=20e-6), "hertz", 20e-6)
+    assert scene.vary(friction=0.5).profile.fitted == scene.profile.fitted
+    assert scene.vary(profile={"radius": 900.0}).profile.fitted is None
+    with pytest.raises(InputError, match=r"take scenes\.fit_profile"):
+        Tabulated(points=rows_of(TRUTHS["hertz"]), fit={"kind": "hertz"}).spline()
+    with pytest.raises(InputError, match="is not fitted"):
+        fit_uncertainty(scene.vary(profile={"radius": 900.0}))
+
+
+def test_extent_and_centre_are_respected():
+    rows = rows_of(TRUTHS["flat_rounded"], 301)
+    inner = fit_profile(rows, "flat_rounded", extent=0.9)
+    assert inner.flat_half_length == pytest.approx(0.5, rel=1e-5)
+    assert 0.8 < inner.fitted.extent <= 0.9
+    assert inner.fitted.left_out == np.count_nonzero(np.abs(rows[:, 0] - 0.1) > 0.9)
+    beside = fit_profile(rows, "hertz", centre=0.3)
+    assert (beside.fitted.centre, beside.fitted.centre_fitted) == (0.3, False)
+    right = rows_of(TRUTHS["hertz"], 301, middle=0.0)
+    right = fit_profile(right[right[:, 0] >= 0], "hertz")
+    assert (right.fitted.centre, right.fitted.centre_fitted) == (0.0, False)
+    assert right.fitted.extent > 1.5
+    for kind in KINDS:  # a trace that is counted from its first row has both sides
+        shifted = fit_profile(rows_of(TRUTHS["flat_rounded"], 61, 20e-6) + np.array([1.5, 0.0]), kind)
+        assert shifted.fitted.centre_fitted
+        assert shifted.fitted.centre == pytest.approx(1.6, abs=0.05)
+    said = fit_in_words(scene_of(rows, "flat_rounded", 1e-6, extent=0.9), 1.2)
+    assert "reach 0.8" in said[-1]
+    assert "extrapolation" in said[-1]
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda rows: rows * [1, -1], "the rows do not bend up"),
+        (lambda rows: rows * [1, 0], "the rows are flat from end to end"),
+        (lambda rows: rows[:7], "7 rows within the extent are too few for a fit: at least 8 are needed"),
+        (lambda rows: rows[::-1], "row 2: x = .* does not ascend"),
+        (lambda rows: rows + np.array([5.0, 0.0]), "the middle, x = 0, is not among the rows"),
+        (lambda rows: np.where(np.arange(len(rows))[:, None] == 40, np.nan, rows), "row 41"),
+    ],
+)
+def test_rows_that_can_not_be_fitted_are_one_sentence(change, sentence):
+    rows = change(rows_of(TRUTHS["hertz"]))
+    with pytest.raises(InputError, match=sentence):
+        fit_profile(rows, "hertz", centre=0.0)
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_spline_is_as_smooth_as_the_noise_asks(stated):
+    """The weight of least expected error follows the noise, and the curve is nearer to the truth than one stiff or limp by far."""
+    truth, s, weights = EvenPolynomial(length=1.0, rises=(5e-4, 1e-4)), np.linspace(0, 1.2, 50), []
+    for noise in (1e-8, 2e-5):
+        rows = rows_of(truth, 301, noise)
+        given = {"kind": "smoothing_spline", "noise": noise if stated else None}
+        found = [fitted_keys(*rows.T, **given, weight=weight) for weight in (None, 1e-9, 1e3)]
+        off = [np.std(Tabulated(points=keys["points"]).height(s) - truth.height(s)) for keys in found]
+        assert off[0] <= 1.02 * min(off[1:])
+        weights.append(found[0]["fitted"]["weight"])
+    assert 100 * weights[0] <= weights[1]
+
+
+def test_extreme_numbers_are_fitted_or_one_sentence():
+    x, h = np.linspace(-1.5, 1.5, 61), np.linspace(-1.5, 1.5, 61) ** 2 / 2000
+    for rows in ((x, 1e95 * h), (x, 1e-95 * h), (1e95 * x, h), (1e-95 * x, h), (x + 1e6, h), (x, np.round(h, 4)), (x, np.abs(x))):
+        for kind in KINDS:
+            for noise in (None, 1e-12, 1e90):
+                assert fit_profile(np.column_stack(rows), kind, noise=noise).fitted.noise > 0
+    for heights in (x, np.cos(40 * x)):
+        with pytest.raises(InputError, match=r"the middle|do not bend up"):
+            fit_profile(np.column_stack([x, heights]), "hertz")
+
+
+def test_noise_that_is_not_that_of_the_rows_is_said():
+    rows = rows_of(TRUTHS["flat_rounded"], 301, 20e-6)
+    asked = (("flat_rounded", 20e-6), ("hertz", 20e-6), ("flat_rounded", 1e-4))
+    said = [fit_in_words(scene_of(rows, kind, noise), 0.5) for kind, noise in asked]
+    assert [len(sentences) for sentences in said] == [1, 2, 2]
+    assert "does not describe the rows" in said[1][1]
+    assert "the noise is smaller than stated" in said[2][1]
+
+
+def test_uncertainty_grows_with_the_noise_and_is_the_spread_of_other_measurements():
+    truth = TRUTHS["flat_rounded"]
+    small, large = (fit_uncertainty(scene_of(rows_of(truth, 101, noise), "flat_rounded", noise), 30) for noise in (2e-6, 20e-6))
+    for name in ("dissipation", "half_width", "peak_pressure"):
+        one, other = (getattr(found, name).uncertainty for found in (small, large))
+        assert other / one == pytest.approx(10.0, rel=0.35)
+    # By real other measurements.
+    scenes = [scene_of(rows_of(truth, 101, 20e-6, seed=seed), "flat_rounded", 20e-6) for seed in range(60)]
+    widths = [largest_contact(scene, "").half_width for scene in scenes]
+    assert large.half_width.uncertainty == pytest.approx(2 * np.std(widths), rel=0.25)
+    assert len(resampled(scenes[0].profile, 4)) == 4
+    assert resampled(scenes[0].profile, 2, seed=1) != resampled(scenes[0].profile, 2, seed=2)
+
+
+def test_page_and_json_state_the_fit():
+    scene = scene_of(rows_of(TRUTHS["flat_rounded"], 301, 20e-6), "flat_rounded", 20e-6)
+    said, found = findings(scene)
+    assert "W = 0.000" in said[-1]
+    whole = content(scene)
+    assert whole["uncertainty_95"]["dissipation"]["value"] == found.dissipation.value
+    assert (whole["fit"]["count"], whole["sentences"]) == (301, said)
+    assert content(load_scene("hertz-paper")) is None
+    plate = fit_residuals(scene, 0.9)
+    assert len(plate.table["x [mm]"]) == 301
+    assert np.std(plate.table["row - fit [mm]"]) == pytest.approx(scene.profile.fitted.residual, rel=1e-6)
+    assert fit_residuals(load_scene("hertz-paper"), 1.0) is None
+
+
+@pytest.mark.slow
+def test_the_benchmark_answers_every_case(monkeypatch, capsys):
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    import measured_profiles
+
+    assert measured_profiles.main(["--cases", "10", "--seed", "3"]) in (0, 1)
+    assert "10 of 10 answered" in capsys.readouterr().out
+    sys.modules.pop("measured_profiles")

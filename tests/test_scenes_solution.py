@@ -1,6 +1,6 @@
 """The form of the answer: read-only, the same after NetCDF, and its last cycle."""
 
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import semi_analytic
-from scenes import ConvergenceError, InadmissibleLoadError, InputError, load_scene
+from scenes import InputError, load_scene
 from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
 
 STEPS, POINTS = 7, 5
@@ -41,6 +41,8 @@ def small_solution(scene_name="hertz-paper", time=None):
         answer,
         engine="test",
         stick_edges=freeze(stick_edges),
+        tilt=freeze(series / 3),
+        permanent_stick_edges=freeze([-1.0, 2.0]),
         dissipation=0.1 + 0.2,
         permanent_stick_half_width=float("nan"),
         steady_from=None,
@@ -51,46 +53,27 @@ def small_solution(scene_name="hertz-paper", time=None):
     )
 
 
-def assert_same(one, other):
-    for name in ARRAYS:
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
-        assert getattr(one, name).dtype == getattr(other, name).dtype, name
-    for name in ("engine", "scene", "dissipation", "steady_from", "work", "settings", "versions"):
-        assert getattr(one, name) == getattr(other, name), name
-    np.testing.assert_equal(one.permanent_stick_half_width, other.permanent_stick_half_width)
-    for name in ("converged", "termination", "message", "notes"):
-        assert getattr(one.record, name) == getattr(other.record, name), name
-    np.testing.assert_array_equal(one.record.iterations, other.record.iterations)
-    for table in ("certificates", "energy"):
-        here, there = getattr(one.record, table), getattr(other.record, table)
-        assert here.keys() == there.keys()
-        for name in here:
-            np.testing.assert_array_equal(here[name], there[name])
+def parts(value):
+    """An answer with its parts, and theirs, by name; arrays with the type of their numbers."""
+    if is_dataclass(value):
+        return {field.name: parts(getattr(value, field.name)) for field in fields(value)}
+    return (value, value.dtype) if isinstance(value, np.ndarray) else value
 
 
 @pytest.mark.parametrize(("scene_name", "steady_from"), [("hertz-paper", None), ("hertz-paper", 3), ("hertz-normal", 0)])
 def test_a_dataset_and_a_file_hold_all_of_it(scene_name, steady_from, tmp_path):
     solution = replace(small_solution(scene_name), steady_from=steady_from)
     data = solution.to_dataset()
-    assert_same(solution, ContactSolution.from_dataset(data))
+    np.testing.assert_equal(parts(ContactSolution.from_dataset(data)), parts(solution))
     solution.save(tmp_path / "answer.nc")
     found = ContactSolution.load(tmp_path / "answer.nc")
-    assert_same(solution, found)
+    np.testing.assert_equal(parts(found), parts(solution))
     with pytest.raises(ValueError, match="read-only"):
         found.pressure[0, 0] = 1.0
     assert data["pressure"].dims == ("time", "x")
     assert data["stick_edges"].dims == ("time", "side")
     assert list(data["side"].values) == ["left", "right"]
     assert data["certificate_cone"].dims == data["energy_external"].dims == data["time"].dims == ("time",)
-
-
-def test_the_comparison_of_that_test_sees_one_changed_number():
-    solution = small_solution()
-    changed = np.array(solution.slip)
-    changed[2, 3] = np.nextafter(changed[2, 3], 1)
-    for other in (replace(solution, slip=freeze(changed)), replace(solution, scene=load_scene("motor"))):
-        with pytest.raises(AssertionError):
-            assert_same(solution, other)
 
 
 def test_dataset_has_units_long_names_and_coordinates(tmp_path):
@@ -163,13 +146,3 @@ def test_last_cycle_is_the_last_whole_revolution_with_both_ends_or_the_whole_of_
     unfinished = np.concatenate([way[[0, -1]], begin + period * np.array([0.5, 1.0, 1.25, 1.5])])
     assert small_solution(time=unfinished).last_cycle.tolist() == [1, 2, 3]
     assert small_solution("hertz-normal").last_cycle.tolist() == list(range(STEPS))
-
-
-def test_errors_carry_what_they_promise():
-    outside = InadmissibleLoadError("gross sliding", 1.5, 2.0, -3.0, 0.5)
-    assert isinstance(outside, InputError)
-    assert (outside.time, outside.normal_load, outside.tangential_load) == (1.5, 2.0, -3.0)
-    assert str(outside).startswith("load: gross sliding at time 1.5 with P = 2, Q = -3, f = 0.5: |Q| exceeds f P, so the bodies")
-    assert ConvergenceError("stopped").partial is None
-    solution = small_solution()
-    assert ConvergenceError("stopped", solution).partial is solution

@@ -1,4 +1,4 @@
-"""Batches of ellipses: thirty-digit references, extremes, the engine that marches, the limit of sliding, peaks, bad members."""
+"""Batches of ellipses: thirty-digit references, the engine that marches, peaks, bad members; friction from a measured W."""
 
 import math
 
@@ -7,33 +7,17 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
-from scenes import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, InputError, Materials, PowerLaw, Tabulated, Wedge
-from semi_analytic import Reason, dissipation, peak_dissipation, solve, steady_ellipse
+from scenes import CallableProfile, Compound, EvenPolynomial, FlatRounded, Hertz, Materials, PowerLaw, Tabulated, Wedge, load_scene
+from semi_analytic import NoFriction, Reason, dissipation, friction_from, peak_dissipation, solve, steady_ellipse
+from semi_analytic.measured_friction import sliding_limit
 from semi_analytic.profiles import contact_of
-from semi_analytic.steady_ellipse import (
-    density_of,
-    dissipation_of,
-    ellipses_of,
-    works_over_time,
-)
+from semi_analytic.steady_ellipse import density_of, dissipation_of, ellipses_of, works_over_time
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
 
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
 PAPER = {"mean_normal_load": 3.0, "normal_amplitude": 1.0, "mean_tangential_load": 1.1, "tangential_amplitude": 1.0}
-
-
-def arguments(rows):
-    columns = {key: np.array([float(row[key]) for row in rows]) for key in ("mean", "amplitude", "tangential", "phase", "friction")}
-    radians = np.array([bool(row.get("radians")) for row in rows])
-    return {
-        "material": MATERIAL,
-        "friction_coefficient": columns["friction"],
-        "mean_normal_load": columns["mean"],
-        "normal_amplitude": columns["amplitude"],
-        "tangential_amplitude": columns["tangential"],
-        "phase": np.where(radians, columns["phase"], np.radians(columns["phase"])),
-    }
 
 
 # P0, P1, Q0, Q1, phase in degrees; E* = 1, R = 1: a runs through 0.9 to 1.6
@@ -80,7 +64,10 @@ def test_batch_is_that_of_thirty_digits(flat):
     """Worst measured 3e-13 relative; slip of 1e-9, sliding at 1 - 1e-12, full unloading at 1 - 1e-9: 1.3e-11."""
     for table, limit in ((REFERENCE, 1e-12), (EXTREMES, 1e-10)):
         rows = [row for row in table if row["flat"] == flat]
-        found = dissipation(profile=FLAT if flat else HERTZ, **arguments(rows))
+        columns = [np.array([float(row[key]) for row in rows]) for key in ("mean", "amplitude", "tangential", "phase", "friction")]
+        mean, amplitude, force, phase, friction = columns
+        phase = phase if rows[0].get("radians") else np.radians(phase)
+        found = batch((mean, amplitude, 0.0, force, phase), profile=FLAT if flat else HERTZ, friction=friction)
         np.testing.assert_allclose(found.value, [float(row["dissipation"]) for row in rows], rtol=limit, atol=0)
         assert np.all(found.reason == Reason.NONE)
         np.testing.assert_allclose(found.forward + found.reverse, found.value, rtol=1e-15)
@@ -138,18 +125,10 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     spans = history_of(scene.load.path(), friction, 6).cycles[-1]
     angle = math.radians(math.degrees(phase))
     marched = global_dissipation(contact, 1.0, spans)
-    batch = dissipation(
-        profile=scene.profile,
-        material=scene.material,
-        friction_coefficient=friction,
-        mean_normal_load=1.0,
-        normal_amplitude=ratio,
-        tangential_amplitude=q1,
-        phase=angle,
-    )
+    found = batch((1.0, ratio, 0.0, q1, angle), profile=scene.profile, friction=friction)
     floor = 1e-15 * friction**2
-    assert float(batch.forward) == pytest.approx(float(marched.forward), rel=1e-9, abs=floor)
-    assert float(batch.reverse) == pytest.approx(float(marched.reverse), rel=1e-9, abs=floor)
+    assert float(found.forward) == pytest.approx(float(marched.forward), rel=1e-9, abs=floor)
+    assert float(found.reverse) == pytest.approx(float(marched.reverse), rel=1e-9, abs=floor)
     loop = ellipses_of(*(np.array([value]) for value in (1.0, ratio, q1, angle, friction)))
     inner, outer = (float(contact.half_width(load)) for load in (loop.permanent[0], 1 + ratio))
     x = np.array([inner + part * (outer - inner)])
@@ -157,16 +136,6 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     assert float(here[0]) == pytest.approx(
         float(pointwise_dissipation(contact, 1.0, spans, x).total[0]), rel=1e-8, abs=1e-13 * friction**2
     )
-
-
-@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
-def test_works_over_time_every_profile_is_that_of_solve(profile):
-    """Worst measured 4e-14."""
-    rows = LOADS[1:2] if profile.kind in ("tabulated", "callable") else LOADS
-    batch = dissipation(profile=profile, **question(rows))
-    alone = [solved(profile, row, x=[0.0], fields=("dissipation",)).dissipation for row in rows]
-    np.testing.assert_allclose(batch.value, alone, rtol=1e-10)
-    assert np.all(batch.reason == Reason.NONE)
 
 
 def random_loops(count, seed, largest=1.0):
@@ -375,14 +344,10 @@ def test_error_of_the_peak_covers_thirty_digits_of_constant_load(swing):
 
 
 # -------------------------------------------------------------------------------------------------------------- bad members
-def test_full_stick_has_no_peak_and_damping_falls_faster_than_the_peak():
-    """Figure 7: with P1 = Q1 = 1 the global dissipation loses more of itself from P0 = 2 to 4 than the peak does."""
+def test_full_stick_has_no_peak():
     peak = batch((1.0, 0.2, 0.0, 0.0, 0.0), peak_dissipation)
     assert peak.value == 0
     assert np.isnan([peak.place, peak.fraction]).all()
-    circle = (np.array([2.0, 4.0]), 1.0, 0.0, 1.0, math.pi / 2)
-    work, peaks = (batch(circle, call).value for call in (dissipation, peak_dissipation))
-    assert work[1] / work[0] < peaks[1] / peaks[0] < 1
 
 
 def test_bad_members_get_a_reason_and_the_rest_their_values():
@@ -438,6 +403,7 @@ def test_bad_parameters_are_the_members_own():
         found = dissipation(profile=PROFILES[name], **question([LOADS[0], (1000.0, 0.5, 0.0, 0.5, 60.0)]))
         assert found.reason.tolist() == [none, Reason.EXTENT]
         assert np.isfinite(found.value[0])
+    assert batch((3.0, 1.0, 1.1, 1.0, 1.0), friction=np.empty(0)).value.shape == (0,)
 
 
 def test_work_that_has_not_converged_has_a_reason(monkeypatch):
@@ -458,15 +424,115 @@ def test_neglected_coupling_of_unlike_materials_is_noted_as_solve_does(batch):
     assert batch(profile=scene.profile, material=MATERIAL, friction_coefficient=1.0, **PAPER).notes == ()
 
 
-def test_what_cannot_vary_is_refused_in_a_sentence():
-    for keys, words in (
-        ({"kind": "tabulated", "points": [[0, 0], [1, 1]]}, "give the profile itself"),
-        ({"kind": "hertz"}, "with all its keys"),
-        ({"kind": "polynomial", "length": 1.0, "rises": 0.5}, "rises is a list"),
-        ({"kind": "hertz", "radius": "one"}, "must broadcast, and be of numbers"),
-    ):
-        with pytest.raises(InputError, match=words):
-            dissipation(profile=keys, **question([LOADS[0]]))
-    with pytest.raises(InputError, match="must broadcast"):
-        batch((3.0, [1, 1, 1], 0.0, 1.0, 0.0), friction=[1.0, 1.0])
-    assert batch((3.0, 1.0, 1.1, 1.0, 1.0), friction=np.empty(0)).value.shape == (0,)
+# ---------------------------------------------------------------------------------- friction from a measured dissipation
+MATERIAL = Materials(upper=UNIT, lower=UNIT)
+INVERTED = {
+    "hertz": Hertz(radius=1.0),
+    "flat and rounded": FlatRounded(radius=1.0, flat_half_length=1.0),
+    "wedge": PowerLaw(exponent=1.0, length=1.0, rise=1.0),
+    "radii": {"kind": "hertz", "radius": np.linspace(1.0, 2.0, 60)},
+    "eighth power": PowerLaw(exponent=8.0, length=1.0, rise=1.0),
+}
+
+
+def random_loads(seed, count=60):
+    rng = np.random.default_rng(seed)
+    amplitude = rng.uniform(0.0, 0.98, count)
+    amplitude[:10], amplitude[10:15] = 10 ** rng.uniform(-7, -1, 10), 0.0
+    return {
+        "material": MATERIAL,
+        "mean_normal_load": 1.0,
+        "normal_amplitude": amplitude,
+        "mean_tangential_load": rng.uniform(-0.5, 0.5, count) * rng.integers(0, 2, count),
+        "tangential_amplitude": 10 ** rng.uniform(-3, 0.3, count),
+        "phase": rng.uniform(-3.1, 3.1, count),
+    }
+
+
+@pytest.mark.parametrize("name", INVERTED)
+def test_every_root_is_found_as_brute_force_counts_them(name):
+    question = {"profile": INVERTED[name]} | random_loads(sorted(INVERTED).index(name))
+    span = friction_from(1.0, **question)
+    target = span.least + (span.most - span.least) * np.random.default_rng(1).uniform(0.02, 0.98, 60)
+    found = friction_from(target, **question)
+    assert not found.reason.any()
+    with np.errstate(divide="ignore"):
+        no_slip = question["tangential_amplitude"] / question["normal_amplitude"]
+    top = np.maximum(found.least_friction, np.where(np.isfinite(no_slip), no_slip, 0.0)) * 1e6
+    every = found.least_friction * (1 + 1e-12) * (top / found.least_friction) ** np.linspace(0, 1, 1801)[:, None]
+    works = dissipation(friction_coefficient=every, **question).value
+    crossings = np.count_nonzero(np.diff(np.sign(works - target), axis=0), axis=0)
+    near = np.min(np.abs(works - target), axis=0) < 1e-5 * target  # two roots between two samples of the brute force
+    assert np.all((crossings == found.count) | near)
+    assert np.count_nonzero(crossings != found.count) <= 2
+    again = dissipation(friction_coefficient=np.moveaxis(found.roots, -1, 0), **question).value
+    there = np.isfinite(found.roots).T
+    assert np.allclose(again[there], np.broadcast_to(target, again.shape)[there], rtol=1e-8, atol=0)
+    assert np.all(np.diff(found.roots, axis=-1)[there.T[:, 1:]] > 0)
+
+
+def test_two_and_three_roots_where_the_normal_load_varies():
+    question = {"profile": Hertz(radius=1.0), "material": MATERIAL, "mean_normal_load": 1.0}
+    two = {"normal_amplitude": 1 / 3, "tangential_amplitude": 1 / 3, "phase": math.pi / 2}
+    least = friction_from(1.0, **question, **two).least
+    found = friction_from([1.01 * least, 1.001 * least, (1 + 1e-8) * least], **question, **two)
+    assert found.count.tolist() == [2, 2, 2]  # the last two next to the turning point, between two samples of the search
+    assert np.all(np.diff(np.diff(found.roots, axis=1), axis=0) < 0)
+    dense = dissipation(friction_coefficient=np.linspace(0.6, 2.0, 20001), **question, **two).value
+    assert least == pytest.approx(np.nanmin(dense), rel=1e-9)
+    three = {"normal_amplitude": 0.7, "tangential_amplitude": 0.1, "phase": 1.66}
+    friction = sliding_limit(1.0, 0.7, 0.0, 0.1, 1.66) * np.geomspace(1.000001, 1e4, 4001)
+    works = dissipation(friction_coefficient=friction, **question, **three).value
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(works)))) + 1
+    assert len(turns) == 2  # least, then most, then down to the limit
+    between = (max(works[turns[0]], works[-1]) + min(works[0], works[turns[1]])) / 2
+    assert friction_from(between, **question, **three).count == 3
+
+
+@pytest.mark.parametrize(("amplitude", "tangential", "phase"), [(0.5, 0.1, 1.0), (0.9, 0.3, 2.0), (0.1, 0.01, -0.3)])
+def test_dissipation_at_large_friction_is_its_closed_limit(amplitude, tangential, phase):
+    work = dissipation(
+        profile=Hertz(radius=1.0),
+        material=MATERIAL,
+        friction_coefficient=1e7,
+        mean_normal_load=1.0,
+        normal_amplitude=amplitude,
+        tangential_amplitude=tangential,
+        phase=phase,
+    ).value
+    inverse = quad(lambda t: math.sin(t) ** 3 / (2 * (1 + amplitude * math.cos(t))), 0, math.pi, epsabs=1e-14)[0]
+    limit = 4 / math.pi * amplitude * (tangential * math.sin(phase)) ** 2 * inverse  # A = 2
+    assert work == pytest.approx(limit, rel=1e-5)
+
+
+def test_the_sliding_limit_is_the_largest_quotient_of_the_loads():
+    loads = random_loads(3)
+    time = np.linspace(0, 2 * math.pi, 20001)[:, None]
+    normal = 1 + loads["normal_amplitude"] * np.cos(time)
+    tangential = loads["mean_tangential_load"] + loads["tangential_amplitude"] * np.cos(time - loads["phase"])
+    found = sliding_limit(
+        1.0, *(loads[key] for key in ("normal_amplitude", "mean_tangential_load", "tangential_amplitude", "phase"))
+    )
+    assert np.allclose(found, np.max(np.abs(tangential) / normal, axis=0), rtol=1e-5)
+
+
+def test_a_scene_with_another_load_is_inverted_by_the_engine_that_marches():
+    scene = load_scene("cattaneo-mindlin")
+    work = solve(scene, x=0.0, fields="dissipation").dissipation
+    found = friction_from([work, 1e9], scene=scene)
+    assert found.count.tolist() == [1, 0]
+    assert found.roots[0, 0] == pytest.approx(scene.friction.coefficient, rel=1e-9)
+    assert found.reason[1] == NoFriction.TOO_MUCH
+
+
+def test_a_member_without_a_root_gets_one_reason():
+    scene = load_scene("hertz-paper")
+    found = friction_from([1e-9, 1.0, -1.0, np.nan], scene=scene)
+    assert found.reason.tolist() == [NoFriction.TOO_LITTLE, NoFriction.TOO_MUCH, NoFriction.INVALID, NoFriction.INVALID]
+    assert np.isnan(found.roots).all()
+    assert len(found.sentences) == 4
+    assert "the least is 0.002057" in found.sentences[0]
+    assert "the most is 0.00230181, and they slide grossly below f = 0.79185" in found.sentences[1]
+    question = {"profile": Hertz(radius=1.0), "material": UNIT, "mean_normal_load": 1.0, "tangential_amplitude": 0.1}
+    apart = friction_from(0.1, normal_amplitude=[1.5, 0.5], **question)
+    assert apart.reason[0] == NoFriction.LOADS

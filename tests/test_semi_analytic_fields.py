@@ -8,13 +8,31 @@ import pytest
 import semi_analytic.fields
 import semi_analytic.history
 import semi_analytic.load_series
-from scenes import InadmissibleLoadError, InputError, StraightSegment, SurfaceState, load_scene, scene_names
-from semi_analytic import FIELDS, solve
+from problems import errors, problems
+from scenes import (
+    CallableProfile,
+    Compound,
+    EllipseLoad,
+    EvenPolynomial,
+    Hertz,
+    InadmissibleLoadError,
+    InputError,
+    PolygonLoad,
+    PowerLaw,
+    StraightSegment,
+    SurfaceState,
+    Tabulated,
+    TimeSeriesLoad,
+    Wedge,
+    load_scene,
+    scene_names,
+)
+from semi_analytic import FIELDS, compliance, dissipation, edge_tension, events, friction_from, hysteresis, solve, stress
 from semi_analytic.fields import Arc, Integrals
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Knot
 from semi_analytic.memory import Piece
-from semi_analytic_cases import LOADS, PROFILES, ellipse, extreme, make_scene, polygon
+from semi_analytic_cases import LOADS, PAPER, PROFILES, UNIT, ellipse, extreme, fretting, leaning, make_scene, polygon
 from semi_analytic_oracle import LONG, Oracle
 
 FEW = [
@@ -71,39 +89,22 @@ def test_fields_by_brute_force(profile, load):
 
 
 # ------------------------------------------------------------------------------------------------------------- closed forms
-P = 90.62286500739786  # a = 1 in the library's Hertz scenes
-P0 = 2 * P / math.pi
+@pytest.mark.parametrize("problem", [one for one in problems("hertz") if "by theory" not in one.tags], ids=lambda one: one.name)
+def test_named_problems_have_their_closed_forms(problem):
+    """Hertz, Cattaneo-Mindlin forth, half-way back and reversed, full stick: the table that the finite elements are measured by."""
+    path, half = problem.scene.load.path(), problem.exact["contact_half_width"]
+    end = path.cycle_start + 2 * (path.period or 0.0)
+    answer = solve(problem.scene, x=half * np.linspace(-1.21, 1.21, 97), time=np.unique([problem.time, end]))
+    assert max(errors(problem, answer).values()) < 1e-12
+
+
+P0 = 2 * 90.62286500739786 / math.pi  # a = 1 in the library's Hertz scenes
 X = np.array([-1.2, -1.0, -0.9, -0.3, 0.0, 0.3, 0.632, 0.633, 0.9, 0.999, 1.0, 1.2])
 
 
-def cattaneo(x, load, share, friction):
-    """q under first loading to Q = share f P, constant P: f p less the same at P - Q/f (misprint of equation (2) mended)."""
-    stick = math.sqrt(1 - share)
-    return friction * P0 * (np.sqrt(np.maximum(1 - x**2, 0)) - np.sqrt(np.maximum(stick**2 - x**2, 0)))
-
-
-def test_cattaneo_mindlin_first_loading_and_reversal():
-    scene = load_scene("cattaneo-mindlin")
-    friction, share = 0.5, 0.6
-    solution = solve(scene, x=X, time=[2.0, 2.5, 3.0])
-    np.testing.assert_allclose(solution.shear[0], cattaneo(X, P, share, friction), atol=1e-13 * P0)
-    np.testing.assert_allclose(solution.shear[2], -solution.shear[0], atol=1e-13 * P0)
-    reversal = cattaneo(X, P, share, friction) - 2 * cattaneo(X, P, share / 2, friction)
-    np.testing.assert_allclose(solution.shear[1], reversal, atol=1e-13 * P0)
-    np.testing.assert_allclose(solution.stick_half_width, np.sqrt([1 - share, 1 - share / 2, 1 - share]), rtol=1e-14)
-    np.testing.assert_allclose(solution.stick_edges[:, 0], -solution.stick_half_width)
-    assert solution.permanent_stick_half_width == pytest.approx(math.sqrt(0.4), rel=1e-14)
-    slipping = np.where(np.abs(X) > 1, SurfaceState.OPEN, np.where(np.abs(X) > math.sqrt(0.4), SurfaceState.SLIP_FORWARD, 1))
-    inside = np.abs(np.abs(X) - 1) > 1e-9
-    np.testing.assert_array_equal(solution.state[0, inside], slipping[inside])
-
-
-def test_full_stick_follows_the_flat_punches():
-    """Full stick along a line: U = (Q/P) times the normal approach; nothing is dissipated, and nothing integrated."""
+def test_full_stick_integrates_nothing():
     answer = solve(load_scene("full-stick"))
-    np.testing.assert_allclose(answer.tangential_displacement, 0.4 * answer.normal_approach, rtol=1e-12)
-    assert answer.dissipation == 0
-    assert np.all(answer.dissipation_density == 0)
+    assert answer.dissipation == np.max(answer.dissipation_density) == 0
     assert answer.work.counts["slip_quadratures"] == answer.work.counts["quadrature_nodes"] == 0
     assert answer.work.skipped["quadratures"][1] == "full stick: nothing slips"
     assert answer.steady_from == 0
@@ -223,27 +224,74 @@ def test_planted_faults_are_seen(mutate, scenes, monkeypatch):
         assert bool(broken) == bool(mutate), (name, broken)
 
 
-@pytest.mark.parametrize("name", ["hertz-paper", "motor"])
-def test_mirrored_path_mirrors_everything(name):
-    scene = load_scene(name)
-    load = scene.load.vary(
-        mean_tangential_load=-scene.load.mean_tangential_load,
-        phase_degrees=scene.load.phase_degrees - 180,
-        initial_loading="straight",
-    )
-    one = solve(scene.vary(load={"initial_loading": "straight"}), x=1.0071 * X)
-    two = solve(
-        scene.vary(load=load),
-        x=1.0071 * X,
-        time=one.time - one.scene.load.path().cycle_start + load.path().cycle_start,
-    )
-    scale = np.max(np.abs(one.shear))
-    np.testing.assert_allclose(two.shear, -one.shear, atol=1e-12 * scale)
-    np.testing.assert_allclose(two.slip, -one.slip, atol=1e-12 * np.max(np.abs(one.slip)))
-    np.testing.assert_allclose(two.pressure, one.pressure, atol=1e-12 * scale)
-    np.testing.assert_allclose(two.dissipation_density, one.dissipation_density, atol=1e-12 * np.max(one.dissipation_density))
-    swapped = np.array([0, 1, 3, 2])[one.state]
-    assert np.mean(two.state != swapped) < 2e-3  # instants exactly between two spans may fall to either
+# ---------------------------------------------------------------------------------------------------- the same in other words
+def of_any_size(profile):
+    """A scene of lengths and stresses of 1, and the same of 1e12: P of 1e24 overflowed in the quotient of a traction."""
+    sizes, amounts = (1.0, 1e12), np.array([3.0, 1.0, 0.2, 0.8])
+    scenes = [make_scene(ellipse(*amounts * size**2, 70.0), 0.5, modulus=size).vary(profile=profile(size)) for size in sizes]
+    units = dict.fromkeys(("pressure", "shear", "slip", "tangential_displacement"), 1e12)
+    return *scenes, lambda x: x * 1e12, units | {"dissipation_density": 1e24, "state": 1, "dissipation": 1e36}
+
+
+def turned(name):
+    """A scene of the library with an ellipse, and that with Q turned round."""
+    scene = load_scene(name).vary(load={"initial_loading": "straight"})
+    back = {"mean_tangential_load": -scene.load.mean_tangential_load, "phase_degrees": scene.load.phase_degrees - 180}
+    signs = {"pressure": 1, "shear": -1, "slip": -1, "dissipation_density": 1}
+    return scene, scene.vary(load=back), lambda x: x, signs
+
+
+UPRIGHT = make_scene(EllipseLoad(**PAPER))
+FORCE, LENGTH = 1e3, 25.4
+BIG = fretting(0.3, q=1.8 * FORCE * LENGTH, p=3.0 * FORCE * LENGTH, bulk_stress_lower=(0, 0.6 * FORCE, -0.6 * FORCE))
+BIG = BIG.vary(profile={"radius": LENGTH}, material=BIG.material.upper.vary(young_modulus=2 * FORCE))
+ARRAYS = ("pressure", "shear", "slip", "tangential_displacement", "normal_approach", "contact_edges", "stick_edges", "state")
+# One scene and the same in other words, the place of x there, and what each field is multiplied by.
+WORDS = {
+    "compound of any size": of_any_size(lambda b: Compound(inner_radius=b, outer_radius=0.4 * b, inner_half_length=0.8 * b)),
+    "wedge of any size": of_any_size(lambda b: Wedge(tip_radius=b, tip_half_length=0.7 * b)),
+    "polynomial of any size": of_any_size(lambda b: EvenPolynomial(length=b, rises=(0.5 * b, 0.1 * b))),
+    "hertz-paper turned": turned("hertz-paper"),
+    "motor turned": turned("motor"),
+    "bulk stress and tilt of nothing": (
+        UPRIGHT,
+        make_scene(EllipseLoad(**PAPER, bulk_stress_lower=0.0, tilt=0.0)),
+        lambda x: x,
+        dict.fromkeys((*ARRAYS, "dissipation", "permanent_stick_half_width"), 1),
+    ),
+    "a line of action moves all of it": (
+        UPRIGHT,
+        make_scene(EllipseLoad(**PAPER, line_of_action={"x": 0.3})),
+        lambda x: x + 0.3,
+        dict.fromkeys(("pressure", "shear", "slip", "tangential_displacement", "dissipation_density"), 1),
+    ),
+    # x, Q and tilt turned round, bulk strain as it is: p, s and q follow.
+    "the mirror image under bulk stress and tilt": (
+        leaning(0.12, 0.1),
+        leaning(0.12, 0.1, mirror=-1),
+        lambda x: -x,
+        {"pressure": 1, "shear": -1, "slip": -1, "shear_moment": 1, "moment": -1, "dissipation": 1},
+    ),
+    "bulk stress in other units": (
+        fretting(0.3),
+        BIG,
+        lambda x: x * LENGTH,
+        {"pressure": FORCE, "shear": FORCE, "slip": LENGTH, "contact_edges": LENGTH}
+        | {"shear_moment": FORCE * LENGTH**2, "dissipation": FORCE * LENGTH**2},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_one_contact_in_other_words(name):
+    one, other, there, factors = WORDS[name]
+    x = 1.2 * np.max(solve(one, x=[0.0], fields=()).contact_half_width) * np.linspace(-1, 1.01, 31)
+    first = solve(one, x=x)
+    second = solve(other, x=there(x), time=first.time + other.load.path().cycle_start - one.load.path().cycle_start)
+    for field, factor in factors.items():
+        value = getattr(first, field)
+        close = 3e-12 * np.nanmax(np.abs(value))
+        np.testing.assert_allclose(getattr(second, field) / factor, value, rtol=0, atol=close, err_msg=field)
 
 
 def test_straight_steps_converge_on_the_smooth_path_with_order_two():
@@ -300,6 +348,7 @@ def test_transient_work_is_counted_by_cycle_and_later_cycles_are_copies():
     start = scene.load.path().cycle_start
     own = solve(scene, fields=only)
     long = solve(scene, x=[0.0], time=start + 2 * np.pi * np.array([0.5, 1.0, 40.25]), fields=only)
+    assert own.record.message == "cycle 2 ends in the state it started from"
     assert own.cycle_dissipation.shape == (2,)
     assert own.cycle_dissipation[0] > 2 * own.cycle_dissipation[1]
     np.testing.assert_array_equal(long.cycle_dissipation, [own.cycle_dissipation[0], *[own.dissipation] * 39])
@@ -320,6 +369,11 @@ def test_paper_scene_effort_is_bounded():
     assert counts["points_evaluated"] == 100
 
 
+def record(repeats, *last):
+    """Rows from P = 1 at time 0 to the last loads at time 1, and back where they repeat."""
+    return TimeSeriesLoad(rows=[[0, 1, 0], [1, *last], *([[2, 1, 0]] * repeats)], repeats=repeats)
+
+
 @pytest.mark.parametrize(
     ("load", "friction", "reason", "time", "normal", "tangential"),
     [
@@ -330,6 +384,8 @@ def test_paper_scene_effort_is_bounded():
         (ellipse(1.0, 1.5, 0.0, 0.0, 0.0), 0.5, "separation", math.pi, -0.5, 0.0),
         (ellipse(3.0, 0.0, 0.0, 2.0, 90.0), 0.5, "gross sliding", None, None, None),
         (polygon([(2.0, 0.1)]), 0.0, "gross sliding", 0.0, 0.0, 0.0),
+        (record(False, 2, 3.0), 1.0, r"gross sliding from time 0\.5 on, at time 1 with P = 2, Q = 3, f = 1:", 0.5, 1.5, 1.5),
+        (record(False, -1, 0), 1.0, r"separation from time 0\.5 on, at time 1 with P = -1, Q = 0:", 0.5, 0.0, 0.0),
     ],
 )
 def test_inadmissible_paths_name_the_instant_and_the_loads(load, friction, reason, time, normal, tangential):
@@ -351,9 +407,22 @@ def test_sliding_just_reached_is_admitted():
     assert flat.stick_half_width[0] == pytest.approx(0.3)
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
+ROUND, LOADS_ALONE = Hertz(radius=1.0), {"material": UNIT, "mean_normal_load": 1.0, "tangential_amplitude": 0.1}
+LOOP = LOADS_ALONE | {"normal_amplitude": 0.5, "friction_coefficient": 0.5}
+ROWS = [(x, x**2 / 2 if x > 0 else 0.4 * x**2 - x**3 / 10) for x in np.linspace(-3, 3, 25).tolist()]
+UNEQUAL = Tabulated(points=ROWS, symmetric=False)
+LEANS, ONCE = leaning(0.1), {"x": [0.0]}
+OUT_OF_PHASE = make_scene(EllipseLoad(**PAPER, bulk_stress_lower={"amplitude": 0.5, "phase_degrees": 60}))
+
+
+def tilted(profile, tilt):
+    """P to 1 and Q to and fro under a tilt."""
+    return make_scene(PolygonLoad(initial_loading=[(1, 0), (1, 0.2)], cycle=[(1, -0.2)], tilt=tilt)).vary(profile=profile)
+
+
+# A call, and words of the sentence.
+REFUSED = [
+    *((lambda options=options: solve("hertz-paper", **options), words) for options, words in (
         ({"fields": ("presure",)}, "'presure' is not among"),
         ({"cycles": "last"}, "neither 'all' nor 'steady'"),
         ({"straight_steps": True}, "give the times"),
@@ -362,8 +431,51 @@ def test_sliding_just_reached_is_admitted():
         ({"x": [float("nan")]}, "a list of finite numbers"),
         ({"time": [2.0, 2.0], "straight_steps": True}, "must ascend"),
         ({"time": [load_scene("hertz-paper").load.path().start], "straight_steps": True}, "no time is after the start"),
-    ],
-)
-def test_bad_questions_are_refused_in_a_sentence(options, words):
-    with pytest.raises(InputError, match=words):
-        solve(load_scene("hertz-paper"), **options)
+    )),
+    *((lambda rows=rows, time=time: solve(make_scene(record(*rows)), time=[time]), "time: outside the load path, which runs from")
+      for *rows, time in ((False, 2, 0.5, -3.0), (True, 2, 0.5, -3.0), (False, 2, 0.5, 1.5))),
+    (lambda: stress("hertz-normal", 0.0, 1.0, 1.0), "y: 1 is outside the lower body"),
+    (lambda: stress("hertz-normal", 0.0, -1.0, 99.0), "time: outside the load path"),
+    (lambda: stress("hertz-normal", 0.0, float("nan"), 1.0), "y: a list of finite numbers"),
+    (lambda: stress("hertz-normal", [0.0, 1.0], [0.0, -1.0, -2.0], 1.0), "x and y: 2 and 3 places"),
+    (lambda: stress("hertz-normal", 0.0, 0.0, 1.0, body="both"), "neither 'lower' nor 'upper'"),
+    (lambda: hysteresis(solve("hertz-paper", fields=("dissipation",))), "ask for the fields"),
+    (lambda: hysteresis(solve("cattaneo-mindlin", **ONCE, time=[1.0, 2.0])), "no whole cycle"),
+    (lambda: hysteresis(solve(make_scene(ellipse(3.0, 1.0, 0.0, 0.0), 0.5), **ONCE)), "no loop"),
+    *((lambda keys=keys: dissipation(profile=keys, **LOOP), words) for keys, words in (
+        ({"kind": "tabulated", "points": [[0, 0], [1, 1]]}, "give the profile itself"),
+        ({"kind": "hertz"}, "with all its keys"),
+        ({"kind": "polynomial", "length": 1.0, "rises": 0.5}, "rises is a list"),
+        ({"kind": "hertz", "radius": "one"}, "must broadcast, and be of numbers"),
+    )),
+    (lambda: dissipation(profile=ROUND, **LOOP | {"mean_normal_load": [1, 1, 1], "phase": [1, 1]}), "must broadcast"),
+    (lambda: dissipation(profile=UNEQUAL, **LOOP), "unequal"),
+    (lambda: friction_from(0.1, profile=ROUND, **LOADS_ALONE), "normal_amplitude is missing"),
+    (lambda: friction_from(0.1, scene=UPRIGHT, profile=ROUND), "without profile"),
+    (lambda: friction_from([0.1, 0.2, 0.3], profile=ROUND, normal_amplitude=[0.5, 0.5], **LOADS_ALONE), "numbers that broadcast"),
+    (lambda: friction_from("much", scene=UPRIGHT), "must be numbers"),
+    # What has no formula with bulk stress or tilt says so in a sentence.
+    (lambda: friction_from(0.1, scene=LEANS), "bulk stress"),
+    (lambda: stress(LEANS, [0.0], [-0.1], 1.0), "bulk stress"),
+    (lambda: edge_tension(LEANS, [1.0]), "bulk stress"),
+    (lambda: hysteresis(solve(LEANS, **ONCE)), "bulk stress"),
+    (lambda: compliance(solve(LEANS, **ONCE)), "bulk stress"),
+    (lambda: events(OUT_OF_PHASE), "kappa Q"),
+    # Tilts that no contact takes.
+    *((lambda profile=profile, tilt=tilt: solve(tilted(profile, tilt)), words) for profile, tilt, words in (
+        (Wedge(tip_radius=1.0, tip_half_length=1.0), 1.5, "steeper"),
+        (UNEQUAL, 5.0, "needs a contact"),
+        (CallableProfile(slope_function=np.arctan, extent=4.0), 1.4, "steeper"),
+        (CallableProfile(slope_function=np.arctan, extent=0.5), 0.1, "needs a contact"),
+        (EvenPolynomial(length=1.0, rises=(0.5, -0.24, 0.05)), 0.1, "bends down near x = 0.979"),
+        (CallableProfile(slope_function=lambda x: x * (1 - x**2 / 10), extent=2.0), 0.1, "bends down"),
+        (PowerLaw(exponent=1.0, length=1.0, rise=0.5), 0.1, "kind = 'wedge'"),
+    )),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("question", "words"), REFUSED, ids=[words for _, words in REFUSED])
+def test_what_has_no_answer_is_refused_in_a_sentence(question, words):
+    with pytest.raises(InputError, match=words) as refusal:
+        question()
+    assert "\n" not in str(refusal.value)

@@ -393,12 +393,7 @@ def test_more_rows_come_closer_with_the_square_of_the_step():
     assert errors[2] < 1e-5
 
 
-def test_the_curve_goes_through_the_rows_is_even_and_rises():
-    rows = np.array([[0.0, 0.0], [0.3, 0.01], [0.5, 0.08], [1.1, 0.2], [1.5, 1.0]])
-    profile, x = Tabulated(points=rows), np.linspace(-2, 2, 4001)
-    np.testing.assert_allclose(profile.height(rows[:, 0]), rows[:, 1], atol=1e-16)
-    assert np.all(np.diff(profile.height(x)[2000:]) >= 0)
-    np.testing.assert_array_equal(profile.height(-x), profile.height(x))
+def test_a_chamfer_has_no_knee():
     knee = np.arange(31) / 10  # a chamfer, flat to 1 and straight from 1.5 on: met without a knee, however the last digits fall
     h = np.where(knee <= 1, 0, np.where(knee <= 1.5, (knee - 1) ** 2 / 10, 0.025 + (knee - 1.5) / 10))
     between = np.linspace(1.5, 3, 61)
@@ -562,6 +557,7 @@ REFUSED = {
         lambda: Tabulated(points=[[0, 0], [1, 1], [1 + 1e-10, 1.1], [2, 3]]),
         r"row 3: x = 1.0000000001 is nearer to the row before than 1e-09 of itself",
     ),
+    "rows that fall": (lambda: Tabulated(points=[[0, 0], [1, 1], [2, 0.1]]), r"points, row 3: h = 0\.1 falls"),
     "many rows": (
         lambda: Tabulated(points=[[k, k * k] for k in range(2001)]),
         r"row 2001: the profile has 2,001 rows of x >= 0, and at most 2,000 are taken",
