@@ -24,7 +24,7 @@ import h5py
 import numpy as np
 import pytest
 
-from command_line import ROOT, process, refused, sentence
+from command_line import ROOT, process, raising, refused, sentence
 from fuzzing import DOORS, TOKENS, Door, attempt, condensed_body, outcome, spoilt
 from halfplane_fe import SolverSettings
 from halfplane_fe.elasticity import condense
@@ -72,16 +72,10 @@ def test_accidents_spoil_files_and_repeat_and_a_door_that_breaks_is_seen(tmp_pat
     assert len({*spoiled}) > 70
     assert spoilt(seed, random.Random(3)) == spoiled[3]
 
-    def raising(fault: Exception) -> Door:
-        def enter(_: Path) -> object:
-            raise fault
-
-        return Door("broken", enter)
-
     with pytest.raises(KeyError):
-        outcome(raising(KeyError("x")), tmp_path)
+        outcome(Door("broken", raising(KeyError("x"))), tmp_path)
     with pytest.raises(AssertionError, match="empty"):
-        outcome(raising(InputError()), tmp_path)
+        outcome(Door("broken", raising(InputError())), tmp_path)
 
 
 # ---------------------------------------------------------------------------------------------------------------- huge

@@ -334,11 +334,6 @@ def test_what_looks_wrong_is_named_and_scored_as_it_is(case: str) -> None:
     assert (found.passed and found.comparison.admissible) == right
 
 
-def test_the_mapping_turns_shear_of_a_file(tmp_path: Path) -> None:
-    path = _table(tmp_path, HERTZ, sign=-1.0, loads=True)
-    assert score_file(path, Mapping.model_validate({"signs": {"shear": "on upper"}}), HERTZ.scene).passed
-
-
 # ------------------------------------------------------------------------------------------------------------ our own engines
 def test_our_own_solution_is_scored_as_it_is_and_theory_solved_no_more_often_than_needed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

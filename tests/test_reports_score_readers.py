@@ -147,12 +147,6 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(layout: str, tmp_p
         score_file(path, Mapping(), scene)
 
 
-def test_files_that_no_reader_takes(tmp_path: Path) -> None:
-    (tmp_path / "a.odb").write_text("x", encoding="utf-8")
-    refused(tmp_path / "a.odb", r"no reader for '\.odb'; it reads \.csv")
-    refused(tmp_path / "b.csv", "there is no such file")
-
-
 # --------------------------------------------------------------------------------------------------------------- mapping
 def _mapping(folder: Path, text: str) -> Mapping:
     (folder / "mapping.toml").write_text(text, encoding="utf-8")
@@ -680,6 +674,7 @@ FIRST = next(line for line in MORTAR.splitlines()[BLOCK.line :] if line.startswi
 OPEN = re.sub(r"(?m)^( -1 {7}.{3})(?:.{12}){6}$", r"\1" + 6 * " 0.00000E+00", MORTAR[MORTAR.index(" -4  CONTACT") :])
 STRESS = SURFACE.replace(" -4  CONTACT ", " -4  CONTAXT ")
 NO_FIELDS = [
+    ("a.odb", "x", "no reader for '.odb'; it reads .csv"),
     ("a.pvd", "<VTKFile type='Collection'><Collection/></VTKFile>", "the collection is empty"),
     ("a.pvd", "<VTKFile type='UnstructuredGrid'/>", "type Collection is expected"),
     ("a.pvd", "<VTKFile type='Collection'><DataSet file='a.pvd'/></VTKFile>", "has no time"),

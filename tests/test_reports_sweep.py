@@ -23,6 +23,7 @@ import pytest
 from markupsafe import escape
 
 import semi_analytic
+from command_line import ROOT, raising
 from halfplane_fe import SolverSettings
 from halfplane_fe import solve as solve_fe
 from meshes import MeshSettings
@@ -38,7 +39,6 @@ from reports.sweep.study import Axis, Study, evaluate, expand, grid, load_study,
 from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest
 
-ROOT = Path(__file__).parents[1]
 F = {"name": "f", "key": "friction.coefficient"}
 PAPER = {"scene": "hertz-paper", "engines": ["exact"], "figures": ["exact.dissipation"], "axes": [F | {"values": [1.0, 2.0]}]}
 COARSE = {"mesh.element_size": 0.25, "mesh.edge_element_size": 0.125, "mesh.order": 1, "mesh.growth": 1.0}
@@ -292,10 +292,8 @@ def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(mon
     assert "there is none" in answer["notes"]["exact.permanent_stick_half_width"]
     partial_solution = semi_analytic.solve(scene)
 
-    def fails(*_: object) -> None:
-        raise ConvergenceError("residual 0.3 after 100 iterations", partial_solution)
-
-    monkeypatch.setattr(solving, "finite_elements", fails)
+    fault = ConvergenceError("residual 0.3 after 100 iterations", partial_solution)
+    monkeypatch.setattr(solving, "finite_elements", raising(fault))
     [answer] = answers(blocks(axes=[F | {"values": [1.0]}], figures=["fe.dissipation"]))
     assert (answer["status"], answer["figures"]) == ("failed", {})
     assert answer["reason"] == "not converged: residual 0.3 after 100 iterations"
@@ -581,13 +579,10 @@ def test_a_claim_is_let_go_of_though_the_store_is_gone(instead: str, store: Stor
 
 @pytest.mark.parametrize("lacks", ["locks", "links"])
 def test_without_locks_or_links_claims_hold_nobody_up(lacks: str, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise OSError(errno.EOPNOTSUPP, "Operation not supported")
-
     if lacks == "locks":
         monkeypatch.setattr("reports.staging.fcntl", None)
     else:
-        monkeypatch.setattr(Path, "symlink_to", refuse)
+        monkeypatch.setattr(Path, "symlink_to", raising(OSError(errno.EOPNOTSUPP, "Operation not supported")))
     one, other = Claims(store), Claims(store)
     assert one.take(f"{0:064x}")
     assert other.take(f"{0:064x}")
