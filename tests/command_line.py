@@ -8,6 +8,7 @@ import os
 import resource
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -102,3 +103,12 @@ def refused(folder: Path, *words: str) -> str:
     line = sentence(halfplane(folder, *words))
     assert everything(folder) == before
     return line
+
+
+def raising(fault: BaseException) -> Callable[..., None]:
+    """What takes the place of a function that must fail."""
+
+    def act(*_: object, **__: object) -> None:
+        raise fault
+
+    return act

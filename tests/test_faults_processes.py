@@ -28,7 +28,7 @@ from threadpoolctl import threadpool_limits
 import halfplane_fe
 import reports
 import semi_analytic
-from command_line import COARSE, everything, process, sentence, start
+from command_line import COARSE, everything, process, raising, sentence, start
 from faulty import JOBS, STUDY, Starved, finished, half_files, in_a_child, numbers, possible, started, starved, survive, undisturbed
 from meshes import MeshSettings
 from reports import folder as folders
@@ -61,13 +61,6 @@ def fill(out: Path, *names: str, meanwhile: Callable[[], object] = lambda: None,
             (there / name).parent.mkdir(exist_ok=True)
             (there / name).write_text(f"{names}")
         meanwhile()
-
-
-def raising(fault: BaseException) -> Callable[..., None]:
-    def act(*_: object, **__: object) -> None:
-        raise fault
-
-    return act
 
 
 def no_room(reason: int = errno.ENOSPC) -> OSError:

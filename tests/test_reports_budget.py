@@ -12,7 +12,7 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from command_line import halfplane
+from command_line import halfplane, raising
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.cli.solving import exit_code, show_verdict
@@ -253,10 +253,7 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
     result = comparison.result
     assert budgets.theory_on_steps(result) is not None
 
-    def refused(*_args: object, **_more: object) -> None:
-        raise InputError("straight_steps: not with bulk stress or tilt")
-
-    monkeypatch.setattr(semi_analytic, "solve", refused)
+    monkeypatch.setattr(semi_analytic, "solve", raising(InputError("straight_steps: not with bulk stress or tilt")))
     with pytest.raises(InputError):
         budgets.theory_on_steps(result)
     pulled = replace(result, scene=result.scene.vary(load={"bulk_stress_lower": 1.0}))

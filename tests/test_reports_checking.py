@@ -432,13 +432,6 @@ def test_what_knows_p_and_q_alone_refuses_bulk_stress_in_a_sentence(what: str) -
         call(BASE.vary(load=load | {"bulk_stress_lower": (0.0, 10.0, -10.0)}))
 
 
-def test_fields_for_fatigue_are_refused_before_anything_is_solved(tmp_path: Path) -> None:
-    load = {"kind": "polygon", "initial_loading": [(90.0, 0.0)], "cycle": [(90.0, 25.0)], "tilt": 1e-4}
-    BASE.vary(load=load).save(tmp_path / "tilted.toml")
-    words = refused(tmp_path, "fields", "tilted.toml", "--fatigue", "--no-pictures")
-    assert "--fatigue: half-plane theory gives no stress inside bodies under bulk stress or tilt" in words
-
-
 # ----------------------------------- measured loads: cycles of the standard, work that adds up, noise that is seen and measured
 SCRIPT = ROOT / "docs" / "examples" / "measured" / "make.py"
 RIG = load_scene("hertz-paper").vary(friction=0.6)

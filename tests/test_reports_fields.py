@@ -464,26 +464,11 @@ class TestCommand:
         assert len(drawn) == 2
         assert everything(tmp_path) == set()
 
-    def test_refusals_come_first_and_alone(
+    def test_without_a_screen_nothing_is_solved(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
     ) -> None:
         monkeypatch.chdir(tmp_path)
-        (tmp_path / "file").write_text("mine", encoding="utf-8")
-        for words, sentence in (
-            (("--at", "soon"), "--at soon: give times"),
-            (("--at", "99"), "--at 99: the instant lies outside"),
-            (("--out", "file"), "--out file: this is a file"),
-            (("--frames", "1"), "--frames 1: a series has 2 instants"),
-            (("--every", "0"), "--every 0: every how many stored steps"),
-            (("--frames", "9", "--every", "2"), "leave one of the two out"),
-            (("--findley", "-1"), "--findley -1: a number above 0 is needed"),
-            (("--critical-distance", "-1"), "--critical-distance -1: a number above 0 is needed"),
-        ):
-            assert main(["fields", "cattaneo-mindlin", *words]) == 2
-            [line] = capsys.readouterr().err.strip().splitlines()
-            assert line.startswith("halfplane: ")
-            assert sentence in line
         monkeypatch.setattr("reports.cli.machine._SCREEN", "raise SystemExit('no screen here')")
         assert main(["fields", "cattaneo-mindlin", "--quiet"]) == 2
         assert "pictures can't be drawn here: no screen here" in capsys.readouterr().err
-        assert everything(tmp_path) == {"file"}
+        assert everything(tmp_path) == set()

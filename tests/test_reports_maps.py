@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from itertools import pairwise
 from math import asin, pi, sqrt
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,6 @@ import halfplane_fe
 import layer_truth
 import semi_analytic
 from meshes import MeshSettings
-from reports.cli import main
-from reports.cli.process import BAD_INPUT, OUTSIDE, WITHIN
 from reports.maps import Law, fit_law, pages
 from reports.maps.advice import FIGURES, Part, between, parts_of, total, work_lines
 from reports.maps.corrections import (
@@ -329,27 +326,11 @@ def test_readings_between_points_and_lines() -> None:
     assert between(fixed, 0.9, {"aspect": 9.0})[2] == ["width/height = 9 is outside 1 to 4, taken at 4", "s = 0.9 is beyond 0.333"]
 
 
-def test_advice_agrees_with_finite_elements(capsys: pytest.CaptureFixture[str]) -> None:
+def test_advice_agrees_with_finite_elements() -> None:
     """The published run of the scene `blocks` found -2.77 % of dissipation and +0.511 % of peak pressure."""
     _, values = advised(load_scene("blocks"))
     for figure, truth in (("error.dissipation", -0.0277), ("error.p0", 0.00511)):
         assert abs(values[figure][0] - truth) <= values[figure][1]
-    assert main(["advise", "blocks"]) == WITHIN
-    assert main(["advise", "blocks", "--limit", "0.02"]) == OUTSIDE
-    assert "No: error of the dissipation" in capsys.readouterr().out
-
-
-def test_commands_on_half_planes_and_on_what_no_map_has(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["advise", "hertz-paper"]) == WITHIN
-    refused = {
-        ("advise", "cylinder-roller-frictionless"): "no map is of frictionless",
-        ("advise", "blocks", "--limit", "0"): "is a share above 0 and below 1",
-        ("map", "atlantis"): "there is none; known: block",
-        ("map", "all", "--pages", "--out", str(tmp_path)): "no map has its tables here",
-    }
-    for command, words in refused.items():
-        assert main(list(command)) == BAD_INPUT
-        assert words in " ".join(capsys.readouterr().err.split())
 
 
 def test_advice_on_pads() -> None:

@@ -1,30 +1,44 @@
-"""Scoring of results that are exact but for one planted fault: each is read, matched, judged and named for what it is."""
+"""Scoring: exact results but for one planted fault; folders as mesh studies; the shipped examples; measured loops."""
 
 from __future__ import annotations
 
+import importlib.util
+import json
 import re
+import runpy
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import halfplane_fe
 import reports
 import semi_analytic
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
+from reports.cli import main
 from reports.comparison import Report
 from reports.comparison.metrics import missing
+from reports.console import Stages
 from reports.field_output.files import write_fields
-from reports.scoring.against import score_file
+from reports.scoring import loops
+from reports.scoring.against import score_file, score_surface
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.history import matched
-from reports.scoring.mapping import Mapping
-from reports.scoring.surface import SurfaceResult
+from reports.scoring.loops import MeasuredLoop, read_loop, score_loop
+from reports.scoring.mapping import Mapping, Signs, load_mapping
+from reports.scoring.reading import read
+from reports.scoring.study import Level, element_size, results_in, score_folder, study
+from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import Bodies, ContactSolution, InputError, Scene, load_scene
 from score_results import X, exact, rows, written
 
@@ -320,11 +334,6 @@ def test_what_looks_wrong_is_named_and_scored_as_it_is(case: str) -> None:
     assert (found.passed and found.comparison.admissible) == right
 
 
-def test_the_mapping_turns_shear_of_a_file(tmp_path: Path) -> None:
-    path = _table(tmp_path, HERTZ, sign=-1.0, loads=True)
-    assert score_file(path, Mapping.model_validate({"signs": {"shear": "on upper"}}), HERTZ.scene).passed
-
-
 # ------------------------------------------------------------------------------------------------------------ our own engines
 def test_our_own_solution_is_scored_as_it_is_and_theory_solved_no_more_often_than_needed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -422,3 +431,449 @@ def test_the_package_can_be_called_and_its_page_says_a_label_once_and_a_strength
     assert "issipation: dissipation:" not in page
     assert "0.98 times what it should be" in page
     assert f"Strength {found.diagnoses[0].strength:.2f} of 1." in page
+
+
+# ----------------------------------------------------------------------------------------------------------- folders: mesh studies
+POINTS = (27, 53, 105, 209)
+
+
+def level(points: int, order: float = 2.0, amount: float = 0.3, rest: float = 0.0, worst: int | None = None) -> Level:
+    """The exact tractions but for a factor 1 + rest + amount h^order, twice that at the `worst` instant."""
+    solution = exact("hertz-paper", 9, points)
+    size = float(np.diff(solution.x)[0])
+    factor = 1 + rest + amount * size**order * np.where(np.arange(9) == worst, 2.0, 1.0)[:, None]
+    fields = {"pressure": factor * solution.pressure, "shear": factor * solution.shear}
+    result = surface_result(f"run{points}.csv", "", solution.x, fields, {"time": solution.time})
+    return Level(f"run{points}.csv", size, "planted", score_surface(result, Mapping(), solution.scene).comparison)
+
+
+@pytest.mark.parametrize(("order", "amount"), [(2.0, 0.3), (1.0, 0.05), (1.5, 0.2)])
+def test_a_planted_order_is_found_and_the_rest_is_left(order: float, amount: float) -> None:
+    known = study([level(points, order, amount, 2e-3) for points in POINTS])
+    for key in ("peak_pressure", "pressure"):
+        line = known.line(key)
+        assert order - 0.02 < line.found.order < order + 0.02, key
+        assert line.found.value == pytest.approx(2e-3, rel=1e-3), key
+        assert abs(line.found.value - 2e-3) <= line.found.uncertainty, key
+        assert line.mesh == pytest.approx(amount * known.levels[0].size ** order, rel=1e-3), key
+
+
+def test_the_finest_comes_first_errors_that_grow_have_no_order_and_nor_do_two_meshes() -> None:
+    known = study([level(points) for points in (105, 27, 53)])
+    assert [one.name for one in known.levels] == ["run105.csv", "run53.csv", "run27.csv"]
+    assert known.line("peak_pressure").values[0] == min(known.line("peak_pressure").values)
+    grows = study([level(points, -1.0, 1e-4) for points in POINTS[:3]]).line("peak_pressure")
+    assert (grows.found.kind, grows.mesh) == ("diverging", None)
+    one, other = study([level(53, worst=2), level(27, worst=6)]).line("peak_pressure").values  # both where the finest is worst
+    assert other / one == pytest.approx(4 / 2)
+    two = study([level(points) for points in (27, 53)])
+    assert two.line("peak_pressure").found.order is None
+    assert any("Two meshes show no order" in sentence for sentence in two.sentences)
+    for levels, words in (([level(27)], "takes two meshes at least"), ([level(27)] * 2, "have the same element size")):
+        with pytest.raises(InputError, match=words):
+            study(levels)
+
+
+def test_a_folder_is_scored_and_its_sizes_come_from_the_points(tmp_path: Path) -> None:
+    for points, name in {27: "a.csv", 53: "b.csv", 105: "c.csv"}.items():
+        solution = exact("hertz-paper", 9, points)
+        table = rows(solution).drop(columns=["P", "Q"])
+        table["pressure"] *= 1 + 0.3 * float(np.diff(solution.x)[0]) ** 2
+        written(table, tmp_path / name)
+    (tmp_path / "notes.md").write_text("not a result", encoding="utf-8")
+    found = score_folder(tmp_path, Mapping(), exact().scene, Stages(quiet=True))
+    assert found.comparison.result.engine == "c.csv"
+    assert [one.size for one in found.study.levels] == pytest.approx([0.025, 0.05, 0.1])
+    assert found.study.line("peak_pressure").found.order == pytest.approx(2.0, abs=0.02)
+    assert any("Left out of the folder: notes.md" in sentence for sentence in found.study.sentences)
+    json.dumps(found.study.content())
+
+
+@pytest.mark.parametrize(
+    ("name", "sizes", "size", "how"),
+    [
+        ("run_h0.5.csv", {}, 0.5, "from the file's name"),
+        ("mesh-0.25mm.csv", {}, 0.25, "from the file's name"),
+        ("run_h0.5.csv", {"run_h0.5.csv": 0.125}, 0.125, "from the mapping"),
+        ("half.csv", {}, 0.1, "median spacing of the points in contact"),
+    ],
+)
+def test_where_the_element_size_is_from(tmp_path: Path, name: str, sizes: dict[str, float], size: float, how: str) -> None:
+    assert element_size(tmp_path / name, Mapping(element_sizes=sizes), level(27).comparison) == (pytest.approx(size), how)
+
+
+ENTRIES = "".join(f'<DataSet timestep="{k}" file="fine_{k}.vtu"/>' for k in range(3))
+COLLECTIONS = {
+    "fine.pvd": f'<VTKFile type="Collection" version="0.1"><Collection>{ENTRIES}</Collection></VTKFile>',
+    "coarse.vtu.series": json.dumps({"files": [{"name": "c0.vtu", "time": 0.0}]}),
+} | dict.fromkeys(("fine_0.vtu", "fine_1.vtu", "fine_2.vtu", "c0.vtu", "alone.vtu"), "x")
+FOLDERS = {
+    "one file of each stem": (
+        dict.fromkeys(("a.frd", "a.dat", "b.csv", "c.md"), "x"),
+        "a.frd b.csv",
+        "Left out of the folder: a.dat, c.md.",
+    ),
+    "collections": (COLLECTIONS, "alone.vtu coarse.vtu.series fine.pvd", "Read through the collections that name them: 4 files."),
+    "words": (
+        {"a.csv": "x", "README.txt": "3 meshes: 0.1, 0.05 and 0.025 mm.\nMesh 2 took 17 s.\n"},
+        "a.csv",
+        "Left out of the folder: README.txt.",
+    ),
+    "a table": ({"a.csv": "x", "b.txt": "# x p q\n-1.0 0.0 0.0\n0.0 1.0e2 3D1\n"}, "a.csv b.txt", ""),
+    "with decimal commas": ({"a.csv": "x", "b.txt": "x;p;q\n-1,0;0,0;0,0\n"}, "a.csv b.txt", ""),
+}
+
+
+@pytest.mark.parametrize("case", FOLDERS)
+def test_which_files_of_a_folder_are_results(tmp_path: Path, case: str) -> None:
+    """Each instant of a PVD would else be a mesh of its own; a text without a table is none."""
+    with pytest.raises(InputError, match="no result is in this folder"):
+        results_in(tmp_path)
+    files, taken, note = FOLDERS[case]
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    found, notes = results_in(tmp_path)
+    assert [path.name for path in found] == taken.split()
+    assert notes == ((note,) if note else ())
+    if case == "collections":
+        (tmp_path / "fine.pvd").write_text("<VTKFile", encoding="utf-8")
+        with pytest.raises(InputError, match=r"fine\.pvd: this can't be read as a \.pvd file"):
+            results_in(tmp_path)
+
+
+def test_what_can_not_be_read_in_a_folder_is_listed_and_the_rest_is_scored(tmp_path: Path) -> None:
+    scene, stages = exact().scene, Stages(quiet=True)
+    written(rows(exact()), tmp_path / "run_h0.02.csv")
+    (tmp_path / "spoilt_h0.1.csv").write_text("x,pressure,shear\n0,1,oops\n", encoding="utf-8")
+    (tmp_path / "junk_h0.2.vtu").write_text("no XML", encoding="utf-8")
+    one = score_folder(tmp_path, Mapping(), scene, stages)
+    told = [note for note in one.comparison.notes if note.startswith("Not scored: ")]
+    assert one.study is None
+    assert one.comparison.result.engine == "run_h0.02.csv"
+    assert told[1] == "Not scored: spoilt_h0.1.csv, line 2: shear = 'oops' is not a finite number of at most 1e+100."
+    assert told[0].startswith("Not scored: junk_h0.2.vtu: ")
+    written(rows(exact(points=53)), tmp_path / "run_h0.04.csv")
+    both = score_folder(tmp_path, Mapping(), scene, stages)
+    assert both.study is not None
+    assert [level.name for level in both.study.levels] == ["run_h0.02.csv", "run_h0.04.csv"]
+    assert [note for note in both.study.notes if note.startswith("Not scored: ")] == told
+    for good in tmp_path.glob("run*"):
+        good.unlink()
+    with pytest.raises(InputError, match=r"junk_h0\.2\.vtu: .*\(1 other files of the folder can't be scored either\)"):
+        score_folder(tmp_path, Mapping(), scene, stages)
+
+
+# ----------------------------------------------------------------------------------- the scored examples that ship with the manual
+EXAMPLE_FOLDER = Path(__file__).parents[1] / "docs" / "examples" / "score"
+_SPEC = importlib.util.spec_from_file_location("measure_examples", EXAMPLE_FOLDER / "measure.py")
+assert _SPEC is not None
+assert _SPEC.loader is not None
+measure: Any = importlib.util.module_from_spec(_SPEC)
+sys.modules["measure_examples"] = measure
+_SPEC.loader.exec_module(measure)
+
+SHIPPED = json.loads((EXAMPLE_FOLDER / "numbers.json").read_text("utf-8"))
+EXAMPLES = {example.name: example for example in measure.EXAMPLES}
+
+
+@cache
+def example_scored(name: str) -> Report:
+    return measure.scored(EXAMPLES[name])
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param("calculix", marks=pytest.mark.slow), "kratos", pytest.param("abaqus", marks=pytest.mark.slow)]
+)
+def test_an_example_scores_what_it_and_its_page_say(name: str) -> None:
+    """Where a rule of the score was changed on purpose: python docs/examples/score/measure.py."""
+    found, shipped = measure.numbers(example_scored(name)), SHIPPED[name]
+    assert (found["diagnoses"], found["passed"]) == (shipped["diagnoses"], shipped["passed"])
+    for key, value in shipped["metrics"].items():
+        assert found["metrics"][key] == (value if value is None else pytest.approx(value, rel=1e-6, abs=1e-12)), key
+    made = json.loads((EXAMPLE_FOLDER / name / "made.json").read_text("utf-8"))
+    block = measure.MARKS.search((EXAMPLE_FOLDER / name / "README.md").read_text("utf-8"))
+    assert block is not None
+    assert block[0] == measure.told(example_scored(name), made)
+    assert sum(file.stat().st_size for file in (EXAMPLE_FOLDER / name).iterdir()) < 1_000_000
+
+
+def test_what_the_pages_say_of_the_results() -> None:
+    assert set(SHIPPED) == set(EXAMPLES)
+    calculix, kratos, abaqus = (SHIPPED[name] for name in ("calculix", "kratos", "abaqus"))
+    assert calculix["diagnoses"][0] == "coarse_edge"
+    assert kratos["diagnoses"] == ["unknown"]
+    assert kratos["metrics"]["shear"] > 10 * calculix["metrics"]["pressure"]
+    assert abaqus["metrics"]["dissipation"] is None
+    assert not any(found["passed"] for found in SHIPPED.values())
+
+
+def test_multipliers_of_kratos_add_up_to_the_loads() -> None:
+    result = read(EXAMPLE_FOLDER / "kratos" / "result.csv", Mapping())
+    for field, load in ((result.pressure, result.normal_load), (result.shear, result.tangential_load)):
+        np.testing.assert_allclose(np.trapezoid(field, result.x, axis=1), load, atol=2e-4 * result.normal_load.max())
+
+
+def test_report_and_table_of_the_path_score_alike_and_a_turned_shear_would_be_noticed() -> None:
+    folder, scene = EXAMPLE_FOLDER / "abaqus", load_scene(measure.SCENE)
+    mapping = load_mapping(folder / "mapping.toml")
+    table, report = (score_file(folder / f"path.{suffix}", mapping, scene) for suffix in ("csv", "rpt"))
+    assert measure.numbers(table)["metrics"] == measure.numbers(report)["metrics"]
+    for key, value in SHIPPED["abaqus"]["metrics"].items():
+        assert table.metric(key).value == (value if value is None else pytest.approx(value, rel=1e-6)), key
+    wrong = score_file(folder / "path.csv", mapping.vary(signs=Signs(shear="on upper")), scene)
+    assert wrong.metric("shear").value > 5 * table.metric("shear").value
+
+
+def test_the_script_for_abaqus_writes_a_table_that_is_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a stand-in for Abaqus' own module, with two pairs, of which one is named, and slip that was not requested."""
+    scene, x, times = load_scene("cattaneo-mindlin"), np.linspace(-1.2, 1.2, 41), (1.0, 1.5, 2.0)
+    exact = semi_analytic.solve(scene, x=x, time=times, fields=("pressure", "shear"))
+    block = SimpleNamespace(name="BLOCK-1", nodes=[SimpleNamespace(label=k, coordinates=(v, 0.0, 0.0)) for k, v in enumerate(x, 1)])
+
+    def output(values: Any) -> Any:
+        return SimpleNamespace(values=[SimpleNamespace(instance=block, nodeLabel=k, data=v) for k, v in enumerate(values, 1)])
+
+    def frame(k: int) -> Any:
+        own = {
+            "CPRESS   ASSEMBLY_FACE/ASSEMBLY_PAD": output(exact.pressure[k]),
+            "CSHEAR1  ASSEMBLY_FACE/ASSEMBLY_PAD": output(exact.shear[k]),
+        }
+        other = {"CPRESS   ASSEMBLY_BASE/ASSEMBLY_TABLE": output(0 * x), "U": output(x)}
+        return SimpleNamespace(frameValue=times[k], fieldOutputs=own | other)
+
+    odb = SimpleNamespace(
+        rootAssembly=SimpleNamespace(instances={"BLOCK-1": block}),
+        steps={"Step-1": SimpleNamespace(totalTime=0.0, frames=[frame(k) for k in range(3)])},
+        close=lambda: None,
+    )
+    monkeypatch.setitem(sys.modules, "odbAccess", SimpleNamespace(openOdb=lambda path, readOnly: odb))
+    script = runpy.run_path(str(EXAMPLE_FOLDER / "abaqus" / "odb_table.py"))
+    with pytest.raises(
+        ValueError, match="several contact pairs have CPRESS: name one of them, such as 'ASSEMBLY_BASE/ASSEMBLY_TABLE'"
+    ):
+        script["main"]("job.odb", str(tmp_path / "table.csv"))
+    script["main"]("job.odb", str(tmp_path / "table.csv"), "face")
+    found = read(tmp_path / "table.csv", Mapping())
+    np.testing.assert_array_equal(found.pressure, exact.pressure)
+    np.testing.assert_array_equal(found.shear, exact.shear)
+    assert (found.time.tolist(), found.slip) == (list(times), None)
+    assert score_file(tmp_path / "table.csv", Mapping(), scene).comparison.passed
+
+
+# ------------------------------------------------------------------------------------------------ a measured loop as the reference
+CONSTANT, PAPER = load_scene("cattaneo-mindlin"), load_scene("hertz-paper")
+LOOP_LOAD = CONSTANT.load.cycle[0][0]
+# Q to 0.95 of gross sliding, where the loop is wide.
+WIDE = CONSTANT.vary(
+    load={"initial_loading": [(LOOP_LOAD, 0.0)], "cycle": [(LOOP_LOAD, 0.475 * LOOP_LOAD), (LOOP_LOAD, -0.475 * LOOP_LOAD)]}
+)
+
+
+def rows_of(scene, friction, count=4000, cycles=20.0, noise=0.0, rig=0.3, seed=0, start=0.2):
+    """U and Q as a rig with `rig` times the compliance of the contact would write them; noise is a share of the amplitudes."""
+    path, random = scene.load.path(), np.random.default_rng(seed)
+    places = np.linspace(0, 1, 1441)
+    times = path.cycle_start + path.period * (1 + places)
+    shift = semi_analytic.solve(
+        scene.vary(friction=friction), x=0.0, time=times, fields="tangential_displacement"
+    ).tangential_displacement
+    force = path.at(times)[1]
+    rig *= np.ptp(shift) / np.ptp(force)
+    share = np.mod(start + np.linspace(0, cycles, count), 1.0)
+    u, q = (np.interp(share, places, values) for values in (shift + rig * force + 0.01, force))
+    u, q = (values + noise * np.ptp(values) / 2 * random.standard_normal(count) for values in (u, q))
+    return u, q, rig
+
+
+def loop_of(u, q, time=None):
+    return MeasuredLoop("loop.csv", u, q, np.arange(len(u), dtype=float) if time is None else time, ())
+
+
+@pytest.mark.parametrize(("scene", "friction"), [(CONSTANT, 0.42), (CONSTANT, 0.5), (PAPER, 0.9), (PAPER, 1.4)])
+def test_an_exact_loop_gives_its_friction_its_rig_and_its_area(scene, friction):
+    u, q, rig = rows_of(scene, friction)
+    found = score_loop(loop_of(u, q), scene)
+    assert found.friction == pytest.approx(friction, rel=1e-4)
+    assert found.compliance == pytest.approx(rig, rel=1e-4)
+    assert found.cycles == pytest.approx(20.0, rel=1e-6)
+    measured, best = found.rows[:2]
+    work = semi_analytic.solve(scene.vary(friction=friction), x=0.0, fields="dissipation").dissipation
+    assert best.area == pytest.approx(work, rel=1e-3)
+    assert measured.area == pytest.approx(work, rel=1e-2)
+    assert measured.slope == pytest.approx(best.slope, rel=1e-4)  # 4,000 rows, 721 instants
+    assert best.distance < 1e-4 * np.ptp(u)
+
+
+def test_friction_to_one_per_cent_at_two_per_cent_noise_within_its_interval():
+    """20,000 rows of 100 cycles: what a rig writes in minutes."""
+    errors, inside = [], 0
+    for seed in range(4):
+        u, q, _ = rows_of(WIDE, 0.5, 20_000, 100.0, 0.02, seed=seed)
+        found = score_loop(loop_of(u, q), WIDE)
+        errors.append(found.friction / 0.5 - 1)
+        inside += found.low <= 0.5 <= found.high
+        assert found.noise == pytest.approx(0.02 * np.ptp(u) / 2, rel=0.2)
+        assert abs(found.rows[0].area - found.rows[1].area) < 2 * found.rows[0].area_uncertainty
+        assert (found.high - found.low) / 2 < 0.01 * 0.5
+    assert np.max(np.abs(errors)) < 0.01
+    assert inside >= 3
+
+
+def test_a_given_rig_and_the_files_own_size_of_the_load():
+    u, q, rig = rows_of(WIDE, 0.5)
+    given = score_loop(loop_of(u, q), WIDE, rig_compliance=rig)
+    assert (given.compliance, given.compliance_fitted) == (rig, False)
+    assert given.friction == pytest.approx(0.5, rel=1e-4)
+    wrong = score_loop(loop_of(u, q), WIDE, rig_compliance=2 * rig)
+    assert wrong.rows[1].distance > 100 * given.rows[1].distance
+    # U and Q twice as large with twice the f are the same loop, twice as large.
+    twice = score_loop(loop_of(2 * u, 2 * q), WIDE)
+    assert (twice.scale, twice.friction) == (pytest.approx(2.0, rel=1e-6), pytest.approx(1.0, rel=1e-4))
+    assert any("2 times that of the scene" in sentence for sentence in twice.said)
+    assert twice.rows[1].area == pytest.approx(4 * given.rows[1].area, rel=1e-3)
+
+
+def test_at_constant_normal_load_the_form_of_q_over_time_does_not_matter():
+    sine = WIDE.vary(
+        load={"kind": "ellipse", "mean_normal_load": LOOP_LOAD, "tangential_amplitude": 0.475 * LOOP_LOAD, "phase_degrees": 90.0}
+    )
+    u, q, _ = rows_of(sine, 0.5)
+    found = score_loop(loop_of(u, q), WIDE)
+    assert found.friction == pytest.approx(0.5, rel=1e-3)
+    assert any("a sine's Q" in sentence for sentence in found.said)
+
+
+def test_uneven_times_are_used():
+    u, q, _ = rows_of(PAPER, 0.9)
+    chosen = np.sort(np.random.default_rng(2).choice(len(u), 1500, replace=False))
+    found = score_loop(loop_of(u[chosen], q[chosen], 0.01 * (chosen - chosen[0])), PAPER)
+    assert found.friction == pytest.approx(0.9, rel=1e-3)
+    with pytest.raises(InputError, match="of its amplitude only"):
+        score_loop(loop_of(u[chosen[::9]], q[chosen[::9]]), PAPER)
+
+
+def test_a_loop_that_hardly_opens_has_no_upper_limit():
+    u, q, _ = rows_of(CONSTANT, 5.0, 400, 4.0, 0.02)
+    found = score_loop(loop_of(u, q), CONSTANT)
+    assert found.high is None
+    assert "no upper limit" in found.sentence
+    assert found.low < 5.0
+
+
+@pytest.mark.slow
+def test_finite_elements_lie_beside_theory():
+    u, q, _ = rows_of(CONSTANT, 0.5)
+    found = score_loop(loop_of(u, q), CONSTANT, against="fe")
+    rows = {row.name: row for row in found.rows}
+    assert rows["finite elements, best f"].area == pytest.approx(rows["theory, best f"].area, rel=3e-3)
+    assert rows["finite elements, best f"].slope == pytest.approx(rows["theory, best f"].slope, rel=1e-3)
+
+
+def loop_written(path: Path, u, q, head="U,Q", **more):
+    np.savetxt(path, np.column_stack([u, q]), delimiter=",", header=head, comments="", fmt="%.9g", **more)
+
+
+def test_the_command_writes_a_page_and_its_json(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    u, q, _ = rows_of(WIDE, 0.5, 2000, 10.0, 0.02)
+    loop_written(tmp_path / "loop.csv", u, q, "U [mm],Q [N/mm]")
+    WIDE.save("rig.toml")
+    words = ["score", "loop.csv", "--as", "loop", "--scene", "rig.toml", "--quiet"]
+    assert main(words) == 0
+    shown = capsys.readouterr().out
+    assert "lies within this interval" in shown
+    page = Path("out/score-loop/report.html").read_text(encoding="utf-8")
+    assert "The loop is best fitted by f = 0.5" in page or "f = 0.49" in page
+    assert "halfplane score loop.csv" in page
+    assert "--as loop" in page
+    kept = json.loads(Path("out/score-loop/loop.json").read_text(encoding="utf-8"))
+    assert main([*words, "--json", "--rig-compliance", "1e-5"]) in (0, 1)
+    result = json.loads(capsys.readouterr().out)["result"]
+    assert result["rig_compliance"] == {"value": 1e-5, "fitted": False}
+    assert {"metrics", "friction", "sentence", "page", "scene"} <= result.keys()
+    assert kept["friction"]["low"] < kept["friction"]["value"] < kept["friction"]["high"]
+    assert Path("out/score-loop/figures/loop.csv").is_file()
+    # Another f than the file's is outside its interval.
+    WIDE.vary(friction=0.6).save("other.toml")
+    assert main(["score", "loop.csv", "--as", "loop", "--scene", "other.toml", "--quiet"]) == 1
+
+
+LOOP_FAULTS = {
+    "no U": ("a,Q", lambda u, q: (u, q), (), "no column for the relative displacement"),
+    "no Q": ("U,b", lambda u, q: (u, q), (), "no column for tangential_load"),
+    "two Q": ("Q,Ft [N/mm]", lambda u, q: (u, q), (), "no column for the relative displacement"),
+    "other unit": ("U [um],Q", lambda u, q: (u, q), (), "the column 'U [um]' is in um, and the scene in mm: state factors.length"),
+    "too few": ("U,Q", lambda u, q: (u[:20], q[:20]), (), "20 rows are too few for a loop"),
+    "no cycle": ("U,Q", lambda u, q: (u[:110], q[:110]), (), "its "),
+    "flat": ("U,Q", lambda u, q: (0 * u, q), (), "U is the same in every row"),
+    "noise": ("U,Q", lambda u, q: (u, np.random.default_rng(0).standard_normal(len(q))), (), "of its amplitude only"),
+    "NaN": ("U,Q", lambda u, q: (np.where(np.arange(len(u)) == 7, np.nan, u), q), (), "loop.csv, line 9: U = "),
+    "time": ("time,U,Q", lambda u, q: (np.r_[0.0, 2.0, 1.0 + np.arange(2, len(u))], u, q), (), ""),
+    "rig": ("U,Q", lambda u, q: (u, q), ("--rig-compliance", "nan"), "--rig-compliance nan is refused"),
+    "tolerance": ("U,Q", lambda u, q: (u, q), ("--tolerance", "5%"), "a loop has none"),
+    "no loop": ("U,Q", lambda u, q: (u, q), ("--scene", "flight"), "its loads do not repeat"),
+}
+
+
+@pytest.mark.parametrize("name", LOOP_FAULTS)
+def test_a_fault_of_a_loop_is_one_sentence(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    head, change, words, sentence = LOOP_FAULTS[name]
+    u, q, _ = rows_of(CONSTANT, 0.5, 400, 2.0)
+    columns = np.column_stack(change(u, q))
+    if name == "time":
+        columns[1, 0] = 3.5
+        sentence = "line 4: time = 3 does not ascend"
+    np.savetxt("loop.csv", columns, delimiter=",", header=head, comments="", fmt="%.9g")
+    scene = () if "--scene" in words else ("--scene", "cattaneo-mindlin")
+    assert main(["score", "loop.csv", "--as", "loop", "--quiet", *scene, *words]) == 2
+    shown = capsys.readouterr()
+    assert sentence in shown.err
+    assert len(shown.err.splitlines()) == 1
+    assert not Path("out").exists()
+
+
+@settings(max_examples=14, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["swap", "quantise", "cut", "shuffle", "scale", "sign", "spike"]))
+def test_a_spoilt_file_is_a_score_or_one_sentence(seed, fault):
+    random = np.random.default_rng(seed)
+    u, q, _ = rows_of(CONSTANT, 0.5, 200, 2.0)
+    match fault:
+        case "swap":
+            u, q = q, u
+        case "quantise":
+            u = np.round(u, int(random.integers(1, 6)))
+        case "cut":
+            left = random.integers(1, 200)
+            u, q = u[:left], q[:left]
+        case "shuffle":
+            q = random.permutation(q)
+        case "scale":
+            u, q = u * 10.0 ** random.integers(-8, 9), q * 10.0 ** random.integers(-8, 9)
+        case "sign":
+            u = -u
+        case "spike":
+            q[random.integers(0, 200)] = 1e9
+    try:
+        found = score_loop(loop_of(u, q), CONSTANT)
+    except InputError as refused:
+        rule = str(refused)
+        found = None
+    if found is None:
+        assert rule.startswith("loop.csv: ")
+        return
+    assert found.low <= found.friction
+    assert found.high is None or found.friction <= found.high
+    assert np.isfinite([row.area for row in found.rows]).all()
+
+
+def test_the_reader_takes_a_mapping(tmp_path):
+    u, q, _ = rows_of(CONSTANT, 0.5, 200, 2.0)
+    loop_written(tmp_path / "loop.csv", 1e3 * u, 10 * q, "LVDT [um],Ft [N]")
+    mapping = Mapping.model_validate(
+        {"columns": {"slip": "LVDT [um]", "tangential_load": "Ft [N]"}, "factors": {"length": 1e-3, "load": 1.0}, "thickness": 10.0}
+    )
+    found = read_loop(tmp_path / "loop.csv", mapping, CONSTANT)
+    np.testing.assert_allclose(found.shift, u, rtol=1e-7)
+    np.testing.assert_allclose(found.load, q, rtol=1e-7)
+    assert loops.content(score_loop(found, CONSTANT))["kind"] == "loop"

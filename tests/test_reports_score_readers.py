@@ -147,12 +147,6 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(layout: str, tmp_p
         score_file(path, Mapping(), scene)
 
 
-def test_files_that_no_reader_takes(tmp_path: Path) -> None:
-    (tmp_path / "a.odb").write_text("x", encoding="utf-8")
-    refused(tmp_path / "a.odb", r"no reader for '\.odb'; it reads \.csv")
-    refused(tmp_path / "b.csv", "there is no such file")
-
-
 # --------------------------------------------------------------------------------------------------------------- mapping
 def _mapping(folder: Path, text: str) -> Mapping:
     (folder / "mapping.toml").write_text(text, encoding="utf-8")
@@ -680,6 +674,7 @@ FIRST = next(line for line in MORTAR.splitlines()[BLOCK.line :] if line.startswi
 OPEN = re.sub(r"(?m)^( -1 {7}.{3})(?:.{12}){6}$", r"\1" + 6 * " 0.00000E+00", MORTAR[MORTAR.index(" -4  CONTACT") :])
 STRESS = SURFACE.replace(" -4  CONTACT ", " -4  CONTAXT ")
 NO_FIELDS = [
+    ("a.odb", "x", "no reader for '.odb'; it reads .csv"),
     ("a.pvd", "<VTKFile type='Collection'><Collection/></VTKFile>", "the collection is empty"),
     ("a.pvd", "<VTKFile type='UnstructuredGrid'/>", "type Collection is expected"),
     ("a.pvd", "<VTKFile type='Collection'><DataSet file='a.pvd'/></VTKFile>", "has no time"),
@@ -845,37 +840,6 @@ ROW = record(1, ROWS[0][1:]).rstrip("\n")
 HEAD = next(line for line in LINE if line.startswith("  100C"))
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "line", "said"),
-    [
-        (number(2.5), "  2.5OOOE+00", LINE[ROW], "a number, found"),
-        (ROW, ROW[:-3], LINE[ROW], r"6 numbers of 12 characters, 85 in all, found 82"),
-        (ROW, ROW + "E-100", LINE[ROW], "85 in all, found 90"),
-        (f" -1{40:10d}{number(0)}{number(0)}", f" -1{'4O':>10}{number(0)}{number(0)}", LINE[ROW] + 1, "a node's number"),
-        (" -4  CONTACT", " -5  CONTACT", LINE[HEAD] + 1, "the name of a result block"),
-        (" -5  CSHEAR2", " -1  CSHEAR2", LINE[HEAD] + 7, "the name of a component"),
-        (HEAD, HEAD[:12] + "      second" + HEAD[24:], LINE[HEAD], "the time of a frame"),
-        (HEAD, HEAD[:24] + f"{7:12d}" + HEAD[36:], LINE[HEAD], "7 records of block CONTACT as announced here, found 2"),
-        (HEAD, HEAD[:24] + "            " + HEAD[36:], LINE[HEAD], "the count of records"),
-        (f"{4:12d}{'':37}1\n", f"{5:12d}{'':37}1\n", 4, "5 nodes as announced here, found 4"),
-        (f"{1:12d}{'':37}1\n", f"{2:12d}{'':37}1\n", 10, "2 elements as announced here, found 1"),
-        (f" -1{40:10d}{number(0)}{number(1)}", f" -1{3:10d}{number(0)}{number(1)}", 5, "every node once"),
-        (f" -1{40:10d}{number(0)}{number(1)}", f" -1{40:10d}{number(np.nan)}{number(1)}", 5, "finite coordinates"),
-        (f" -2{1:10d}{2:10d}", f" -2{1:10d}{'':10}", 12, "a node's number"),
-        (f" -1{1:10d}{9:5d}", f" -2{1:10d}{9:5d}", 11, "the head of an element"),
-        (f" -2{1:10d}{2:10d}{3:10d}{40:10d}\n", "", 10, "nodes .-2. of every element, found none of element 1"),
-        (GOOD[GOOD.rindex(" -3") :], "", 28, "the file breaks off, 2 lines into the block"),
-        (f"{4:12d}{'':37}1\n", f"{4:12d}{'':37}3\n", 4, r"the file is binary \(form 3\).*\*NODE FILE"),
-        (GOOD, "x,p,q\n0,1,2\n", 0, "no block of nodes"),
-    ],
-)
-def test_a_fault_in_a_frd_file_is_refused_with_its_line(tmp_path: Path, old: str, new: str, line: int, said: str) -> None:
-    assert old in GOOD
-    with pytest.raises(InputError, match=said) as caught:
-        frd_of(tmp_path, GOOD.replace(old, new, 1))
-    assert "expected" not in str(caught.value) or "breaks off" in said or f"case.frd: line {line}: expected" in str(caught.value)
-
-
 def test_a_frd_file_that_breaks_off_anywhere_is_refused_or_read_short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run that is still going on: whole blocks may be missing at the end, but no block is read in part."""
     whole, path = MORTAR.encode(), tmp_path / "cut.frd"
@@ -934,21 +898,51 @@ def test_tables_of_a_printed_file(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.pairs[0].force, [1.0, 2.0, 3.0])
 
 
+FRD_FAULTS = [
+    (number(2.5), "  2.5OOOE+00", LINE[ROW], "a number, found"),
+    (ROW, ROW[:-3], LINE[ROW], r"6 numbers of 12 characters, 85 in all, found 82"),
+    (ROW, ROW + "E-100", LINE[ROW], "85 in all, found 90"),
+    (f" -1{40:10d}{number(0)}{number(0)}", f" -1{'4O':>10}{number(0)}{number(0)}", LINE[ROW] + 1, "a node's number"),
+    (" -4  CONTACT", " -5  CONTACT", LINE[HEAD] + 1, "the name of a result block"),
+    (" -5  CSHEAR2", " -1  CSHEAR2", LINE[HEAD] + 7, "the name of a component"),
+    (HEAD, HEAD[:12] + "      second" + HEAD[24:], LINE[HEAD], "the time of a frame"),
+    (HEAD, HEAD[:24] + f"{7:12d}" + HEAD[36:], LINE[HEAD], "7 records of block CONTACT as announced here, found 2"),
+    (HEAD, HEAD[:24] + "            " + HEAD[36:], LINE[HEAD], "the count of records"),
+    (f"{4:12d}{'':37}1\n", f"{5:12d}{'':37}1\n", 4, "5 nodes as announced here, found 4"),
+    (f"{1:12d}{'':37}1\n", f"{2:12d}{'':37}1\n", 10, "2 elements as announced here, found 1"),
+    (f" -1{40:10d}{number(0)}{number(1)}", f" -1{3:10d}{number(0)}{number(1)}", 5, "every node once"),
+    (f" -1{40:10d}{number(0)}{number(1)}", f" -1{40:10d}{number(np.nan)}{number(1)}", 5, "finite coordinates"),
+    (f" -2{1:10d}{2:10d}", f" -2{1:10d}{'':10}", 12, "a node's number"),
+    (f" -1{1:10d}{9:5d}", f" -2{1:10d}{9:5d}", 11, "the head of an element"),
+    (f" -2{1:10d}{2:10d}{3:10d}{40:10d}\n", "", 10, "nodes .-2. of every element, found none of element 1"),
+    (GOOD[GOOD.rindex(" -3") :], "", 28, "the file breaks off, 2 lines into the block"),
+    (f"{4:12d}{'':37}1\n", f"{4:12d}{'':37}3\n", 4, r"the file is binary \(form 3\).*\*NODE FILE"),
+    (GOOD, "x,p,q\n0,1,2\n", 0, "no block of nodes"),
+]
+DAT_FAULTS = [
+    ("-2.000000E+00  3", "************* 3", 4, r"a number"),
+    (" 0.000000E+00\n", "\n", 5, r"4 numbers \(fx,fy,fz\), found 3"),
+    ("        12 ", "       1.2 ", 9, "the number of a node"),
+    ("        12 ", "", 9, "4 numbers"),
+    ("    1.0 2.0 3.0 0.0", "    1.0 2.0 0.0", 14, "6 numbers"),
+    ("   center of gravity", "   centre of gravity", 10, "'center of gravity and mean normal' below"),
+    (TABLE[TABLE.index("   center") :], "", 10, "'center of gravity and mean normal' below.*breaks off"),
+    (TABLE, "nothing\n", 0, "no table of CalculiX in it"),
+]
+
+
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("name", "whole", "old", "new", "line", "said"),
     [
-        ("-2.000000E+00  3", "************* 3", r"line 4: expected a number"),
-        (" 0.000000E+00\n", "\n", r"line 5: expected 4 numbers \(fx,fy,fz\), found 3"),
-        ("        12 ", "       1.2 ", "line 9: expected the number of a node"),
-        ("        12 ", "", "line 9: expected 4 numbers"),
-        ("    1.0 2.0 3.0 0.0", "    1.0 2.0 0.0", "line 14: expected 6 numbers"),
-        ("   center of gravity", "   centre of gravity", "line 10: expected 'center of gravity and mean normal' below"),
-        (TABLE[TABLE.index("   center") :], "", "line 10: expected 'center of gravity and mean normal' below.*breaks off"),
-        (TABLE, "nothing\n", "no table of CalculiX in it"),
+        *(("case.frd", GOOD, *row) for row in FRD_FAULTS),
+        *(("case.dat", TABLE, *row) for row in DAT_FAULTS),
     ],
 )
-def test_a_fault_in_a_printed_file_is_refused_with_its_line(tmp_path: Path, old: str, new: str, said: str) -> None:
-    assert old in TABLE
-    (tmp_path / "case.dat").write_text(TABLE.replace(old, new, 1))
-    with pytest.raises(InputError, match=said):
-        read_dat(tmp_path / "case.dat")
+def test_a_fault_in_a_file_of_calculix_is_refused_with_its_line(
+    tmp_path: Path, name: str, whole: str, old: str, new: str, line: int, said: str
+) -> None:
+    assert old in whole
+    (tmp_path / name).write_text(whole.replace(old, new, 1))
+    with pytest.raises(InputError, match=said) as caught:
+        read_frd(tmp_path / name, ("CONTACT", "DISP")) if name == "case.frd" else read_dat(tmp_path / name)
+    assert "expected" not in str(caught.value) or "breaks off" in said or f"{name}: line {line}: expected" in str(caught.value)

@@ -2,7 +2,7 @@
 
     python docs/examples/score/measure.py
 
-The one place where these numbers come from; `tests/test_reports_score_examples.py` scores the files again and compares.
+The one place where these numbers come from; `tests/test_reports_score.py` scores the files again and compares.
 """
 
 from __future__ import annotations
