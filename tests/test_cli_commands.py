@@ -165,7 +165,7 @@ REFUSED = {
     "advise cylinder-roller-frictionless": "no map is of frictionless",
     "advise blocks --limit 0": "is a share above 0 and below 1",
     "map atlantis": "there is none; known: block",
-    "map all --pages --out .": "no map has its tables here",
+    "map all --pages --out maps": "no map has its tables here",
     "paper --out taken --quiet": "halfplane did not write it",
     "sweep study.toml --workers 0 --out out": "--workers 0: at least 1",  # it meant all cores, and said nothing
     "sweep status nowhere --json": "nowhere",
@@ -350,6 +350,17 @@ def test_schemas_have_every_table_and_explain_the_keys_of_bodies(tmp_path: Path)
         keys = schema["$defs"][kind]["properties"]
         assert all(keys[key].get("description") for key in keys if key != "kind")
     assert json.loads(halfplane(tmp_path, "schema", "--answers").stdout) == answer_schema()
+
+
+def test_a_missed_number_ends_with_1(tmp_path: Path) -> None:
+    text = scene_text("hertz-normal").split("[[expected]]")[0]
+    number = '[[expected]]\nquantity = "largest_half_width"\nvalue = {}\ntolerance = 1e-9\nsource = "Hertz (1882)"\n'
+    for value, code, word in ((1.0, 0, "yes"), (1.001, 1, "no")):
+        (tmp_path / "mine.toml").write_text(text + number.format(value), encoding="utf-8")
+        done = halfplane(tmp_path, "exact", "mine.toml", "--quiet")
+        assert done.returncode == code, done
+        row = next(line for line in done.stdout.splitlines() if "largest half width" in line)
+        assert re.search(rf"\b{word}\b", row)
 
 
 class TestInit:

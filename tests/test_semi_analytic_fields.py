@@ -292,6 +292,9 @@ def test_one_contact_in_other_words(name):
         value = getattr(first, field)
         close = 3e-12 * np.nanmax(np.abs(value))
         np.testing.assert_allclose(getattr(second, field) / factor, value, rtol=0, atol=close, err_msg=field)
+    if "turned" in name:
+        swapped = np.array([0, 1, 3, 2])[first.state]
+        assert np.mean(second.state != swapped) < 2e-3  # instants exactly between two spans may fall to either
 
 
 def test_straight_steps_converge_on_the_smooth_path_with_order_two():

@@ -185,7 +185,6 @@ def make_map(name: Annotated[str, Parameter(help="Name of a map (docs/maps.md), 
         raise InputError("the published maps are those of a checkout, and this is an installed copy: name a folder by --out")
     folder, code, states = options.out or PUBLISHED, WITHIN, dict[str, Any]()
     wanted = list(MAPS.values()) if name == "all" else [map_named(name)]
-    folder.mkdir(parents=True, exist_ok=True)
     for study in [study for one in wanted for study in one.studies] if not options.pages else ():
         store = options.stores / study
         if options.remake and store.exists():
