@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -18,6 +19,7 @@ from reports.charts.plate import Cell, Key, Panel, Plate, colour_scale
 from reports.charts.scale import labels
 from reports.charts.table import markdown_table
 from reports.comparison.metrics import compliance
+from reports.folder import filled
 from reports.maps.advice import FIGURES, RATIO, cells, parts_of, percent, total, work_lines
 from reports.maps.corrections import (
     Curvatures,
@@ -48,7 +50,6 @@ from reports.maps.laws import (
     place,
     read,
 )
-from reports.staging import replace_text
 from reports.sweep.page import bars, cell_borders, heat_map
 from scenes import Block, Bodies, Cylinder, Elastic, Hertz, InputError, Materials, PolygonLoad, Scene, load_scene
 
@@ -67,16 +68,22 @@ _PAPER = (1 / 3, 1.1 / 3, 1 / 3, np.pi / 2)  # the paper's loop: P1, Q0 and Q1 o
 
 
 def write(folder: Path, there: list[Map]) -> None:
-    """Laws, drawings and pages of the maps whose tables are in `folder`; InputError where there is none."""
+    """Laws, drawings and pages of the maps whose tables are in `folder`: all, or none after an error; InputError without tables."""
     if not there:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
-    replace_text(folder / "laws.json", laws_text(folder, there))
-    for asked in there:
-        for chart in asked.charts:
-            for name, svg, _ in drawings(chart, read(folder, chart.study)):
-                replace_text(folder / name, svg)
-        replace_text(folder / f"{asked.name}.md", page(asked, folder))
-    replace_text(folder / "README.md", index(folder, there))
+    with filled(folder, fresh=()) as made:
+        # Pages read tables and laws from one folder; the tables themselves are not written again.
+        for study in {study for asked in there for study in asked.studies}:
+            shutil.copyfile(folder / f"{study}.csv", made / f"{study}.csv")
+        (made / "laws.json").write_text(laws_text(made, there), encoding="utf-8")
+        for asked in there:
+            for chart in asked.charts:
+                for name, svg, _ in drawings(chart, read(made, chart.study)):
+                    (made / name).write_text(svg, encoding="utf-8")
+            (made / f"{asked.name}.md").write_text(page(asked, made), encoding="utf-8")
+        (made / "README.md").write_text(index(made, there), encoding="utf-8")
+        for table in made.glob("*.csv"):
+            table.unlink()
 
 
 def present(folder: Path) -> list[Map]:
