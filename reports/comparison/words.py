@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from reports.comparison import Comparison, Report
     from reports.comparison.budget import Budget, ErrorBudget, Term
 
+THEORY = (
+    "Half-plane theory of partial slip under varying P and Q: M. Davies, J. R. Barber and D. A. Hills, “Energy dissipation in a "
+    "frictional incomplete contact with varying normal load”, Int. J. Mech. Sci. 55 (2012), doi:10.1016/j.ijmecsci.2011.11.006."
+)
 CLAIM = "Code verification of each engine plus assessment of the half-plane idealisation; two codes agreeing is not validation."
 # Terms that are nothing but bounds of rounding in nearly every run: on the page and in the file, not in the terminal.
 _SMALL = ("solver", "half-plane theory")

@@ -16,6 +16,7 @@ from reports.comparison.cycles import last_cycle
 from reports.comparison.metrics import Metric, Verdict, bulk_work, name_of, normal_work
 from reports.comparison.words import (
     SUPPORT_WORDS,
+    THEORY,
     cost,
     first_table,
     heads,
@@ -94,6 +95,7 @@ def render(
         engines=[_engine(comparison.reference), _engine(comparison.result)],
         command=command,
         commit=commit(),
+        paper=THEORY,
         third=third,
         script=program,
         script_hash=digest,

@@ -14,6 +14,7 @@ from reports.charts.plate import Plate
 from reports.comparison import Report
 from reports.comparison.metrics import name_of
 from reports.comparison.words import (
+    THEORY,
     heads,
     honest_of,
     how_judged,
@@ -83,6 +84,7 @@ def _content(report: Report, figures: Sequence[Mapping[str, Any]], command: str)
         "figures": list(figures),
         "command": command,
         "commit": commit(),
+        "paper": THEORY,
         "engines": [
             [name_of(solution.engine), ", ".join(f"{name} {version}" for name, version in solution.versions.items())]
             for solution in (comparison.reference, comparison.result)
